@@ -34,13 +34,13 @@ WHAT = {
     "result": "harness/result/: result files, written and read",
     "record": "harness/record/: case, outcome, the table of columns",
     "datasets": "datasets/: models by name, foreign files",
-    "composed": "algorithms/composed/: solvers that use sessions",
-    "process": "process/: child processes, scratch folders",
+    "composed": "algorithms/composed/: over sessions",
+    "process": "process/: children, scratch folders",
     "session": "algorithms/session/: one solver on one scene, all questions",
     "solvers": "algorithms/points/, meshes/, surfaces/, peers/: a folder each",
     "search": "algorithms/search/: branch and bound that solvers share",
-    "structures": "algorithms/structures/: trees, grids",
-    "certificate": "algorithms/certificate/: the format",
+    "structures": "algorithms/structures/: trees",
+    "certificate": "algorithms/certificate/: proofs",
     "interface": "algorithms/solver.h and beside it: what a solver sees",
     "kernel": "algorithms/kernel/: arithmetic",
     "text": "algorithms/error.h, printable.h: errors and text",
@@ -107,7 +107,7 @@ def circle(graph: dict[Path, set[Path]]) -> list[Path]:
     return next((found for file in sorted(graph) if (found := look(file, []))), [])
 
 
-WIDTH, HEIGHT, GAP, LEFT, TOP = 540, 34, 22, 190, 14
+WIDTH, HEIGHT, GAP, LEFT, TOP = 640, 34, 22, 190, 14
 
 
 def place_of(room: str) -> tuple[int, int, int]:
