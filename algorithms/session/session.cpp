@@ -57,30 +57,6 @@ void hold_to_its_status(const Query& query, int exponent, Result& result) {
     result.status = Status::stalled;
 }
 
-}  // namespace
-
-std::string_view to_string(Status status) {
-    constexpr std::string_view names[] = {"converged", "below_floor",     "above_cutoff", "time_limit",
-                                          "budget",    "precision_floor", "stalled"};
-    return names[static_cast<std::size_t>(status)];
-}
-
-std::string_view to_string(Quantity quantity) {
-    constexpr std::string_view names[] = {"directed", "symmetric", "penetration"};
-    return names[static_cast<std::size_t>(quantity)];
-}
-
-std::string_view symbol(Quantity quantity) {
-    constexpr std::string_view symbols[] = {"h(A,B)", "H(A,B)", "the penetration depth"};
-    return symbols[static_cast<std::size_t>(quantity)];
-}
-
-std::string_view to_string(Witness::Direction direction) {
-    return direction == Witness::Direction::source_to_target ? "source to target" : "target to source";
-}
-
-namespace {
-
 std::string refusal_of_shapes(const SolverInfo& info, ShapeKind source, ShapeKind target) {
     const auto text = [&](const char* side, ShapeKind kind) {
         return fmt::format("solver '{}' takes no {} as {}", info.name, to_string(kind), side);

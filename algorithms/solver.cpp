@@ -1,0 +1,25 @@
+#include "algorithms/solver.h"
+
+namespace hausbench {
+
+std::string_view to_string(Status status) {
+    constexpr std::string_view names[] = {"converged", "below_floor",     "above_cutoff", "time_limit",
+                                          "budget",    "precision_floor", "stalled"};
+    return names[static_cast<std::size_t>(status)];
+}
+
+std::string_view to_string(Quantity quantity) {
+    constexpr std::string_view names[] = {"directed", "symmetric", "penetration"};
+    return names[static_cast<std::size_t>(quantity)];
+}
+
+std::string_view symbol(Quantity quantity) {
+    constexpr std::string_view symbols[] = {"h(A,B)", "H(A,B)", "the penetration depth"};
+    return symbols[static_cast<std::size_t>(quantity)];
+}
+
+std::string_view to_string(Witness::Direction direction) {
+    return direction == Witness::Direction::source_to_target ? "source to target" : "target to source";
+}
+
+}  // namespace hausbench
