@@ -113,7 +113,8 @@ fuzz-short: $(DEPS)  ## the kept inputs of all fuzz targets, then a few seconds 
 types: $(DEPS)  ## mypy
 	tools/types
 # The flags of each file are from build/debug: build/release compiles several files at once. A plug-in and the recorder are projects of their own.
-tidy: $(DEPS)  ## clang-tidy (needs the package of that name)
+tidy: $(DEPS)  ## clang-tidy
+	@command -v clang-tidy > /dev/null || { echo 'tidy: please run: sudo apt-get install clang-tidy' >&2; exit 1; }; cmake --preset debug > /dev/null
 	printf '%s\n' $(filter-out tests/outside_plugin/% datasets/recorder/% $(if $(wildcard /usr/include/embree3),,bench/rival_embree.cpp),$(SOURCES)) | xargs -P $(JOBS) -n 1 clang-tidy -p build/debug --quiet
 format: $(DEPS)  ## clang-format
 	clang-format -i $(SOURCES) $(HEADERS)

@@ -1,4 +1,4 @@
-# What plug-ins are built against: find_package(hausbench), see CONTRIBUTING.md ------------------------------------
+# What plug-ins are built against: find_package(hausbench), see CONTRIBUTING.md.
 include(CMakePackageConfigHelpers)
 set(HAUSBENCH_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/hausbench)
 install(TARGETS hausbench hausbench_algorithms hausbench_text EXPORT hausbench_targets

@@ -66,6 +66,10 @@ def test_a_shared_file_has_two_users(file: Path) -> None:
     assert len(users(file)) >= 2, "move it to the folder of its only user"
 
 
+def test_a_file_with_one_user_is_found() -> None:
+    assert users(rooms.ROOT / "algorithms/meshes/tang/swept_sphere.h") == {"meshes/tang"}
+
+
 def functions() -> list[tuple[int, str]]:
     """How many lines each function has, and where it is, as universal-ctags reads them."""
     command = ["ctags", "--output-format=json", "--languages=C++", "--kinds-C++=f", "--fields=+ne", "-f", "-", *map(str, rooms.sources())]

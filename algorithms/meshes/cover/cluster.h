@@ -1,4 +1,4 @@
-// What threshold cover (meshes/cover/cover.cpp) knows of some triangles of A before it covers them.
+// Describes some triangles of A for threshold cover (meshes/cover/cover.cpp), which then covers them.
 #pragma once
 
 #include "algorithms/search/target.h"

@@ -246,7 +246,7 @@ Result CoverSearch::run() {
     }
     if (elements_) result.fields = bounds_.fields();
     if (proofs_) {
-        // Who checks it loses up to (14 cuts + 100) u of the diagonal (certificate/cover_certificate.h); a chain of 280 cuts fits in.
+        // A checker loses up to (14 cuts + 100) u of the diagonal (certificate/cover_certificate.h); a chain of 280 cuts fits.
         const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal_of(pair_));
         if (proof)
             result.certificates = {*proof};

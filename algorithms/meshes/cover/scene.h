@@ -1,4 +1,4 @@
-// What threshold cover (meshes/cover/cover.cpp) hands to a CoverWorker, and gets back.
+// Holds the input and the output of a CoverWorker of threshold cover (meshes/cover/cover.cpp).
 #pragma once
 
 #include "algorithms/meshes/cover/cluster.h"

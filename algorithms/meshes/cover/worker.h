@@ -1,4 +1,4 @@
-// What covers parts of A for threshold cover (meshes/cover/cover.cpp): clusters of triangles in single precision, and pieces that this left
+// Covers parts of A for threshold cover (meshes/cover/cover.cpp): clusters of triangles in single precision, and pieces that this left
 // undecided in double precision.
 //
 // A worker begins from a lower bound that is given and keeps what it finds in a CoverOutcome. So what it finds depends on nothing
