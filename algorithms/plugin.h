@@ -18,7 +18,7 @@
 
 namespace hausbench {
 
-inline constexpr int plugin_interface = 10;
+inline constexpr int plugin_interface = 11;
 
 #define HAUSBENCH_TEXT_OF(x) #x
 #define HAUSBENCH_TEXT(x) HAUSBENCH_TEXT_OF(x)

@@ -13,6 +13,13 @@ std::string_view to_string(Quantity quantity) {
     return names[static_cast<std::size_t>(quantity)];
 }
 
+std::string_view to_string(Ability ability) {
+    constexpr std::string_view names[] = {"traces",       "moving_target",   "warm",
+                                          "shared_pairs", "threads",         "fields",
+                                          "certificates", "coarser_answers", "undone_motion"};
+    return names[static_cast<std::size_t>(ability)];
+}
+
 std::string_view symbol(Quantity quantity) {
     constexpr std::string_view symbols[] = {"h(A,B)", "H(A,B)", "the penetration depth"};
     return symbols[static_cast<std::size_t>(quantity)];

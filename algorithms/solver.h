@@ -23,6 +23,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -85,11 +86,7 @@ using Reported = std::map<std::string, std::variant<double, std::string>>;
 // into pieces.
 struct Field {
     enum class Of { vertices, elements, pieces };
-    enum class Meaning {
-        lower,
-        upper,
-        number
-    };  // lower and upper bounds of a distance are lengths; numbers have no unit
+    enum class Meaning { lower, upper, number };  // bounds of a distance are lengths; numbers have no unit
     std::string name;
     Of of = Of::elements;
     Meaning meaning = Meaning::number;
@@ -112,12 +109,15 @@ struct Result {
     Witness witness;
     Counters counters;
     Reported reported = {};
-    std::string note =
-        {};  // one line, why the status is not `converged`, where the solver knows more than the status says
+
+    // One line: why the status is not `converged`, where the solver knows more than the status says.
+    std::string note = {};
+
     std::optional<Fields> fields = {};           // only where the query wants them
-    std::vector<Certificate> certificates = {};  // likewise; of H(A,B) one for each direction, or none
+    std::vector<Certificate> certificates = {};  // likewise; for H(A,B) one for each direction, or none
     std::string why_no_certificate = {};         // one line, where one was wanted and there is none
-    // Of a program outside this process that did the work: its own measure of its time, and its peak resident set.
+
+    // Where a program outside this process did the work: its own measure of its time, and its peak resident set.
     double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t outside_bytes = -1;
 };
@@ -169,7 +169,7 @@ struct QuerySet {
     std::size_t count = 1;
     double finest_tolerance = 0;
     bool target_moves = false;   // some pose of B is not the identity
-    bool target_copied = false;  // and some answer is over a posed copy, see Session::copies_targets
+    bool target_copied = false;  // and some answer is over a posed copy, see session/moving_target.h
     bool symmetric = false;      // H(A,B) is asked for
     int threads = 1;             // the most that a query may use; so many may build structures
 };
@@ -181,7 +181,7 @@ public:
     virtual ~State() = default;
 
     // `opposite` is the state of the other direction of H(A,B) at the same pose: what lay close together there does so here too. For
-    // solvers with SolverInfo::shares_pairs.
+    // solvers with Ability::shared_pairs.
     virtual void learn_from(const State& /*opposite*/) {}
 };
 
@@ -202,7 +202,7 @@ public:
     // Memory of what prepare() built, in bytes; 0 where the solver keeps nothing of note.
     virtual std::size_t prepared_bytes() const { return 0; }
 
-    // What a chain of nearby poses carries along, of a solver whose SolverInfo says `warm`; null: each answer is cold.
+    // What a chain of nearby poses carries along, for solvers with Ability::warm; null: each answer is cold.
     virtual std::unique_ptr<State> begin() const { return nullptr; }
 
     // Const and re-entrant: nothing changes but `state`, which is null or from begin() and belongs to one chain of queries, so
@@ -210,39 +210,53 @@ public:
     virtual Result solve(const Query& query, State* state, Trace& trace) const = 0;
 };
 
+// What a solver can do beyond bounding h(A,B) of a source that moves.
+enum class Ability {
+    traces,         // offers samples to Trace
+    moving_target,  // honours Query::target_pose
+    warm,           // makes use of a State
+    shared_pairs,   // and of the State of the other direction, see State::learn_from
+    threads,        // makes use of Query::threads
+    fields,         // gives Result::fields where they are wanted
+    certificates,   // gives Result::certificates where they are wanted and it had the time for it
+
+    // The tolerance only says when to stop: the trace holds the answers to coarser ones, bit for bit, so that
+    // the harness reads them there.
+    coarser_answers,
+
+    // Bounds that are a little wider do no harm: where a mesh as target moves rigidly, Session may move the
+    // source the other way instead of building structures again over a posed copy.
+    undone_motion,
+};
+std::string_view to_string(Ability ability);
+
 struct SolverInfo {
     std::string name;   // as in experiment files
     std::string title;  // as in tables and legends
     std::string paper;  // key in papers.bib; empty: our own, and the title ends with "(ours)"
     ShapeSet source, target;
-    bool certified =
-        false;  // the bounds hold under rounding, by a bound derived in the solver's file; see Solver::certified
-    std::string known_wrong =
-        {};  // a published error that is kept to show it: why bounds may not hold; never certified
-    bool ignores_tolerance =
-        false;  // the answer is the same whatever the tolerance: the true distance, or bounds that are as wide as they are
-    bool traces = false;  // offers samples to Trace
-    // The tolerance decides what is done from the beginning on: when a coarser one would have been met, and with which bounds, the trace
-    // of a finer one does not tell.
-    bool tolerance_guides = false;
-    // What Session does where a solver does not offer it, and what nobody does otherwise:
+
+    // The bounds hold under rounding, by a bound derived in the solver's file; see Solver::certified.
+    bool certified = false;
+
+    // A published error that is kept to show it: why bounds may not hold. Never certified.
+    std::string known_wrong = {};
+
+    // The answer is the same whatever the tolerance: the true distance, or bounds that are as wide as they are.
+    bool ignores_tolerance = false;
+
+    // Takes the scene unscaled: outside programs, so that their limits can be seen.
+    bool original_coordinates = false;
+
     std::vector<Quantity> quantities = {Quantity::directed};
-    bool moving_target = false;  // honours Query::target_pose
-    // Bounds that are a little wider do no harm: where a mesh as target moves rigidly, Session may move the source the other way
-    // instead of building structures again over a posed copy.
-    bool undoes_target_motion = false;
-    bool warm = false;                  // makes use of a State
-    bool shares_pairs = false;          // and its second direction of what the first one found, see State::learn_from
-    bool threads = false;               // makes use of Query::threads
-    bool fields = false;                // gives Result::fields where they are wanted
-    bool certificates = false;          // gives Result::certificates where they are wanted and it had the time for it
-    bool original_coordinates = false;  // takes the scene unscaled: outside programs, so that their limits can be seen
-    Needs may_need = {};                // every structure it can ever use
+    std::set<Ability> abilities = {};
+    Needs may_need = {};  // every structure it can ever use
     std::vector<ParameterSpec> parameters = {};
 
     bool offers(Quantity quantity) const {
         return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
     }
+    bool can(Ability ability) const { return abilities.contains(ability); }
 };
 
 struct SolverEntry {

@@ -127,7 +127,7 @@ SolverEntry surface_meshes_solver() {
     info.title = "surface meshes (ours)";
     info.source.surface = info.target.surface = true;
     info.certified = true;
-    info.traces = true;
+    info.abilities.insert({Ability::traces, Ability::coarser_answers});
     info.parameters = {
         {.name = "cells",
          .default_value = std::int64_t{32},

@@ -253,7 +253,7 @@ private:
 
 SolverEntry guthe_solver() {
     SolverInfo info = mesh_solver_info<TriangleOctree>("guthe", "Guthe 2005", "guthe2005");
-    info.warm = info.certificates = true;
+    info.abilities.insert({Ability::warm, Ability::certificates});
     info.parameters = {
         {.name = "kernel",
          .default_value = std::string("robust"),

@@ -89,7 +89,7 @@ private:
 SolverEntry cgal_kdtree_solver() {
     SolverInfo info = point_solver_info("cgal_kdtree", "k-d tree (CGAL)", "cgal_searching");
     info.certified = true;
-    info.traces = false;  // checked_result() makes the only bound that holds, at the end
+    info.abilities.erase(Ability::traces);  // checked_result() makes the only bound that holds, at the end
     return {info, make_solver<CgalKdTree>};
 }
 

@@ -14,7 +14,8 @@ inline SolverInfo point_solver_info(std::string name, std::string title, std::st
     info.title = std::move(title);
     info.paper = std::move(paper);
     info.source.points = info.target.points = true;
-    info.ignores_tolerance = info.traces = true;
+    info.ignores_tolerance = true;
+    info.abilities.insert({Ability::traces, Ability::coarser_answers});
     return info;
 }
 

@@ -95,9 +95,7 @@ template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string 
     info.paper = std::move(paper);
     info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
     info.certified = true;
-    info.traces = true;
-    info.fields = true;
-    info.undoes_target_motion = true;
+    info.abilities = {Ability::traces, Ability::coarser_answers, Ability::fields, Ability::undone_motion};
     info.may_need = {need<Tree>(Side::target)};
     return info;
 }

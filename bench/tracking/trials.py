@@ -53,15 +53,15 @@ class Kind:
 KINDS = {
     "unchanged": Kind("nothing", Verdict.passed, "time"),
     "slower": Kind("`kang` burns 5 % of the time of each solve", Verdict.red, "time", "algorithms/session/session.cpp",
-                   "    Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);\n",
+                   "    Result result = solver_->solve(asked, state, trace);\n",
                    """    const auto clock = [] {
         timespec now{};
         ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
         return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
     };
     const double begun = clock();
-    Result result = both ? symmetric(asked, chain, trace) : directed(asked, false, chain, trace);
-    for (const double end = clock() + 0.05 * (clock() - begun); entry_.info.name == "kang" && clock() < end;) {}
+    Result result = solver_->solve(asked, state, trace);
+    for (const double end = clock() + 0.05 * (clock() - begun); maker_->info().name == "kang" && clock() < end;) {}
 """, "kang on mesh to its half: slower"),
     "visit": Kind("each query of a tree counts one node visit more", Verdict.red, "counters", "algorithms/structures/triangle_tree.cpp",
                   "    Walk walk(tree, leaves.leaf, point, counters.node_visits);\n",

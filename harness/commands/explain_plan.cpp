@@ -148,7 +148,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
         std::set<std::string> silent;
         for (const Job& job : plan.jobs) {
             const Case& first = plan.cases[job.cases.front()];
-            if (!find_solver(first.solver).info.traces) silent.insert(first.label);
+            if (!find_solver(first.solver).info.can(Ability::traces)) silent.insert(first.label);
         }
         if (!silent.empty())
             text += fmt::format("TRACE\n  nothing is traced of {}, which report no bounds on the way\n",

@@ -47,7 +47,7 @@ std::string type_name(const ParameterValue& value) {
 }
 
 json solver_json(const SolverInfo& info) {
-    json parameters = json::array(), may_need = json::array();
+    json parameters = json::array(), abilities = json::array(), may_need = json::array();
     for (const ParameterSpec& p : info.parameters) {
         json one = {{"name", p.name},
                     {"type", type_name(p.default_value)},
@@ -59,6 +59,7 @@ json solver_json(const SolverInfo& info) {
         std::visit([&](const auto& v) { one["default"] = v; }, p.default_value);
         parameters.push_back(one);
     }
+    for (const Ability ability : info.abilities) abilities.push_back(to_string(ability));
     for (const Need& need : info.may_need) may_need.push_back(to_string(need));
     return {{"name", info.name},
             {"title", info.title},
@@ -68,9 +69,7 @@ json solver_json(const SolverInfo& info) {
             {"certified", info.certified},
             {"known_wrong", info.known_wrong},
             {"ignores_tolerance", info.ignores_tolerance},
-            {"traces", info.traces},
-            {"tolerance_guides", info.tolerance_guides},
-            {"certificates", info.certificates},
+            {"abilities", abilities},
             {"may_need", may_need},
             {"parameters", parameters}};
 }

@@ -39,7 +39,7 @@ std::string solvers_for(ShapeKind source, ShapeKind target, Quantity quantity) {
 std::string solvers_with_certificates(ShapeKind source, ShapeKind target) {
     std::string names;
     for (const SolverEntry& entry : solvers()) {
-        if (entry.info.certificates && refusal(entry.info, source, target).empty())
+        if (entry.info.can(Ability::certificates) && refusal(entry.info, source, target).empty())
             names += (names.empty() ? "" : ", ") + entry.info.name;
     }
     return names.empty() ? fmt::format("none does for {} against {}", to_string(source), to_string(target))
@@ -187,7 +187,7 @@ Measured measure(const MeasureRequest& asked) {
     if (const std::string no = refusal(entry.info, a, b, quantity); !no.empty())
         throw InputError(fmt::format("{} and {}: {}; {}", request.source.string(), request.target.string(), no,
                                      solvers_for(a, b, quantity)));
-    if (!request.certificate.empty() && !entry.info.certificates)
+    if (!request.certificate.empty() && !entry.info.can(Ability::certificates))
         throw InputError(fmt::format("--certificate {}: solver '{}' writes no certificates; {}",
                                      request.certificate.string(), entry.info.name, solvers_with_certificates(a, b)));
     measured.certified = promises(entry, request.options);

@@ -2,6 +2,7 @@
 
 #include "algorithms/error.h"
 #include "algorithms/session/session.h"
+#include "algorithms/session/symmetric.h"
 #include "datasets/shape_file.h"
 #include "harness/check/certificate_file.h"
 #include "harness/result/field_file.h"
@@ -161,7 +162,8 @@ private:
         const Drawing drawing{work_.request.resolution, answer.bounds.lower, witness, witness_element};
         const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
         Fields own;
-        if (work_.entry.info.fields) {  // a second run, so that the time measured is the time of the bounds alone
+        if (work_.entry.info.can(
+                Ability::fields)) {  // a second run, so that the time measured is the time of the bounds alone
             Query query = query_;
             query.wanted.fields = true;
             const double gap = query.tolerance.gap(measured_.result.bounds.lower);
@@ -183,7 +185,7 @@ private:
         queries.symmetric = symmetric;
         queries.threads = query_.threads;
         const SolverInfo& info = work_.entry.info;
-        return {work_.entry, Options(info.name, info.parameters, work_.request.options), a, b, queries};
+        return {work_.entry, Options(info.name, info.parameters, work_.request.options), PreparedPair{a, b}, queries};
     }
 
     Result ask(const Session& session, Query query, double& seconds) const {

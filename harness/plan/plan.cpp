@@ -3,6 +3,7 @@
 #include "algorithms/contract.h"
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
+#include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 #include "datasets/hash.h"
 #include "harness/plan/command_files.h"
@@ -239,8 +240,8 @@ private:
         return std::any_of(models.poses.begin(), models.poses.end(), [&](const ScenePose& pose) {
             query.source_pose = pose.source;
             query.target_pose = pose.target;
-            return Session::copies_targets(one.entry->info, query, {source, models.source_largest},
-                                           {target, models.target_largest});
+            return hausbench::copies_targets(one.entry->info, query, {source, models.source_largest},
+                                             {target, models.target_largest});
         });
     }
 
@@ -264,8 +265,8 @@ private:
     // Whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it.
     bool reads_finer(const SolverEntry& entry, const SolverPlan& solver, const ParameterMap& options) const {
         const Experiment& e = plan_.experiment;
-        const bool traced = e.trace && entry.info.traces && !entry.info.tolerance_guides && e.of != "lower" &&
-                            solver.quantity == Quantity::directed;  // H has no trace of its own
+        const bool traced = e.trace && entry.info.can(Ability::traces) && entry.info.can(Ability::coarser_answers) &&
+                            e.of != "lower" && solver.quantity == Quantity::directed;  // H has no trace of its own
         return (ignores_tolerance(entry.info, options) || traced) && !solver.warm && !plan_.leave_nothing_out &&
                e.floor == 0 && std::isinf(e.cutoff) && e.budget < 0;
     }
@@ -303,7 +304,7 @@ private:
         asked.floor = experiment.floor * asked.unit();
         asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * asked.unit();
         asked.budget = experiment.budget;
-        asked.threads = entry && entry->info.threads ? solver.threads : 1;
+        asked.threads = entry && entry->info.can(Ability::threads) ? solver.threads : 1;
         asked.warm = solver.warm;
         asked.certified = entry ? promises(*entry, given) : -1;
         return asked;

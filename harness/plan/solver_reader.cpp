@@ -91,7 +91,7 @@ SolverPlan read_solver(const ExperimentTable& table, const Experiment& experimen
         table.fail(*table.find("name"), error.what());
     }
     solver.options = read_options(table, *entry);
-    if (solver.warm && !entry->info.warm) {
+    if (solver.warm && !entry->info.can(Ability::warm)) {
         table.fail(
             *table.find("warm"),
             fmt::format("'warm': the solver '{}' carries nothing from one pose to the next: remove it", solver.name));

@@ -142,7 +142,7 @@ const Outcome* Finished::kept(std::size_t row, int round) const {
 
 bool Finished::traces_chain(std::size_t row) const {
     const Case& asked = plan_.cases[row];
-    return asked.warm && plan_.experiment.trace && find_solver(asked.solver).info.traces;
+    return asked.warm && plan_.experiment.trace && find_solver(asked.solver).info.can(Ability::traces);
 }
 
 // Where the fields of a row belong; empty: it has none.

@@ -278,7 +278,7 @@ private:
             if (!asked.warm || asked.chain.empty()) ++chain;
             const auto marks = plan_.marks(row);
             const bool traced = round == 0 && plan_.experiment.trace &&
-                                (asked.warm || !marks.empty() || find_solver(asked.solver).info.traces);
+                                (asked.warm || !marks.empty() || find_solver(asked.solver).info.can(Ability::traces));
             order.items.push_back({row, pair, chain, asked.warm, asked.quantity, asked.pose, asked.target_pose,
                                    asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
                                    traced, marks, round == 0 ? finished_.fields_file(row) : std::filesystem::path(),

@@ -319,7 +319,7 @@ private:
             all =
                 as_fields(draw_distance(*shapes_.source, item.source_pose, *shapes_.target, item.target_pose, drawing));
         }
-        if (item.stages || find_solver(order_.solver).info.fields) {
+        if (item.stages || find_solver(order_.solver).info.can(Ability::fields)) {
             Query query = query_of(item);
             query.wanted.fields = wanted;
             query.wanted.stages = true;

@@ -129,7 +129,7 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
         for (std::size_t i = 0; i < c.truths.size(); ++i) {
             const Truth& truth = c.truths[i];
             const std::string at = where + ", pose " + std::to_string(i);
-            Trace trace(entry.info.traces ? Trace::Mode::on : Trace::Mode::off);
+            Trace trace(entry.info.can(Ability::traces) ? Trace::Mode::on : Trace::Mode::off);
             const Query query = query_of(c.test.poses[i], truth);
             const Result result = session.solve(query, trace);
             if (excepted(entry.info, c.test.name)) {
@@ -157,11 +157,11 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
                 check_bounds(entry.info, truth, {sample.lower, sample.upper}, at + ", trace");
                 last = {sample.lower, sample.upper};
             }
-            EXPECT_EQ(trace.samples().empty(), !entry.info.traces) << at;
-            if (entry.info.traces) {
+            EXPECT_EQ(trace.samples().empty(), !entry.info.can(Ability::traces)) << at;
+            if (entry.info.can(Ability::traces)) {
                 EXPECT_EQ(last.lower, result.bounds.lower) << at;
             }
-            if (entry.info.traces) {
+            if (entry.info.can(Ability::traces)) {
                 EXPECT_EQ(last.upper, result.bounds.upper) << at;
             }
         }

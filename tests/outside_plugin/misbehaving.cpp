@@ -135,8 +135,8 @@ template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vecto
     SolverInfo info = vertex_only_solver().info;
     info.name = info.title = name;
     info.certified = false;
-    info.warm = true;                  // in name only
-    info.original_coordinates = true;  // so that `at` is a length of the experiment
+    info.abilities.insert(Ability::warm);  // in name only
+    info.original_coordinates = true;      // so that `at` is a length of the experiment
     info.parameters = {
         {.name = "at",
          .default_value = 1.0,

@@ -48,7 +48,8 @@ SolverEntry steps_solver() {
     info.name = "steps";
     info.title = "Samples at the vertices";
     info.source = info.target = {.mesh = true};
-    info.fields = info.certificates = false;
+    info.abilities.erase(Ability::fields);
+    info.abilities.erase(Ability::certificates);
     info.parameters = {{.name = "share",
                         .default_value = 0.025,
                         .unit = "longest edges of A",

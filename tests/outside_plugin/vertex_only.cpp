@@ -102,8 +102,7 @@ SolverEntry vertex_only_solver() {
     info.title = "Vertices only";
     info.source = info.target = {.points = true, .mesh = true};
     info.certified = true;
-    info.fields = true;
-    info.certificates = true;
+    info.abilities = {Ability::fields, Ability::certificates};
     return {info,
             [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<VertexOnly>(options); }};
 }

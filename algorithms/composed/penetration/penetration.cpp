@@ -15,6 +15,7 @@
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
+#include "algorithms/session/symmetric.h"
 
 #include <fmt/format.h>
 
@@ -155,8 +156,7 @@ SolverEntry penetration_solver() {
     info.paper = "tang2009";
     info.source.mesh = info.target.mesh = true;
     info.quantities = {Quantity::penetration};
-    info.moving_target = true;
-    info.threads = true;
+    info.abilities = {Ability::moving_target, Ability::threads};
     info.parameters = {
         {.name = "solver",
          .default_value = std::string("cover"),

@@ -204,7 +204,7 @@ private:
 
 SolverInfo cascade_info(std::string name, std::string title, std::string paper, bool regions) {
     SolverInfo info = mesh_solver_info<TriangleBvh>(std::move(name), std::move(title), std::move(paper));
-    info.warm = info.certificates = true;
+    info.abilities.insert({Ability::warm, Ability::certificates});
     info.parameters = {split_parameter(), regions_parameter(regions, regions ? "on" : "off")};
     info.may_need.push_back(need<TriangleBvh>(Side::source));
     return info;

@@ -286,9 +286,8 @@ private:
 
 SolverEntry cover_solver() {
     SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
-    info.warm = info.shares_pairs = true;
-    info.threads = info.certificates = true;
-    info.tolerance_guides = true;  // tau
+    info.abilities.insert({Ability::warm, Ability::shared_pairs, Ability::threads, Ability::certificates});
+    info.abilities.erase(Ability::coarser_answers);  // tau, which decides what is done, depends on the tolerance
     info.may_need.push_back(need<TriangleOrder>(Side::source));
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Cover>(); }};
 }

@@ -239,7 +239,7 @@ std::unique_ptr<Solver> make(const Options& options) {
 
 SolverEntry tang_solver() {
     SolverInfo info = mesh_solver_info<SweptSphereBvh>("tang", "Tang 2009", "tang2009");
-    info.warm = info.shares_pairs = true;
+    info.abilities.insert({Ability::warm, Ability::shared_pairs});
     info.may_need = {need<SweptSphereBvh>(Side::source), need<SweptSphereBvh>(Side::target),
                      need<TriangleBvh>(Side::source), need<TriangleBvh>(Side::target)};
     info.parameters = {

@@ -191,7 +191,7 @@ private:
 SolverEntry scan_solver() {
     SolverInfo info = point_solver_info("scan", "scan (ours)", "");
     info.certified = true;
-    info.threads = true;
+    info.abilities.insert(Ability::threads);
     info.parameters = {
         {.name = "cells_from",
          .default_value = std::int64_t{1} << 17,

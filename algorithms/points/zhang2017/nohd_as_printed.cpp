@@ -99,7 +99,7 @@ private:
 
 SolverEntry nohd_as_printed_solver() {
     SolverInfo info = point_solver_info("nohd_as_printed", "NOHD as printed", "zhang2017");
-    info.traces = false;
+    info.abilities.erase(Ability::traces);
     info.known_wrong = "Algorithm 5 of the paper breaks without cmin <- 0: answers too large, even infinite";
     info.may_need = {need<PointOctree>(Side::source)};
     info.parameters = {

@@ -165,7 +165,7 @@ Result OhdAsPrinted::solve(const Query& query, State*, Trace&) const {
 
 SolverEntry ohd_as_printed_solver() {
     SolverInfo info = point_solver_info("ohd_as_printed", "OHD as printed", "zhang2017");
-    info.traces = false;
+    info.abilities.erase(Ability::traces);
     info.known_wrong = "the paper culls by cells of side AHD, whose points may be sqrt(3) AHD apart: answers too small";
     info.parameters = ohd_parameters();
     return {info, make_solver<OhdAsPrinted>};

@@ -79,7 +79,7 @@ SolverEntry surface_enclosure_solver() {
     info.title = "surface enclosure (ours)";
     info.source.surface = info.target.surface = true;
     info.certified = true;
-    info.traces = true;
+    info.abilities.insert({Ability::traces, Ability::coarser_answers});
     info.parameters = {
         {.name = "most_cells",
          .default_value = std::int64_t{4000000},

@@ -79,7 +79,7 @@ SolverEntry interval_subdivision_solver() {
     info.title = "interval subdivision";
     info.paper = "shou2014";
     info.source.surface = info.target.surface = true;
-    info.traces = true;
+    info.abilities.insert({Ability::traces, Ability::coarser_answers});
     info.parameters = {
         {.name = "depth",
          .default_value = std::int64_t{6},

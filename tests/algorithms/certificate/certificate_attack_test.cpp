@@ -33,7 +33,7 @@ constexpr std::uint64_t seed = 20261;
 std::vector<const SolverEntry*> writers() {
     std::vector<const SolverEntry*> all;
     for (const SolverEntry& entry : solvers()) {
-        if (entry.info.certificates) all.push_back(&entry);
+        if (entry.info.can(Ability::certificates)) all.push_back(&entry);
     }
     return all;
 }

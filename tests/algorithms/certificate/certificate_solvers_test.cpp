@@ -59,14 +59,15 @@ SolverEntry slow_solver() {
     SolverInfo info;
     info.name = "slow";
     info.source = info.target = {.points = true, .mesh = true};
-    info.certified = info.certificates = true;
+    info.certified = true;
+    info.abilities.insert(Ability::certificates);
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Slow>(); }};
 }
 
 std::vector<SolverEntry> with_certificates() {
     std::vector<SolverEntry> all = {slow_solver()};
     for (const SolverEntry& entry : solvers()) {
-        if (entry.info.certificates) all.push_back(entry);
+        if (entry.info.can(Ability::certificates)) all.push_back(entry);
     }
     return all;
 }

@@ -154,7 +154,7 @@ SolverEntry asking(bool threads) {
     entry.info.name = "asking";
     entry.info.source.points = entry.info.target.points = true;
     entry.info.original_coordinates = true;
-    entry.info.threads = threads;
+    if (threads) entry.info.abilities.insert(Ability::threads);
     entry.info.may_need = {need<Counting>(Side::target), need<CountingWithParameters>(Side::source)};
     entry.make = [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Asking>(); };
     return entry;

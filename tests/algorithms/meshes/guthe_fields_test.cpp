@@ -110,7 +110,7 @@ std::vector<Vec3> few_points(Random& random, int count) {
 }
 
 TEST(GutheFields, AreThereOnlyWhereTheyAreWantedAndChangeNothingElse) {
-    EXPECT_TRUE(find_solver("guthe").info.fields);
+    EXPECT_TRUE(find_solver("guthe").info.can(Ability::fields));
     for (const TestScene& test : mesh_scenes()) {
         const Session session = session_of(test.scene);
         const double size = std::max(magnitude(points_of(test.scene.source)), magnitude(points_of(test.scene.target)));

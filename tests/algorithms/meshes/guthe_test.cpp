@@ -329,7 +329,7 @@ void expect_same_answer(const Result& warm, const Result& cold, const Scene& sce
 
 TEST(Guthe, WarmPosesHaveTheAnswersOfColdOnesForLessWork) {
     const SolverEntry& guthe = find_solver("guthe");
-    ASSERT_TRUE(guthe.info.warm);
+    ASSERT_TRUE(guthe.info.can(Ability::warm));
     // Regions leave less to be saved.
     const std::tuple<const char*, Scene, bool, double> chains[] = {
         {"torus in a torus", {torus(24), torus(40)}, false, 0.95},

@@ -126,7 +126,7 @@ TEST(MeshMotion, ThreadsChangeNothing) {
     threaded.threads = 3;
     int tried = 0;
     for (const SolverEntry& entry : movers()) {
-        if (!entry.info.threads || !entry.info.warm) continue;
+        if (!entry.info.can(Ability::threads) || !entry.info.can(Ability::warm)) continue;
         ++tried;
         const Session session(entry, quick_options(entry), scene, threaded);
         const std::unique_ptr<State> one = session.begin(), three = session.begin();
@@ -216,11 +216,11 @@ TEST(MeshMotion, TheSecondDirectionLearnsOfTheFirst) {
     const Scene scene{bent(40, 0.3, 0.8), bent(40, 0.31, 0.8)};  // near to each other everywhere
     int tried = 0;
     for (SolverEntry entry : movers()) {
-        if (!entry.info.shares_pairs) continue;
+        if (!entry.info.can(Ability::shared_pairs)) continue;
         ++tried;
         std::uint64_t spent[2] = {0, 0};
-        for (const bool shares : {false, true}) {
-            entry.info.shares_pairs = shares;
+        for (const bool shares : {true, false}) {
+            if (!shares) entry.info.abilities.erase(Ability::shared_pairs);
             const Session session(entry, quick_options(entry), scene, moving);
             for (int i = 0; i < 10; ++i) {
                 Query query;

@@ -1,6 +1,7 @@
 // What a session does for every solver that does not offer it: H(A,B), a target that moves, shapes shared by several pairs, several
-// threads at once. Each solver of the registry is asked, on scenes of ordinary size; session_directions_test.cpp tests the session
+// threads at once. Each solver of the registry is asked, on scenes of ordinary size; symmetric_test.cpp tests the session
 // alone, term by term.
+#include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 
 #include "algorithms/error.h"
@@ -139,7 +140,7 @@ TEST(SessionPoses, BothAreHonoured) {
             Trace trace(Trace::Mode::on);
             const Result result = plain.solve(query, trace);
             check(entry, truth, query, result, at);
-            EXPECT_EQ(trace.samples().empty(), !entry.info.traces) << at;
+            EXPECT_EQ(trace.samples().empty(), !entry.info.can(Ability::traces)) << at;
             if (easy(entry.info, truth)) {
                 EXPECT_EQ(to_string(result.status), "converged") << at;
             }
@@ -156,8 +157,8 @@ TEST(SessionPoses, BothAreHonoured) {
                                 {.moves = true});
             const ShapeExtent a{kind_of(c.test.scene.source), magnitude(points_of(c.test.scene.source))},
                 b{kind_of(c.test.scene.target), magnitude(points_of(c.test.scene.target))};
-            const bool undone = entry.info.undoes_target_motion && !query.target_pose.is_identity() &&
-                                !Session::copies_targets(entry.info, query, a, b);
+            const bool undone = entry.info.can(Ability::undone_motion) && !query.target_pose.is_identity() &&
+                                !copies_targets(entry.info, query, a, b);
             query.target_pose = {};
             const Result beforehand = still.solve(query, trace);
             if (undone) {
@@ -210,7 +211,7 @@ TEST(SessionSymmetric, EnclosesTheLargerDirection) {
             const std::string at = where + ", poses " + std::to_string(i);
             const Truth& truth = c.symmetric[i];
             Query query = query_of(i, truth, Quantity::symmetric);
-            Trace trace(entry.info.traces ? Trace::Mode::on : Trace::Mode::off);
+            Trace trace(entry.info.can(Ability::traces) ? Trace::Mode::on : Trace::Mode::off);
             const Result result = session.solve(query, trace);
             check(entry, truth, query, result, at);
             EXPECT_EQ(result.status == Status::converged, result.bounds.gap() <= query.tolerance.value) << at;
@@ -225,7 +226,7 @@ TEST(SessionSymmetric, EnclosesTheLargerDirection) {
                 EXPECT_GE(sample.seconds, last) << at;
                 last = sample.seconds;
             }
-            if (entry.info.traces) {
+            if (entry.info.can(Ability::traces)) {
                 EXPECT_EQ(trace.samples().back().lower, result.bounds.lower) << at;
                 EXPECT_EQ(trace.samples().back().upper, result.bounds.upper) << at;
             }
@@ -329,7 +330,7 @@ void check_matrix(const SolverEntry& entry, int ratio, const std::string& where)
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         for (std::size_t j = 0; j < shapes.size(); ++j) {
             const std::string at = where + ", " + std::to_string(i) + " to " + std::to_string(j);
-            const Session shared(entry, defaults(entry), prepared[i], prepared[j], {.symmetric = true});
+            const Session shared(entry, defaults(entry), PreparedPair{prepared[i], prepared[j]}, {.symmetric = true});
             const Session alone(entry, defaults(entry), {shapes[i], shapes[j]}, {.symmetric = true});
             for (const Quantity quantity : {Quantity::directed, Quantity::symmetric}) {
                 Query query;
@@ -399,7 +400,7 @@ TEST(SessionChains, WarmAnswersAreAsGoodAsColdOnes) {
     for_each_fitting([](const SolverEntry& entry, const Case& c, const std::string& where) {
         const Session session(entry, defaults(entry), c.test.scene, {.moves = true, .count = 20, .symmetric = true});
         const std::unique_ptr<State> state = session.begin();
-        EXPECT_EQ(state != nullptr, entry.info.warm) << where;
+        EXPECT_EQ(state != nullptr, entry.info.can(Ability::warm)) << where;
         const std::set<std::string> chosen{"random", "parallel planes", "random soups", "two triangles",
                                            "nested cubes"};
         if (!state || !chosen.contains(c.test.name)) return;
@@ -486,7 +487,7 @@ TEST(SessionThreads, TwoThreadsBuildTheStructuresOfOneShape) {
 
 TEST(SessionThreads, SeveralWorkersGiveTheSameInterval) {
     for_each_fitting([](const SolverEntry& entry, const Case& c, const std::string& where) {
-        if (!entry.info.threads) return;
+        if (!entry.info.can(Ability::threads)) return;
         const Session session(entry, defaults(entry), c.test.scene, {.moves = true});
         Query query = query_of(1, c.directed[1]);
         Trace trace;

@@ -142,7 +142,8 @@ TEST(Measure, AnAnswerOutlivesItsProof) {
     for (const bool hangs : {false, true}) {
         SolverEntry entry;
         entry.info.name = "no proof";
-        entry.info.source.points = entry.info.target.points = entry.info.certificates = true;
+        entry.info.source.points = entry.info.target.points = true;
+        entry.info.abilities = {Ability::certificates};
         entry.info.original_coordinates = true;
         entry.make = [](const Options& options) -> std::unique_ptr<Solver> {
             return std::make_unique<NoProof>(options);

@@ -26,10 +26,10 @@ class Idle : public Solver {
 SolverEntry idle(const char* name, bool exact, bool points = true, bool guided = false) {
     SolverInfo info{
         .name = name, .title = name, .paper = "", .source = {true, true, true}, .target = {true, true, true}};
-    info.warm = info.traces = true;
+    info.abilities.insert({Ability::warm, Ability::traces});
     info.ignores_tolerance = exact;
     info.source.points = points;
-    info.tolerance_guides = guided;
+    if (!guided) info.abilities.insert(Ability::coarser_answers);
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Idle>(); }};
 }
 

@@ -1,5 +1,6 @@
 // A target that moves rigidly is undone: the source moves the other way. Bounds must hold for the shapes where their poses put them, rounded
 // as posed() rounds them: with a solver that is as sharp as double precision, each term of what undoing costs is needed.
+#include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 
 #include "tests/support/random.h"
@@ -61,8 +62,9 @@ SolverEntry sharp() {
     SolverEntry entry;
     entry.info.name = "sharp";
     entry.info.source.mesh = entry.info.target.mesh = true;
-    entry.info.certified = entry.info.traces = entry.info.fields = entry.info.certificates = true;
-    entry.info.undoes_target_motion = true;
+    entry.info.certified = true;
+    entry.info.abilities.insert({Ability::traces, Ability::fields, Ability::certificates});
+    entry.info.abilities.insert(Ability::undone_motion);
     entry.info.may_need = {need<CountedTree>(Side::target)};
     entry.make = [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Sharp>(); };
     return entry;
@@ -217,21 +219,21 @@ TEST(SessionUndo, ACopyWhereItMust) {
 TEST(SessionUndo, WhatIsCopiedIsSaidBeforehand) {
     const ShapeExtent a{ShapeKind::mesh, 0.5}, b{ShapeKind::mesh, 0.75};
     SolverInfo info = sharp().info;
-    const auto copies = [&](const Query& query) { return Session::copies_targets(info, query, a, b); };
+    const auto copies = [&](const Query& query) { return copies_targets(info, query, a, b); };
     Query query = query_with({}, turned_and_longer(0, {0.5, 0, 0}));
     EXPECT_FALSE(copies(query));
     EXPECT_FALSE(copies(query_with(turned_and_longer(1e-6), {})));  // A may be stretched
     EXPECT_TRUE(copies(query_with({}, turned_and_longer(1e-6))));
     EXPECT_TRUE(copies(query_with({}, query.target_pose, 1e-13)));
-    EXPECT_TRUE(Session::copies_targets(info, query, {ShapeKind::points, 0.5}, b));
-    EXPECT_TRUE(Session::copies_targets(info, query, a, {ShapeKind::points, 0.75}));
-    EXPECT_TRUE(Session::copies_targets(info, query, a, {ShapeKind::mesh, 1e6}));  // rounding, beside this tolerance
+    EXPECT_TRUE(copies_targets(info, query, {ShapeKind::points, 0.5}, b));
+    EXPECT_TRUE(copies_targets(info, query, a, {ShapeKind::points, 0.75}));
+    EXPECT_TRUE(copies_targets(info, query, a, {ShapeKind::mesh, 1e6}));  // rounding, beside this tolerance
     query = query_with(turned_and_longer(1e-6), {});
     query.quantity = Quantity::symmetric;
     EXPECT_TRUE(copies(query));  // of h(B,A), A is the target
-    info.moving_target = true;
+    info.abilities.insert(Ability::moving_target);
     EXPECT_FALSE(copies(query));
-    info.moving_target = false, info.undoes_target_motion = false;
+    info.abilities.clear();
     query.quantity = Quantity::directed;
     query.target_pose.translation = {1, 0, 0};
     EXPECT_TRUE(copies(query));
@@ -240,7 +242,7 @@ TEST(SessionUndo, WhatIsCopiedIsSaidBeforehand) {
 // Of a solver that takes a target that moves, the session leaves it alone.
 TEST(SessionUndo, ASolverThatTakesTheMotionGetsIt) {
     SolverEntry entry = sharp();
-    entry.info.moving_target = true;
+    entry.info.abilities.insert(Ability::moving_target);
     const Session session(entry, Options("sharp", {}, {}), {point({0, 0, 0}), point({0.75, 0, 0})},
                           {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});
     Trace trace;

@@ -1,5 +1,6 @@
 // How a session makes an answer about H(A,B), or about a target that moves, from answers about h(A,B) and h(B,A) of a solver that
 // knows no more: term by term, with a solver that says what it is told and keeps what it was asked.
+#include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 
 #include "algorithms/error.h"
@@ -63,7 +64,7 @@ SolverEntry scripted() {
     SolverEntry entry;
     entry.info.name = "scripted";
     entry.info.source.points = entry.info.target.points = true;
-    entry.info.traces = entry.info.fields = entry.info.certificates = true;
+    entry.info.abilities.insert({Ability::traces, Ability::fields, Ability::certificates});
     entry.info.ignores_tolerance = script.exact;
     entry.info.may_need = {need<CountedStructure>(Side::source), need<CountedStructure>(Side::target)};
     entry.make = [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Scripted>(options); };
@@ -377,7 +378,8 @@ TEST_F(SessionDirections, FieldsAndCertificatesAreThereOnlyWhereTheyAreWanted) {
     query.wanted.certificate = true;
     check(true, true);
     SolverEntry entry = scripted();
-    entry.info.fields = entry.info.certificates = false;
+    entry.info.abilities.erase(Ability::fields);
+    entry.info.abilities.erase(Ability::certificates);
     const Result result = Session(entry, Options(entry.info.name, {}, {}), scene, {}).solve(query, trace);
     EXPECT_FALSE(result.fields);
     EXPECT_TRUE(result.certificates.empty());
@@ -467,7 +469,7 @@ TEST_F(SessionDirections, EveryPoseOfATargetPaysForItsStructures) {
         EXPECT_EQ(script.built[0], 1);
         EXPECT_EQ(script.built[1], i + 1);
     }
-    EXPECT_TRUE(Session::copies_targets(scripted().info, query, {ShapeKind::points, 1}, {ShapeKind::points, 1}));
+    EXPECT_TRUE(copies_targets(scripted().info, query, {ShapeKind::points, 1}, {ShapeKind::points, 1}));
 }
 
 TEST_F(SessionDirections, AStructureIsBuiltOnceForBothDirections) {
@@ -510,7 +512,7 @@ TEST_F(SessionDirections, SharedShapesSayWhatWasThere) {
     const auto shape = [](const Shape& s) { return std::make_shared<PreparedShape>(s, 0); };
     const auto a = shape(scene.source), b = shape(scene.target), c = shape(PointSet{rows({{0, 0, 0}, {0, 0, 0.5}})});
     const auto shared = [&](const auto& source, const auto& target) {
-        const Session session(entry, options, source, target, {});
+        const Session session(entry, options, PreparedPair{source, target}, {});
         EXPECT_EQ(session.preparation().size(), 3u);
         EXPECT_FALSE(session.preparation()[2].shared);
         EXPECT_GE(session.preparation()[0].seconds, 0);
@@ -521,8 +523,8 @@ TEST_F(SessionDirections, SharedShapesSayWhatWasThere) {
     EXPECT_EQ(shared(c, b), std::pair(true, true));
     EXPECT_EQ(script.built[0], 1);
     EXPECT_EQ(script.built[1], 2);
-    EXPECT_THROW(Session(entry, options, a, std::make_shared<PreparedShape>(Shape(scene.target), 1), {}),
-                 std::logic_error);
+    const PreparedPair differently{a, std::make_shared<PreparedShape>(Shape(scene.target), 1)};
+    EXPECT_THROW(Session(entry, options, differently, {}), std::logic_error);
 }
 
 TEST_F(SessionDirections, NothingIsLeftOutOfAMovingSceneEither) {

@@ -2,10 +2,10 @@
 //
 // Truths are exact: h of point sets in rational arithmetic, of the points that geometry.h defines. Solvers for meshes get every
 // point as a triangle whose corners coincide.
-#include "algorithms/session/session.h"
 #include "algorithms/error.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
+#include "algorithms/session/session.h"
 #include "tests/support/reference.h"
 #include "tests/support/scenes.h"
 
@@ -101,7 +101,7 @@ SolverEntry claims() {
     SolverEntry entry;
     entry.info.name = "claims";
     entry.info.source.points = entry.info.target.points = true;
-    entry.info.traces = true;
+    entry.info.abilities.insert(Ability::traces);
     entry.make = [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Claims>(options); };
     return entry;
 }

@@ -1,0 +1,46 @@
+// What the adapters of a session have in common; see session.h.
+#pragma once
+
+#include "algorithms/solver.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace hausbench {
+
+// A Solver around solvers that are prepared.
+class Adapter : public Solver {
+public:
+    void prepare(const Scene&, const Prepared&) final {}
+};
+
+// Wall time since it was made.
+struct WallClock {
+    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+
+    double elapsed() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); }
+    double left(double limit) const { return std::max(0.0, limit - elapsed()); }
+};
+
+// Calls down(lower) and up(upper) for all bounds of an answer: its own, those of its trace and those of its fields.
+template <class Down, class Up> void for_each_bound(Result& result, Trace& trace, const Down& down, const Up& up) {
+    down(result.bounds.lower);
+    up(result.bounds.upper);
+    for (TraceSample& sample : trace.samples()) {
+        down(sample.lower);
+        up(sample.upper);
+    }
+    for (std::size_t i = 0; result.fields && i < result.fields->size(); ++i) {
+        Field& field = (*result.fields)[i];
+        for (double& value : field.values) {
+            if (field.meaning == Field::Meaning::lower) down(value);
+            if (field.meaning == Field::Meaning::upper) up(value);
+        }
+    }
+}
+
+inline bool claims_an_answer(Status status) {
+    return status == Status::converged || status == Status::below_floor || status == Status::above_cutoff;
+}
+
+}  // namespace hausbench

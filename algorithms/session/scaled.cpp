@@ -1,0 +1,215 @@
+#include "algorithms/session/scaled.h"
+
+#include "algorithms/error.h"
+#include "algorithms/kernel/rounding.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace hausbench {
+namespace {
+
+double scaled_back(double value, int exponent, double (*outward)(double)) {
+    const double original = std::ldexp(value, -exponent);
+    return std::ldexp(original, exponent) == value || std::isinf(value) ? original : outward(original);
+}
+
+// True where a coordinate of the point is rounded: by at most half of the least double, 2^-1075.
+bool scaled_back(Vec3& point, int exponent) {
+    bool rounded = false;
+    for (double& value : point) {
+        const double original = std::ldexp(value, -exponent);
+        rounded |= std::isfinite(value) && std::ldexp(original, exponent) != value;
+        value = original;
+    }
+    return rounded;
+}
+
+// A length that must stay positive and finite.
+double scaled_tolerance(double value, int exponent) {
+    return std::clamp(std::ldexp(value, exponent), std::numeric_limits<double>::denorm_min(),
+                      std::numeric_limits<double>::max());
+}
+
+// At least the largest |coordinate| that any step of posing the shape can reach, scaled: S below.
+double posed_extent(const PreparedShape& shape, const Pose& pose) {
+    double translation = 0;
+    for (const double t : pose.translation)
+        translation = std::max(translation, std::abs(std::ldexp(t, shape.exponent())));
+    return 3 * (pose.rotation.cwiseAbs().maxCoeff() * shape.largest()) + translation;
+}
+
+// How far the points of one shape that the solver measures may be from those that the definition means, in scaled units. The distance
+// changes by no more than A's and B's together.
+//
+// Scaling: a coordinate that it rounds is off by 2^-1075, so a point by less than 2^-1074, which is `lost`.
+//
+// Posing: in each coordinate the definition says D = s fl(R v + t), and the solver measures C = fl(R v' + t'), where s is the
+// power of two 2^e, and v' and t' are the scaled v and t. Where v' = s v, t' = s t and no product underflows in either unit,
+// they are the same bits: scaling by s commutes with each rounding, and a sum that underflows is exact. Otherwise both are
+// held against the exact value s (R v + t). With r = max |R_ij| and S = 3 r max |v'| + max |t'|, the roundings of products and
+// sums are 4u(1 + 4u) S on either side, each of the three products may lose 2^-1075 in its own unit, t' may lose 2^-1075, and
+// the products carry what v' has lost, 3 r 2^-1075. With q = 2^(max(e, 0) - 1074), the coarser of the two units of underflow,
+//   |C - D| <= 8.01 u S + (3 + 3 + 1) q / 2 + 1.5 r lost,
+// and in length, with sqrt 3 < 1.733, 13.9 u S + 6.1 q + 2.6 r lost. What is computed below rounds by less than 8u of itself
+// and underflows by less than q: 8 q covers the two.
+double widening(const PreparedShape& shape, const Pose& pose) {
+    const int exponent = shape.exponent();
+    if (pose.is_identity()) return shape.lost();
+    if (exponent == 0) return 0;
+    double least = infinity;
+    for (const double entry : pose.rotation.reshaped()) {
+        if (entry != 0) least = std::min(least, std::abs(entry));
+    }
+    const bool exact_translation = pose.translation.unaryExpr([&](double t) {
+        return std::ldexp(std::ldexp(t, exponent), -exponent);
+    }) == pose.translation;
+    // Exponents, so that no product here underflows itself.
+    const auto exponent_of = [](double x) { return std::isfinite(x) ? std::ilogb(x) : 0; };
+    const int product = exponent_of(least) + exponent_of(shape.smallest());
+    const bool same_bits = shape.lost() == 0 && exact_translation && product >= -1022 && product - exponent >= -1022;
+    if (same_bits) return 0;
+    const double most = pose.rotation.cwiseAbs().maxCoeff();
+    return 3 * (most * shape.lost()) + 14 * unit_roundoff * posed_extent(shape, pose) +
+           8 * std::ldexp(1.0, std::max(exponent, 0) - 1074);
+}
+
+Pose scaled(Pose pose, int exponent) {
+    for (double& value : pose.translation) value = std::ldexp(value, exponent);
+    return pose;
+}
+
+Query scaled(const Query& query, int exponent) {
+    Query out = query;
+    out.source_pose = scaled(query.source_pose, exponent);
+    out.target_pose = scaled(query.target_pose, exponent);
+    if (query.tolerance.of == Tolerance::Of::absolute)
+        out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent);
+    out.floor = std::min(std::ldexp(query.floor, exponent), std::numeric_limits<double>::max());
+    out.cutoff = std::ldexp(query.cutoff, exponent);
+    return out;
+}
+
+void scale_back(Result& result, Trace& trace, int exponent, double wider) {
+    const bool source_rounded = scaled_back(result.witness.source_point, exponent);
+    const bool target_rounded = scaled_back(result.witness.target_point, exponent);
+    const bool forward = result.witness.direction == Witness::Direction::source_to_target;
+    const bool point_rounded = forward ? source_rounded : target_rounded;
+    const auto down = [&](double& lower) {
+        if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
+        if (exponent != 0) lower = std::max(scaled_back(lower, exponent, next_down), 0.0);
+        // The bound is to hold with the point as it is shown, which is off by less than 2^-1074: next_down() takes off as much or more.
+        if (point_rounded) lower = std::max(next_down(lower), 0.0);
+    };
+    const auto up = [&](double& upper) {
+        if (wider > 0) upper = next_up(upper + wider);
+        if (exponent != 0) upper = scaled_back(upper, exponent, next_up);
+    };
+    for_each_bound(result, trace, down, up);
+    for (Certificate& one : result.certificates) up(one.proven);
+    for (auto& [name, value] : result.reported) {
+        auto* length = std::get_if<double>(&value);
+        if (length && name.starts_with(length_prefix)) *length = std::ldexp(*length, -exponent);
+    }
+}
+
+}  // namespace
+
+PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target) {
+    if (!scalable(info, kind_of(source), kind_of(target)))
+        return {std::make_shared<PreparedShape>(std::move(source)), std::make_shared<PreparedShape>(std::move(target))};
+    const int exponent = scale_exponent(std::max(magnitude(points_of(source)), magnitude(points_of(target))));
+    return {std::make_shared<PreparedShape>(std::move(source), exponent),
+            std::make_shared<PreparedShape>(std::move(target), exponent)};
+}
+
+bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target) {
+    // The coefficients of a surface belong to its coordinates.
+    return !info.original_coordinates && source != ShapeKind::surface && target != ShapeKind::surface;
+}
+
+Scaled::Scaled(const SolverInfo& info, PreparedPair pair, std::unique_ptr<Solver> solver, Make make)
+    : info_(info),
+      pair_(std::move(pair)),
+      scalable_(scalable(info, kind_of(pair_.source->shape()), kind_of(pair_.target->shape()))),
+      solver_(std::move(solver)),
+      make_(std::move(make)) {}
+
+// Whether the pose needs another scale.
+bool Scaled::leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const {
+    if (pose.is_identity()) return false;
+    if (kind_of(shape.shape()) == ShapeKind::surface) {
+        throw InputError(
+            "query: an algebraic surface cannot be moved; write the motion into its polynomial, or triangulate it "
+            "first");
+    }
+    const double extent = posed_extent(shape, pose);
+    if (extent <= largest_safe_coordinate && std::ldexp(extent, -shape.exponent()) < 0x1p1023) return false;
+    const Points there = posed(shape.original(), pose);
+    if (!there.allFinite()) {
+        throw InputError(fmt::format(
+            "query: the pose moves a point of {} beyond the largest double, 1.8e308; give a smaller rotation "
+            "and translation, or both shapes in a larger unit",
+            name));
+    }
+    return scalable_ && std::ldexp(magnitude(there), shape.exponent()) > largest_safe_coordinate;
+}
+
+// Whether the poses make both shapes so small that solvers would lose products of coordinates to underflow. Looks at a few points, and at
+// all of them only if those are small. Coordinates that are all 0 count as small: they may have underflowed in scaled units alone.
+bool Scaled::shrinks(const Query& query) const {
+    if (!scalable_ || (query.source_pose.is_identity() && query.target_pose.is_identity())) return false;
+    double most = 0;
+    for (const auto& [shape, pose] :
+         {std::pair{pair_.source.get(), &query.source_pose}, std::pair{pair_.target.get(), &query.target_pose}}) {
+        constexpr Eigen::Index some = 64;
+        const Points& points = points_of(shape->shape());
+        const Pose there = scaled(*pose, shape->exponent());
+        for (Eigen::Index i = 0; i < points.rows() && most < smallest_safe_magnitude; i += some)
+            most = std::max(most, magnitude(posed(points.middleRows(i, std::min(some, points.rows() - i)), there)));
+    }
+    return most < smallest_safe_magnitude;
+}
+
+// Both shapes posed as they are in the units of the input, scaled anew.
+PreparedPair Scaled::at_rest(const Query& query) const {
+    const auto shape_there = [](const PreparedShape& prepared, const Pose& pose) {
+        Shape shape = prepared.shape();
+        points_of(shape) = posed(prepared.original(), pose);
+        return shape;
+    };
+    return prepare_pair(info_, shape_there(*pair_.source, query.source_pose),
+                        shape_there(*pair_.target, query.target_pose));
+}
+
+Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
+    // Both, so that a pose that is refused is refused whatever the other one is.
+    const bool source_far = leaves_range(*pair_.source, query.source_pose, "A");
+    const bool target_far = leaves_range(*pair_.target, query.target_pose, "B");
+    if (!source_far && !target_far && !shrinks(query)) return answer(*solver_, pair_, query, state, trace);
+    Query still = query;
+    still.source_pose = still.target_pose = Pose{};
+    QuerySet once;
+    once.finest_tolerance = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
+    once.symmetric = query.quantity == Quantity::symmetric;
+    once.threads = query.threads;
+    const PreparedPair pair = at_rest(query);
+    return answer(*make_(pair, once), pair, still, nullptr, trace);
+}
+
+Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Query& query, State* state,
+                      Trace& trace) const {
+    const int exponent = pair.source->exponent();
+    trace.start(exponent);
+    Result result = solver.solve(scaled(query, exponent), state, trace);
+    const double wider = widening(*pair.source, query.source_pose) + widening(*pair.target, query.target_pose);
+    scale_back(result, trace, exponent, wider);
+    if (info_.can(Ability::traces)) trace.finish(result.bounds.lower, result.bounds.upper);
+    // Scaling back may have cost what the solver had promised.
+    if (claims_an_answer(result.status))
+        result.status = query.answer(result.bounds.lower, result.bounds.upper).value_or(Status::precision_floor);
+    return result;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,175 @@
+#include "algorithms/session/symmetric.h"
+
+#include "algorithms/kernel/rounding.h"
+
+#include <cmath>
+#include <utility>
+
+namespace hausbench {
+namespace {
+
+// The answer to h(B,A) as one of two directions of H(A,B): its witness and certificates name A and B as those of H do.
+void turn_around(Result& result) {
+    for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
+    std::swap(result.witness.source_point, result.witness.target_point);
+    std::swap(result.witness.source_element, result.witness.target_element);
+    result.witness.direction = Witness::Direction::target_to_source;
+    result.fields.reset();  // they would be of B
+    Reported reported;
+    for (auto& [name, value] : result.reported) reported[name + " (B to A)"] = value;
+    result.reported = std::move(reported);
+}
+
+// Adds what is known of the other direction; `backward`: that is h(B,A).
+void join(Result& whole, const Result& other, bool backward) {
+    keep_larger(whole, other);
+    if (!whole.fields) whole.fields = other.fields;
+    // The proof of one direction alone proves nothing of H.
+    if (whole.why_no_certificate.empty()) whole.why_no_certificate = other.why_no_certificate;
+    if (whole.certificates.empty() || other.certificates.empty())
+        whole.certificates.clear();
+    else
+        whole.certificates.insert(backward ? whole.certificates.end() : whole.certificates.begin(),
+                                  other.certificates.begin(), other.certificates.end());  // h(A,B) first
+    whole.reported.insert(other.reported.begin(), other.reported.end());
+    whole.reported_seconds += other.reported_seconds;
+    whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
+}
+
+// The first direction is above the cutoff: the other one is not measured.
+void stop_above_cutoff(Result& whole) {
+    whole.bounds.upper = infinity;
+    whole.status = Status::above_cutoff;
+    whole.note.clear();
+    whole.certificates.clear();  // what they prove is not the bound of H
+    whole.why_no_certificate =
+        "one direction is above the cutoff, so the other one was not measured and H has no upper bound";
+}
+
+}  // namespace
+
+void keep_larger(Result& whole, const Result& other) {
+    if (other.bounds.lower > whole.bounds.lower) {
+        whole.bounds.lower = other.bounds.lower;
+        whole.witness = other.witness;
+    }
+    // Where the bounds are still apart, the larger upper bound keeps them apart, and its direction says why. A NaN is no bound at all.
+    if (other.bounds.upper > whole.bounds.upper || std::isnan(other.bounds.upper)) {
+        whole.bounds.upper = other.bounds.upper;
+        whole.status = other.status;
+        whole.note = other.note;
+    }
+    whole.counters += other.counters;
+}
+
+struct Symmetric::Chain final : State {
+    std::unique_ptr<State> forward, backward;
+
+    State* of(bool back) const { return (back ? backward : forward).get(); }
+};
+
+// How H(A,B) begins.
+struct Symmetric::Opening {
+    bool backward = false;          // h(B,A) comes first
+    std::optional<Result> forward;  // h(A,B), where it has its answer already
+    double begin = 0;               // of that answer, in seconds
+    Counters spent;                 // on what is not in an answer
+};
+
+Symmetric::Symmetric(const SolverInfo& info, std::unique_ptr<Solver> forward, std::unique_ptr<Solver> backward)
+    : info_(info), forward_(std::move(forward)), backward_(std::move(backward)) {}
+
+std::unique_ptr<State> Symmetric::begin() const {
+    auto chain = std::make_unique<Chain>();
+    chain->forward = forward_->begin();
+    chain->backward = backward_->begin();
+    return chain;
+}
+
+Result Symmetric::solve(const Query& query, State* state, Trace& trace) const {
+    auto* chain = static_cast<Chain*>(state);
+    if (query.quantity == Quantity::symmetric && !info_.offers(Quantity::symmetric)) return both(query, chain, trace);
+    return forward_->solve(query, chain ? chain->of(false) : nullptr, trace);
+}
+
+Result Symmetric::directed(Query query, bool backward, Chain* chain, Trace& trace) const {
+    query.quantity = Quantity::directed;
+    if (backward) {
+        std::swap(query.source_pose, query.target_pose);
+        query.wanted.fields = false;
+    }
+    trace.start();
+    Result result = (backward ? backward_ : forward_)->solve(query, chain ? chain->of(backward) : nullptr, trace);
+    if (backward) turn_around(result);
+    return result;
+}
+
+// A gap relative to the lower bound is never small enough where that bound is 0, as h(A,B) is where A is a part of B. So
+// where the tolerance is of that kind, a little work on both directions says which one seems to be the larger: it comes
+// first, and its lower bound is the floor of the other. An answer that takes little work is kept.
+Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& trace) const {
+    Opening opening;
+    const std::uint64_t most = query.budget;
+    const auto more = [most](std::uint64_t spent) { return spent > most / 16 ? most : 16 * spent; };
+    if (query.tolerance.of != Tolerance::Of::lower || info_.ignores_tolerance) return opening;
+    for (query.budget = 64; query.budget < most; query.budget = more(query.budget)) {
+        const double limit = query.time_limit;
+        Query asked = query;
+        asked.time_limit = clock.left(limit);
+        opening.begin = clock.elapsed();
+        Result forward = directed(asked, false, nullptr, trace);
+        if (forward.status != Status::budget) {
+            opening.forward = std::move(forward);
+            return opening;
+        }
+        asked.time_limit = clock.left(limit);
+        const Result backward = directed(asked, true, nullptr, trace);
+        opening.spent += forward.counters;
+        opening.spent += backward.counters;
+        opening.backward = backward.status != Status::budget || backward.bounds.lower > forward.bounds.lower;
+        if (opening.backward || forward.bounds.lower > 0) return opening;
+    }
+    return opening;
+}
+
+Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
+    const WallClock clock;
+    Trace one(trace.on() ? Trace::Mode::on : Trace::Mode::off), two = one;
+    Query asked = query;
+    std::unique_ptr<State> alone;  // of this query
+    if (!chain && info_.can(Ability::shared_pairs)) {
+        alone = begin();
+        chain = static_cast<Chain*>(alone.get());
+    }
+    Opening opening = open(query, clock, one);
+    const double before = opening.forward ? opening.begin : clock.elapsed();
+    asked.time_limit = clock.left(query.time_limit);
+    Result whole = opening.forward ? std::move(*opening.forward) : directed(asked, opening.backward, chain, one);
+    whole.counters += opening.spent;
+    // Until the other direction has a bound, H(A,B) has none from above.
+    for (const TraceSample& sample : one.samples())
+        trace.samples().push_back({before + sample.seconds, sample.lower, infinity});
+    if (whole.bounds.lower > query.cutoff) {
+        stop_above_cutoff(whole);
+        return whole;
+    }
+    const double first = clock.elapsed();
+    asked.time_limit = clock.left(query.time_limit);
+    asked.floor = std::max(query.floor, whole.bounds.lower);
+    // A floor that is the cutoff would ask a question that nobody asked.
+    if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
+    if (info_.can(Ability::shared_pairs)) chain->of(!opening.backward)->learn_from(*chain->of(opening.backward));
+    const Result other = directed(asked, !opening.backward, chain, two);
+    for (const TraceSample& sample : two.samples()) {
+        trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),
+                                   std::max(whole.bounds.upper, sample.upper)});
+    }
+    join(whole, other, !opening.backward);
+    if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
+        whole.status = *answer;
+        whole.note.clear();
+    }
+    return whole;
+}
+
+}  // namespace hausbench
