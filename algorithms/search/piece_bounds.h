@@ -81,7 +81,10 @@ private:
     double squared_to_triangle(const PieceCorners& corners, Index triangle);
     double in_two(const PieceCorners& corners, std::size_t alone);
     double in_three(const PieceCorners& corners, double& whole, Index& near);
-    void by_one(Index near) { argument_.kind = PieceArgument::Kind::one, argument_.near = near; }
+    void by_one(Index near) {
+        argument_.kind = PieceArgument::Kind::one;
+        argument_.near = near;
+    }
     BlockFeet distances(const std::array<Vec3, 7>& points, std::size_t count, Index triangle);
 
     const Target& target_;

@@ -57,7 +57,10 @@ Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, cons
     double longest = -1;
     for (std::size_t k = 0; k < 3; ++k) {
         const double length = squared_length(corners[(k + 1) % 3].point - corners[(k + 2) % 3].point);
-        if (length > longest) longest = length, opposite = k;
+        if (length > longest) {
+            longest = length;
+            opposite = k;
+        }
     }
     const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3;
     cut.vertices[cut.vertex_count++] = measure(midpoint(corners[one], corners[two]), corners[one]);

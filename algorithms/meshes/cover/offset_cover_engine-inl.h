@@ -284,7 +284,10 @@ template <class T> void Engine<T>::settle() {
     std::size_t best = 0;
     for (std::size_t k = 0; k < all_.count(); ++k) {
         const double bound = at_most(largest_square(k), k);
-        if (bound < least) least = bound, best = k;
+        if (bound < least) {
+            least = bound;
+            best = k;
+        }
     }
     covered_by(best, least);
 }
@@ -301,7 +304,10 @@ template <class T> bool Engine<T>::one_for_all() {
     common.for_each([&](std::size_t k) {
         if (least <= early_out) return;
         const double bound = at_most(largest_square(k), k);
-        if (bound < least) least = bound, best = k;
+        if (bound < least) {
+            least = bound;
+            best = k;
+        }
     });
     covered_by(best, least);
     return true;

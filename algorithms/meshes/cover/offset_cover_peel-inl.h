@@ -70,7 +70,10 @@ template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Trie
         }
         auto worst = std::min_element(tried.begin(), tried.end(),
                                       [](const Tried& x, const Tried& y) { return x.estimate < y.estimate; });
-        if (estimate[k] > worst->estimate) worst->k = k, worst->estimate = estimate[k];
+        if (estimate[k] > worst->estimate) {
+            worst->k = k;
+            worst->estimate = estimate[k];
+        }
     });
     return count;
 }

@@ -19,7 +19,9 @@ template <class T> struct CoverPolygon {
     float slack[most_polygon_corners];
 
     void add(T px, T py, T pz, float corner_slack) {
-        x[count] = px, y[count] = py, z[count] = pz;
+        x[count] = px;
+        y[count] = py;
+        z[count] = pz;
         slack[count++] = corner_slack;
     }
 };
