@@ -20,9 +20,9 @@ struct ParameterSpec {
     std::string name;
     ParameterValue default_value;  // its alternative is the parameter's type
     std::string unit = {};         // "" where it has none
-    std::string paper_value = {};  // as printed in the paper, "" where the paper has no such parameter
+    std::string paper_value = {};  // as printed in the paper; "": it has no such parameter
     std::string description;
-    std::vector<std::string> choices = {};  // for text parameters: the only values allowed, empty for any
+    std::vector<std::string> choices = {};  // allowed values of a string; empty: any
     double least = -1e300, most = 1e300;    // for numbers: the allowed range, ends included
     // For texts: what is wrong with a value and how to fix it; empty if it is valid. A parameter with an invalid default is
     // required.

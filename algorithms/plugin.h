@@ -86,7 +86,8 @@ void load_plugin(const std::filesystem::path& file);
 struct Plugin {
     std::filesystem::path file;  // absolute
     std::vector<std::string> solvers;
-    std::string compiled;  // "optimized, no assertions, GCC 12.2.0": of the file with HAUSBENCH_PLUGIN
+    // How HAUSBENCH_PLUGIN's file was compiled: "optimized, no assertions, GCC 12.2.0".
+    std::string compiled;
 };
 const std::vector<Plugin>& plugins();  // in the order of loading
 

@@ -41,10 +41,11 @@ struct BuiltStructure {
 };
 
 struct StructureKind {
-    std::string name;    // with the values of its parameters, where it has any
-    std::string layout;  // its number and its size: what a plug-in and the program must agree on to share one
+    std::string name;  // with the values of its parameters, where it has any
+    // Layout number and size; a plug-in and the program must agree on them to share a structure.
+    std::string layout;
     std::function<bool(ShapeKind)> fits;
-    std::function<BuiltStructure(const PreparedShape&, const Threads&)> build;  // does not time itself
+    std::function<BuiltStructure(const PreparedShape&, const Threads&)> build;  // untimed
 };
 
 template <class Type> struct WithoutParameters {

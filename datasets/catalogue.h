@@ -24,8 +24,9 @@ struct ModelInfo {
     // generated: recipe; derived: operation and `from`
     std::string recipe, from;
     std::map<std::string, double> numbers;  // parameters of the recipe or operation
-    std::optional<Shape> written;           // in its table: of the recipe "surface", and where coordinates are listed
-    bool of_corpus = false;                 // of datasets/corpus.toml, or made by its rules (corpus.h)
+    // The shape in its table: recipe "surface", or listed coordinates.
+    std::optional<Shape> written;
+    bool of_corpus = false;  // in datasets/corpus.toml, or made by its rules (corpus.h)
 
     bool by_rule() const { return of_corpus && source == "derived"; }
 };
@@ -37,7 +38,7 @@ struct ResolvedModel {
     ShapeKind kind = ShapeKind::mesh;
     Index elements = 0, vertices = 0;
     double diagonal = 0, longest_side = 0;  // of the box of its points
-    std::string file_sha256 = {};           // of the file that it was read from; empty: there is none
+    std::string file_sha256 = {};           // of the file that it was read from; empty: none
 };
 
 struct MissingModel {
@@ -56,7 +57,8 @@ public:
 
     bool has(const std::string& name) const;
     const std::vector<ModelInfo>& models() const { return models_; }
-    const ModelInfo& find(const std::string& name) const;  // throws InputError that names the nearest
+    // Throws InputError that names the nearest.
+    const ModelInfo& find(const std::string& name) const;
 
     // The meshes of the corpus, by name, sorted.
     const std::vector<std::string>& corpus() const { return corpus_; }

@@ -12,7 +12,8 @@ namespace hausbench {
 struct Corpus {
     std::vector<std::string> names;  // of its meshes, sorted
     std::vector<std::string> whole;  // of those of the whole corpus, sorted: `names` too
-    std::vector<ModelInfo> models;   // those that the manifest does not have, and what the rules derive from all
+    // Models that the manifest does not have, and what the rules derive from all.
+    std::vector<ModelInfo> models;
 };
 
 // What every mesh NAME of the whole corpus has without a table of its own, unless the manifest has a model of that name:

@@ -19,7 +19,7 @@ struct NumberSpec {
     std::string name;
     bool whole = false;
     double least = -1e300, most = 1e300;  // the allowed range, ends included
-    bool required = true;                 // the others are absent from Numbers if they are not given
+    bool required = true;                 // else absent from Numbers if not given
 };
 
 inline NumberSpec whole_number(const char* name, double least, double most) { return {name, true, least, most}; }

@@ -17,15 +17,17 @@ class Sha256 {
 public:
     Sha256();
     Sha256& add(const void* bytes, std::size_t count);
-    Sha256& add(std::string_view text);  // hashes the length too, so that two fields cannot be confused with one
-    Sha256& add_stream(std::istream& in,
-                       std::uint64_t most);  // from where it stands, to its end, but no more than `most`
-    std::string hex();                       // 64 lower-case digits; ends the hash
+    // Hashes the length too, so that two fields cannot be confused with one.
+    Sha256& add(std::string_view text);
+    // Hashes the rest of the stream, but at most `most` bytes.
+    Sha256& add_stream(std::istream& in, std::uint64_t most);
+    std::string hex();  // 64 lower-case digits; ends the hash
 
 private:
     std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
 };
 
-std::string sha256_of_file(const std::filesystem::path& file);  // throws InputError if it cannot be read
+// Throws InputError if it cannot be read.
+std::string sha256_of_file(const std::filesystem::path& file);
 
 }  // namespace hausbench

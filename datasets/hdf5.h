@@ -26,10 +26,12 @@ public:
     // row-major.
     template <class T>  // double, or a signed or unsigned integer of 64 bits, or one of 32
     void write(const std::string& name, const std::vector<T>& values, std::size_t columns = 1);
-    void write(const std::string& name, const std::vector<std::string>& values);  // variable-length UTF-8
+    // Variable-length UTF-8.
+    void write(const std::string& name, const std::vector<std::string>& values);
 
     std::vector<double> read_doubles(const std::string& name) const;
-    std::vector<std::int64_t> read_integers(const std::string& name) const;  // any integer type that fits
+    // Any integer type that fits.
+    std::vector<std::int64_t> read_integers(const std::string& name) const;
     std::vector<std::uint64_t> read_unsigned(const std::string& name) const;
     std::vector<std::int32_t> read_indices(const std::string& name) const;
     std::vector<std::string> read_texts(const std::string& name) const;

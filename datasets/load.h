@@ -13,11 +13,11 @@ namespace hausbench {
 struct LoadReport {
     std::string format;                 // "obj", "ply", "stl", "off", ... as read
     std::string precision = "float64";  // "float32" if the reader rounds to it (assimp)
-    bool float32 = false;  // coordinates are stored in float32 in the file (or are rounded to it by the reader)
-    std::optional<std::int64_t> unreferenced =
-        0;                      // number of dropped vertices; empty: unknown, since the reader drops them
+    bool float32 = false;               // the file or its reader rounds coordinates to float32
+    // Vertices dropped; empty: unknown, the reader drops them.
+    std::optional<std::int64_t> unreferenced = 0;
     std::int64_t polygons = 0;  // faces of more than three corners, which were split into triangles
-    std::int64_t objects = 1;   // number of solids, groups or meshes in the file, which become one soup
+    std::int64_t objects = 1;   // solids, groups or meshes in the file, joined into one soup
 };
 
 struct LoadedShape {

@@ -148,7 +148,10 @@ Soup from_binary(const std::string& name, const PcdHeader& header, std::string_v
 std::string inflated(const std::string& name, std::string_view body) {
 #ifdef HAUSBENCH_HAS_LZF
     std::uint32_t packed = 0, full = 0;
-    if (body.size() >= 8) std::memcpy(&packed, body.data(), 4), std::memcpy(&full, body.data() + 4, 4);
+    if (body.size() >= 8) {
+        std::memcpy(&packed, body.data(), 4);
+        std::memcpy(&full, body.data() + 4, 4);
+    }
     if (body.size() < 8 || body.size() - 8 < packed)
         throw InputError(fmt::format("{}: is truncated: {} compressed bytes are announced, and {} are there", name,
                                      packed, body.size() < 8 ? 0 : body.size() - 8));

@@ -118,7 +118,10 @@ private:
                     fmt::format("its vertices have the list '{}': a line 'element face ...' before it is missing",
                                 shown(property.name)));
             least += text() ? 2 : property.count.value_or(property.type).size;
-            if (property.axis() >= 0) axes |= 1 << property.axis(), ++named;
+            if (property.axis() >= 0) {
+                axes |= 1 << property.axis();
+                ++named;
+            }
             lists += property.is_corners() ? 1 : 0;
         }
         if (element.is_vertices()) {

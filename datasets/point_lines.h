@@ -29,7 +29,8 @@ private:
     std::array<std::size_t, 3> columns_{0, 1, 2};
     std::uint64_t announced_ = 0;  // points, by all count lines so far
     std::uint32_t count_line_ = 0;
-    std::size_t named_ = std::numeric_limits<std::size_t>::max();  // columns by the header of a .csv file
+    // Columns by the header of a .csv.
+    std::size_t named_ = std::numeric_limits<std::size_t>::max();
     bool counted_ = false, any_header_ = false, counts_ = false;
     bool begun_ = false;  // a header, a count or a point is there
     std::vector<std::string_view> fields_;

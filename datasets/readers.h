@@ -17,7 +17,8 @@ namespace hausbench::readers {
 struct Soup {
     std::vector<Vec3> points;
     std::vector<std::vector<std::size_t>> faces;
-    std::vector<std::uint32_t> point_lines, face_lines;  // line numbers in the file, from 1; empty for binary formats
+    // Line numbers in the file, from 1; empty for binary formats.
+    std::vector<std::uint32_t> point_lines, face_lines;
     std::int64_t objects = 1;
     bool float32 = false;  // a coordinate is stored in that precision
 };

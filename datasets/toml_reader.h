@@ -42,8 +42,8 @@ public:
     double positive(const toml::node& node, std::string_view key,
                     double most = std::numeric_limits<double>::max()) const;
     double length(std::string_view key, double otherwise) const;  // 0 or more
-    std::vector<std::string> texts(std::string_view key,
-                                   std::string_view of = "texts") const;  // empty where it is missing
+    // Empty if the key is missing.
+    std::vector<std::string> texts(std::string_view key, std::string_view of = "texts") const;
 
     // Known are the keys that a function above was asked for, and these.
     void allow(const std::vector<std::string>& keys) const;

@@ -23,18 +23,19 @@ struct Launch {
     std::vector<std::string> command;  // the program, by its path, and its arguments; or ...
     // ... what a copy of this process does (fork), and its exit code. Only in a process without other threads.
     std::function<int(int events)> work;
-    std::filesystem::path folder;   // where it runs; empty: here
-    std::string input;              // its standard input; empty: none
-    bool events = false;            // a pipe for its lines; the number of its end is the last argument
-    bool silent = false;            // discards its standard output, and keeps its standard error
-    std::size_t kept = 4096;        // characters of the end of its output
-    std::string scratch;            // of this kind a scratch folder of its own, which is its TMPDIR; empty: none
-    bool dies_with_parent = false;  // its process group too, even if SIGKILL ends this process; one child at a time
-    std::vector<int> cores;         // that it may run on, by the kernel's numbers; empty: as this process
+    std::filesystem::path folder;  // where it runs; empty: here
+    std::string input;             // its standard input; empty: none
+    bool events = false;           // pipe for its lines; the last argument is the number of its end
+    bool silent = false;           // discards its standard output, and keeps its standard error
+    std::size_t kept = 4096;       // characters of the end of its output
+    std::string scratch;           // kind of its own scratch folder, its TMPDIR; empty: none
+    // With its process group, even if SIGKILL ends this process; one child at a time.
+    bool dies_with_parent = false;
+    std::vector<int> cores;  // allowed cores, by the kernel's numbers; empty: as this process
 };
 
 struct ChildLimits {
-    double seconds = std::numeric_limits<double>::infinity();  // by the clock, from the call of wait()
+    double seconds = std::numeric_limits<double>::infinity();  // wall time from the call of wait()
     std::int64_t resident_bytes = std::numeric_limits<std::int64_t>::max();
 };
 
@@ -89,10 +90,10 @@ private:
     std::optional<ScratchFolder> folder_;
     pid_t pid_ = -1;
     int events_ = -1, output_ = -1, input_ = -1;
-    std::size_t fed_ = 0;        // bytes of its input that were written; it may read slowly, or never
+    std::size_t fed_ = 0;        // bytes of its input written; it may read slowly, or never
     std::string buffer_, said_;  // events not yet returned; the end of its output
-    std::vector<pid_t>
-        before_;  // this process and its descendants from before; other children that live are spared too
+    // This process and its earlier descendants; other living children are spared too.
+    std::vector<pid_t> before_;
     std::int64_t own_bytes_ = 0, peak_bytes_ = -1;
     std::optional<int> status_;
 };

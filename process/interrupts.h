@@ -13,8 +13,9 @@ public:
     HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 
     static bool came();
-    static void handled();               // it came, and what it asks for is done: it is not delivered
-    [[noreturn]] static void deliver();  // ends this process by the signal that came, however many instances there are
+    static void handled();  // it came and was acted on: it is not delivered
+    // Ends this process by the signal that came, however many instances there are.
+    [[noreturn]] static void deliver();
 };
 
 }  // namespace hausbench

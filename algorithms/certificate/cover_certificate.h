@@ -27,15 +27,18 @@
 namespace hausbench {
 
 inline constexpr std::string_view cover_certificate_format = "hausbench cover 1";
-inline constexpr std::size_t most_certificate_corners = 64;    // of a polygon
-inline constexpr std::size_t most_certificate_pending = 4096;  // second children whose first is not complete
+inline constexpr std::size_t most_certificate_corners = 64;  // of a polygon
+// Nodes waiting for their second child.
+inline constexpr std::size_t most_certificate_pending = 4096;
 
 // Where a cut meets the boundary of a polygon: at a corner, or at t of the way along an edge. On an edge it is always a new corner
 // of both children, even where t is 0 or 1: the shape of the children does not depend on t.
 struct CutPoint {
     static CutPoint corner(std::size_t i) { return {i, -1, false}; }
-    static CutPoint along(std::size_t edge, double t) { return {edge, t, false}; }  // from corner `edge` on
-    static CutPoint back(std::size_t edge, double t) { return {edge, t, true}; }    // from the next corner backward
+    // From corner `edge` on.
+    static CutPoint along(std::size_t edge, double t) { return {edge, t, false}; }
+    // From the next corner backward.
+    static CutPoint back(std::size_t edge, double t) { return {edge, t, true}; }
 
     std::size_t place;  // of the corner or edge
     double t;           // in [0, 1]; below 0: a corner

@@ -10,7 +10,7 @@ namespace hausbench {
 struct Counters {
     std::uint64_t point_distances = 0;           // point to point
     std::uint64_t point_triangle_distances = 0;  // point to triangle
-    std::uint64_t node_visits = 0;               // nodes or cells of a tree whose box was looked into
+    std::uint64_t node_visits = 0;               // nodes or cells of a tree whose box was tested
     std::uint64_t closest_point_queries = 0;
     std::uint64_t bound_tests = 0;   // upper bounds of an element of A evaluated
     std::uint64_t subdivisions = 0;  // elements of A split

@@ -33,9 +33,9 @@ struct TriangleMesh {
 // The points of a closed box where a polynomial in x, y, z vanishes. Like every shape, it must not be empty; a solver that
 // finds it empty throws InputError in prepare().
 struct AlgebraicSurface {
-    std::string
-        polynomial;  // as kernel/polynomial.h reads it; its coefficients are the decimal numbers as written, not rounded to doubles
-    Points box;  // two rows: the least and the largest corner, the first below the second in each coordinate
+    // Syntax: kernel/polynomial.h. Coefficients are exact decimal numbers, not doubles.
+    std::string polynomial;
+    Points box;  // two rows: least and largest corner, first < second in each coordinate
 };
 
 // Length of the diagonal of the axis-aligned box of the points.

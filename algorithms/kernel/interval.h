@@ -28,7 +28,8 @@ inline Interval power(const Interval& x, int n) {
     if (n == 0) return Interval(1.0);
     if (n == 1) return x;
     if (n % 2 == 0) return CGAL::square(power(x, n / 2));
-    const Interval low(x.inf(), x.inf()), high(x.sup(), x.sup());  // of two ends, as they may be infinite
+    // Interval ends, because they may be infinite.
+    const Interval low(x.inf(), x.inf()), high(x.sup(), x.sup());
     const Interval at_low = CGAL::square(power(low, n / 2)) * low, at_high = CGAL::square(power(high, n / 2)) * high;
     return Interval(at_low.inf(), at_high.sup());
 }

@@ -83,7 +83,8 @@ void FormEvaluator::add(const Polynomial::Term& term) {
     Power x = powers_[0][std::size_t(term.powers[0])];
     const Power &y = powers_[1][std::size_t(term.powers[1])], &z = powers_[2][std::size_t(term.powers[2])];
     for (Interval& c : x.low) c *= term.coefficient;
-    x.even *= term.coefficient, x.odd *= term.coefficient;
+    x.even *= term.coefficient;
+    x.odd *= term.coefficient;
     for (int i = 0; i <= x.top; ++i) {
         for (int j = 0; j <= std::min(y.top, kept - i); ++j) {
             const Interval both = x.low[std::size_t(i)] * y.low[std::size_t(j)];
@@ -148,7 +149,8 @@ LinearForm FormEvaluator::linear(const Box& box) {
         }
     };
     each([&](int i, int j, int k) { sum_of(i, j, k) = Interval(0.0); });
-    rest_ = Interval(0.0), others_ = 0;
+    rest_ = Interval(0.0);
+    others_ = 0;
     for (const Polynomial::Term& term : polynomial_.terms()) add(term);
     form.slope.setZero();
     each([&](int i, int j, int k) {

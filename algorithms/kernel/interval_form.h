@@ -17,7 +17,8 @@
 namespace hausbench {
 
 enum class Form { natural, centred, affine, modified_affine };
-inline constexpr std::string_view form_names[] = {"natural", "centred", "affine", "modified_affine"};  // by Form
+// By Form.
+inline constexpr std::string_view form_names[] = {"natural", "centred", "affine", "modified_affine"};
 
 // f over the box of middle c and half widths r: for every point c + r u (componentwise, |u| <= 1) there is a number e in
 // `rest` with f = slope.u + e. What `rest` holds beyond f(c) shrinks with the square of the box.

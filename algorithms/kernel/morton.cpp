@@ -153,7 +153,10 @@ bool MortonFrame::before(const double* first, const double* second) const {
     bool less = false;
     for (int k = 0; k < 3; ++k) {
         const std::uint64_t a = halvings_of(first[k], k), b = halvings_of(second[k], k), differ = a ^ b;
-        if (std::bit_width(differ) > std::bit_width(highest)) highest = differ, less = a < b;
+        if (std::bit_width(differ) > std::bit_width(highest)) {
+            highest = differ;
+            less = a < b;
+        }
     }
     return less;
 }

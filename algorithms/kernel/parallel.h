@@ -28,7 +28,7 @@ struct Part {
     std::size_t size() const { return end - begin; }
 };
 inline Part part(std::size_t items, std::size_t block, std::size_t blocks) {
-    const std::size_t size = items / blocks, longer = items % blocks;  // no product that could overflow
+    const std::size_t size = items / blocks, longer = items % blocks;  // a product could overflow
     const std::size_t begin = block * size + std::min(block, longer);
     return {begin, begin + size + (block < longer ? 1 : 0)};
 }

@@ -18,12 +18,14 @@ struct TaylorModel {
     double error = 0;
 
     static constexpr std::size_t start(int degree) { return std::size_t(degree) * std::size_t(degree + 1) / 2; }
-    static TaylorModel variable(double middle, double half, int which);  // middle + half u, or half v; exact
+    // Returns middle + half u (or half v), exactly.
+    static TaylorModel variable(double middle, double half, int which);
 
     double spread() const;  // at least the largest |p(u,v) - p(0,0)|
     Interval range() const;
-    double at_most()
-        const;  // closer than range().sup() next to a maximum: what is quadratic is bounded by its largest value
+    // Upper bound; tighter than range().sup() near a maximum, because it bounds the quadratic part
+    // by its largest value.
+    double at_most() const;
 };
 
 // Degrees above `most` are left out without a bound: only for polynomials that are proven otherwise later.

@@ -8,7 +8,7 @@
 
 namespace hausbench {
 
-inline constexpr int block_width = 8;  // the logical width on every machine, whatever its vectors hold
+inline constexpr int block_width = 8;  // logical width, the same on every machine
 
 struct alignas(64) TriangleBlock {
     double corner[3][3][block_width];  // [corner][coordinate][lane], the longest edge first

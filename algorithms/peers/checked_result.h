@@ -14,7 +14,10 @@ inline Result checked_result(const Query& query, const Points& a, const Points& 
         farthest.squared = std::numeric_limits<double>::infinity();
         for (Index j = 0; j < b.rows(); ++j) {
             const double squared = squared_distance(a.row(farthest.source).data(), b.row(j).data());
-            if (squared < farthest.squared) farthest.squared = squared, farthest.target = j;
+            if (squared < farthest.squared) {
+                farthest.squared = squared;
+                farthest.target = j;
+            }
         }
         counters.point_distances += static_cast<std::uint64_t>(b.rows());
         rest = std::max(rest, found);

@@ -45,7 +45,10 @@ struct ShuffledTarget {
                 counters.point_distances += static_cast<std::uint64_t>(j - begin + 1);
                 return true;
             }
-            if (squared < nearest) nearest = squared, at = j;
+            if (squared < nearest) {
+                nearest = squared;
+                at = j;
+            }
         }
         counters.point_distances += static_cast<std::uint64_t>(end - begin);
     }

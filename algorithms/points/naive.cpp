@@ -16,7 +16,10 @@ namespace {
     Index its = at;
     for (Index j = begin; j < end; ++j) {
         const double squared = squared_distance(point, b.row(j).data());
-        if (squared < least) least = squared, its = j;
+        if (squared < least) {
+            least = squared;
+            its = j;
+        }
     }
     nearest = least;
     at = its;

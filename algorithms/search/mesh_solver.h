@@ -38,7 +38,8 @@ template <class Tree> class MeshSolver : public Solver {
     static constexpr bool is_tree = std::derived_from<Tree, TriangleTree>;
 
 public:
-    using RegionTree = std::conditional_t<is_tree, Tree, TriangleBvh>;  // over A, where a solver uses regions of it
+    // Tree over A, for solvers that use regions.
+    using RegionTree = std::conditional_t<is_tree, Tree, TriangleBvh>;
 
     Needs needs(const Scene& scene, const QuerySet&) const override {
         Needs needs;

@@ -135,7 +135,10 @@ double PieceBounds::u1(const PieceCorners& v, int level) {
     for (std::size_t i = 0; i < 3; ++i) {
         const double edge = std::max(edges[(i + 1) % 3], edges[(i + 2) % 3]);
         const double sum = std::sqrt(edge) + std::sqrt(v[i].squared);
-        if (sum < least) least = sum, by_one(v[i].triangle);
+        if (sum < least) {
+            least = sum;
+            by_one(v[i].triangle);
+        }
     }
     return surface_sum_at_most(least, magnitude_, level);
 }
@@ -193,7 +196,10 @@ double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) 
         if (i == 0 || v[i].triangle != v[i - 1].triangle) feet = distances(points, 7, v[i].triangle);
         const double* squared = feet.squared_distance;
         const double of_whole = std::max({squared[0], squared[1], squared[2]});
-        if (of_whole < whole) whole = of_whole, near = v[i].triangle;
+        if (of_whole < whole) {
+            whole = of_whole;
+            near = v[i].triangle;
+        }
         most = std::max({most, squared[i], squared[3 + (i + 1) % 3], squared[3 + (i + 2) % 3], squared[6]});
     }
     return most;
@@ -256,7 +262,10 @@ double PieceBounds::nearest_triangles(const PieceCorners& v, int level, Index fo
     double least = infinity;
     for (const MeasuredPoint& corner : v) {
         const double most = squared_to_triangle(v, corner.triangle);
-        if (most < least) least = most, by_one(corner.triangle);
+        if (most < least) {
+            least = most;
+            by_one(corner.triangle);
+        }
     }
     return at_most(least, level);
 }

@@ -31,9 +31,12 @@ struct PieceArgument {
     enum class Kind {
         one,             // all of it is near triangle `near`
         nearest_corner,  // a cell for each corner, of the points nearest to it, against its S
-        corner_cut_off,  // corner `alone` is cut off at `ends`, against its S, and the rest against the S of the two others
-        three,  // three quadrilaterals, each with a corner, the midpoints beside it and the barycentre, against its S
-        nearest_foot  // two cells, of the points nearest to one of the closest points of two corners, against the S of those
+        // Corner `alone` is cut off at `ends`, against its S; the rest against the other two S.
+        corner_cut_off,
+        // Three quadrilaterals: a corner, the midpoints beside it, the barycentre; against its S.
+        three,
+        // Two cells: the points nearest to the closest point of one of two corners; against its S.
+        nearest_foot
     };
     Kind kind = Kind::one;
     Index near = -1;
@@ -57,11 +60,14 @@ public:
     // The same where some S_i is as near to all three as any, but ties named others: at shared edges and vertices of B.
     double tied_triangle(const PieceCorners& corners, int level);
 
-    double u1(const PieceCorners& corners, int level);  // a corner's distance and the longest edge there (Eq. 9)
-    double u2(const PieceCorners& corners, int level);  // the largest distance of a corner and covering_radius (Eq. 11)
-    double u3(const PieceCorners& corners,
-              int level);  // Kang et al. 2018: cut in two or three, each against its S (Eqs. 14, 18)
-    double u4(const PieceCorners& corners, int level);  // against pairs of the corners' closest points (Eq. 19)
+    // A corner's distance and its longest edge (Eq. 9).
+    double u1(const PieceCorners& corners, int level);
+    // Largest corner distance and covering_radius (Eq. 11).
+    double u2(const PieceCorners& corners, int level);
+    // Kang et al. 2018: cut in two or three, each against its S (Eqs. 14, 18).
+    double u3(const PieceCorners& corners, int level);
+    // Pairs of the corners' closest points (Eq. 19).
+    double u4(const PieceCorners& corners, int level);
 
     // Of the bound that was computed last, unless that was infinite.
     const PieceArgument& argument() const { return argument_; }
@@ -75,7 +81,10 @@ private:
     double squared_to_triangle(const PieceCorners& corners, Index triangle);
     double in_two(const PieceCorners& corners, std::size_t alone);
     double in_three(const PieceCorners& corners, double& whole, Index& near);
-    void by_one(Index near) { argument_.kind = PieceArgument::Kind::one, argument_.near = near; }
+    void by_one(Index near) {
+        argument_.kind = PieceArgument::Kind::one;
+        argument_.near = near;
+    }
     BlockFeet distances(const std::array<Vec3, 7>& points, std::size_t count, Index triangle);
 
     const Target& target_;

@@ -21,7 +21,8 @@ template <class Write>
 void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t opposite, const Write& next) {
     if (split == Split::longest_edge) {
         tree.cut(CutPoint::corner(turn.place(opposite)), CutPoint::along(turn.place(opposite + 1), 0.5));
-        next(0), next(1);
+        next(0);
+        next(1);
         return;
     }
     // Corner 0 is cut off from the middle of the edge to it, 4, to that of the edge from it, 5. What is left is 5, 1, 2, 4, then 3, 2, 4, 5,
@@ -31,7 +32,8 @@ void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t 
     tree.cut(CutPoint::corner(0), CutPoint::along(1, 0.5));
     next(1);
     tree.cut(CutPoint::corner(0), CutPoint::corner(2));
-    next(2), next(3);
+    next(2);
+    next(3);
 }
 
 // How the corners of the parts stand, of cut_triangle().
@@ -74,7 +76,10 @@ PieceProofs::Node PieceProofs::cut(Node piece, std::size_t opposite) {
     Entry& whole = nodes_[piece];
     whole.first = first;
     whole.opposite = static_cast<std::uint8_t>(opposite);
-    if (whole.near >= 0) part.upper = whole.upper, part.near = whole.near;
+    if (whole.near >= 0) {
+        part.upper = whole.upper;
+        part.near = whole.near;
+    }
     whole.tree.clear();
     for (std::size_t i = 0; i < parts_of(split_); ++i) {
         part.turn.turn = turn_of(split_, i);

@@ -41,7 +41,7 @@ private:
         Box box;             // posed
         Vec3 q;              // of B
         Index near;          // the triangle that q is on; -1: none is known
-        Index shown;         // the triangle of B that `upper` is a distance to, -1 while it is infinite
+        Index shown;         // triangle of B at distance `upper`; -1: none yet
         std::int32_t child;  // as WideNode has it
         bool own;            // whether q is nearest to its own centre
     };

@@ -9,8 +9,9 @@
 namespace hausbench {
 
 enum class Split {
-    midpoint,      // four pieces of the same shape, at the midpoints of the edges: a needle stays a needle
-    longest_edge,  // two pieces, at the midpoint of the longest edge: a needle soon becomes compact pieces
+    midpoint,  // four similar pieces, at the midpoints of the edges; a needle stays a needle
+    // Two pieces, at the midpoint of the longest edge; a needle soon becomes compact pieces.
+    longest_edge,
 };
 
 // By then a piece is smaller than rounding: four pieces have half the diameter of their parent; two halvings of the longest
@@ -51,12 +52,15 @@ Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, cons
     const auto midpoint = [](const Vertex& one, const Vertex& two) { return Vec3(0.5 * (one.point + two.point)); };
     if (split == Split::midpoint) return cut_in_four(corners, midpoint, measure);
     Cut<Vertex> cut;
-    for (std::size_t k = 0; k < 6; ++k) cut.vertices[k] = corners[k % 3];  // so that none is undefined
+    for (std::size_t k = 0; k < 6; ++k) cut.vertices[k] = corners[k % 3];  // leaves none undefined
     std::size_t opposite = 0;
     double longest = -1;
     for (std::size_t k = 0; k < 3; ++k) {
         const double length = squared_length(corners[(k + 1) % 3].point - corners[(k + 2) % 3].point);
-        if (length > longest) longest = length, opposite = k;
+        if (length > longest) {
+            longest = length;
+            opposite = k;
+        }
     }
     const std::size_t one = (opposite + 1) % 3, two = (opposite + 2) % 3;
     cut.vertices[cut.vertex_count++] = measure(midpoint(corners[one], corners[two]), corners[one]);

@@ -14,7 +14,8 @@
 namespace hausbench {
 
 struct WarmStart final : State {
-    std::vector<Index> nearest;    // triangle of B, to each vertex of A; -1: unknown. Empty before the first pose
+    // Triangle of B nearest to each vertex of A; -1: unknown. Empty before the first pose.
+    std::vector<Index> nearest;
     Index source = -1;             // triangle of A that the farthest point was in; -1: unknown
     int corner = -1;               // the corner of it that the point was, -1: none of them
     double second = 0, third = 0;  // otherwise: the weights of these corners, in [0, 1]
@@ -22,8 +23,8 @@ struct WarmStart final : State {
     // Of each triangle of A, one of B that lay near it (Tang et al. 2009, section 6, for the second direction of H); -1, or beyond the end:
     // none is known.
     std::vector<Index> partner;
-    std::vector<Index>
-        near_node;  // triangle of B near each node of a tree over A, and after these near each leaf; -1: unknown
+    // Triangle of B near each node of a tree over A, then near each leaf; -1: unknown.
+    std::vector<Index> near_node;
 
     void learn_from(const State& opposite) override {
         const auto& other = static_cast<const WarmStart&>(opposite).partner;
@@ -44,7 +45,8 @@ struct WarmStart final : State {
         // By least squares, without care: it only says where to begin.
         const Vec3 e = triangle.b - triangle.a, f = triangle.c - triangle.a, p = point - triangle.a;
         const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), scale = ee * ff - ef * ef;
-        const auto weight = [&](double x) { return x / scale > 0 ? std::min(x / scale, 1.0) : 0.0; };  // never NaN
+        // Never NaN.
+        const auto weight = [&](double x) { return x / scale > 0 ? std::min(x / scale, 1.0) : 0.0; };
         second = weight(ff * dot(e, p) - ef * dot(f, p));
         third = weight(ee * dot(f, p) - ef * dot(e, p));
     }

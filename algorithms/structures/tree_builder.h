@@ -22,8 +22,14 @@ struct FloatBox {
     Float4 low = Float4{} + std::numeric_limits<float>::infinity(),
            high = Float4{} - std::numeric_limits<float>::infinity();
 
-    void add(Float4 point) { low = point < low ? point : low, high = point > high ? point : high; }
-    void add(const FloatBox& box) { low = box.low < low ? box.low : low, high = box.high > high ? box.high : high; }
+    void add(Float4 point) {
+        low = point < low ? point : low;
+        high = point > high ? point : high;
+    }
+    void add(const FloatBox& box) {
+        low = box.low < low ? box.low : low;
+        high = box.high > high ? box.high : high;
+    }
 };
 
 // Single precision coordinates (x - centre) scale: a box becomes [-1, 1] or less.

@@ -62,7 +62,8 @@ public:
 
     LocalUnits units;
     std::vector<Index> triangle;
-    std::size_t most = most_triangles - frames_width;  // gathering ends once there are more; no larger than this
+    // Gathering stops beyond this; at most the default.
+    std::size_t most = most_triangles - frames_width;
 
     void clear(const LocalUnits& place) {
         units = place;

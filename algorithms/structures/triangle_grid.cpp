@@ -29,7 +29,10 @@ void TriangleGrid::lay(const Box& box, double edge) {
         axis.low = box.low[k];
         axis.cells = static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(most_cells_of_an_axis)));
         axis.cells_per_length = extent > 0 ? axis.cells / extent : 0;
-        if (!std::isfinite(axis.cells_per_length)) axis.cells = 1, axis.cells_per_length = 0;
+        if (!std::isfinite(axis.cells_per_length)) {
+            axis.cells = 1;
+            axis.cells_per_length = 0;
+        }
         axis.before.assign(static_cast<std::size_t>(axis.cells), -std::numeric_limits<double>::infinity());
         axis.after.assign(static_cast<std::size_t>(axis.cells), std::numeric_limits<double>::infinity());
         const double step = extent / axis.cells,
@@ -47,7 +50,10 @@ void TriangleGrid::lay(const Box& box, double edge) {
 
 TriangleGrid::Block TriangleGrid::block_of(const Box& box) const {
     Block block;
-    for (int k = 0; k < 3; ++k) block.low[k] = axes_[k].cell(box.low[k]), block.high[k] = axes_[k].cell(box.high[k]);
+    for (int k = 0; k < 3; ++k) {
+        block.low[k] = axes_[k].cell(box.low[k]);
+        block.high[k] = axes_[k].cell(box.high[k]);
+    }
     return block;
 }
 

@@ -39,8 +39,8 @@ private:
     struct Axis {
         double low = 0, cells_per_length = 0;
         int cells = 1;
-        std::vector<double> before,
-            after;  // no coordinate of cell i or of a later one is below before[i]; after[i] likewise
+        // Coordinates in cells i and later are >= before[i], those in cells up to i are <= after[i].
+        std::vector<double> before, after;
 
         int cell(double x) const;
     };
@@ -60,7 +60,8 @@ private:
     const TriangleMesh* mesh_;
     Box box_;
     Axis axes_[3];
-    std::vector<std::int32_t> cell_begin_;  // cell i holds order_[cell_begin_[i]] to order_[cell_begin_[i + 1] - 1]
+    // Cell i: order_[cell_begin_[i]] to [cell_begin_[i + 1] - 1].
+    std::vector<std::int32_t> cell_begin_;
     std::vector<Index> order_;
 };
 

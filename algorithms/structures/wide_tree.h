@@ -21,9 +21,10 @@ struct alignas(64) WideNode {
 static_assert(sizeof(WideNode) == 128);
 
 struct WideTree {
-    std::vector<WideNode> nodes;           // parents before children; the root is node 0
-    std::vector<std::int32_t> leaf_begin;  // leaf i holds order[leaf_begin[i]] to order[leaf_begin[i + 1] - 1]
-    std::vector<Index> order;              // each element once
+    std::vector<WideNode> nodes;  // parents before children; the root is node 0
+    // Leaf i: order[leaf_begin[i]] to [leaf_begin[i + 1] - 1].
+    std::vector<std::int32_t> leaf_begin;
+    std::vector<Index> order;  // each element once
 
     std::size_t leaves() const { return leaf_begin.size() - 1; }
     std::span<const Index> leaf(std::size_t i) const {

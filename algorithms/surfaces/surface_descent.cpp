@@ -30,7 +30,10 @@ bool SurfaceDescent::step_onto(Vec3& y, double ulp) const {
             return true;
         }
         for (int k = 0; k < 3; ++k) {
-            if (to[k] != inside[k]) y[k] = inside[k], free[k] = 0;
+            if (to[k] != inside[k]) {
+                y[k] = inside[k];
+                free[k] = 0;
+            }
         }
     }
     return true;

@@ -52,7 +52,10 @@ public:
         for (std::size_t t = 0; t < triangles_.size(); ++t) {
             for (std::size_t k = 0; k < 3; ++k) {
                 Index& at = renumbered[std::size_t(triangles_[t][k])];
-                if (at < 0) at = Index(used.size()), used.push_back(vertices_[std::size_t(triangles_[t][k])]);
+                if (at < 0) {
+                    at = Index(used.size());
+                    used.push_back(vertices_[std::size_t(triangles_[t][k])]);
+                }
                 mesh.triangles(Index(t), Index(k)) = at;
             }
         }
@@ -270,7 +273,8 @@ double triangle_distance_at_most(const Vec3& p, const Vec3& a, const Vec3& b, co
     double w = area > 0 ? std::clamp((d00 * e1 - d01 * e0) / area, 0.0, 1.0) : 0;
     if (v + w > 1) {
         const double sum = v + w;
-        v /= sum, w /= sum;
+        v /= sum;
+        w /= sum;
     }
     const Vec3 q = a + v * ab + w * ac;
     return apart(p, q) + 32 * unit_roundoff * magnitude;

@@ -22,7 +22,10 @@ double support(const LinearForm& f, const Vec3& n) {
     for (int k = 0; k < 3; ++k) {  // convex and piecewise linear in l: the minimum is at a corner
         if (f.slope[k] == 0) continue;
         const double l = q[k] / f.slope[k], c = cost(l);
-        if (c < least) best = l, least = c;
+        if (c < least) {
+            best = l;
+            least = c;
+        }
     }
     const Interval l(best);
     double sum = (-l * f.rest).sup();

@@ -58,12 +58,18 @@ public:
         double most = -1;
         for (std::size_t k = 0; k < 3; ++k) {
             const double squared = (corners[(k + 1) % 3] - corners[k]).squaredNorm();
-            if (squared > most) most = squared, longest = k;
+            if (squared > most) {
+                most = squared;
+                longest = k;
+            }
         }
         s_ = corners[longest];
         const Vec3 &b = corners[(longest + 1) % 3], &c = corners[(longest + 2) % 3];
-        f_ = difference(b, s_), g_ = difference(c, s_);
-        along_ = b - s_, side_ = c - s_, third_ = c - b;
+        f_ = difference(b, s_);
+        g_ = difference(c, s_);
+        along_ = b - s_;
+        side_ = c - s_;
+        third_ = c - b;
         height_ = side_ - slope(side_, along_) * along_;
     }
 
@@ -152,7 +158,10 @@ public:
         for (triangle_ = 0; triangle_ < source_.triangles(); ++triangle_) {
             node_ = 0;
             const double bound = tree();
-            if (check_.worst < 0 || bound > most) most = bound, check_.worst = triangle_;
+            if (check_.worst < 0 || bound > most) {
+                most = bound;
+                check_.worst = triangle_;
+            }
         }
         node_ = 0;
         if (!reader_.at_end()) throw Refused("there are bytes after the last triangle");

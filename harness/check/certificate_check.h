@@ -17,7 +17,7 @@ namespace hausbench {
 struct CertificateCheck {
     bool accepted = false;
     std::string refusal;     // one line, why not; empty: accepted
-    double found = 0;        // no point of A is farther from B. Infinite where the bytes are no certificate of A
+    double found = 0;        // proven upper bound of h(A,B); infinite: not a certificate of A
     Index worst = -1;        // the triangle of A with that bound
     std::uint64_t cuts = 0;  // nodes by kind
     std::uint64_t one = 0, centre = 0, vertex = 0;

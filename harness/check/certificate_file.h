@@ -44,7 +44,8 @@ struct CertificateVerdict {
     bool accepted = false;
     double proven = 0;                     // of the quantity
     std::vector<CertificateCheck> checks;  // of each certificate
-    std::string lower;    // what is known of the lower bound: "holds", "not checked: ...", or why it does not hold
+    // Verdict on the lower bound: "holds", "not checked: ...", or why it does not hold.
+    std::string lower;
     std::string refusal;  // one line; empty: accepted
 };
 

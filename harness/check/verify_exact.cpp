@@ -86,7 +86,10 @@ Rational squared_distance(const Vec3& p, const Element& e) {
 // Scaled by the largest difference, so that no square is too large or too small for a double.
 Vec3 rough_offset(const Vec3& p, Element e) {
     double scale = 0;
-    for (Vec3& v : e) v -= p, scale = std::max(scale, v.cwiseAbs().maxCoeff());
+    for (Vec3& v : e) {
+        v -= p;
+        scale = std::max(scale, v.cwiseAbs().maxCoeff());
+    }
     if (!(scale > 0) || !std::isfinite(scale) || e.size() == 1) return e[0];
     for (Vec3& v : e) v /= scale;
     const Vec3 ab = e[1] - e[0], ac = e[2] - e[0], normal = ab.cross(ac);

@@ -220,7 +220,10 @@ private:
         for (Index k = 0; k < target_.count(); ++k) {
             if (target_.beyond(k, p, least)) continue;
             const double d = rough_offset(p, target_[k]).stableNorm();
-            if (d < least) least = d, best = k;
+            if (d < least) {
+                least = d;
+                best = k;
+            }
         }
         return best;
     }

@@ -41,7 +41,10 @@ Verdict Checker::lower(double lower, const Witness& witness, const Pose& source_
             const auto corners = off(i);
             if (!corners) continue;
             const double d = rough_offset(p, *corners).stableNorm();
-            if (!nearest_off || d < least) least = d, nearest_off = corners;
+            if (!nearest_off || d < least) {
+                least = d;
+                nearest_off = corners;
+            }
         }
     }
     if (!nearest_off) return Verdict::not_checked;
@@ -52,7 +55,10 @@ Verdict Checker::lower(double lower, const Witness& witness, const Pose& source_
     bool stopped = false;
     const std::optional<Rational> nearest = nearer_than(to, p, r, stop_, stopped);
     if (stopped) return Verdict::not_checked;
-    if (!nearest) return shown = lower, Verdict::holds;
+    if (!nearest) {
+        shown = lower;
+        return Verdict::holds;
+    }
     const double distance = root_at_most(*nearest);
     shown = e == 0 ? distance : std::max(0.0, down(distance - e));
     const Rational wanted = Rational(lower) + Rational(e);

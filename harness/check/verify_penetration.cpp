@@ -107,7 +107,10 @@ struct Body {
         std::vector<bool> seen(triangles.size(), false);
         for (std::size_t k = 0; k < triangles.size(); ++k) {
             for (const Vec3& v : surface[triangles[k]]) around[key(v)].push_back(k);
-            if (triangles[k] == triangle) found.push_back(k), seen[k] = true;
+            if (triangles[k] == triangle) {
+                found.push_back(k);
+                seen[k] = true;
+            }
         }
         for (std::size_t i = 0; i < found.size(); ++i) {
             const Element own = surface[triangles[found[i]]];
@@ -118,7 +121,10 @@ struct Body {
             }
             for (const Vec3& v : own) {
                 for (const std::size_t next : around.at(key(v))) {
-                    if (!seen[next]) found.push_back(next), seen[next] = true;
+                    if (!seen[next]) {
+                        found.push_back(next);
+                        seen[next] = true;
+                    }
                 }
             }
         }

@@ -40,7 +40,10 @@ private:
     struct Hash {
         std::size_t operator()(const Cell& cell) const {
             std::uint64_t sum = 0;
-            for (const std::int64_t x : cell) sum = (sum ^ std::uint64_t(x)) * 0x9E3779B97F4A7C15u, sum ^= sum >> 29;
+            for (const std::int64_t x : cell) {
+                sum = (sum ^ std::uint64_t(x)) * 0x9E3779B97F4A7C15u;
+                sum ^= sum >> 29;
+            }
             return std::size_t(sum);
         }
     };

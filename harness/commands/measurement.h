@@ -13,22 +13,24 @@
 
 namespace hausbench {
 
-inline constexpr double question_seconds = 10;  // the time limit where a cutoff is asked about and no other is given
+inline constexpr double question_seconds = 10;  // default time limit with a cutoff
 
 struct MeasureRequest {
     std::filesystem::path source, target;
-    std::string solver;  // empty: cover for meshes, scan for point sets, surface_enclosure for surfaces
+    // Empty: cover for meshes, scan for point sets, surface_enclosure for surfaces.
+    std::string solver;
     ParameterMap options;
     double tolerance = 1e-6;
     std::string of = "diagonal";   // one of tolerance_units
-    bool tolerance_given = false;  // one of the two was given: then it is an error where it means nothing
+    bool tolerance_given = false;  // tolerance or `of` was given; an error if it means nothing
     bool symmetric = false;        // H = max of both directions
     bool penetration = false;      // the penetration depth, instead of a distance
-    std::optional<double> cutoff;  // asks "is the distance above this length?"; the tolerance then ends nothing
+    // Asks "is the distance above this length?"; the tolerance then does not end the solve.
+    std::optional<double> cutoff;
     int threads = 1;
     double time_limit = std::numeric_limits<double>::infinity();  // for preparing, and for solving
-    std::filesystem::path fields = {};                            // a file to write them into; empty: none are wanted
-    double resolution = 0.1;                                      // of them, as a fraction of the distance
+    std::filesystem::path fields = {};                            // file to write them to; empty: none
+    double resolution = 0.1;                                      // of the fields, relative to the distance
     std::filesystem::path certificate = {};                       // likewise
     bool in_process = false;                                      // solve in this process: for debuggers
 
@@ -67,20 +69,22 @@ struct Measured {
     bool certified = false;  // the bounds hold under rounding, with the options given
     MeasuredShape source, target;
     double tolerance_absolute = 0;  // NaN: a fraction of the lower bound
-    std::string
-        tolerance_of;   // as asked; or what stands in where the default means nothing: `diagonal of both`, `absolute`
+    // The unit asked for, or its substitute if that means nothing: `diagonal of both`, `absolute`.
+    std::string tolerance_of;
     double unit = 1;    // the length of which the tolerance is a fraction
     double extent = 0;  // the diagonal of the box of both shapes
     Result result;
-    std::optional<Result> forward, backward;  // of H: h(A,B), h(B,A); witnesses as in the result; none: not asked
+    // The directions of H: h(A,B), h(B,A), with witnesses as in the result.
+    std::optional<Result> forward, backward;
     double forward_seconds = 0, backward_seconds = 0;
     double prepare_seconds = 0, solve_seconds = 0;
     std::int64_t peak_bytes = -1;
     std::optional<NoAnswer> failed;
-    std::optional<double>
-        proven;  // what the certificate written says is an upper bound; none: no certificate was written
+    // Upper bound that the written certificate proves; empty: none was written.
+    std::optional<double> proven;
     std::string why_not_proven = {};  // one line: why not, where a certificate was asked for
-    std::string doubt = {};  // one line: why the certificate that was written may prove nothing; empty: it was checked
+    // One line: why the written certificate may prove nothing; empty: it was checked.
+    std::string doubt = {};
     std::vector<DrawnFile> drawn = {};  // A; with --symmetric B too
     std::string why_not_drawn = {};     // one line: why not all were written
     std::vector<std::string> warnings = {};
@@ -104,6 +108,7 @@ std::string no_answer(const Measured& measured);
 int exit_code(const Measured& measured, const MeasureRequest& request);
 
 nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);
-std::string describe(const Measured& measured, const MeasureRequest& request);  // for a person; ends in a newline
+// Text for a person; ends in a newline.
+std::string describe(const Measured& measured, const MeasureRequest& request);
 
 }  // namespace hausbench

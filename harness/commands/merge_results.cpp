@@ -152,12 +152,14 @@ private:
                    l.profile == entry.profile;
         };
         const auto at = std::find_if(merged_.ledger.begin(), merged_.ledger.end(), same);
-        if (at == merged_.ledger.end())
+        if (at == merged_.ledger.end()) {
             merged_.ledger.push_back(entry);
-        else if (entry.kind == "reference")  // each part has its own
-            at->count += entry.count, at->seconds_saved += entry.seconds_saved;
-        else if (std::isnan(at->seconds_saved))
+        } else if (entry.kind == "reference") {  // each part has its own
+            at->count += entry.count;
+            at->seconds_saved += entry.seconds_saved;
+        } else if (std::isnan(at->seconds_saved)) {
             at->seconds_saved = entry.seconds_saved;  // one part ran it, the others did not
+        }
     }
 
     ResultFile merged_;

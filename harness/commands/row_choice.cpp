@@ -109,7 +109,10 @@ Condition condition_of(const std::string& where, const std::string& option) {
                 if (!real || real->width == 1) names.emplace_back(column.name);
             }
         };
-        add(case_columns()), add(outcome_columns()), add(check_columns()), add(row_columns());
+        add(case_columns());
+        add(outcome_columns());
+        add(check_columns());
+        add(row_columns());
         throw InputError(fmt::format("{} {}: no column of single values is called '{}'{}", option, where, name,
                                      nearest_hint(name, names)));
     }

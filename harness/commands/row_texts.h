@@ -18,7 +18,8 @@ std::string bound_text(double value, bool lower);
 
 std::string bytes_text(std::int64_t bytes);     // "1.3 MB"; empty where it is unknown, -1
 std::string time_text(const Outcome& outcome);  // with its interval, where there is one
-std::string check_text(const Row& row);  // whether independent code has re-checked the lower bound by its witness
+// Whether independent code has re-checked the lower bound by its witness.
+std::string check_text(const Row& row);
 std::string tolerance_text(const Case& asked);  // "0.001 diagonal"
 std::string answer_of(const Row& row);          // column `answer`
 std::string gap_text(double gap);               // two digits; empty for NaN

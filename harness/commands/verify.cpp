@@ -33,7 +33,10 @@ int verify_proof(const std::vector<std::filesystem::path>& files) {
     if (files.size() != 1 && files.size() != 3)
         throw InputError("verify --certificate: name the certificate alone, or the certificate, A and B");
     CertificateFile content = read_certificate(files.front());
-    if (files.size() == 3) content.source.file = files[1].string(), content.target.file = files[2].string();
+    if (files.size() == 3) {
+        content.source.file = files[1].string();
+        content.target.file = files[2].string();
+    }
     for (const std::string& file : {content.source.file, content.target.file}) {
         if (!names_a_file(file) && !std::filesystem::exists(file)) continue;  // a model of the project
         if (!std::filesystem::exists(file))

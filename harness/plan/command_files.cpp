@@ -100,9 +100,11 @@ private:
     void bare(char c) {
         constexpr std::string_view separators = ";|&()\n";
         if (c == '\'' || c == '"') {
-            quote_ = c, begun_ = true;
+            quote_ = c;
+            begun_ = true;
         } else if (c == '\\' && i_ + 1 < line_.size()) {
-            word_.text += line_[++i_], begun_ = true;
+            word_.text += line_[++i_];
+            begun_ = true;
         } else if (c == ' ' || c == '\t') {
             end_word();
         } else if (c == '<' || c == '>') {
@@ -184,10 +186,13 @@ CommandFiles files_of_command(const std::string& line, const fs::path& folder) {
         std::optional<fs::path> file = word.first ? program_at(word.text, folder) : file_at(folder / word.text);
         if (const std::size_t equals = word.text.find('='); !file && equals != std::string::npos)
             file = file_at(folder / word.text.substr(equals + 1));
-        if (file)
-            hash.add(sha256_of_file(*file)), any = true;
-        else if (word.first && split.certain && !goes_on(word.text) && !is_builtin(word.text) && found.missing.empty())
+        if (file) {
+            hash.add(sha256_of_file(*file));
+            any = true;
+        } else if (word.first && split.certain && !goes_on(word.text) && !is_builtin(word.text) &&
+                   found.missing.empty()) {
             found.missing = nowhere(word.text);
+        }
     }
     if (any) found.sha256 = hash.hex();
     return found;

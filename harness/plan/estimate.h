@@ -12,9 +12,10 @@
 namespace hausbench {
 
 struct JobEstimate {
-    double seconds = 0;      // all rounds and repeats
-    std::int64_t bytes = 0;  // resident, of its worker: the shapes, and what the solver takes besides, or more
-    std::size_t known = 0;   // cases that an earlier run answered
+    double seconds = 0;  // all rounds and repeats
+    // Upper estimate of its worker's resident set: the shapes and the solver's memory.
+    std::int64_t bytes = 0;
+    std::size_t known = 0;  // cases that an earlier run answered
 };
 
 // Times and memory come from result files in `results`: of the same case; else of the same solver on other shapes, scaled by the work

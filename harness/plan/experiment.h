@@ -18,16 +18,21 @@ namespace hausbench {
 struct ScenePlan {
     std::string name, source, target;      // models, by name, or files, by path (own_models.h)
     int source_line = 0, target_line = 0;  // of the experiment's file
-    std::string matrix;   // of which it is a pair: the name of the [[scene]] with `sources` and `targets`; else empty
+    // Name of the [[scene]] with `sources` and `targets` of which this is a pair; else empty.
+    std::string matrix;
     bool search = false;  // of a matrix: the targets of each source are one chain, see Case::chain
-    std::string each;  // of which it is one: the name of the [[scene]] with `each` (and {}) or `recording`; else empty
+    // Name of the [[scene]] with `each` (and {}) or `recording` that expands to this; else empty.
+    std::string each;
     std::string note;
-    std::vector<double> tolerances;                              // its own; else those of the solver
-    std::string family;                                          // of a case in a sweep over `severity`; else empty
+    std::vector<double> tolerances;  // its own; empty: the solver's
+    // In a sweep over `severity`; else empty.
+    std::string family;
     double severity = std::numeric_limits<double>::quiet_NaN();  // where it is in that sweep
-    double exact = std::numeric_limits<double>::quiet_NaN();     // the experiment's quantity, where it is known
-    Motion motion = Static{}, target_motion = Static{};          // one of them is static, or both have as many poses
-    std::vector<int> frames;                                     // of a recording: of each pose; else empty
+    // The experiment's quantity, if known; else NaN.
+    double exact = std::numeric_limits<double>::quiet_NaN();
+    // One of them is static, or both have as many poses.
+    Motion motion = Static{}, target_motion = Static{};
+    std::vector<int> frames;  // frame of each pose of a recording; else empty
 };
 
 struct SolverPlan {
@@ -36,8 +41,10 @@ struct SolverPlan {
     std::vector<double> tolerances;          // this solver's own, else the experiment's
     std::vector<std::string> scenes;         // only on these; empty: on all
     Quantity quantity = Quantity::directed;  // this solver's own, else the experiment's
-    int threads = 1;    // this solver's own, else the experiment's; 1 for a solver that offers no more
-    bool warm = false;  // each pose starts from what the pose before it left, see State
+    // Its own, else the experiment's; 1 if the solver offers no more.
+    int threads = 1;
+    // Each pose starts from what the pose before it left, see State.
+    bool warm = false;
 };
 
 struct Experiment {
@@ -45,24 +52,28 @@ struct Experiment {
     std::string toml;  // verbatim
     std::filesystem::path file;
     std::filesystem::path folder() const { return std::filesystem::absolute(file).parent_path(); }
-    std::vector<ModelInfo> models;  // its own: [model.NAME], and those that scenes describe in place
+    std::vector<ModelInfo> models;  // [model.NAME], and models described in scenes
     std::vector<ScenePlan> scenes;
     std::vector<SolverPlan> solvers;
     std::vector<double> tolerances;
-    std::string of = "diagonal";                                         // one of tolerance_units
-    double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // as `of` says; where it is `lower`, lengths
-    std::int64_t budget = -1;                                            // see Query; -1: none
+    std::string of = "diagonal";  // one of tolerance_units
+    // In the unit that `of` names; `lower`: lengths.
+    double floor = 0, cutoff = std::numeric_limits<double>::infinity();
+    std::int64_t budget = -1;  // see Query; -1: none
     Quantity quantity = Quantity::directed;
-    int threads = 1;        // that a solver may use, see Query
-    int repeats = 5;        // timed repeats a round
-    int rounds = 1;         // fresh processes; the order of solvers is turned round after each (ABBA)
-    bool trace = false;     // coarser tolerances are read off the trace of the finest where a solver traces
-    bool fields = false;    // values for each vertex and element of A, see Outcome::fields_sha256
-    bool stages = false;    // seconds by stage, from a run that is not timed, see Wanted::stages
-    bool reference = true;  // one certified answer for each scene and pose to hold the others against, see references.h
+    int threads = 1;  // that a solver may use, see Query
+    int repeats = 5;  // timed repeats a round
+    int rounds = 1;   // fresh processes; the order of solvers alternates (ABBA)
+    // Reads coarser tolerances off the trace of the finest, for solvers that trace.
+    bool trace = false;
+    bool fields = false;  // values for each vertex and element of A, see Outcome::fields_sha256
+    bool stages = false;  // seconds by stage, from a run that is not timed, see Wanted::stages
+    // One certified answer for each scene and pose to check the others against (references.h).
+    bool reference = true;
     double reference_seconds = 10;  // at most for each of these
     Limits limits;
-    std::vector<std::string> expected_unsound;  // labels of solvers whose wrong answers are a result of the experiment
+    // Labels of solvers whose wrong answers are a result of the experiment.
+    std::vector<std::string> expected_unsound;
 };
 
 // `each = "corpus"` takes the names of corpus.toml beside the manifest (paths.h).

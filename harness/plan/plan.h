@@ -39,8 +39,9 @@ struct Job {
 
 // A case that is not run because the run of another holds its answer.
 struct FromTrace {
-    std::size_t of;          // row of the case that is run
-    bool ignores_tolerance;  // of the solver: the answer is that of the finer run; else a sample of its trace
+    std::size_t of;  // row of the case that is run
+    // The solver does: the row is the finer run's answer; else a sample of its trace.
+    bool ignores_tolerance;
 };
 
 inline constexpr const char* coarser_tolerances = "coarser tolerances";
@@ -56,16 +57,19 @@ inline constexpr const char* not_run_yet = "not run: the sweep was interrupted; 
 
 struct Plan {
     Experiment experiment;
-    std::vector<Case> cases;                  // every case asked for
-    std::map<std::size_t, Outcome> decided;   // rows that need no run: not built, skipped, failed before it began
-    std::map<std::size_t, FromTrace> traced;  // rows read off another row's run: add them by read_off()
+    std::vector<Case> cases;  // every case asked for
+    // Rows that need no run: not built, skipped, failed before they began.
+    std::map<std::size_t, Outcome> decided;
+    std::map<std::size_t, FromTrace> traced;  // rows read off another row's run, by read_off()
     std::vector<Job> jobs;
     std::vector<LedgerEntry> ledger;
     std::vector<ModelRow> models;
     bool leave_nothing_out = false;
-    double planted_slowdown = 0;       // adds this share of its CPU time to each repeat: `track` tests itself with it
-    std::shared_ptr<Plan> references;  // the answers to hold these against, see references.h; null: there are none
-    bool whole = true;  // every scene and solver of the experiment's profile: --solver and --scene chose none
+    // Adds this share of its CPU time to each repeat; `track` tests itself with it.
+    double planted_slowdown = 0;
+    std::shared_ptr<Plan> references;  // answers to check these against (references.h); null: none
+    // Holds every scene and solver of the profile: --solver and --scene chose none.
+    bool whole = true;
     Shard shard = {};
 
     void read_off(std::size_t row, const FromTrace& from);
@@ -85,8 +89,8 @@ using SayModel = std::function<void(const std::string& name, std::size_t before,
 
 struct Choice {  // --solver, --scene; empty: all
     std::vector<std::string> solvers, scenes;
-    bool leave_nothing_out =
-        false;  // run every tolerance, build every structure: to test that leaving out changes nothing
+    // Runs every tolerance and builds every structure, to test that leaving out changes nothing.
+    bool leave_nothing_out = false;
     double planted_slowdown = 0;
 };
 
@@ -100,7 +104,7 @@ using ShapesOf = std::function<ShapeOf(const Experiment&)>;  // with the experim
 
 struct AskedCases {
     std::vector<Case> cases;
-    std::set<std::string> unknown;  // scenes whose poses are not known, because a shape that moves is not to be had
+    std::set<std::string> unknown;  // scenes with unknown poses, because a moving shape is missing
 };
 
 // Every case that the experiment asks for today if its models are those that a result recorded; others count as missing. No model

@@ -37,7 +37,8 @@ class ModelFinder {
 public:
     ModelFinder(const Catalogue& catalogue, const SayModel& say) : catalogue_(catalogue), say_(say) {}
 
-    void expect(const ScenePlan& scene);  // before the first is looked for, so that `say` knows how many there are
+    // Call before the first lookup, so that `say` knows how many there are.
+    void expect(const ScenePlan& scene);
 
     SceneModels find(const ScenePlan& scene);
 

@@ -18,7 +18,8 @@ std::vector<int> balanced(const std::vector<double>& seconds, int parts);
 // Which shard has which job. It outlives changes of the experiment: a job that is still the same stays where it is.
 struct Split {
     int of = 1;
-    std::map<std::string, int> shards;  // from 1 on, by the job's key: a hash of the identities of its cases
+    // Shard, from 1 on, by the job's key: a hash of the identities of its cases.
+    std::map<std::string, int> shards;
 
     // The shard of each job of the plan. Throws InputError where one is not in the split: the experiment has changed since.
     std::vector<int> of_jobs(const Plan& plan) const;

@@ -16,8 +16,9 @@ namespace hausbench {
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Limits {
-    double case_seconds = 60;      // for one answer; the timed repeats together may take twice as long
-    double prepare_seconds = 120;  // for loading and preparing
+    // One answer; timed repeats together may take twice as long.
+    double case_seconds = 60;
+    double prepare_seconds = 120;                       // for loading and preparing
     std::int64_t memory_bytes = std::int64_t(8) << 30;  // resident set of a worker
 };
 
@@ -39,7 +40,7 @@ struct Case {
     std::string identity;  // SHA-256, see identify()
     std::string solver, label;
     std::string profile;   // of the experiment, that asks for it; several are joined by commas
-    std::string variant;   // the parameters that the experiment sweeps: "samples=8, seed=1"; else empty
+    std::string variant;   // swept parameters: "samples=8, seed=1"; else empty
     ParameterMap options;  // every parameter of the solver
     std::string scene, note, source, target;
     std::string source_hash, target_hash;  // of the shapes; empty for a missing model
@@ -54,7 +55,8 @@ struct Case {
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
     std::int64_t budget = -1;                                            // likewise; -1: none
     int threads = 1;                                                     // that the solver may use
-    std::string program_sha256;  // see command_files.h; empty: the solver runs no command, or nothing of it was found
+    // See command_files.h; empty: the solver runs no command, or no file of it was found.
+    std::string program_sha256;
     Limits limits;
     // A warm case starts from what the solver kept of the pose before it, whose identity is `chain`; empty at the chain's head. In a
     // search the cutoff comes from the targets before, and `chain` is the identity of the last of them.
@@ -63,7 +65,8 @@ struct Case {
     double exact = unknown;     // the true distance, where the experiment gives it
     std::string family;         // of a case that is swept over its severity; else empty
     double severity = unknown;  // where it is in that sweep
-    int certified = -1;  // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so not known
+    // 1: the solver promises bounds that hold under rounding; 0: not; -1: not built, so unknown.
+    int certified = -1;
 
     double unit() const { return unit_of(tolerance_of, source_diagonal, source_longest); }
     Tolerance resolved_tolerance() const;  // a length, unless it is a fraction of the lower bound

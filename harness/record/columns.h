@@ -21,14 +21,15 @@ namespace hausbench {
 enum class Identity {
     no,
     always,
-    of_missing,  // the name of a model that is missing, which has no hash: so that such cases still differ
-    where_given  // where it is not the default: a column that came later leaves the identity of older cases as it was
+    of_missing,  // the name of a missing model, which has no hash, so that such cases differ
+    // Only if it is not the default: a later column leaves the identity of older cases unchanged.
+    where_given
 };
 
 template <class Row> struct Column {
     struct Text {
         std::string (*get)(const Row&);
-        void (*set)(Row&, const std::string&);  // all of them throw std::runtime_error for a value that is not legal
+        void (*set)(Row&, const std::string&);  // throws std::runtime_error for an illegal value
     };
     struct Real {
         std::size_t width;
@@ -41,7 +42,7 @@ template <class Row> struct Column {
     };
 
     std::string_view name, meaning;           // the meaning is Markdown, one line
-    std::variant<Text, Real, Integer> value;  // set is null where the value follows from other columns
+    std::variant<Text, Real, Integer> value;  // set is null if the value follows from other columns
     Identity identity = Identity::no;
 };
 
@@ -49,7 +50,8 @@ template <class Row> using Columns = std::vector<Column<Row>>;
 
 // A row of /cases is a case, its outcome and its check side by side.
 const Columns<Case>& case_columns();
-const Columns<Outcome>& outcome_columns();  // without the counters, whose columns follow from counter_fields
+// Without the counters, whose columns follow from counter_fields.
+const Columns<Outcome>& outcome_columns();
 const Columns<Check>& check_columns();
 const Columns<Row>& row_columns();  // what follows from all of these and the reference answer
 const Columns<ModelRecord>& model_columns();

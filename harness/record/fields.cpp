@@ -130,7 +130,10 @@ private:
         std::pair<double, Edge> most{-1, 0};
         for (int k = 0; k < 3; ++k) {
             const std::pair<double, Edge> one{squared_length_of(edge_of(piece, k)), edge_of(piece, k)};
-            if (one > most) most = one, best = k;
+            if (one > most) {
+                most = one;
+                best = k;
+            }
         }
         return best;
     }

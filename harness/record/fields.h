@@ -27,9 +27,10 @@ struct DrawnField {
     Triangles pieces;             // none if A is a point set
     std::vector<Index> elements;  // for each piece, its triangle of A
     std::vector<double> distances;
-    std::vector<Index>
-        nearest;           // for each vertex, the nearest element of B; of several that seem as near, the lowest index
-    bool resolved = true;  // false: most_pieces ended the cutting where differences above the resolution were left
+    // Nearest element of B to each vertex; the lowest index of several that seem as near.
+    std::vector<Index> nearest;
+    // False: most_pieces ended the cutting with differences above the resolution left.
+    bool resolved = true;
 
     double largest() const;
 };

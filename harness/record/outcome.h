@@ -13,7 +13,8 @@
 
 namespace hausbench {
 
-template <class E> inline constexpr int count_of = 0;  // of the values of an enumeration that a column holds by name
+// Number of values of an enumeration that a column holds by name.
+template <class E> inline constexpr int count_of = 0;
 
 // What became of a case; results/README.md says when.
 enum class RowStatus { ok, timeout, out_of_memory, signal, skipped, failed, unsound, not_built, floor, budget };
@@ -58,26 +59,28 @@ struct Outcome {
     Bounds bounds{unknown, unknown};
     Witness witness{Vec3::Constant(unknown), Vec3::Constant(unknown), -1, -1};
     Counters counters;
-    std::map<std::string, std::uint64_t> other_counters;  // of a file from a program that counts more
-    std::map<std::string, double> extras;                 // numbers that the solver reports of itself
-    Facts facts;                                          // and texts
+    // Read from a file of a program with more counters.
+    std::map<std::string, std::uint64_t> other_counters;
+    std::map<std::string, double> extras;  // numbers that the solver reports
+    Facts facts;                           // and texts
     double prepare_seconds = unknown;
     std::int64_t prepare_bytes = -1;
     double solve_seconds = unknown;
     double reported_seconds = unknown;
     std::int64_t peak_bytes = -1;
-    std::string clock;  // "cpu" or "wall": which is the time of the case, see timing.h; empty where there was no answer
+    // "cpu" or "wall": which is the time of the case (timing.h); empty: no answer.
+    std::string clock;
     std::vector<Preparation> preparation;
     std::vector<FirstAnswer> answers;
     std::vector<Repeat> repeats;
     int repeats_asked = 0;  // of the round; there are fewer where time ran out
     bool stages_asked = false;
     std::vector<TraceSample> trace;
-    double proven_upper = unknown;  // by a certificate of this answer that was checked; NaN: there is none
-    std::string fields_sha256;      // of the file that holds them, beside the journal; see field_file.h
+    double proven_upper = unknown;  // by a checked certificate of this answer; NaN: none
+    std::string fields_sha256;      // hash of their file, beside the journal (field_file.h)
     bool from_trace = false;
-    bool side_by_side =
-        false;  // other work of the run may have been on the machine meanwhile: its times compare with none
+    // Other work of the run may have shared the machine: its times are not comparable.
+    bool side_by_side = false;
     std::string build, machine;
 };
 

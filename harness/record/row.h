@@ -20,10 +20,9 @@ struct Row {
     Case asked;
     Outcome outcome;
     Check check;
-    Fields fields = {};  // where the experiment asks for them
-    Bounds reference = {unknown,
-                        unknown};  // of the same distance: the bounds of the reference answer; NaN: there is none
-    bool is_reference = false;     // it is such an answer itself
+    Fields fields = {};                     // where the experiment asks for them
+    Bounds reference = {unknown, unknown};  // bounds of the reference answer; NaN: none
+    bool is_reference = false;              // it is such an answer itself
 };
 
 // One row of /fields: the values of a case's field stand in one piece of the values of all.

@@ -10,7 +10,8 @@
 namespace hausbench {
 
 struct Build {
-    std::string id;      // SHA-256 of the program: changes with everything that could change an answer
+    // SHA-256 of the program; changes with everything that could change an answer.
+    std::string id;
     std::string commit;  // of the sources, "unknown" outside a checkout; not part of the id
     std::string dirty;   // "yes", "no" or "unknown"
     std::string version, compiler, flags, type;

@@ -128,7 +128,9 @@ private:
         if (at != rows_.end() && !plan_.whole) places_[at->second] = place_;
         if (at != rows_.end() && awaits(result_.rows[at->second]) && !awaits(row)) {
             Row& asked = result_.rows[at->second];
-            asked.outcome = std::move(row.outcome), asked.check = row.check, asked.fields = std::move(row.fields);
+            asked.outcome = std::move(row.outcome);
+            asked.check = row.check;
+            asked.fields = std::move(row.fields);
             ++not_replaced_;
         }
         std::set<std::string> profiles = uncovered(c);

@@ -9,7 +9,8 @@ namespace hausbench {
 
 // Cases of one solver that are expected to take as long each.
 struct OpenWork {
-    std::string kind;     // the solver: where it takes twice as long as expected, its other cases will, too
+    // The solver; if a case takes twice as long as expected, its others will, too.
+    std::string kind;
     double expected = 0;  // seconds of a case
     std::size_t open = 0, ended = 0;
     double took = 0;  // seconds of those that ended, together

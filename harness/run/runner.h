@@ -14,15 +14,17 @@ namespace hausbench {
 
 struct RunOptions {
     std::filesystem::path results;  // folder
-    bool fresh = false;             // forget what an earlier run finished of what this one is asked for
+    bool fresh = false;             // runs requested cases again that an earlier run finished
     bool any_build = false;         // keep rows of other builds of this program
     bool quiet = false;
-    int jobs = 1;                           // at a time; of more than one, rows say that their times compare with none
-    bool cluster = false;                   // they say so in any case, and rows of other machines stay
-    std::vector<std::string> collect = {};  // runs nothing: takes over the journals of these names in the folder
-    std::string suffix;                     // after the stem in the names of journal and result (shards)
-    std::function<bool(const Row&)> again;  // which finished cases are run again; null: none. It sees no checks
-    ShapesOf shapes_of;                     // see earlier.h
+    int jobs = 1;          // cases at a time; if more than one, times are marked as not comparable
+    bool cluster = false;  // marks them so in any case; keeps rows of other machines
+    // Runs nothing: takes over the journals of these names in the folder.
+    std::vector<std::string> collect = {};
+    std::string suffix;  // follows the stem in names of journal and result (shards)
+    // Finished cases to run again; null: none. It sees no checks.
+    std::function<bool(const Row&)> again;
+    ShapesOf shapes_of;  // see earlier.h
 };
 
 struct RunSummary {
@@ -31,7 +33,8 @@ struct RunSummary {
     std::size_t kept = 0;              // earlier rows that the file has besides, see earlier.h
     std::vector<std::string> unsound;  // a line for each row that should not be
     std::size_t unsound_expected = 0;  // how many were, see plan.h
-    std::size_t open = 0;  // cases that some round has still to run: none, unless it was interrupted or only collected
+    // Cases with a round still to run: none, unless it was interrupted or only collected.
+    std::size_t open = 0;
     bool interrupted = false;
 };
 

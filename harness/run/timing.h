@@ -19,7 +19,8 @@ namespace hausbench {
 
 struct Spent {
     double wall_seconds, cpu_seconds;  // CPU: all threads of the process, and children that ended
-    bool by_wall;  // the time that counts is wall time: several threads worked, or an outside program waited
+    // Wall time counts: several threads worked, or an outside program waited.
+    bool by_wall;
 };
 
 // More CPU time than wall time: by a tenth, since waiting for a child takes some CPU time of our own meanwhile. Of children

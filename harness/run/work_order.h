@@ -21,13 +21,14 @@ struct WorkOrder {
         QuerySet queries;
     };
     std::vector<Pair> pairs;
-    bool scaled = false;  // of a matrix: all shapes are scaled by 2^exponent, and each is loaded and prepared once
+    // A matrix: all shapes are scaled by 2^exponent, and each is loaded and prepared once.
+    bool scaled = false;
     int exponent = 0;
     Limits limits;
     int round = 0, repeats = 0;
     Leave leave = Leave::out_what_is_not_needed;
     double slowdown = 0;          // Plan::planted_slowdown
-    std::vector<int> cores = {};  // that the worker may run on; empty: any. For who starts it, not sent
+    std::vector<int> cores = {};  // cores of the worker; empty: any. Not sent to it
     struct Item {
         std::size_t row;
         std::size_t pair;   // items of one pair stand together
@@ -43,8 +44,9 @@ struct WorkOrder {
         std::vector<double> marks;
         std::filesystem::path fields = {};  // file to write them into; empty: not asked for
         bool stages = false;
-        bool proof = false;      // with a certificate of its answer, which the worker checks
-        std::size_t search = 0;  // items of one search have one number, and stand together; 0: it is of none
+        bool proof = false;  // with a certificate of its answer, which the worker checks
+        // Items of one search share a number and stand together; 0: no search.
+        std::size_t search = 0;
 
         // Of a search whose answers so far have this least upper bound: what is farther away is of no interest. The cutoff stays above
         // the floor: at the floor it would ask another question, which no tolerance ends (Query).

@@ -15,7 +15,7 @@ namespace hausbench {
 // A closed mesh, ready to be cut. Vertices with equal coordinates become one; its triangles are turned so that they face outward.
 class Solid {
 public:
-    explicit Solid(const TriangleMesh& mesh);  // O(n log n), and what crosses where the mesh crosses itself
+    explicit Solid(const TriangleMesh& mesh);  // o(n log n), plus the number of self-intersections
     ~Solid();
     Solid(Solid&&) noexcept;
 

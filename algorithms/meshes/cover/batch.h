@@ -26,7 +26,7 @@ struct CoverBatch {
 
     CoverBatch(std::span<const CoverPiece> pieces, double magnitude) {
         Box box;
-        std::array<std::uint8_t, slots> number{};  // of the corner that is in a slot, and one more; 0 for none
+        std::array<std::uint8_t, slots> number{};  // 1 + corner in each slot; 0: empty
         for (std::size_t i = 0; i < pieces.size(); ++i) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const Vec3& at = pieces[i].corners[k];

@@ -51,12 +51,13 @@ template <class T> struct OffsetCover {
     double extent = 1.75;  // |p| of all points, in units of the place, is at most this
     double threshold = 0;  // in units of the place
     double early_out = 0;  // likewise: an upper bound that is no larger need not be any smaller
-    std::vector<T>
-        limit;  // of each triangle: what a computed square may be, if the distance is to be <= the threshold; or -1
+    // Largest computed square that proves distance <= threshold, of each triangle; -1: none.
+    std::vector<T> limit;
     std::vector<T> squared;       // rows of as many as `near` has, one a point
     std::vector<NearSet> within;  // of each point: the triangles with a square <= limit
     std::vector<CoverPolygon<T>> stack;
-    CertificateTree* proof = nullptr;                  // of the piece that is covered now, where one is wanted
+    // Certificate of the current piece; null: not wanted.
+    CertificateTree* proof = nullptr;
     std::uint64_t distances = 0, tests = 0, cuts = 0;  // for counters
 
     static constexpr float most_slack = sizeof(T) == 4 ? 64 : 4096;

@@ -20,7 +20,11 @@ constexpr double slack_of_mean = 28;
 // No point of the polygon is farther from a triangle than its centre is, plus its radius.
 template <class T> void Engine<T>::find_centre() {
     std::array<T, 3> sum{};
-    for (std::size_t i = 0; i < piece_.count; ++i) sum[0] += piece_.x[i], sum[1] += piece_.y[i], sum[2] += piece_.z[i];
+    for (std::size_t i = 0; i < piece_.count; ++i) {
+        sum[0] += piece_.x[i];
+        sum[1] += piece_.y[i];
+        sum[2] += piece_.z[i];
+    }
     for (std::size_t k = 0; k < 3; ++k) centre_[k] = sum[k] / static_cast<T>(piece_.count);
     double most = 0;
     slack_ = 0;
@@ -76,7 +80,10 @@ template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_pol
     for (std::size_t s = 0; s < 3; ++s) {
         const auto [low, high] = std::minmax_element(sides[s], sides[s] + piece_.count);
         const T depth = std::min(-*low, *high);
-        if (depth > best) best = depth, chosen = s;
+        if (depth > best) {
+            best = depth;
+            chosen = s;
+        }
     }
     if (chosen == 3 || !(static_cast<double>(best) > 0.05 * radius_)) return false;
     std::copy_n(sides[chosen], piece_.count, side);
@@ -91,7 +98,10 @@ template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_co
         const std::size_t j = next(i);
         const T x = piece_.x[j] - piece_.x[i], y = piece_.y[j] - piece_.y[i], z = piece_.z[j] - piece_.z[i];
         const T squared = (x * x + y * y) + z * z;
-        if (squared > longest) longest = squared, a = i;
+        if (squared > longest) {
+            longest = squared;
+            a = i;
+        }
     }
     const std::size_t b = next(a), near_a = nearest(row_[a]), near_b = nearest(row_[b]);
     T t = T(0.5);

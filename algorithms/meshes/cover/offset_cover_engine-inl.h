@@ -116,8 +116,8 @@ private:
     static constexpr std::size_t half = samples<T> / 2, none = static_cast<std::size_t>(-1);
     struct Exits {
         std::size_t triangle = 0;
-        T before = 0,
-          after = 0;  // where the edges before and after the run leave its offset: 0 at the run, 1 at the other end
+        // Where the edges beside the run leave its offset: 0 at the run, 1 at the other end.
+        T before = 0, after = 0;
         std::size_t second = none;  // a triangle that covers the rest, if they are left there
         double upper = 0;           // by both
     };
@@ -205,7 +205,7 @@ private:
     int slow_ = 0;                             // peels in a row that removed little
     int peels_ = 0;                            // since the last cut
     bool spent_ = false;                       // what is left gets the bound that it has
-    bool full_ = false;                        // there is no room for a triangle that is nearest to a point
+    bool full_ = false;                        // no room for a triangle that is nearest to a point
     std::array<T, 3> centre_{};
     double radius_ = 0;  // of the piece, around it
     float slack_ = 0;    // the largest of its corners
@@ -284,7 +284,10 @@ template <class T> void Engine<T>::settle() {
     std::size_t best = 0;
     for (std::size_t k = 0; k < all_.count(); ++k) {
         const double bound = at_most(largest_square(k), k);
-        if (bound < least) least = bound, best = k;
+        if (bound < least) {
+            least = bound;
+            best = k;
+        }
     }
     covered_by(best, least);
 }
@@ -301,7 +304,10 @@ template <class T> bool Engine<T>::one_for_all() {
     common.for_each([&](std::size_t k) {
         if (least <= early_out) return;
         const double bound = at_most(largest_square(k), k);
-        if (bound < least) least = bound, best = k;
+        if (bound < least) {
+            least = bound;
+            best = k;
+        }
     });
     covered_by(best, least);
     return true;

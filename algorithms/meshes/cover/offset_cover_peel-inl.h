@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t most_seconds = 4;  // that may cover the rest
 constexpr std::size_t crowded = 12;      // corners: with so many, a polygon is cut in two
-constexpr int most_peels = 8;            // one after another: along a short edge, many may remove next to nothing
+// In a row; along a short edge, each may remove next to nothing.
+constexpr int most_peels = 8;
 
 template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
     Run best;
@@ -69,7 +70,10 @@ template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Trie
         }
         auto worst = std::min_element(tried.begin(), tried.end(),
                                       [](const Tried& x, const Tried& y) { return x.estimate < y.estimate; });
-        if (estimate[k] > worst->estimate) worst->k = k, worst->estimate = estimate[k];
+        if (estimate[k] > worst->estimate) {
+            worst->k = k;
+            worst->estimate = estimate[k];
+        }
     });
     return count;
 }

@@ -15,10 +15,13 @@ inline constexpr std::size_t most_polygon_corners = 16;
 template <class T> struct CoverPolygon {
     std::size_t count = 0;
     T x[most_polygon_corners], y[most_polygon_corners], z[most_polygon_corners];
-    float slack[most_polygon_corners];  // how far rounding may have moved it, in units of the roundoff of T
+    // Bound of its rounding error, in units of the roundoff of T.
+    float slack[most_polygon_corners];
 
     void add(T px, T py, T pz, float corner_slack) {
-        x[count] = px, y[count] = py, z[count] = pz;
+        x[count] = px;
+        y[count] = py;
+        z[count] = pz;
         slack[count++] = corner_slack;
     }
 };

@@ -39,7 +39,7 @@ struct CoverPiece {
     int level = 0;  // halvings, as kernel/rounding.h counts them
 
     double farthest_corner(const Vec3& from) const;  // its distance
-    std::size_t longest_edge() const;                // from the corner of this number to the next one
+    std::size_t longest_edge() const;                // number of the corner that it starts from
 };
 
 // The unit of a place is at least this part of the magnitude.

@@ -20,7 +20,10 @@ std::size_t CoverPiece::longest_edge() const {
     double most = -1;
     for (std::size_t k = 0; k < 3; ++k) {
         const double squared = squared_length(corners[(k + 1) % 3] - corners[k]);
-        if (squared > most) most = squared, longest = k;
+        if (squared > most) {
+            most = squared;
+            longest = k;
+        }
     }
     return longest;
 }
@@ -104,7 +107,10 @@ CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index 
     CornerBound bound;
     for (std::size_t k = 0; k < 3; ++k) {
         const double squared = scene_.target.squared_distance(piece.corners[k], scene_.target.triangle(near));
-        if (squared > bound.squared) bound.squared = squared, bound.farthest = k;
+        if (squared > bound.squared) {
+            bound.squared = squared;
+            bound.farthest = k;
+        }
     }
     outcome_.counters.point_triangle_distances += 3;
     bound.upper = {surface_distance_at_most(bound.squared, scene_.magnitude, piece.level), near, -1};

@@ -45,7 +45,11 @@ Landmark CoverWorker::central_corner(Index source, const Box& box) const {
     for (const Index v : scene_.a.triangles.row(source)) {
         const Vec3 corner = scene_.points.row(v);
         const double far = squared_distance_at_most(corner, box);
-        if (far < least) least = far, landmark.at = corner, landmark.vertex = v;
+        if (far < least) {
+            least = far;
+            landmark.at = corner;
+            landmark.vertex = v;
+        }
     }
     return landmark;
 }

@@ -26,8 +26,14 @@ bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two
     if (!(size > 0 && size < infinity)) return false;
     axis /= size;
     double low[2] = {infinity, infinity}, high[2] = {-infinity, -infinity};
-    for (const Vec3& p : one) low[0] = std::min(low[0], dot(axis, p)), high[0] = std::max(high[0], dot(axis, p));
-    for (const Vec3& p : two) low[1] = std::min(low[1], dot(axis, p)), high[1] = std::max(high[1], dot(axis, p));
+    for (const Vec3& p : one) {
+        low[0] = std::min(low[0], dot(axis, p));
+        high[0] = std::max(high[0], dot(axis, p));
+    }
+    for (const Vec3& p : two) {
+        low[1] = std::min(low[1], dot(axis, p));
+        high[1] = std::max(high[1], dot(axis, p));
+    }
     return low[0] - high[1] > margin || low[1] - high[0] > margin;
 }
 

@@ -52,10 +52,10 @@ struct TangChoices {
 };
 
 // One query.
-template <class Tree> class Search {
+template <class Tree> class TangSearch {
 public:
-    Search(const MeshPair& pair, const Tree& a_tree, const Tree& b_tree, const Query& query, WarmStart* warm_start,
-           Trace& trace, const TangChoices& choices, bool closed)
+    TangSearch(const MeshPair& pair, const Tree& a_tree, const Tree& b_tree, const Query& query, WarmStart* warm_start,
+               Trace& trace, const TangChoices& choices, bool closed)
         : a_(pair.source),
           points_(pair.points),
           target_(pair.target),
@@ -116,7 +116,7 @@ private:
     std::uint64_t left_ = 0;               // triangles of A that were not culled
 };
 
-template <class Tree> void Search<Tree>::report(Result& result) const {
+template <class Tree> void TangSearch<Tree>::report(Result& result) const {
     result.reported = stages_.seconds();
     const auto n = static_cast<double>(a_.triangles.rows()), m = static_cast<double>(target_.mesh().triangles.rows()),
                left = static_cast<double>(left_);
@@ -126,7 +126,7 @@ template <class Tree> void Search<Tree>::report(Result& result) const {
 }
 
 // Ends with a status, or where all of A is culled or in the queue.
-template <class Tree> std::optional<Status> Search<Tree>::cull_on_a() {
+template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     on_a_.begin(points_);
     while (!on_a_.done()) {
         if (bounds_.out_of_time()) return Status::time_limit;
@@ -141,7 +141,7 @@ template <class Tree> std::optional<Status> Search<Tree>::cull_on_a() {
     return std::nullopt;
 }
 
-template <class Tree> ListedPiece Search<Tree>::whole(Index i) const {
+template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
     ListedPiece piece;
     piece.source = i;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -152,7 +152,7 @@ template <class Tree> ListedPiece Search<Tree>::whole(Index i) const {
     return piece;
 }
 
-template <class Tree> void Search<Tree>::look_into(Index i) {
+template <class Tree> void TangSearch<Tree>::look_into(Index i) {
     ListedPiece piece = whole(i);
     if (const Index near = partner(i); near >= 0) on_b_.bound_by(piece, near);
     if (last_ >= 0) on_b_.bound_by(piece, last_);
@@ -176,7 +176,7 @@ template <class Tree> void Search<Tree>::look_into(Index i) {
     pieces_.push(piece);
 }
 
-template <class Tree> void Search<Tree>::begin_warm() {
+template <class Tree> void TangSearch<Tree>::begin_warm() {
     warm_start_->partner.resize(static_cast<std::size_t>(a_.triangles.rows()), -1);
     const WarmStart& last = *warm_start_;
     if (last.source < 0) return;
@@ -189,7 +189,7 @@ template <class Tree> void Search<Tree>::begin_warm() {
     }
 }
 
-template <class Tree> Result Search<Tree>::search() {
+template <class Tree> Result TangSearch<Tree>::search() {
     if (warm_start_) begin_warm();
     const std::optional<Status> stopped = cull_on_a();
     stages_.end("cull on A");
@@ -218,8 +218,8 @@ public:
 
 private:
     Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const override {
-        return Search<Tree>(pair, *a_tree_, *this->tree(), query, static_cast<WarmStart*>(state), trace, choices_,
-                            closed_)
+        return TangSearch<Tree>(pair, *a_tree_, *this->tree(), query, static_cast<WarmStart*>(state), trace, choices_,
+                                closed_)
             .run();
     }
 

@@ -18,7 +18,10 @@ template <class Tree> void TargetCulling<Tree>::bound_by(ListedPiece& piece, Ind
     }
     ++counters_.bound_tests;
     const double upper = bounds_.at_most(most, piece.level);
-    if (upper < piece.upper) piece.upper = upper, piece.best = triangle;
+    if (upper < piece.upper) {
+        piece.upper = upper;
+        piece.best = triangle;
+    }
 }
 
 template <class Tree> void TargetCulling<Tree>::measure_corners(ListedPiece& piece, Index warm) {
@@ -73,14 +76,19 @@ template <class Tree> void TargetCulling<Tree>::cull(ListedPiece& piece) {
             most = std::max(most, squared[k]);
             if (known[k]) continue;
             if (corner.triangle < 0 || squared[k] < corner.squared ||
-                (squared[k] == corner.squared && triangle < corner.triangle))
-                corner.squared = squared[k], corner.triangle = triangle;
+                (squared[k] == corner.squared && triangle < corner.triangle)) {
+                corner.squared = squared[k];
+                corner.triangle = triangle;
+            }
         }
         if (near_.size() <= most_near) near_.push_back({triangle, squared});
         if (!(most < least)) return;
         least = most;
         const double upper = bounds_.at_most(least, piece.level);
-        if (upper < piece.upper) piece.upper = upper, piece.best = triangle;
+        if (upper < piece.upper) {
+            piece.upper = upper;
+            piece.best = triangle;
+        }
         search_radius = next_up(piece.upper + radius);
     });
     piece.crowd = tested;
@@ -161,7 +169,10 @@ ListedPiece TargetCulling<Tree>::part(const ListedPiece& piece, const Cut<Measur
         const double* squared = candidates_.feet[s].squared_distance;
         near_.push_back({candidates_.triangle[s], {squared[v[0]], squared[v[1]], squared[v[2]]}});
         const double most = std::max({squared[v[0]], squared[v[1]], squared[v[2]]});
-        if (most < least) least = most, part.best = candidates_.triangle[s];
+        if (most < least) {
+            least = most;
+            part.best = candidates_.triangle[s];
+        }
     }
     part.upper = std::min(part.upper, bounds_.at_most(least, level));
     return part;

@@ -24,7 +24,8 @@
 
 namespace hausbench {
 
-inline constexpr std::size_t most_listed = 32, most_near = 128;  // triangles of B: in a list, and before it is filtered
+// Triangles of B: in a list, before filtering.
+inline constexpr std::size_t most_listed = 32, most_near = 128;
 
 using Lists = ShortLists<most_listed>;
 

@@ -18,8 +18,9 @@ public:
     static constexpr int structure_layout = 1;
 
     struct Node {
-        Box box;                    // tight
-        std::int32_t first, count;  // of its children: nodes, or points (in the order of order()) if it is a leaf
+        Box box;  // tight
+        // Range of its children: nodes, or for a leaf points, as positions in order().
+        std::int32_t first, count;
         bool leaf;
     };
 

@@ -62,7 +62,10 @@ private:
             }
             ++looked_;
             const double squared = squared_distance(point_, b_.row(j).data());
-            if (squared < squared_) squared_ = squared, nearest_ = j;
+            if (squared < squared_) {
+                squared_ = squared;
+                nearest_ = j;
+            }
             if (squared <= squared_early_out) return true;
         }
         return false;
@@ -78,8 +81,10 @@ private:
         ++findings_.counters.closest_point_queries;
         const NearGrid::Candidate& candidate = grid_.candidate(point_);
         ++looked_;
-        if (const double squared = squared_distance(point_, candidate.point); squared < squared_)
-            squared_ = squared, nearest_ = candidate.row;
+        if (const double squared = squared_distance(point_, candidate.point); squared < squared_) {
+            squared_ = squared;
+            nearest_ = candidate.row;
+        }
         const double squared_early_out = std::max(findings_.farthest.squared, 0.0);
         if (squared_ <= squared_early_out) return;
         crowded_ = false;

@@ -13,9 +13,10 @@ namespace hausbench {
 
 // What some points of A tell. A block of points has one of its own, so that blocks can be searched at the same time.
 struct CellFindings {
-    FarthestPoint farthest;  // of those whose closest point is known; begins as what is known already
+    FarthestPoint farthest;  // among rows with a known closest point; starts as given
     Counters counters;
-    std::vector<Index> open;  // rows of A that the cells do not decide: too many points or too many cells are near them
+    // Rows of A that the cells do not decide, because too many points or cells are near them.
+    std::vector<Index> open;
 };
 
 // For each row of A: a point of B within the squared distance of the farthest so far; where there is none, the closest one. The cells

@@ -98,7 +98,10 @@ Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::
             const Index j = near ? (*near)[static_cast<std::size_t>(n)] : n;
             const double squared = squared_distance(a.row(i).data(), b.row(j).data());
             ++state.counters.point_distances;
-            if (squared < nearest.squared) nearest.squared = squared, nearest.target = j;
+            if (squared < nearest.squared) {
+                nearest.squared = squared;
+                nearest.target = j;
+            }
         }
         if (nearest.squared > state.farthest.squared) state.farthest = nearest;
     }

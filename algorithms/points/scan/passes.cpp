@@ -91,7 +91,9 @@ void nearest_of_part(const Points& a, std::span<const Index> rows, const Points&
         } else {
             for (std::size_t i = 0; i < tile; ++i) {  // repeats the last point
                 const double* const p = data + 3 * std::min(i, end - 1 - begin);
-                x[i] = p[0], y[i] = p[1], z[i] = p[2];
+                x[i] = p[0];
+                y[i] = p[1];
+                z[i] = p[2];
             }
         }
         for (std::size_t q = 0; q < rows.size(); ++q) {

@@ -64,7 +64,10 @@ public:
                 const Box box = posed_box(part.cell, query_.source_pose, a_box_);
                 const auto [upper, lower, undecided] = cell_to_points(box, b_, squared_lower_, early_break_, counters_);
                 if (!undecided) return;
-                if (lower > squared_lower_) squared_lower_ = lower, witness_cell_ = part;
+                if (lower > squared_lower_) {
+                    squared_lower_ = lower;
+                    witness_cell_ = part;
+                }
                 ++counters_.queue_pushes;
                 queue.push_back({upper, counters_.queue_pushes, part});
                 std::push_heap(queue.begin(), queue.end());
@@ -92,7 +95,10 @@ private:
             ++counters_.point_distances;
             const double squared = squared_distance(point, b_.row(j).data());
             if (early_break_ && squared < squared_lower_) return;  // no farther: cmin <- 0
-            if (squared < nearest) nearest = squared, at = j;
+            if (squared < nearest) {
+                nearest = squared;
+                at = j;
+            }
         }
         if (nearest > farthest_.squared) farthest_ = {nearest, i, at};
         squared_lower_ = std::max(squared_lower_, nearest);
@@ -107,7 +113,10 @@ private:
             farthest_ = {std::numeric_limits<double>::infinity(), i, -1};
             for (Index j = 0; j < b_.rows(); ++j) {
                 const double squared = squared_distance(a_.row(i).data(), b_.row(j).data());
-                if (squared < farthest_.squared) farthest_.squared = squared, farthest_.target = j;
+                if (squared < farthest_.squared) {
+                    farthest_.squared = squared;
+                    farthest_.target = j;
+                }
             }
             counters_.point_distances += static_cast<std::uint64_t>(b_.rows());
         }

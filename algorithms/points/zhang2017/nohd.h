@@ -22,7 +22,7 @@ struct NohdEntry {
 
 struct CellToPoints {
     double squared_upper, squared_lower;  // of the distances of the points of a cell
-    bool undecided;                       // Flag: some point of the cell may be farther than the lower bound MaxLB
+    bool undecided;                       // flag: a point of the cell may be farther than MaxLB
 };
 
 // Algorithm 4. Without `early_break` its lines 5 to 8 are left out: every cell is undecided.

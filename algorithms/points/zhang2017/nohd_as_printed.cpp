@@ -52,7 +52,10 @@ public:
                     const Box box = posed_box(part.cell, query.source_pose, around);
                     const auto [upper, lower, undecided] = cell_to_points(box, b, max_lb, true, counters);
                     if (!undecided) return;
-                    if (lower > max_lb) max_lb = lower, shows_it = first_point(*tree_, part);
+                    if (lower > max_lb) {
+                        max_lb = lower;
+                        shows_it = first_point(*tree_, part);
+                    }
                     ++counters.queue_pushes;
                     queue.push({upper, counters.queue_pushes, part});
                 });
@@ -85,7 +88,10 @@ private:
             ++counters.point_distances;
             const double squared = squared_distance(a.row(i).data(), b.row(j).data());
             if (squared < squared_max_lb) break;  // cmin <- 0 is missing
-            if (squared < cmin.squared) cmin.squared = squared, cmin.target = j;
+            if (squared < cmin.squared) {
+                cmin.squared = squared;
+                cmin.target = j;
+            }
         }
         return cmin;
     }

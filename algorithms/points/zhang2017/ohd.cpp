@@ -95,7 +95,10 @@ private:
                     ++counters_.point_distances;
                     const double squared = squared_distance(point.data(), tree_.points().row(k).data());
                     if (squared <= farthest_.squared) return;
-                    if (squared < nearest) nearest = squared, at = tree_.order()[static_cast<std::size_t>(k)];
+                    if (squared < nearest) {
+                        nearest = squared;
+                        at = tree_.order()[static_cast<std::size_t>(k)];
+                    }
                 }
                 continue;
             }

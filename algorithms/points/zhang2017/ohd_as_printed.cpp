@@ -52,7 +52,10 @@ private:
         constexpr int most = 40;
         int count = 0;
         double root = side;
-        while (side > 0 && count <= most && root <= width) root *= 2, ++count;
+        while (side > 0 && count <= most && root <= width) {
+            root *= 2;
+            ++count;
+        }
         const bool resolved = side > 0 && count <= most;
         levels = resolved ? count : -1;
         if (!resolved) root = width;
@@ -110,8 +113,10 @@ void nn_dist(const CellsOfB& cells, const Points& a, Index i, FarthestPoint& far
                 ++counters.point_distances;
                 const double squared = squared_distance(point.data(), cells.tree.points().row(k).data());
                 if (squared <= farthest.squared) return;
-                if (squared < nearest.squared)
-                    nearest.squared = squared, nearest.target = cells.tree.order()[static_cast<std::size_t>(k)];
+                if (squared < nearest.squared) {
+                    nearest.squared = squared;
+                    nearest.target = cells.tree.order()[static_cast<std::size_t>(k)];
+                }
             }
             continue;
         }

@@ -26,8 +26,8 @@ public:
     struct Node {
         Box cell;
         std::int32_t depth;  // halvings of the root's cube
-        std::int32_t first_child,
-            child_count;            // 0 children: a leaf, of one point or of points that cannot be told apart
+        // No children: a leaf, with one point or with points that cannot be told apart.
+        std::int32_t first_child, child_count;
         std::int32_t first, count;  // of the points, in the order of order()
     };
 

@@ -74,7 +74,10 @@ double ProvenFeet::at_least(const Vec3& p, const FootSearch& search, Best& best)
         for (std::int32_t i = first; i < first + count; ++i) {
             ++counters_.box_distances;
             const double least = std::max(top.least, distance_at_least(tree_[i], p));
-            if (least < best.at_most) queue.push({least, i}), ++counters_.node_visits;
+            if (least < best.at_most) {
+                queue.push({least, i});
+                ++counters_.node_visits;
+            }
         }
     }
     return best.at_most == infinity ? 0 : std::max(given_away(), 0.0);

@@ -14,8 +14,9 @@ namespace hausbench {
 // What a search for the nearest point of B may leave undone.
 struct FootSearch {
     double precision;  // the result may be so much below the distance
-    double lower;      // a point whose distance is no more than this is of no interest, and where
-    double cell_size;  // no point that stands for it can be farther by more than this, the search ends
+    // The search ends once the distance is known to be at most `lower - cell_size`: then no point of a
+    // cell of this size is farther than `lower`.
+    double lower, cell_size;
 };
 
 struct NearestFoot {

@@ -144,7 +144,10 @@ private:
             EnclosureCell child = cell;
             child.node = i;
             bound(child);
-            if (child.upper > result_.bounds.lower) queue_.push(child), ++result_.counters.queue_pushes;
+            if (child.upper > result_.bounds.lower) {
+                queue_.push(child);
+                ++result_.counters.queue_pushes;
+            }
         }
     }
 

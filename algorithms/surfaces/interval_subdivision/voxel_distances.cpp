@@ -42,8 +42,14 @@ VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
     const std::size_t m = b.leaves.size();
     const double *bl[3], *bh[3];
     double al[3], ah[3];
-    for (std::size_t k = 0; k < 3; ++k) bl[k] = b.low[k].data(), bh[k] = b.high[k].data();
-    for (std::size_t k = 0; k < 3; ++k) al[k] = a.low[k][i], ah[k] = a.high[k][i];
+    for (std::size_t k = 0; k < 3; ++k) {
+        bl[k] = b.low[k].data();
+        bh[k] = b.high[k].data();
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        al[k] = a.low[k][i];
+        ah[k] = a.high[k][i];
+    }
     double least[lanes], largest[lanes];
     std::fill_n(least, lanes, infinity);
     std::fill_n(largest, lanes, infinity);

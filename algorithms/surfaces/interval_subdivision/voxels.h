@@ -19,7 +19,8 @@ struct Voxels {
     struct Node {
         std::array<int, 3> at;  // in voxels
         int size;
-        std::uint32_t first = 0, count = 0;  // children; none: a voxel, or a cell that none was kept in
+        // Children; count 0: a voxel, or a cell in which no voxel was kept.
+        std::uint32_t first = 0, count = 0;
     };
 
     Grid grid;
