@@ -1,6 +1,6 @@
-// The contract of a solver as far as it can be checked without a scene or before one is solved: what it declares, what its
-// constructor reads, and what it asks for. An error of a plug-in becomes a ContractError that names its file; one of this program is
-// a std::logic_error.
+// Checks of a solver's contract that need no solved scene: its declaration, the parameters its constructor reads, and the
+// structures it asks for. A violation by a plug-in throws a ContractError that names its file; one by a built-in solver
+// throws a std::logic_error.
 #pragma once
 
 #include "algorithms/error.h"
@@ -13,16 +13,16 @@
 
 namespace hausbench {
 
-// What is wrong with what a solver declares, with the remedy; empty if nothing is.
+// Returns the first error in a declaration, with its remedy; empty if there is none.
 std::string declaration_error(const SolverInfo& info);
 
-// The declaration, and a solver made with its defaults where no parameter is required.
+// Checks the declaration and, if no parameter is required, makes a solver with the defaults.
 void check_contract(const SolverEntry& entry);
 
-// `options` must not have been read. Its constructor must read each of them, and throw nothing but InputError.
+// Makes a solver. `options` must be unread; the constructor must read each of them and may throw only InputError.
 std::unique_ptr<Solver> make_solver(const SolverEntry& entry, const Options& options);
 
-// What the solver asks for, which must be in its may_need.
+// Returns the structures that the solver needs; each must be in its may_need.
 Needs checked_needs(const SolverEntry& entry, const Solver& solver, const Scene& scene, const QuerySet& queries);
 
 class ContractError : public InputError {
@@ -30,11 +30,11 @@ public:
     using InputError::InputError;
 };
 
-// Throws ContractError for a solver of a plug-in, else std::logic_error.
+// Throws ContractError for the solver of a plug-in, else std::logic_error.
 [[noreturn]] void break_contract(const std::string& solver, const std::string& what);
 bool is_of_plugin(const std::string& solver);
 
-// Calls f, a part of a solver that may throw only InputError; what else a plug-in's throws becomes one.
+// Calls f, a part of a solver that may throw only InputError. Other exceptions from a plug-in become ContractErrors.
 template <class F> void held_to_contract(const std::string& solver, const char* part, F&& f) {
     try {
         f();

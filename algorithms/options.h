@@ -19,15 +19,14 @@ std::string to_string(const ParameterValue& value);
 struct ParameterSpec {
     std::string name;
     ParameterValue default_value;  // its alternative is the parameter's type
-    std::string unit = {};         // "" where it has none
-    std::string paper_value = {};  // as printed in the paper; "": it has no such parameter
+    std::string unit = {};         // empty: none
+    std::string paper_value = {};  // as printed in the paper; empty: the paper has no such parameter
     std::string description;
     std::vector<std::string> choices = {};  // allowed values of a string; empty: any
     double least = -1e300, most = 1e300;    // for numbers: the allowed range, ends included
-    // For texts: what is wrong with a value and how to fix it; empty if it is valid. A parameter with an invalid default is
-    // required.
+    // For strings: returns the error in a value with its remedy, or empty. A parameter with an invalid default is required.
     std::string (*problem)(const std::string& value) = nullptr;
-    // A text that is a command line of the shell: the programs and files that it names are part of a case's identity.
+    // For strings: a shell command, whose programs and files belong to the identity of a case.
     bool command = false;
 
     bool required() const;

@@ -36,7 +36,7 @@ inline std::string plugin_layout() {
     return text;
 }
 
-// How the file that this stands in is compiled, as far as the compiler tells: GCC says nothing of -fsanitize=undefined.
+// Flags with which the including file is compiled, as far as the compiler tells (GCC does not reveal -fsanitize=undefined).
 #ifdef __OPTIMIZE__
 #define HAUSBENCH_OPTIMIZED "optimized"
 #else
@@ -91,10 +91,10 @@ struct Plugin {
 };
 const std::vector<Plugin>& plugins();  // in the order of loading
 
-// Null for a solver of the program itself.
+// Returns the plug-in of a solver; null for a built-in one.
 const Plugin* plugin_of(std::string_view solver);
 
-// A line for each plug-in that is not optimized, where this program is: its times would not compare.
+// Returns one line for each plug-in compiled without optimization if this program has it: their times are not comparable.
 std::vector<std::string> slow_plugins();
 
 }  // namespace hausbench

@@ -1,17 +1,20 @@
-// Structures that are built before any query: exactly those that a solver declares in needs(), each timed.
+// Structures that are built and timed before any query: exactly those that a solver declares in needs().
 //
 // A structure is a type with
 //
 //     static constexpr std::string_view structure_name = "BVH";
-//     static constexpr int structure_layout = 1;   // increases when its members change: plug-ins that were built before are refused
-//     explicit Type(const TriangleMesh&);          // a point set is given as triangles (i, i, i); or (const Points&), which takes
-//                                                  // the vertices of a mesh; or (const Shape&), which takes all
+//     static constexpr int structure_layout = 1;   // increase it when members change: older plug-ins are then refused
+//     explicit Type(const TriangleMesh&);          // a point set comes as triangles (i, i, i)
 //     std::size_t bytes() const;
 //
-// and may live in a solver's own file. With `struct Parameters`, which has `std::string text() const`, the constructor takes one too,
-// and structures with other values are others. With `static constexpr bool structure_of_meshes_only = true` point sets are no input
-// for it. With one more argument of its constructor, `const Threads&` at the end, several threads may build it (kernel/parallel.h): to the same
-// bits, however many they are. A structure belongs to a shape, not to a pair: who shares a PreparedShape shares what was built over it.
+// and may live in a solver's own file. The constructor may take `const Points&` instead (the vertices of a mesh), or
+// `const Shape&`. Optional members:
+// - `struct Parameters` with `std::string text() const`: the constructor takes one too, and structures with different
+//   parameters are kept apart;
+// - `static constexpr bool structure_of_meshes_only = true`: point sets are refused;
+// - a last constructor argument `const Threads&`: several threads may build it (kernel/parallel.h), always to the same bits.
+//
+// A structure belongs to one shape, not to a pair; scenes that share a PreparedShape share its structures.
 #pragma once
 
 #include "algorithms/kernel/parallel.h"
@@ -63,7 +66,7 @@ template <class Type> using StructureParameters = typename ParametersOf<Type>::t
 const Shape& shape_of(const PreparedShape& shape);
 const TriangleMesh& triangles_of(const PreparedShape& shape);
 
-// Whether it is built from that, with its parameters where it has any, and with threads or without.
+// Whether Type can be built from From, with its parameters if it has any, with threads or without.
 template <class Type, class From> inline constexpr bool structure_from = requires { typename Type::Parameters; }
 ? std::constructible_from<Type, const From&, StructureParameters<Type>> ||
         std::constructible_from<Type, const From&, StructureParameters<Type>, const Threads&>
@@ -126,36 +129,36 @@ struct PreparationTime {
     std::string name;  // as to_string(Need), or "solver" for what the solver built itself
     double seconds;
     std::size_t bytes;
-    bool shared = false;  // it was there already, for another scene with this shape
+    bool shared = false;  // built before, for another scene with this shape
 };
 
-// A shape scaled by a power of two, and what was built over it so far: shared by all scenes that it is part of.
+// A shape scaled by a power of two, with the structures built over it so far. Scenes may share it.
 class PreparedShape {
 public:
     // Shares the shape as it is.
     explicit PreparedShape(SharedShape shape);
 
-    // Multiplies every coordinate by 2^exponent, in place. Keeps a copy only where that rounds one.
+    // Multiplies every coordinate by 2^exponent in place. Keeps a copy of the original only if that rounds a coordinate.
     PreparedShape(Shape shape, int exponent);
 
     const SharedShape& shape() const { return shape_; }
     int exponent() const { return exponent_; }
 
-    // 2^-1074 where scaling rounded a coordinate, which then underflowed, by half as much; else 0.
+    // 2^-1074 if scaling rounded a coordinate (it underflowed, and is off by at most half of that), else 0.
     double lost() const { return lost_; }
 
-    // Nonzero |coordinate|, scaled; 0 and infinity where there is none.
+    // The largest and the smallest nonzero |coordinate|, scaled; 0 and infinity if there is none.
     double largest() const { return largest_; }
     double smallest() const { return smallest_; }
 
-    // The coordinates before they were scaled.
+    // Returns the coordinates before scaling.
     Points original() const;
 
-    // A mesh as it is; of a point set, a triangle (i, i, i) for each point, made when it is asked for first. Not of a surface.
+    // Returns the mesh itself, or for a point set one triangle (i, i, i) per point, made on first use. Not for surfaces.
     const TriangleMesh& triangles() const;
 
-    // Built and timed when it is asked for first, by at most so many threads; then stays where it is. Throws std::logic_error where
-    // it does not fit the shape. `before`, if given, is set to whether it was there.
+    // Returns the structure, built and timed on first use by at most so many threads. Its address does not change. Throws
+    // std::logic_error if it does not fit the shape. Sets `*before`, if given, to whether it existed already.
     const BuiltStructure& structure(const StructureKind& kind, const Threads& threads = Threads(),
                                     bool* before = nullptr);
 
@@ -179,13 +182,13 @@ private:
     std::map<std::string, BuiltStructure> built_;
 };
 
-// The exponent that brings the largest |coordinate| into [0.5, 1); 0 where that is zero.
+// Returns the exponent that brings the largest |coordinate| into [0.5, 1); 0 if all are zero.
 int scale_exponent(double largest);
 
-// What one solver declared, of the two shapes of a scene.
+// The structures that one solver declared for the two shapes of a scene.
 class Prepared {
 public:
-    // Builds what is not there yet, one structure after the other. O(n log n) for each structure.
+    // Builds the structures that do not exist yet, one after the other, each in O(n log n).
     Prepared(const Scene& scene, const Needs& needs, const Threads& threads = Threads());
     Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs,
              const Threads& threads = Threads());
@@ -194,21 +197,22 @@ public:
         return declared_.contains(to_string(need<Type>(side, parameters)));
     }
 
-    // Over the elements or the points of that side, unposed. Throws std::logic_error if it was not declared.
+    // Returns the structure over the elements or points of that side, unposed. Throws std::logic_error if it was not
+    // declared.
     template <class Type> const Type& get(Side side, const StructureParameters<Type>& parameters = {}) const {
         return *static_cast<const Type*>(use(to_string(need<Type>(side, parameters))));
     }
 
-    // The triangles of a mesh, or of a point set one for each point; see PreparedShape.
+    // Returns the triangles of a mesh, or one for each point of a point set; see PreparedShape.
     const TriangleMesh& triangles(Side side) const { return shapes_[static_cast<std::size_t>(side)]->triangles(); }
 
-    // Those that build: for what a solver builds itself in prepare().
+    // The threads to use for private data that a solver builds in prepare().
     const Threads& threads() const { return threads_; }
 
-    // What its structures cost when they were built, for this pair or an earlier one.
+    // Returns the cost of each structure when it was built, for this pair or an earlier one.
     const std::vector<PreparationTime>& times() const { return times_; }
 
-    // How often get() has returned each, by name; the contract test fails for a declared one that is never used.
+    // Returns how often get() has returned each structure, by name. The contract test fails if one is never used.
     std::map<std::string, int> uses() const;
 
 private:

@@ -6,8 +6,8 @@
 
 namespace hausbench {
 
-// Returns the text as one line of valid UTF-8. Control characters (also U+0080 to U+009F) and separators of lines become spaces;
-// marks of direction, characters that take no room, and bytes that are not UTF-8 become question marks.
+// Returns the text as one line of valid UTF-8. Control characters (including U+0080 to U+009F) and line separators become
+// spaces; direction marks, zero-width characters and invalid bytes become question marks.
 std::string printable(std::string_view text);
 
 // The same, but keeps line breaks, and with `colours` those that this program writes. Everything printed goes through it; a foreign

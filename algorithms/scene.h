@@ -1,4 +1,4 @@
-// What is measured: a shape, and the scene that pairs a source A with a target B.
+// Shapes, and the scene that pairs a source A with a target B.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -30,7 +30,7 @@ Index element_count(const Shape& shape);
 inline const TriangleMesh& mesh_of(const Shape& shape) { return std::get<TriangleMesh>(shape); }
 inline const AlgebraicSurface& surface_of(const Shape& shape) { return std::get<AlgebraicSurface>(shape); }
 
-// A shape that does not change and that several scenes may share: copying it copies no point.
+// An immutable shape that several scenes may share; copying it copies no points.
 class SharedShape {
 public:
     template <class S>
@@ -44,7 +44,7 @@ private:
     std::shared_ptr<const Shape> shape_;
 };
 
-// What is measured: h(A,B) or H(A,B), each shape moved by a pose of the query.
+// A source A and a target B; each query moves them by its poses.
 struct Scene {
     SharedShape source, target;
 };

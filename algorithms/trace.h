@@ -1,4 +1,4 @@
-// The bounds over time: samples that a solver offers while it runs; they are kept only in runs made for tracing.
+// Bounds over time: samples that a solver offers while it runs. Only runs made for tracing keep them.
 #pragma once
 
 #include <chrono>
@@ -18,8 +18,8 @@ class Trace {
 public:
     enum class Mode { off, on };
 
-    // `marks`: gaps, the largest first. The first sample with a gap at or below a mark is always kept, so that the trace of
-    // a finer tolerance holds the answer to a coarser one, bit for bit.
+    // `marks` are gaps in decreasing order. The first sample with a gap at or below a mark is always kept, so the trace of a
+    // fine tolerance contains the answers to coarser ones, bit for bit.
     explicit Trace(Mode mode = Mode::off, std::vector<double> marks = {})
         : on_(mode == Mode::on), marks_(std::move(marks)) {}
 
@@ -34,12 +34,12 @@ public:
         begin_ = std::chrono::steady_clock::now();
     }
 
-    // Call it wherever the solver tests whether the gap is small enough. A sample is kept if the gap is 3 % smaller than in
-    // the last one kept, or has reached a mark, so a trace from 1 to 1e-16 has at most about 1200 samples.
+    // Call it wherever the solver tests whether the gap is small enough. A sample is kept if its gap is 3 % smaller than
+    // that of the last kept sample, or reaches a mark, so a trace from 1 to 1e-16 has at most about 1200 samples.
     void record(double lower, double upper) {
         if (!on_) return;
         const double gap = upper - lower;
-        // Without an upper bound before the end, samples follow the lower bound by the same step.
+        // As long as there is no upper bound, samples follow the lower bound in steps of 3 %.
         if (std::isinf(gap)) {
             if (samples_.empty() || lower > 1.03 * samples_.back().lower) keep(lower, upper);
             return;
@@ -50,7 +50,7 @@ public:
         keep(lower, upper);
     }
 
-    // The last sample of a run is always kept.
+    // Keeps the last sample of a run.
     void finish(double lower, double upper) {
         if (on_) keep(lower, upper);
     }

@@ -1,4 +1,4 @@
-// What the adapters of a session have in common; see session.h.
+// Code shared by the adapters of a session; see session.h.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -8,13 +8,13 @@
 
 namespace hausbench {
 
-// A Solver around solvers that are prepared.
+// Base of solvers that wrap prepared solvers.
 class Adapter : public Solver {
 public:
     void prepare(const Scene&, const Prepared&) final {}
 };
 
-// Wall time since it was made.
+// Measures wall time, in seconds since its construction.
 struct WallClock {
     std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
 
@@ -22,7 +22,7 @@ struct WallClock {
     double left(double limit) const { return std::max(0.0, limit - elapsed()); }
 };
 
-// Calls down(lower) and up(upper) for all bounds of an answer: its own, those of its trace and those of its fields.
+// Calls down(lower) and up(upper) on every bound of an answer, its trace and its fields.
 template <class Down, class Up> void for_each_bound(Result& result, Trace& trace, const Down& down, const Up& up) {
     down(result.bounds.lower);
     up(result.bounds.upper);

@@ -8,12 +8,12 @@
 namespace hausbench {
 namespace {
 
-// The motion g of a target, undone: the source in another pose is measured against the target at rest.
+// How to undo the motion g of a target: measure the source in another pose against the target at rest.
 struct Undone {
-    Pose source, back;   // that pose; and g, which takes what was found to where it belongs
-    double stretch = 0;  // no distance changes by more than this part of it under g
-    double wider = 0;    // nor by more than this length for all else
-    double slack = 0;    // both, for any distance that can be
+    Pose source, back;   // the other pose, and g, which moves a witness back
+    double stretch = 0;  // g changes a distance by at most this fraction of it
+    double wider = 0;    // everything else changes it by at most this length
+    double slack = 0;    // bound of both for every distance that can occur
 };
 
 double largest(const auto& entries) { return entries.cwiseAbs().maxCoeff(); }
@@ -28,8 +28,8 @@ double largest(const auto& entries) { return entries.cwiseAbs().maxCoeff(); }
 // Rounding. S_p, S_q, S_g: the largest |coordinate| of any step of posing A by p, A by q, B by g. In each coordinate, u = 2^-53:
 //   - the two residuals as computed err by 4u (3.01 S_q + S_p) and 5u (3.01 S_q + S_p + S_g);
 //   - posing takes 4.1u S each, that by q is turned by g after it: 4.1u (1.01 S_q + S_p + S_g);
-//   - points of the witness are taken there by g and rounded, 4.1u (3.01 S_q + S_g) and 4.1u S_g, and the lower bound is to hold with
-//     the witness where it is shown, off A by as much: twice.
+//   - points of the witness are moved by g and rounded, 4.1u (3.01 S_q + S_g) and 4.1u S_g, and the lower bound has to hold for
+//     the witness as shown, which is off A by as much: twice.
 // Together at most 56u S_q + 14u S_p + 22u S_g, in length 100u (S_p + S_q + S_g).
 std::optional<Undone> undo(double source_largest, const Pose& p, double target_largest, const Pose& g) {
     Undone undone;
@@ -50,13 +50,13 @@ std::optional<Undone> undo(double source_largest, const Pose& p, double target_l
     const double moved = largest(r * q.translation + g.translation - p.translation);
     undone.wider = 1.74 * (turned + moved) + rounding;
     undone.slack = undone.wider + undone.stretch * (4 * (posed_by_q + target_largest));
-    // What the solver gets is neither too large for it nor so small that the above underflows.
+    // Coordinates must be neither too large for the solver nor so small that the sums above underflow.
     const double most = std::max(posed_by_q, target_largest);
     if (!(most >= 0x1p-300 && most <= largest_safe_coordinate)) return std::nullopt;
     return undone;
 }
 
-// Nothing for point sets: their witness is one of their points, to the bit.
+// Point sets are excluded because their witness must be one of their points, to the bit.
 std::optional<Undone> undo(const SolverInfo& info, const Query& query, const ShapeExtent& source,
                            const ShapeExtent& target) {
     if (!info.can(Ability::undone_motion) || info.can(Ability::moving_target) || source.kind != ShapeKind::mesh ||
@@ -69,7 +69,7 @@ std::optional<Undone> undo(const SolverInfo& info, const Query& query, const Sha
     return undone;
 }
 
-// Such that its answer, with what it then costs, is one to `query`.
+// Returns the query to ask so that its answer, after move_back(), answers `query`.
 Query undone_query(const Query& query, const Undone& undone) {
     Query asked = query;
     asked.source_pose = undone.source;
@@ -105,7 +105,7 @@ bool copies_targets(const SolverInfo& info, const Query& query, const ShapeExten
     return copied(query, source, target) || (both && copied(back, target, source));
 }
 
-// The solver's state, made by the first answer, since a solver over a copy does not exist before.
+// The solver's state. The first answer makes it, because a solver over a copy does not exist before.
 struct MovingTarget::Chain final : State {
     std::unique_ptr<State> of_solver;
     const Chain* opposite = nullptr;  // for the next answer
@@ -133,8 +133,8 @@ Books MovingTarget::keep() {
 
 std::unique_ptr<State> MovingTarget::begin() const { return std::make_unique<Chain>(); }
 
-// A solver for this answer alone: every pose pays for its structures, and threads share none that is not built. The query becomes
-// one of a target at rest.
+// Makes a solver for one answer, with its own structures over the target, so every pose pays for them and concurrent answers share
+// nothing unfinished. Changes the query to one about a target at rest.
 std::unique_ptr<PreparedSolver> MovingTarget::prepared_over_a_copy(Query& query) const {
     SharedShape still = target_->shape();
     if (!query.target_pose.is_identity() && !maker_->info().can(Ability::moving_target)) {

@@ -1,4 +1,4 @@
-// A target that moves, for solvers that offer only a source that moves.
+// Moving targets, for solvers that support only a moving source.
 #pragma once
 
 #include "algorithms/session/prepared_solver.h"
@@ -10,22 +10,23 @@ struct ShapeExtent {
     double largest;  // |coordinate|
 };
 
-// One direction of a session. A target that moves is answered in one of three ways:
-// - by the solver, if it offers that;
-// - undone: if the solver allows it (Ability::undone_motion), both shapes are meshes and the motion is rigid, the source
-//   moves the other way, nothing is built, and bounds are wider by about 1e-13 of the coordinates. Not with a tolerance below about
-//   1e-11 of them, a relative one, a question of floor and cutoff, or where a certificate is wanted, which would be of other poses;
-// - copied: the target is posed and structures are built over the copy, which counts as solving.
+// One direction of a session. It answers a query with a moving target in one of three ways:
+// - The solver does it, if it has Ability::moving_target.
+// - The motion is undone: the source moves the other way, nothing is built, and bounds widen by about 1e-13 of the
+//   coordinates. This requires Ability::undone_motion, two meshes, a rigid motion and an absolute tolerance above about 1e-11
+//   of the coordinates. It is not done for a yes/no question, nor if a certificate is wanted, because the certificate would
+//   be about other poses.
+// - The target is copied: structures are built over the posed copy, which counts as solving.
 class MovingTarget final : public Adapter {
 public:
-    // Nothing is prepared: unless keep() is called, each answer prepares for itself.
+    // Prepares nothing: unless keep() is called, each answer prepares a solver of its own.
     MovingTarget(std::shared_ptr<const SolverMaker> maker, SharedPreparedShape source, SharedPreparedShape target,
                  const QuerySet& queries);
 
-    // Prepares for all answers to come. Where each of them is over a copy, only what stands over the source.
+    // Prepares for all later answers. If every answer needs a copy, builds only the structures over the source.
     Books keep();
 
-    // Null where each answer is over a copy.
+    // Null if every answer needs a copy.
     const Prepared* prepared() const { return kept_ ? &kept_->prepared() : nullptr; }
 
     std::unique_ptr<State> begin() const override;
@@ -42,7 +43,7 @@ private:
     std::unique_ptr<PreparedSolver> kept_;
 };
 
-// Whether the answer to this query builds structures over a copy of a target. Lengths are all in one unit, whichever.
+// Returns whether the answer to this query builds structures over a copy of a target. All lengths must share one unit.
 bool copies_targets(const SolverInfo& info, const Query& query, const ShapeExtent& source, const ShapeExtent& target);
 
 }  // namespace hausbench

@@ -10,7 +10,7 @@
 namespace hausbench {
 namespace {
 
-// All lengths are scaled by 2^exponent; the note has those of the input.
+// Lengths are scaled by 2^exponent; the note gives them in the unit of the input.
 void hold_to_its_status(const Query& query, int exponent, Result& result) {
     if (!claims_an_answer(result.status)) return;
     const auto [lower, upper] = result.bounds;
@@ -37,20 +37,20 @@ void hold_to_its_status(const Query& query, int exponent, Result& result) {
 }  // namespace
 
 int usable_threads(int threads) {
-    const auto cores = static_cast<int>(std::thread::hardware_concurrency());  // 0: not known
+    const auto cores = static_cast<int>(std::thread::hardware_concurrency());  // 0: unknown
     return cores > 0 ? std::min(threads, cores) : threads;
 }
 
-SolverMaker::SolverMaker(SolverEntry entry, Options options, Leave leave)
-    : entry_(std::move(entry)), options_(std::move(options)), leave_(leave) {}
+SolverMaker::SolverMaker(SolverEntry entry, Options options, Build build)
+    : entry_(std::move(entry)), options_(std::move(options)), build_(build) {}
 
 std::unique_ptr<Solver> SolverMaker::make() const {
     return make_solver(entry_, Options(entry_.info.name, entry_.info.parameters, options_.values(), options_.folder()));
 }
 
 Needs SolverMaker::needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const {
-    if (leave_ == Leave::out_what_is_not_needed) return checked_needs(entry_, solver, scene, queries);
-    // Structures that these shapes have no use for are left out all the same.
+    if (build_ == Build::needed_only) return checked_needs(entry_, solver, scene, queries);
+    // Structures that do not fit these shapes are left out all the same.
     Needs needs = entry_.info.may_need;
     std::erase_if(needs, [&](const Need& need) {
         const Shape& shape = need.side == Side::source ? scene.source : scene.target;

@@ -1,4 +1,4 @@
-// A solver made and prepared for one pair of shapes: what all adapters of a session stand on.
+// A solver made and prepared for one pair of shapes. The other adapters of a session wrap it.
 #pragma once
 
 #include "algorithms/session/adapter.h"
@@ -9,44 +9,45 @@
 
 namespace hausbench {
 
-// Which structures to build: those the solver says this scene needs, or all it could ever use (to test that leaving out
-// changes no bit of an answer).
-enum class Leave { out_what_is_not_needed, nothing_out };
+// Which structures to build: those that the solver says this scene needs, or all it could ever use (to test that the extra
+// ones change no bit of an answer).
+enum class Build { needed_only, everything };
 
 using SharedPreparedShape = std::shared_ptr<PreparedShape>;
 
-// What was built for one direction, and what it cost.
+// The structures built for one direction, with their cost.
 struct Books {
     Needs needs;
     std::vector<PreparationTime> times;
 };
 
-// Makes as many solvers of one kind, with the same options, as a session needs.
+// Makes solvers of one kind with the same options.
 class SolverMaker {
 public:
-    SolverMaker(SolverEntry entry, Options options, Leave leave);
+    SolverMaker(SolverEntry entry, Options options, Build build);
 
     const SolverInfo& info() const { return entry_.info; }
 
-    // A solver that is not prepared yet. Its options are unread, as check_contract() wants them.
+    // Makes a solver that is not prepared yet, with a fresh Options object, because make_solver() checks that every
+    // parameter is read.
     std::unique_ptr<Solver> make() const;
 
     Needs needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const;
 
-    // A solver without threads has its structures built by one, so that its time is that of one thread.
+    // Returns the threads that build structures: one for a solver without threads, so that its times are single-threaded.
     Threads builders(const QuerySet& queries) const;
 
 private:
     SolverEntry entry_;
     Options options_;
-    Leave leave_;
+    Build build_;
 };
 
-// No more threads than the machine has cores.
+// Limits a number of threads to the cores of this machine.
 int usable_threads(int threads);
 
-// Holds the solver's word against its bounds: `converged`, `below_floor` and `above_cutoff` stay only where they follow from the
-// bounds; else the status becomes `stalled`, and a note says why. Lengths are scaled by the exponent of the shapes.
+// Checks the solver's status against its bounds: `converged`, `below_floor` and `above_cutoff` stay only if they follow from the
+// bounds. Otherwise the status becomes `stalled`, and a note says why.
 class PreparedSolver final : public Adapter {
 public:
     PreparedSolver(const SolverMaker& maker, const SharedPreparedShape& source, const SharedPreparedShape& target,
@@ -67,7 +68,7 @@ private:
     double solver_seconds_ = 0;
 };
 
-// False where a bound is no number, the lower one infinite or the upper one negative.
+// Returns false if a bound is NaN, the lower one infinite or the upper one negative.
 inline bool may_bound_a_distance(const Bounds& bounds) {
     return bounds.lower < std::numeric_limits<double>::infinity() && bounds.upper >= 0;
 }

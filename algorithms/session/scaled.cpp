@@ -15,7 +15,7 @@ double scaled_back(double value, int exponent, double (*outward)(double)) {
     return std::ldexp(original, exponent) == value || std::isinf(value) ? original : outward(original);
 }
 
-// True where a coordinate of the point is rounded: by at most half of the least double, 2^-1075.
+// Returns whether a coordinate of the point was rounded, by at most half of the least double, 2^-1075.
 bool scaled_back(Vec3& point, int exponent) {
     bool rounded = false;
     for (double& value : point) {
@@ -26,13 +26,13 @@ bool scaled_back(Vec3& point, int exponent) {
     return rounded;
 }
 
-// A length that must stay positive and finite.
+// Scales a length and keeps it positive and finite.
 double scaled_tolerance(double value, int exponent) {
     return std::clamp(std::ldexp(value, exponent), std::numeric_limits<double>::denorm_min(),
                       std::numeric_limits<double>::max());
 }
 
-// At least the largest |coordinate| that any step of posing the shape can reach, scaled: S below.
+// Returns a bound of the largest |coordinate| in any step of posing the shape, scaled: S below.
 double posed_extent(const PreparedShape& shape, const Pose& pose) {
     double translation = 0;
     for (const double t : pose.translation)
@@ -40,20 +40,20 @@ double posed_extent(const PreparedShape& shape, const Pose& pose) {
     return 3 * (pose.rotation.cwiseAbs().maxCoeff() * shape.largest()) + translation;
 }
 
-// How far the points of one shape that the solver measures may be from those that the definition means, in scaled units. The distance
-// changes by no more than A's and B's together.
+// Returns how far the points of a shape, as the solver sees them, may be from the points of the definition, in scaled units. The
+// distance changes by at most the sum for A and B.
 //
-// Scaling: a coordinate that it rounds is off by 2^-1075, so a point by less than 2^-1074, which is `lost`.
+// Scaling: a rounded coordinate is off by 2^-1075, so a point by less than 2^-1074, which is `lost`.
 //
 // Posing: in each coordinate the definition says D = s fl(R v + t), and the solver measures C = fl(R v' + t'), where s is the
-// power of two 2^e, and v' and t' are the scaled v and t. Where v' = s v, t' = s t and no product underflows in either unit,
-// they are the same bits: scaling by s commutes with each rounding, and a sum that underflows is exact. Otherwise both are
-// held against the exact value s (R v + t). With r = max |R_ij| and S = 3 r max |v'| + max |t'|, the roundings of products and
+// power of two 2^e, and v' and t' are the scaled v and t. If v' = s v, t' = s t and no product underflows in either unit,
+// both are the same bits: scaling by s commutes with each rounding, and a sum that underflows is exact. Otherwise both are
+// compared with the exact value s (R v + t). With r = max |R_ij| and S = 3 r max |v'| + max |t'|, the roundings of products and
 // sums are 4u(1 + 4u) S on either side, each of the three products may lose 2^-1075 in its own unit, t' may lose 2^-1075, and
 // the products carry what v' has lost, 3 r 2^-1075. With q = 2^(max(e, 0) - 1074), the coarser of the two units of underflow,
 //   |C - D| <= 8.01 u S + (3 + 3 + 1) q / 2 + 1.5 r lost,
-// and in length, with sqrt 3 < 1.733, 13.9 u S + 6.1 q + 2.6 r lost. What is computed below rounds by less than 8u of itself
-// and underflows by less than q: 8 q covers the two.
+// and in length, with sqrt 3 < 1.733, 13.9 u S + 6.1 q + 2.6 r lost. The computation below rounds by less than 8u of its result
+// and underflows by less than q; 8 q covers both.
 double widening(const PreparedShape& shape, const Pose& pose) {
     const int exponent = shape.exponent();
     if (pose.is_identity()) return shape.lost();
@@ -65,7 +65,7 @@ double widening(const PreparedShape& shape, const Pose& pose) {
     const bool exact_translation = pose.translation.unaryExpr([&](double t) {
         return std::ldexp(std::ldexp(t, exponent), -exponent);
     }) == pose.translation;
-    // Exponents, so that no product here underflows itself.
+    // Adds exponents, because the product itself may underflow.
     const auto exponent_of = [](double x) { return std::isfinite(x) ? std::ilogb(x) : 0; };
     const int product = exponent_of(least) + exponent_of(shape.smallest());
     const bool same_bits = shape.lost() == 0 && exact_translation && product >= -1022 && product - exponent >= -1022;
@@ -99,7 +99,7 @@ void scale_back(Result& result, Trace& trace, int exponent, double wider) {
     const auto down = [&](double& lower) {
         if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
         if (exponent != 0) lower = std::max(scaled_back(lower, exponent, next_down), 0.0);
-        // The bound is to hold with the point as it is shown, which is off by less than 2^-1074: next_down() takes off as much or more.
+        // The bound has to hold for the witness as shown, which is off by less than 2^-1074; next_down() subtracts at least that.
         if (point_rounded) lower = std::max(next_down(lower), 0.0);
     };
     const auto up = [&](double& upper) {
@@ -136,7 +136,7 @@ Scaled::Scaled(const SolverInfo& info, PreparedPair pair, std::unique_ptr<Solver
       solver_(std::move(solver)),
       make_(std::move(make)) {}
 
-// Whether the pose needs another scale.
+// Returns whether the pose needs another scale.
 bool Scaled::leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const {
     if (pose.is_identity()) return false;
     if (kind_of(shape.shape()) == ShapeKind::surface) {
@@ -156,8 +156,8 @@ bool Scaled::leaves_range(const PreparedShape& shape, const Pose& pose, const ch
     return scalable_ && std::ldexp(magnitude(there), shape.exponent()) > largest_safe_coordinate;
 }
 
-// Whether the poses make both shapes so small that solvers would lose products of coordinates to underflow. Looks at a few points, and at
-// all of them only if those are small. Coordinates that are all 0 count as small: they may have underflowed in scaled units alone.
+// Returns whether the poses make both shapes so small that products of coordinates would underflow. Looks at a few points, and at
+// all of them only if those are small. Zeros count as small, because they may have underflowed in scaled units alone.
 bool Scaled::shrinks(const Query& query) const {
     if (!scalable_ || (query.source_pose.is_identity() && query.target_pose.is_identity())) return false;
     double most = 0;
@@ -172,7 +172,7 @@ bool Scaled::shrinks(const Query& query) const {
     return most < smallest_safe_magnitude;
 }
 
-// Both shapes posed as they are in the units of the input, scaled anew.
+// Poses both shapes in the unit of the input, then scales them anew.
 PreparedPair Scaled::at_rest(const Query& query) const {
     const auto shape_there = [](const PreparedShape& prepared, const Pose& pose) {
         Shape shape = prepared.shape();
@@ -184,7 +184,7 @@ PreparedPair Scaled::at_rest(const Query& query) const {
 }
 
 Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
-    // Both, so that a pose that is refused is refused whatever the other one is.
+    // Evaluate both, so that an invalid pose is always refused.
     const bool source_far = leaves_range(*pair_.source, query.source_pose, "A");
     const bool target_far = leaves_range(*pair_.target, query.target_pose, "B");
     if (!source_far && !target_far && !shrinks(query)) return answer(*solver_, pair_, query, state, trace);
@@ -206,7 +206,7 @@ Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Quer
     const double wider = widening(*pair.source, query.source_pose) + widening(*pair.target, query.target_pose);
     scale_back(result, trace, exponent, wider);
     if (info_.can(Ability::traces)) trace.finish(result.bounds.lower, result.bounds.upper);
-    // Scaling back may have cost what the solver had promised.
+    // Widened bounds may no longer justify the status.
     if (claims_an_answer(result.status))
         result.status = query.answer(result.bounds.lower, result.bounds.upper).value_or(Status::precision_floor);
     return result;

@@ -39,7 +39,7 @@ std::string refusal_of_shapes(const SolverInfo& info, ShapeKind source, ShapeKin
     return {};
 }
 
-// Copies a shape only to scale it.
+// Copies the shapes only if they are scaled.
 PreparedPair pair_of(const SolverInfo& info, const Scene& scene) {
     if (scalable(info, kind_of(scene.source), kind_of(scene.target)))
         return prepare_pair(info, scene.source, scene.target);
@@ -61,10 +61,10 @@ std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, 
 }
 
 Session::Session(const SolverEntry& entry, const Options& options, const Scene& scene, const QuerySet& queries,
-                 Leave leave)
-    : Session(entry, options, pair_of(entry.info, scene), queries, leave) {}
+                 Build build)
+    : Session(entry, options, pair_of(entry.info, scene), queries, build) {}
 
-// The solver of one pair in scaled units, and what it took.
+// The solver of one pair in scaled units, with the cost of preparing it.
 struct Session::Direct {
     std::unique_ptr<Symmetric> solver;
     const Prepared* prepared;
@@ -72,8 +72,8 @@ struct Session::Direct {
 };
 
 Session::Session(const SolverEntry& entry, const Options& options, PreparedPair pair, const QuerySet& queries,
-                 Leave leave)
-    : maker_(std::make_shared<SolverMaker>(entry, options, leave)), pair_(std::move(pair)) {
+                 Build build)
+    : maker_(std::make_shared<SolverMaker>(entry, options, build)), pair_(std::move(pair)) {
     const std::string no =
         refusal_of_shapes(entry.info, kind_of(pair_.source->shape()), kind_of(pair_.target->shape()));
     if (!no.empty()) throw InputError(no);
@@ -121,7 +121,7 @@ void Session::keep_books(Books books, const std::string& suffix) {
     }
 }
 
-// The source of h(B,A) is the target of h(A,B), and the other way round.
+// Returns whether h(A,B) has built this structure of h(B,A), whose source is the target of h(A,B).
 bool Session::built_for_the_first_direction(const std::string& name) const {
     const bool source = name.starts_with("source "), target = name.starts_with("target ");
     if (!source && !target) return false;

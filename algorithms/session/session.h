@@ -1,10 +1,10 @@
-// One solver on one scene: prepares what is needed, and answers every question that the solver can be made to answer, in the units of
-// the input. The work is done by adapters, each a Solver around another:
+// One solver on one scene: prepares the structures it needs, and answers every query that the solver supports or that can be
+// emulated, in the unit of the input. Adapters do the work, each a Solver around another:
 //
 //   Session > Scaled > Symmetric > MovingTarget > PreparedSolver > the solver
 //
-// `Symmetric` has two MovingTargets, one for each direction. The session itself refuses what cannot be asked, wires the adapters and
-// keeps the books of what was prepared.
+// `Symmetric` has two MovingTargets, one for each direction. The session itself checks queries, wires the adapters and records the
+// cost of preparation.
 #pragma once
 
 #include "algorithms/session/scaled.h"
@@ -15,41 +15,40 @@
 
 namespace hausbench {
 
-// May be shared: several threads may ask one session at the same time, each with a Trace and a State of its own.
+// Thread-safe: several threads may query one session at the same time, each with a Trace and a State of its own.
 class Session {
 public:
-    // Scales copies of the two shapes (see prepare_pair), builds the structures, by as many threads as a query may use if the solver
-    // offers threads, and prepares the solver. Throws InputError for shapes the solver does not take.
+    // Scales copies of the two shapes (see prepare_pair), builds the structures and prepares the solver, with the threads of
+    // `queries` if the solver supports threads. Throws InputError for shapes that the solver does not accept.
     Session(const SolverEntry& entry, const Options& options, const Scene& scene, const QuerySet& queries,
-            Leave leave = Leave::out_what_is_not_needed);
+            Build build = Build::needed_only);
 
-    // The same on shapes that are scaled already, both by the same exponent, and that other sessions may share: structures that are
-    // there are not built again. Not several at once on one shape.
+    // The same on shapes that are scaled already, both by the same exponent. Other sessions may share them, and structures that
+    // exist are not built again. Do not construct two sessions on one shape at the same time.
     Session(const SolverEntry& entry, const Options& options, PreparedPair pair, const QuerySet& queries,
-            Leave leave = Leave::out_what_is_not_needed);
+            Build build = Build::needed_only);
     ~Session();
     Session(Session&&) noexcept;
 
-    // The query's lengths (tolerance, floor, cutoff, translations), the result's and the trace's are in the units of the input.
-    // The status is held against the bounds: `converged`, `below_floor` and `above_cutoff` are returned only where they are true.
-    // How H(A,B) is answered for a solver that does not offer it says symmetric.h; a target that moves, moving_target.h; extreme
-    // coordinates, scaled.h.
+    // Answers a query. All lengths (tolerance, floor, cutoff, translations, bounds, trace) are in the unit of the input. The status
+    // `converged`, `below_floor` or `above_cutoff` is returned only if the bounds justify it. symmetric.h says how H(A,B) is
+    // emulated, moving_target.h how a moving target is, and scaled.h how extreme coordinates are handled.
     //
-    // Throws InputError for a tolerance that is not a positive number, a NaN or negative limit, no thread, a pose that is not finite
-    // or makes a point that is not, a pose other than the identity of an algebraic surface.
+    // Throws InputError for a tolerance that is not a positive number, a limit that is NaN or negative, fewer than one thread, a
+    // pose that is not finite or makes a point that is not finite, and a moved algebraic surface.
     //
-    // `state` is null, or from begin() of this session: one for each chain of poses.
+    // `state` is null or comes from begin() of this session, one for each chain of poses.
     Result solve(const Query& query, State* state, Trace& trace) const;
     Result solve(const Query& query, Trace& trace) const { return solve(query, nullptr, trace); }
 
-    // Null: the solver carries nothing along.
+    // Starts a chain of nearby poses; null if the solver has no Ability::warm.
     std::unique_ptr<State> begin() const;
 
-    // What was built for the first direction. Throws std::logic_error where each answer builds its own.
+    // The structures for h(A,B). Throws std::logic_error if each answer builds its own.
     const Prepared& prepared() const;
     const Needs& needs() const { return needs_; }
 
-    // For both directions; entries for h(B,A) end in " (B to A)". A structure that both use is there once.
+    // The cost of preparing both directions; entries for h(B,A) end in " (B to A)". Shared structures are listed once.
     const std::vector<PreparationTime>& preparation() const { return preparation_; }
     double prepare_seconds() const;
     std::size_t prepare_bytes() const;
@@ -57,7 +56,7 @@ public:
 private:
     struct Direct;
 
-    void expect(Quantity quantity) const;  // throws where it is not offered
+    void expect(Quantity quantity) const;  // throws if neither supported nor emulated
     static Direct wired(const std::shared_ptr<const SolverMaker>& maker, const PreparedPair& pair,
                         const QuerySet& queries);
     void keep_books(Books books, const std::string& suffix);
@@ -71,8 +70,8 @@ private:
     std::vector<PreparationTime> preparation_;
 };
 
-// An error text where the solver cannot take these shapes, or does not offer this quantity and Session cannot make it from what
-// it does offer; empty where it can.
+// Returns an error message if the solver does not accept these shapes, or neither supports the quantity nor lets Session emulate
+// it; empty if all is well.
 std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, Quantity quantity = Quantity::directed);
 
 }  // namespace hausbench

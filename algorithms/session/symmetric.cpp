@@ -8,23 +8,23 @@
 namespace hausbench {
 namespace {
 
-// The answer to h(B,A) as one of two directions of H(A,B): its witness and certificates name A and B as those of H do.
+// Turns an answer to h(B,A) into a part of H(A,B): witness and certificates then refer to A as source and B as target.
 void turn_around(Result& result) {
     for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
     result.witness.direction = Witness::Direction::target_to_source;
-    result.fields.reset();  // they would be of B
+    result.fields.reset();  // they would belong to B
     Reported reported;
     for (auto& [name, value] : result.reported) reported[name + " (B to A)"] = value;
     result.reported = std::move(reported);
 }
 
-// Adds what is known of the other direction; `backward`: that is h(B,A).
+// Adds the answer of the other direction; `backward` if that is h(B,A).
 void join(Result& whole, const Result& other, bool backward) {
     keep_larger(whole, other);
     if (!whole.fields) whole.fields = other.fields;
-    // The proof of one direction alone proves nothing of H.
+    // H needs the proofs of both directions.
     if (whole.why_no_certificate.empty()) whole.why_no_certificate = other.why_no_certificate;
     if (whole.certificates.empty() || other.certificates.empty())
         whole.certificates.clear();
@@ -41,7 +41,7 @@ void stop_above_cutoff(Result& whole) {
     whole.bounds.upper = infinity;
     whole.status = Status::above_cutoff;
     whole.note.clear();
-    whole.certificates.clear();  // what they prove is not the bound of H
+    whole.certificates.clear();  // they do not prove an upper bound of H
     whole.why_no_certificate =
         "one direction is above the cutoff, so the other one was not measured and H has no upper bound";
 }
@@ -53,7 +53,7 @@ void keep_larger(Result& whole, const Result& other) {
         whole.bounds.lower = other.bounds.lower;
         whole.witness = other.witness;
     }
-    // Where the bounds are still apart, the larger upper bound keeps them apart, and its direction says why. A NaN is no bound at all.
+    // The direction with the larger upper bound explains the remaining gap. NaN counts as the largest.
     if (other.bounds.upper > whole.bounds.upper || std::isnan(other.bounds.upper)) {
         whole.bounds.upper = other.bounds.upper;
         whole.status = other.status;
@@ -68,12 +68,12 @@ struct Symmetric::Chain final : State {
     State* of(bool back) const { return (back ? backward : forward).get(); }
 };
 
-// How H(A,B) begins.
+// The outcome of the trial that picks the first direction.
 struct Symmetric::Opening {
     bool backward = false;          // h(B,A) comes first
-    std::optional<Result> forward;  // h(A,B), where it has its answer already
-    double begin = 0;               // of that answer, in seconds
-    Counters spent;                 // on what is not in an answer
+    std::optional<Result> forward;  // h(A,B), if the trial answered it
+    double begin = 0;               // when that answer began, in seconds
+    Counters spent;                 // work that belongs to no answer
 };
 
 Symmetric::Symmetric(const SolverInfo& info, std::unique_ptr<Solver> forward, std::unique_ptr<Solver> backward)
@@ -104,9 +104,9 @@ Result Symmetric::directed(Query query, bool backward, Chain* chain, Trace& trac
     return result;
 }
 
-// A gap relative to the lower bound is never small enough where that bound is 0, as h(A,B) is where A is a part of B. So
-// where the tolerance is of that kind, a little work on both directions says which one seems to be the larger: it comes
-// first, and its lower bound is the floor of the other. An answer that takes little work is kept.
+// With a tolerance relative to the lower bound, a direction whose distance is 0 (A is a part of B) never converges. So both
+// directions get a little work, and the one that seems larger comes first; its lower bound is the floor of the other.
+// If the little work already answers h(A,B), that answer is kept.
 Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& trace) const {
     Opening opening;
     const std::uint64_t most = query.budget;
@@ -136,7 +136,7 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     const WallClock clock;
     Trace one(trace.on() ? Trace::Mode::on : Trace::Mode::off), two = one;
     Query asked = query;
-    std::unique_ptr<State> alone;  // of this query
+    std::unique_ptr<State> alone;  // for this query
     if (!chain && info_.can(Ability::shared_pairs)) {
         alone = begin();
         chain = static_cast<Chain*>(alone.get());
@@ -146,7 +146,7 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     asked.time_limit = clock.left(query.time_limit);
     Result whole = opening.forward ? std::move(*opening.forward) : directed(asked, opening.backward, chain, one);
     whole.counters += opening.spent;
-    // Until the other direction has a bound, H(A,B) has none from above.
+    // H(A,B) has no upper bound until the other direction has one.
     for (const TraceSample& sample : one.samples())
         trace.samples().push_back({before + sample.seconds, sample.lower, infinity});
     if (whole.bounds.lower > query.cutoff) {
@@ -156,7 +156,7 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     const double first = clock.elapsed();
     asked.time_limit = clock.left(query.time_limit);
     asked.floor = std::max(query.floor, whole.bounds.lower);
-    // A floor that is the cutoff would ask a question that nobody asked.
+    // floor == cutoff turns the query into a yes/no question, so the floor stays just below the cutoff.
     if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
     if (info_.can(Ability::shared_pairs)) chain->of(!opening.backward)->learn_from(*chain->of(opening.backward));
     const Result other = directed(asked, !opening.backward, chain, two);

@@ -5,10 +5,10 @@
 
 namespace hausbench {
 
-// First h(A,B), then h(B,A) with the first lower bound as its floor. With a tolerance relative to the lower bound, the direction that
-// seems to be the larger one comes first, so that the other may be 0; finding out which costs some work more.
-// Counters are sums, of all that was tried. Budget: for each of the two. A first lower bound above the cutoff ends it; the upper
-// bound then is infinite. Other queries go to `forward` as they are.
+// Asks for h(A,B), then for h(B,A) with the first lower bound as its floor. With a tolerance relative to the lower bound, the
+// direction that seems larger comes first, because the other one may be 0; finding out which one costs some extra work.
+// Counters add up everything that was tried. The budget applies to each direction. If the first lower bound is above the cutoff,
+// the second direction is not measured and the upper bound is infinite. Other queries are passed on to `forward`.
 class Symmetric final : public Adapter {
 public:
     Symmetric(const SolverInfo& info, std::unique_ptr<Solver> forward, std::unique_ptr<Solver> backward);
@@ -28,8 +28,8 @@ private:
     std::unique_ptr<Solver> forward_, backward_;
 };
 
-// The larger of two distances, such as those of both directions, from the bounds of each: `whole` becomes the larger one, with what
-// shows its lower bound and why its upper bound is no smaller. Counters add up.
+// Turns `whole` into bounds of the larger of two distances, such as the two directions of H. Takes the witness from the larger
+// lower bound, status and note from the larger upper bound, and adds counters.
 void keep_larger(Result& whole, const Result& other);
 
 }  // namespace hausbench

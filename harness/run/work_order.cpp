@@ -19,7 +19,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Item, row, pair, chain, warm, quan
                                    tolerance, floor, cutoff, budget, threads, trace, marks, fields, stages, proof,
                                    search)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder, solver, options, folder, pairs, scaled, exponent, limits, round, repeats,
-                                   leave, slowdown, items, plugins)
+                                   build, slowdown, items, plugins)
 
 void WorkOrder::Item::narrow(double least_upper) {
     if (cutoff <= floor || !(least_upper < cutoff)) return;

@@ -85,12 +85,12 @@ private:
         shapes_ = {};
         if (order_.scaled) {
             shapes_ = {shape(pair.source_file, first), shape(pair.target_file, first)};
-            session_.emplace(entry, options, shapes_, pair.queries, order_.leave);
+            session_.emplace(entry, options, shapes_, pair.queries, order_.build);
         } else {
             Shape source = read_shape(pair.source_file).shape, target = read_shape(pair.target_file).shape;
             memory_.emplace();
             shapes_ = prepare_pair(entry.info, std::move(source), std::move(target));
-            session_.emplace(entry, options, shapes_, pair.queries, order_.leave);
+            session_.emplace(entry, options, shapes_, pair.queries, order_.build);
             memory_->prepared();
         }
         json left_out = json::array();
