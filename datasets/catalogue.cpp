@@ -48,7 +48,7 @@ Catalogue::Catalogue(const std::filesystem::path& manifest, std::filesystem::pat
     const TomlReader reader(manifest, root);
     reader.allow({"model"});
     reader.refuse_other_keys();
-    add(manifest, read_models(manifest, root, ModelsOf::manifest));
+    add(manifest, read_models(reader, ModelsOf::manifest));
     const std::filesystem::path corpus_file = corpus_beside(manifest);
     if (corpus_file.empty()) return;
     Corpus corpus = read_corpus(corpus_file, models_);

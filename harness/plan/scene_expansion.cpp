@@ -88,8 +88,7 @@ std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
 }
 
 // One scene for each pair of models of which objects overlap: every pose is that of two objects in a frame.
-std::vector<ScenePlan> expand_recording(const std::filesystem::path& file, const ExperimentTable& table,
-                                        const ScenePlan& scene) {
+std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const ScenePlan& scene) {
     const toml::node& node = *table.find("recording");
     for (const char* key :
          {"source", "target", "sources", "targets", "search", "each", "exact", "motion", "target_motion"}) {
@@ -99,7 +98,7 @@ std::vector<ScenePlan> expand_recording(const std::filesystem::path& file, const
     }
     Recording recording;
     try {
-        recording = read_recording(file.parent_path() / table.text("recording"));
+        recording = read_recording(table.file().parent_path() / table.text("recording"));
     } catch (const InputError& error) {
         table.fail(node, fmt::format("'recording': {}", error.what()));
     }
@@ -168,8 +167,8 @@ std::vector<ScenePlan> expand_matrix(const ExperimentTable& table, const ScenePl
 
 }  // namespace
 
-std::vector<ScenePlan> expand(const std::filesystem::path& file, const ExperimentTable& table, const ScenePlan& scene) {
-    if (table.find("recording")) return expand_recording(file, table, scene);
+std::vector<ScenePlan> expand(const ExperimentTable& table, const ScenePlan& scene) {
+    if (table.find("recording")) return expand_recording(table, scene);
     for (const char* key : {"every", "frames"})
         if (const toml::node* node = table.find(key))
             table.fail(*node, fmt::format("'{}' chooses frames of a 'recording': give one, or remove it", key));

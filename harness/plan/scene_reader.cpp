@@ -11,12 +11,11 @@ namespace hausbench {
 
 namespace {
 
-Motion read_motion(const std::filesystem::path& file, const ExperimentTable& scene, const toml::node& node,
-                   std::string_view key) {
+Motion read_motion(const ExperimentTable& scene, const toml::node& node, std::string_view key) {
     const toml::table* motion = node.as_table();
     if (!motion) scene.fail(node, fmt::format("'{}' must be a table such as {{ kind = \"static\" }}", key));
     const auto read = [&](const std::vector<std::string>& keys) {
-        ExperimentTable reader(file, *motion, "the motion", keys);
+        ExperimentTable reader(scene.file(), *motion, "the motion", keys);
         if (scene.filling()) reader.fill(*scene.filling());
         return reader;
     };
@@ -44,7 +43,7 @@ Motion read_motion(const std::filesystem::path& file, const ExperimentTable& sce
     }
     if (kind == "poses") {
         const ExperimentTable reader = read({"kind", "file"});
-        return PoseFile{file.parent_path() / reader.text("file")};
+        return PoseFile{scene.file().parent_path() / reader.text("file")};
     }
     scene.fail(node, fmt::format("unknown motion '{}'{}", kind,
                                  nearest_hint(kind, {"static", "translation", "rotation", "poses"})));
@@ -62,7 +61,7 @@ double exact_of(const ExperimentTable& table, const toml::node& node) {
 
 }  // namespace
 
-ScenePlan read_scene(const std::filesystem::path& file, const ExperimentTable& table) {
+ScenePlan read_scene(const ExperimentTable& table) {
     ScenePlan scene;
     scene.name = table.text("name");
     if (!table.find("sources") && !table.find("recording")) {
@@ -77,9 +76,9 @@ ScenePlan read_scene(const std::filesystem::path& file, const ExperimentTable& t
     scene.tolerances = table.tolerances("tolerances");
     scene.family = family_of(table);
     scene.severity = severity_of(table);
-    if (const toml::node* node = table.find("motion")) scene.motion = read_motion(file, table, *node, "motion");
+    if (const toml::node* node = table.find("motion")) scene.motion = read_motion(table, *node, "motion");
     if (const toml::node* node = table.find("target_motion")) {
-        scene.target_motion = read_motion(file, table, *node, "target_motion");
+        scene.target_motion = read_motion(table, *node, "target_motion");
         if (moves(scene.motion) && moves(scene.target_motion)) {
             const std::size_t a = pose_count(scene.motion), b = pose_count(scene.target_motion);
             if (a != b)
