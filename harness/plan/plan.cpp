@@ -6,10 +6,9 @@
 #include "algorithms/session/session.h"
 #include "datasets/hash.h"
 #include "harness/plan/command_files.h"
-#include "harness/plan/matrix.h"
+#include "harness/plan/jobs.h"
 #include "harness/plan/references.h"
 #include "harness/plan/scene_models.h"
-#include "harness/plan/turns.h"
 
 #include <fmt/format.h>
 
