@@ -121,7 +121,6 @@ struct Subject {
     std::unique_ptr<TriangleBvh> bvh;
     std::unique_ptr<TriangleOctree> octree;
     std::unique_ptr<SweptSphereBvh> swept;
-    std::unique_ptr<PointBvh> points;
 
     template <class Tree> const Tree& tree(std::unique_ptr<Tree>& place) {
         if (!place) place = std::make_unique<Tree>(mesh);
@@ -208,18 +207,6 @@ template <class Tree> void closest(benchmark::State& state, Subject& subject, As
     }
 }
 
-void nearest_points(benchmark::State& state, Subject& subject) {
-    if (!subject.points) subject.points = std::make_unique<PointBvh>(subject.mesh.vertices);
-    Counters counters;
-    for (auto _ : state) {
-        for (Index i = 0; i < subject.queries.rows(); ++i) {
-            benchmark::DoNotOptimize(
-                subject.points->nearest(subject.queries.row(i), std::numeric_limits<double>::infinity(), -1, counters));
-        }
-    }
-    count(state, static_cast<std::size_t>(subject.queries.rows()));
-}
-
 // Of a structure that knows no hints of its own.
 template <class Built> void closest_cold(benchmark::State& state, const Subject& subject) {
     const Built built(subject.mesh);
@@ -274,12 +261,10 @@ void register_subject(Subject& s) {
     add("closest/triangle_blocks/cold", [&s](auto& state) { closest_cold<TriangleBlocks>(state, s); });
     add("closest/triangle_grid/cold", [&s](auto& state) { closest_cold<TriangleGrid>(state, s); });
     add("build/adjacency", [&s, triangles](auto& state) { build<Adjacency>(state, s.mesh, triangles); });
-    add("build/point_bvh", [&s, vertices](auto& state) { build<PointBvh>(state, s.mesh.vertices, vertices); });
     add("build/point_octree", [&s, vertices](auto& state) { build<PointOctree>(state, s.mesh.vertices, vertices); });
     add("build/point_blocks", [&s, vertices](auto& state) { build<PointBlocks>(state, s.mesh.vertices, vertices); });
     add("build/rtree", [&s, vertices](auto& state) { build<RTree>(state, s.mesh.vertices, vertices); });
     add("refit/bvh", [&s](auto& state) { refit(state, s); });
-    add("nearest/point_bvh", [&s](auto& state) { nearest_points(state, s); });
     add("bounds/swept_sphere", [&s](auto& state) { swept_bounds(state, s); });
 }
 

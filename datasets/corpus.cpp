@@ -61,7 +61,7 @@ Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInf
     for (const ModelInfo& model : manifest) there.insert(model.name);
     Corpus corpus;
     for (const Part& part : {chosen_part, rest_part}) {
-        for (ModelInfo& model : read_models(file, root, ModelsOf::manifest, part.models)) {
+        for (ModelInfo& model : read_models(reader, ModelsOf::manifest, part.models)) {
             model.of_corpus = true;
             corpus.whole.push_back(model.name);
             corpus.models.push_back(std::move(model));

@@ -22,13 +22,12 @@ std::string kind_of_model(const toml::table& content) {
 // One [model.NAME] table.
 class ModelTable {
 public:
-    ModelTable(const std::filesystem::path& file, const std::string& name, const toml::table& content,
-               const std::optional<Filling>& filling, const std::string& from)
-        : content_(content), table_(file, content, fmt::format("model '{}'", name)) {
-        if (filling) table_.fill(*filling);
+    ModelTable(const TomlReader& in, const std::string& name, const toml::table& content, const std::string& from)
+        : content_(content), table_(in.file(), content, fmt::format("model '{}'", name)) {
+        if (in.filling()) table_.fill(*in.filling());
         model_.name = name;
         model_.from = from;
-        model_.folder = file.parent_path();
+        model_.folder = in.file().parent_path();
     }
 
     ModelInfo read(ModelsOf of) {
@@ -153,21 +152,19 @@ private:
 
 }  // namespace
 
-ModelInfo read_model(const std::filesystem::path& file, const std::string& name, const toml::table& table, ModelsOf of,
-                     const std::optional<Filling>& filling, const std::string& from) {
-    return ModelTable(file, name, table, filling, from).read(of);
+ModelInfo read_model(const TomlReader& in, const std::string& name, const toml::table& table, ModelsOf of,
+                     const std::string& from) {
+    return ModelTable(in, name, table, from).read(of);
 }
 
-std::vector<ModelInfo> read_models(const std::filesystem::path& file, const toml::table& root, ModelsOf of,
-                                   const std::string& group) {
-    const TomlReader reader(file, root);
-    const toml::node* models = reader.find(group);
+std::vector<ModelInfo> read_models(const TomlReader& root, ModelsOf of, const std::string& group) {
+    const toml::node* models = root.find(group);
     if (!models) return {};
-    if (!models->is_table()) reader.fail(*models, fmt::format("'{0}' is not [{0}.NAME]", group));
+    if (!models->is_table()) root.fail(*models, fmt::format("'{0}' is not [{0}.NAME]", group));
     std::vector<ModelInfo> read;
     for (const auto& [key, table] : *models->as_table()) {
-        if (!table.is_table()) reader.fail(table, fmt::format("'{}' is not [{}.NAME]", key.str(), group));
-        read.push_back(read_model(file, std::string(key.str()), *table.as_table(), of));
+        if (!table.is_table()) root.fail(table, fmt::format("'{}' is not [{}.NAME]", key.str(), group));
+        read.push_back(read_model(root, std::string(key.str()), *table.as_table(), of));
     }
     return read;
 }

@@ -16,14 +16,13 @@ namespace hausbench {
 // fetched.
 enum class ModelsOf { manifest, experiment };
 
-// One table. A model may list its coordinates, `vertices` and `triangles` or `points`, in place of a recipe. With `from` it is derived from that
-// model, and its table must not say so.
-ModelInfo read_model(const std::filesystem::path& file, const std::string& name, const toml::table& table, ModelsOf of,
-                     const std::optional<Filling>& filling = {}, const std::string& from = "");
+// One table, which stands in the file of `in` and is filled as that one is. A model may list its coordinates, `vertices` and `triangles`
+// or `points`, in place of a recipe. With `from` it is derived from that model, and its table must not say so.
+ModelInfo read_model(const TomlReader& in, const std::string& name, const toml::table& table, ModelsOf of,
+                     const std::string& from = "");
 
-// All tables [GROUP.NAME] of `root`, a file that has been parsed; relative paths count from the file's folder. Throws InputError with file, line and
-// model for an unknown key or value (names the nearest).
-std::vector<ModelInfo> read_models(const std::filesystem::path& file, const toml::table& root, ModelsOf of,
-                                   const std::string& group = "model");
+// All tables [GROUP.NAME] of a file; relative paths count from its folder. Throws InputError with file, line and model for an unknown key
+// or value (names the nearest).
+std::vector<ModelInfo> read_models(const TomlReader& root, ModelsOf of, const std::string& group = "model");
 
 }  // namespace hausbench

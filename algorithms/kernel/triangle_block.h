@@ -37,16 +37,6 @@ struct alignas(64) TriangleBlock {
 // Eight points side by side.
 struct alignas(64) PointBlock {
     double coordinate[3][block_width];
-    Index point[block_width];
-    std::int32_t count;  // lanes in use; the others repeat the first
-
-    void set(const Points& points, std::span<const Index> indices) {  // 1 to 8
-        count = static_cast<std::int32_t>(indices.size());
-        for (std::size_t lane = 0; lane < block_width; ++lane) {
-            point[lane] = indices[lane < indices.size() ? lane : 0];
-            for (int k = 0; k < 3; ++k) coordinate[k][lane] = points(point[lane], k);
-        }
-    }
 };
 
 // For each lane, the bits of closest_point(point, triangle).

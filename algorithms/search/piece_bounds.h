@@ -29,8 +29,10 @@ inline Vec3 barycentre(const PieceCorners& v) { return (v[0].point + v[1].point 
 // Why a bound holds: the piece, cut into cells, each near one triangle of B.
 struct PieceArgument {
     enum class Kind {
-        one,             // all of it is near triangle `near`
-        nearest_corner,  // a cell for each corner, of the points nearest to it, against its S
+        // All of it is near triangle `near`.
+        one,
+        // A cell for each corner, of the points nearest to it, against its S.
+        nearest_corner,
         // Corner `alone` is cut off at `ends`, against its S; the rest against the other two S.
         corner_cut_off,
         // Three quadrilaterals: a corner, the midpoints beside it, the barycentre; against its S.

@@ -22,9 +22,8 @@ namespace hausbench {
 struct PieceTurn {
     std::uint8_t turn = 0;
 
-    std::size_t place(std::size_t i) const {
-        return (i + turn) % 3;
-    }  // of corner i, or of the edge from it to the next
+    // Returns the place of corner i, or of the edge from it to the next.
+    std::size_t place(std::size_t i) const { return (i + turn) % 3; }
 };
 
 // The nodes of the polygon, down to its leaves.

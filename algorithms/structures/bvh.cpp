@@ -156,8 +156,8 @@ private:
 
 }  // namespace
 
-WideTree build_bvh(const TreeContent& content) {
-    Builder builder(content);
+WideTree build_bvh(const TriangleMesh& mesh) {
+    Builder builder(mesh);
     return builder.build(BvhSplit(builder));
 }
 

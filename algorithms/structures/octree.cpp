@@ -91,8 +91,8 @@ private:
 
 }  // namespace
 
-WideTree build_octree(const TreeContent& content) {
-    Builder builder(content);
+WideTree build_octree(const TriangleMesh& mesh) {
+    Builder builder(mesh);
     return builder.build(OctreeSplit(builder));
 }
 

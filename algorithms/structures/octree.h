@@ -16,8 +16,7 @@ public:
     static constexpr int structure_layout = 1;
 
     // `mesh` must outlive this. O(n log n) time, O(n) memory; at most 100 levels however the triangles lie.
-    explicit TriangleOctree(const TriangleMesh& mesh)
-        : TriangleTree(mesh, build_octree({mesh.vertices, &mesh.triangles})) {}
+    explicit TriangleOctree(const TriangleMesh& mesh) : TriangleTree(mesh, build_octree(mesh)) {}
 };
 
 }  // namespace hausbench

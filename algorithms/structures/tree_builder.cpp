@@ -1,5 +1,7 @@
 #include "algorithms/structures/tree_builder.h"
 
+#include "algorithms/kernel/triangle.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -20,25 +22,20 @@ LocalFrame LocalFrame::of(const Box& box) {
     return frame;
 }
 
-Builder::Builder(const TreeContent& what) : content(what) {
+Builder::Builder(const TriangleMesh& over) : mesh(over) {
     Box box;
-    for (Eigen::Index i = 0; i < content.points.rows(); ++i) box.add(Vec3(content.points.row(i)));
+    for (Eigen::Index i = 0; i < mesh.vertices.rows(); ++i) box.add(Vec3(mesh.vertices.row(i)));
     const LocalFrame frame = LocalFrame::of(box);
-    std::vector<FloatBox> points(static_cast<std::size_t>(content.points.rows()));
-    for (Index i = 0; i < content.points.rows(); ++i) {
+    std::vector<FloatBox> points(static_cast<std::size_t>(mesh.vertices.rows()));
+    for (Index i = 0; i < mesh.vertices.rows(); ++i) {
         FloatBox& point = points[static_cast<std::size_t>(i)];
-        point.low = point.high = frame.local(content.points.row(i));
+        point.low = point.high = frame.local(mesh.vertices.row(i));
     }
-    if (content.triangles == nullptr) {
-        elements = std::move(points);
-    } else {
-        elements.reserve(static_cast<std::size_t>(content.count()));
-        for (Index i = 0; i < content.count(); ++i) {
-            FloatBox& element = elements.emplace_back();
-            for (const Index corner : content.triangles->row(i)) {
-                element.add(points[static_cast<std::size_t>(corner)].low);
-            }
-        }
+    const auto count = static_cast<Index>(mesh.triangles.rows());
+    elements.reserve(static_cast<std::size_t>(count));
+    for (Index i = 0; i < count; ++i) {
+        FloatBox& element = elements.emplace_back();
+        for (const Index corner : mesh.triangles.row(i)) element.add(points[static_cast<std::size_t>(corner)].low);
     }
     for (std::size_t i = 0; i < elements.size(); ++i) set_number(elements[i], static_cast<Index>(i));
     tree.order.reserve(elements.size());
@@ -49,13 +46,13 @@ void Builder::localise(Range& whole) {
     if (whole.spread() >= least_spread) return;
     Box centres;
     for (std::int32_t i = whole.begin; i < whole.end; ++i) {
-        centres.add(middle_of(content.box(number_of(elements[static_cast<std::size_t>(i)]))));
+        centres.add(middle_of(box_of(triangle_of(mesh, number_of(elements[static_cast<std::size_t>(i)])))));
     }
     const LocalFrame frame = LocalFrame::of(centres);
     for (std::int32_t i = whole.begin; i < whole.end; ++i) {
         FloatBox& element = elements[static_cast<std::size_t>(i)];
         const Index number = number_of(element);
-        const Box box = content.box(number);
+        const Box box = box_of(triangle_of(mesh, number));
         element.low = frame.local(box.low);
         element.high = frame.local(box.high);
         set_number(element, number);

@@ -81,12 +81,12 @@ struct Range {
 };
 
 struct Builder {
-    const TreeContent& content;
+    const TriangleMesh& mesh;
     std::vector<FloatBox> elements;
     WideTree tree;
     std::array<FloatBox, tree_width * leaf_capacity> scratch;  // of put_in_order()
 
-    explicit Builder(const TreeContent& content);
+    explicit Builder(const TriangleMesh& mesh);
 
     Range range(std::int32_t begin, std::int32_t end) const {
         Range result{begin, end, {}, {}};
@@ -109,7 +109,7 @@ struct Builder {
     std::int32_t add_leaf(const Range& range) {
         // The triangles of a leaf are measured four at a time.
         constexpr std::int32_t half = leaf_capacity / 2;
-        if (content.triangles != nullptr && range.size() > half) put_in_order(range, range.begin + half);
+        if (range.size() > half) put_in_order(range, range.begin + half);
         for (std::int32_t i = range.begin; i < range.end; ++i) {
             tree.order.push_back(number_of(elements[static_cast<std::size_t>(i)]));
         }

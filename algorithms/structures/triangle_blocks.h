@@ -118,8 +118,8 @@ public:
     struct Tree {
         const std::vector<TriangleFramesLeaf>& leaves;
         const std::vector<BoxNode>& nodes;
-        const std::vector<std::size_t>&
-            level_begin;  // in `nodes`: level 1 has the boxes of leaves, the last one is one node
+        // Begin of each level in `nodes`: level 1 has the boxes of leaves, the last one is one node.
+        const std::vector<std::size_t>& level_begin;
         const TriangleMesh& mesh;
     };
 

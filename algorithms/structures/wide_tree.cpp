@@ -20,14 +20,4 @@ void WideTree::fit(std::span<const Box> leaf_boxes) {
     }
 }
 
-Box TreeContent::box(Index element) const {
-    Box box;
-    if (triangles == nullptr) {
-        box.low = box.high = points.row(element);
-        return box;
-    }
-    for (const Index corner : triangles->row(element)) box.add(Vec3(points.row(corner)));
-    return box;
-}
-
 }  // namespace hausbench

@@ -2,6 +2,7 @@
 // quantised (quantised_boxes.h).
 #pragma once
 
+#include "algorithms/kernel/geometry.h"
 #include "algorithms/structures/quantised_boxes.h"
 
 #include <cstdint>
@@ -40,27 +41,18 @@ struct WideTree {
     void fit(std::span<const Box> leaf_boxes);
 };
 
-// What a tree is built over: points, or triangles whose corners they are.
-struct TreeContent {
-    const Points& points;
-    const Triangles* triangles = nullptr;
-
-    Index count() const { return static_cast<Index>(triangles != nullptr ? triangles->rows() : points.rows()); }
-    Box box(Index element) const;
-};
-
 // The shape of a tree; its boxes are set by fit(). At least one element.
 //
 // Top-down, by the surface area heuristic over 16 bins along each axis (Wald, On fast construction of SAH-based bounding
 // volume hierarchies, 2007), the cost of a side being the blocks it fills; collapsed to eight children by always
 // opening the child of largest area that is not far smaller than the node. O(n log n) time, O(n) memory.
-WideTree build_bvh(const TreeContent& content);
+WideTree build_bvh(const TriangleMesh& mesh);
 
 // An octree: each element belongs to the cell that the centre of its box falls into. Cells with one child are passed over. A
 // cell of up to eight elements is a leaf, or shares one with small cells beside it. One of up to 64 is cut into as many
 // leaves as it fills, in halves across the longest axis. Where all centres of a cell lie in a
 // 2^-12th of the root's cube, another octree begins, in the cube around them. Elements whose centres cannot be told apart,
 // and those at level 48 of the tree, are cut into as many leaves as they fill.
-WideTree build_octree(const TreeContent& content);
+WideTree build_octree(const TriangleMesh& mesh);
 
 }  // namespace hausbench

@@ -41,11 +41,10 @@ class Kernel:
 
 KERNELS = tuple(Kernel(f"build/{name}", f"*make_structure<hausbench::{structure},*") for name, structure in (
     ("bvh", "TriangleBvh"), ("octree", "TriangleOctree"), ("swept_bvh", "SweptSphereBvh"), ("triangle_blocks", "TriangleBlocks"),
-    ("triangle_grid", "TriangleGrid"), ("adjacency", "Adjacency"), ("point_bvh", "PointBvh"), ("point_octree", "PointOctree"),
+    ("triangle_grid", "TriangleGrid"), ("adjacency", "Adjacency"), ("point_octree", "PointOctree"),
     ("point_blocks", "PointBlocks"), ("rtree", "RTree"))) + tuple(Kernel(name, f"hausbench::{function}(*") for name, function in (
         ("closest/bvh/cold", "TriangleTree::closest"), ("closest/octree/cold", "TriangleTree::closest"),
-        ("closest/triangle_blocks/cold", "TriangleBlocks::closest"), ("closest/triangle_grid/cold", "TriangleGrid::closest"),
-        ("nearest/point_bvh", "PointBvh::nearest")))
+        ("closest/triangle_blocks/cold", "TriangleBlocks::closest"), ("closest/triangle_grid/cold", "TriangleGrid::closest")))
 
 
 def cases(file: Path = EXPERIMENT) -> list[Case]:

@@ -1,7 +1,6 @@
 // `hausbench compare`: two results, or two solvers of one result, side by side.
 #include "algorithms/error.h"
-#include "harness/commands/compare_results.h"
-#include "harness/commands/compare_solvers.h"
+#include "harness/commands/comparison.h"
 #include "harness/commands/row_choice.h"
 #include "harness/commands/verb.h"
 

@@ -1,12 +1,183 @@
 // `hausbench explain`: what a run would prepare, run and leave out, why, and about how long it would take.
+#include "algorithms/contract.h"
 #include "algorithms/error.h"
+#include "algorithms/printable.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "datasets/shape_file.h"
 #include "harness/commands/experiment_arguments.h"
-#include "harness/commands/explain_plan.h"
+#include "harness/commands/row_texts.h"
+#include "harness/plan/estimate.h"
+#include "harness/plan/references.h"
+#include "harness/result/provenance.h"
 #include "harness/run/earlier.h"
+#include "process/memory.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <set>
+#include <utility>
 
 namespace hausbench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string clock_text(double seconds) {
+    return seconds < 10    ? fmt::format("{:.1f} s", seconds)
+           : seconds < 120 ? fmt::format("{:.0f} s", seconds)
+                           : fmt::format("{:.1f} min", seconds / 60);
+}
+
+std::size_t shapes_of(const Job& job) {
+    std::set<fs::path> files;
+    for (const Job::Pair& pair : job.pairs) files.insert({pair.source_file, pair.target_file});
+    return files.size();
+}
+
+// Which structures the solver asks for on this scene (of a matrix, on its first pair), and which it can do without.
+void describe_needs(const Plan& plan, const Job& job, std::string& text) {
+    const Case& first = plan.cases[job.cases.front()];
+    const SolverEntry& entry = find_solver(first.solver);
+    if (entry.info.may_need.empty() && !is_of_plugin(first.solver)) return;
+    const Job::Pair& pair = job.pairs.front();
+    const Scene scene{read_shape(pair.source_file).shape, read_shape(pair.target_file).shape};
+    const Options options(first.solver, entry.info.parameters, first.options);
+    const Needs needs = checked_needs(entry, *make_solver(entry, options), scene, pair.queries);
+    for (const Need& need : entry.info.may_need) {
+        const bool wanted = std::find(needs.begin(), needs.end(), need) != needs.end();
+        text += fmt::format("      {} {}\n", wanted ? "prepares" : "leaves out", to_string(need));
+    }
+}
+
+// The solver as it is shown, without its seed.
+std::string without_seed(const Case& asked) {
+    static const std::regex seed("seed=[^,)]*");
+    return std::regex_replace(shown(asked), seed, "seed=...");
+}
+
+// Jobs of one solver on one scene that differ in their seeds alone.
+std::vector<std::vector<const Job*>> alike(const Plan& plan) {
+    std::vector<std::vector<const Job*>> groups;
+    std::map<std::pair<std::string, std::size_t>, std::size_t> number;
+    for (const Job& job : plan.jobs) {
+        const Case& first = plan.cases[job.cases.front()];
+        const std::string name = without_seed(first);
+        const auto at = number.find({name, job.scene});
+        if (at != number.end() && name != shown(first)) {
+            groups[at->second].push_back(&job);
+            continue;
+        }
+        number[{name, job.scene}] = groups.size();
+        groups.push_back({&job});
+    }
+    return groups;
+}
+
+// Adds some lines on these jobs, and returns what all of them take together; of memory, the largest.
+JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs, const Estimates& estimates,
+                          std::string& text) {
+    const Experiment& e = plan.experiment;
+    const Job& job = *jobs.front();
+    const Case& first = plan.cases[job.cases.front()];
+    const std::string label = printable(jobs.size() == 1 ? job.label
+                                                         : fmt::format("{} on {}, {} seeds", without_seed(first),
+                                                                       e.scenes[job.scene].name, jobs.size()));
+    JobEstimate all;
+    std::size_t cases = 0;
+    for (const Job* one : jobs) {
+        const JobEstimate estimate = estimates.of(plan, *one);
+        all.seconds += estimate.seconds;
+        all.known += estimate.known;
+        all.bytes = std::max(all.bytes, estimate.bytes);
+        cases += one->cases.size();
+        if (const std::string reason = does_not_fit(plan, *one, this_machine().memory_bytes); !reason.empty())
+            text += fmt::format("  {}: {}\n", printable(one->label), reason);
+    }
+    text += fmt::format("  {:<44} {:>4} {}, about {}{}, {} MB\n", label, cases, cases == 1 ? "case" : "cases",
+                        clock_text(all.seconds), all.known == cases ? "" : " (a guess)", all.bytes >> 20);
+    describe_needs(plan, job, text);
+    std::set<int> poses;
+    for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
+    if (job.pairs.front().queries.target_copied)
+        text += "      over a target that moves, what is prepared is built again for each pose\n";
+    else if (job.exponent && job.pairs.size() > 1)
+        text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n", shapes_of(job),
+                            job.pairs.size());
+    else if (poses.size() > 1)
+        text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
+    if (e.scenes[job.scene].search)
+        text += "      a search: the cutoff of each target is the least upper bound of those before it\n";
+    return all;
+}
+
+// Times and memory are those of Estimates, from the result files in `results`.
+std::string explain(const Plan& plan, const fs::path& results) {
+    const Estimates estimates(results);
+    const Experiment& e = plan.experiment;
+    std::size_t run = 0, known = 0;
+    for (const Job& job : plan.jobs) run += job.cases.size();
+    std::string text = fmt::format(
+        "{} ({}, profile {}): {} asked for, {} to run in {}, {}, {} each\n", printable(e.stem), printable(e.title),
+        e.profile, counted(plan.cases.size(), "case"), run, counted(plan.jobs.size() * std::size_t(e.rounds), "worker"),
+        counted(std::size_t(e.rounds), "round"), counted(std::size_t(e.repeats), "timed repeat"));
+    text += "MODELS\n";
+    for (const ModelRow& model : plan.models) {
+        text += fmt::format("  {:<28} {:>9} {}, {} {:.6g}\n", printable(model.info->name), model.resolved.elements,
+                            model.resolved.kind == ShapeKind::points    ? "points"
+                            : model.resolved.kind == ShapeKind::surface ? "surface"
+                                                                        : "triangles",
+                            e.of == "longest" ? "longest side" : "diagonal",
+                            e.of == "longest" ? model.resolved.longest_side : model.resolved.diagonal);
+    }
+    text += "RUN\n";
+    double total = 0;
+    std::int64_t most = 0;
+    for (const auto& jobs : alike(plan)) {
+        const JobEstimate all = describe_jobs(plan, jobs, estimates, text);
+        total += all.seconds;
+        known += all.known;
+        most = std::max(most, all.bytes);
+    }
+    if (e.trace) {
+        std::set<std::string> silent;
+        for (const Job& job : plan.jobs) {
+            const Case& first = plan.cases[job.cases.front()];
+            if (!find_solver(first.solver).info.can(Ability::traces)) silent.insert(first.label);
+        }
+        if (!silent.empty())
+            text += fmt::format("TRACE\n  nothing is traced of {}, which report no bounds on the way\n",
+                                printable(fmt::format("{}", fmt::join(silent, ", "))));
+    }
+    if (plan.references) {
+        double seconds = 0;
+        for (const Job& job : plan.references->jobs) seconds += estimates.of(*plan.references, job).seconds;
+        text += fmt::format("REFERENCE\n  {}, certified and not timed, at most {} s each: about {}; {}\n",
+                            counted(plan.references->cases.size(), "answer"), e.reference_seconds, clock_text(seconds),
+                            rows_are_held);
+        total += seconds;
+    }
+    text += "LEFT OUT, beside the structures above\n";
+    const std::size_t head = text.size();
+    for (const LedgerEntry& entry : plan.ledger) {
+        if (entry.kind == "prepared_again") continue;  // said above
+        text += fmt::format("  {:<44} {} ({}): {}\n", printable(entry.subject), printable(entry.what), entry.count,
+                            printable(entry.reason));
+    }
+    if (text.size() == head) text += "  nothing\n";
+    text += fmt::format("TIME  about {}; {} of {} cases have times of an earlier run on this machine\n",
+                        clock_text(total), known, run);
+    text +=
+        fmt::format("MEMORY  about {} MB for the largest worker; {} MB are free\n", most >> 20, spare_bytes() >> 20);
+    return text;
+}
+
+}  // namespace
 
 void add_explain(CLI::App& app, int&) {
     static ExperimentArguments arguments;

@@ -1,19 +1,204 @@
 // `hausbench merge`: joins several results of one experiment, such as shards.
-#include "harness/commands/merge_results.h"
-
 #include "algorithms/error.h"
 #include "harness/commands/verb.h"
 #include "harness/commands/verify_result.h"
+#include "harness/plan/plan.h"
+#include "harness/record/json.h"
+#include "harness/record/profiles.h"
+#include "harness/result/result_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
 
 namespace hausbench {
 
 namespace fs = std::filesystem;
 
 namespace {
+
+bool was_run(const Outcome& o) {
+    return (o.status != RowStatus::skipped && o.status != RowStatus::not_built) || !o.solver_status.empty();
+}
+
+// Which case of the experiment it is. Not the identity, which holds the shapes' hashes: a machine without a model has none.
+// One that lacks the solver knows only the parameters that are given: options are therefore compared apart.
+std::string place_of_case(const Case& c) {
+    return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
+                           c.tolerance_of, to_string(c.quantity), c.warm})
+        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+bool same_options(const Row& a, const Row& b) {
+    const auto within = [](const ParameterMap& few, const ParameterMap& many) {
+        return std::all_of(few.begin(), few.end(),
+                           [&](const auto& o) { return many.contains(o.first) && many.at(o.first) == o.second; });
+    };
+    if (a.outcome.status == RowStatus::not_built) return within(a.asked.options, b.asked.options);
+    if (b.outcome.status == RowStatus::not_built) return within(b.asked.options, a.asked.options);
+    return a.asked.options == b.asked.options;
+}
+
+// Of a result's text `shard`, "1/3, 2/3": none of a whole one, and of an older one that does not say.
+std::set<std::pair<int, int>> shards_in(const std::string& text) {
+    std::set<std::pair<int, int>> shards;
+    std::istringstream in(text);
+    for (std::string one; std::getline(in >> std::ws, one, ',');) {
+        try {
+            const Shard shard = parse_shard(one);
+            shards.insert({shard.of, shard.number});
+        } catch (const InputError&) {  // of a damaged file
+            return {};
+        }
+    }
+    return shards;
+}
+
+// Of the two together: none where one is whole, or where no shard is missing.
+std::string both_shards(const std::string& one, const std::string& other) {
+    std::set<std::pair<int, int>> shards = shards_in(one), more = shards_in(other);
+    if (shards.empty() || more.empty()) return "";
+    shards.insert(more.begin(), more.end());
+    std::map<int, int> counts;
+    std::string text;
+    for (const auto& [of, number] : shards) {
+        text += fmt::format("{}{}/{}", text.empty() ? "" : ", ", number, of);
+        if (++counts[of] == of) return "";
+    }
+    return text;
+}
+
+class Merger {
+public:
+    Merger(ResultFile first, const fs::path& file) : merged_(std::move(first)), first_(file) {
+        for (std::size_t i = 0; i < merged_.rows.size(); ++i)
+            places_[place_of_case(merged_.rows[i].asked)].push_back(i);
+    }
+
+    void add(const ResultFile& next, const fs::path& file, bool any_build) {
+        file_ = file;
+        for (const char* name : {"stem", "profile", "experiment_toml"}) {
+            if (next.texts.at(name) != merged_.texts.at(name))
+                refuse(fmt::format("their {} differs: merge results of one experiment", name));
+        }
+        for (const char* name : {"build", "machine"}) {
+            if (!any_build && next.texts.at(name) != merged_.texts.at(name)) {
+                refuse(fmt::format(
+                    "made by different {}s: times would not compare; merge with --any-build if that is meant", name));
+            }
+        }
+        merged_.texts["shard"] = both_shards(merged_.texts["shard"], next.texts.at("shard"));
+        merged_.texts["started"] = std::min(merged_.texts["started"], next.texts.at("started"));
+        merged_.texts["finished"] = std::max(merged_.texts["finished"], next.texts.at("finished"));
+        for (const Row& row : next.rows) add(row);
+        add_references(next);
+        for (const ModelRecord& model : next.models) {
+            const auto same = [&](const ModelRecord& m) { return m.name == model.name; };
+            if (std::none_of(merged_.models.begin(), merged_.models.end(), same)) merged_.models.push_back(model);
+        }
+        for (const LedgerEntry& entry : next.ledger) add(entry);
+    }
+
+    ResultFile merged() { return std::move(merged_); }
+
+private:
+    [[noreturn]] void refuse(const std::string& what) const {
+        throw InputError(fmt::format("{} and {}: {}", first_.string(), file_.string(), what));
+    }
+
+    void add(const Row& row) {
+        std::vector<std::size_t>& here = places_[place_of_case(row.asked)];
+        bool found = false;
+        for (std::size_t i : here) {
+            Row& mine = merged_.rows[i];
+            if (!same_options(mine, row) || !share_profile(mine.asked.profile, row.asked.profile)) continue;
+            found = true;
+            const std::string profiles = joined_profiles(mine.asked.profile, row.asked.profile);
+            if (was_run(row.outcome)) join(mine, row);
+            mine.asked.profile = profiles;
+        }
+        if (found) return;
+        here.push_back(merged_.rows.size());
+        merged_.rows.push_back(row);
+    }
+
+    // Each shard has some of them. A row gets the bounds of its own when `verify` or the next run holds it against all of them.
+    void add_references(const ResultFile& next) {
+        std::set<std::string> known;
+        for (const Row& one : merged_.references) known.insert(one.asked.identity);
+        for (const Row& one : next.references)
+            if (known.insert(one.asked.identity).second) merged_.references.push_back(one);
+    }
+
+    void join(Row& mine, const Row& row) const {
+        const Outcome &a = mine.outcome, &b = row.outcome;
+        if (!was_run(a)) {
+            mine = row;
+        } else if (mine.asked.identity != row.asked.identity) {
+            refuse(fmt::format("they asked for different things at {}: another model, program or limit",
+                               name_of(row.asked)));
+        } else if (!same_answer(a, b)) {
+            refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
+                               to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status), b.bounds.lower,
+                               b.bounds.upper));
+        }
+    }
+
+    void add(const LedgerEntry& entry) {
+        const auto same = [&](const LedgerEntry& l) {
+            return l.kind == entry.kind && l.subject == entry.subject && l.what == entry.what &&
+                   l.profile == entry.profile;
+        };
+        const auto at = std::find_if(merged_.ledger.begin(), merged_.ledger.end(), same);
+        if (at == merged_.ledger.end()) {
+            merged_.ledger.push_back(entry);
+        } else if (entry.kind == "reference") {  // each part has its own
+            at->count += entry.count;
+            at->seconds_saved += entry.seconds_saved;
+        } else if (std::isnan(at->seconds_saved)) {
+            at->seconds_saved = entry.seconds_saved;  // one part ran it, the others did not
+        }
+    }
+
+    ResultFile merged_;
+    fs::path first_, file_;
+    std::map<std::string, std::vector<std::size_t>> places_;
+};
+
+// One result out of several of the same experiment and profile (shards, or parts): of each case the row that was run, also where one of
+// the machines lacked its model or its solver. Throws InputError for different experiments, different builds or machines (unless
+// any_build), or two rows of one case whose answers differ.
+ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
+    Merger merger(read_result(files.front()), files.front());
+    for (std::size_t f = 1; f < files.size(); ++f) merger.add(read_result(files[f]), files[f], any_build);
+    return merger.merged();
+}
+
+// A line that names the shards that a result lacks; empty if no case is left to another shard.
+std::string missing_shards(const ResultFile& merged) {
+    const auto elsewhere = std::count_if(merged.rows.begin(), merged.rows.end(), [](const Row& row) {
+        return row.outcome.status == RowStatus::skipped && row.outcome.reason == in_another_shard;
+    });
+    const auto shards = shards_in(merged.texts.at("shard"));
+    if (elsewhere == 0) return "";
+    std::string missing, remedy = "run the others and merge again";
+    constexpr int most_named = 100;
+    if (!shards.empty() && shards.begin()->first == shards.rbegin()->first && shards.begin()->first <= most_named) {
+        const int of = shards.begin()->first;
+        for (int number = 1; number <= of; ++number) {
+            if (!shards.contains({of, number}))
+                missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", number, of);
+        }
+        remedy = "run them with --shard and merge again";
+    }
+    return fmt::format("{} of {} cases are in shards that are missing{}: {}", elsewhere, merged.rows.size(),
+                       missing.empty() ? "" : ", " + missing, remedy);
+}
 
 int merge(const fs::path& out, const std::vector<fs::path>& parts, bool any_build) {
     if (parts.size() < 2)

@@ -1,17 +1,143 @@
 #include "harness/commands/verify_result.h"
 
+#include "algorithms/error.h"
 #include "algorithms/printable.h"
+#include "datasets/shape_file.h"
 #include "harness/check/claims.h"
 #include "harness/check/verify.h"
-#include "harness/commands/foreign_shapes.h"
 #include "harness/commands/summary.h"
+#include "harness/plan/own_models.h"
+#include "process/child.h"
+#include "process/interrupts.h"
+#include "process/memory.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <map>
+#include <new>
 
 namespace hausbench {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double most_seconds = 600;  // for all models together
+constexpr double most_bytes = 1e9;    // likewise, of shapes that are not in the cache
+
+void expect_measured(const ModelInfo& model, const std::string& measured, const std::string& found) {
+    if (found == measured) return;
+    if (model.source == "file")
+        throw InputError(
+            fmt::format("model '{}': {} holds another shape than the one that was measured (SHA-256 {} then, {} "
+                        "now): put that file back, or run the experiment again",
+                        model.name, (model.folder / model.path).string(), measured, found));
+    throw InputError(
+        fmt::format("model '{}': SHA-256 {} was measured, {} is here now: check out the manifest that the result was "
+                    "made with",
+                    model.name, measured, found));
+}
+
+void send(int pipe, const json& told) {
+    const std::string line = told.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
+    for (std::size_t done = 0; done < line.size();) {
+        const ssize_t n = ::write(pipe, line.data() + done, line.size() - done);
+        if (n < 0 && errno != EINTR) ::_exit(1);  // the reader has ended
+        if (n > 0) done += std::size_t(n);
+    }
+}
+
+// In the process of its own: a line for each model, in their order, with the file of its shape or the reason that it is missing. The
+// first that cannot be made ends it.
+int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& folder, int pipe) {
+    try {
+        std::error_code unknown;
+        const auto room = fs::space(folder, unknown);
+        catalogue.keep_apart(folder, unknown ? most_bytes : std::min(most_bytes, double(room.available) / 2));
+        add_own_models(catalogue, result);
+        for (const ModelRecord& model : result.models) {
+            const auto resolved = catalogue.resolve(model.name);
+            if (const auto* absent = std::get_if<MissingModel>(&resolved)) {
+                send(pipe, {{"missing", absent->reason}});
+                continue;
+            }
+            const auto& good = std::get<ResolvedModel>(resolved);
+            expect_measured(catalogue.find(model.name), model.sha256, good.content_hash);
+            send(pipe, {{"file", good.shape_file.string()}});
+        }
+    } catch (const InputError& error) {
+        send(pipe, {{"error", error.what()}});
+    } catch (const std::bad_alloc&) {
+        send(pipe, {{"error", "there is not enough memory to make the models of the result"}});
+    }
+    return 0;
+}
+
+// The lines of the process, one by one, within its limits.
+class Maker {
+public:
+    explicit Maker(Launch launch)
+        : most_resident_(resident_of(::getpid()) + spare_bytes()), child_(std::move(launch)) {}
+
+    json next() {
+        std::string line;
+        for (;;) {
+            if (HoldInterrupts::came()) throw InputError("interrupted while the models of the result were made");
+            const Child::Heard heard = child_.listen(std::chrono::milliseconds(20), line);
+            if (heard == Child::Heard::line) return json::parse(line);
+            if (heard == Child::Heard::closed)
+                throw InputError(fmt::format("the models of the result cannot be made: their process ended with {}",
+                                             child_.how_it_ended()));
+            if (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count() > most_seconds)
+                throw InputError(
+                    fmt::format("the models of the result cannot be made within {} s: {}", most_seconds, remedy));
+            if (child_.takes_more_than(most_resident_))
+                throw InputError(fmt::format("the models of the result take more memory than is free: {}", remedy));
+        }
+    }
+
+private:
+    static constexpr const char* remedy =
+        "if you trust the file, make them first with `hausbench explain` of its experiment";
+
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    std::int64_t most_resident_;
+    Child child_;
+};
+
+// Returns the shapes of the result's models by name, and adds a line to `missing` for each model that is not here. The result, which
+// somebody else may have written, says how they are made, so a process of its own makes them, within limits of time, memory and size, and
+// writes nothing to the cache. Throws InputError beyond a limit, for a model that cannot be made, and for one that differs from what was
+// measured.
+std::map<std::string, Shape> foreign_shapes(const ResultFile& result, const Catalogue& manifest,
+                                            std::vector<std::string>& missing) {
+    const HoldInterrupts hold;  // destroyed after the folder
+    const ScratchFolder folder("verify");
+    Launch launch;
+    launch.silent = true;
+    launch.work = [&](int pipe) { return make_shapes(result, manifest, folder.path(), pipe); };
+    Maker maker(std::move(launch));
+    std::map<std::string, Shape> shapes;
+    for (const ModelRecord& model : result.models) {
+        const json told = maker.next();
+        if (told.contains("error")) throw InputError(told["error"].get<std::string>());
+        if (told.contains("missing"))
+            missing.push_back(fmt::format("model '{}' is not here, so its rows are not checked: {}", model.name,
+                                          told["missing"].get<std::string>()));
+        else
+            shapes[model.name] = read_shape(told["file"].get<std::string>()).shape;
+    }
+    return shapes;
+}
+
+}  // namespace
 
 std::vector<std::string> verify_result(ResultFile& result, const Catalogue& manifest) {
     std::vector<std::string> missing;

@@ -72,16 +72,16 @@ std::vector<std::string> read_expected_unsound(const ExperimentTable& root, cons
 }
 
 // The tables of a kind, each with its keys checked.
-std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const fs::path& file, const char* kind,
+std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const char* kind,
                                        const std::vector<std::string>& keys) {
     const toml::node* node = root.find(kind);
     const toml::array* array = node ? node->as_array() : nullptr;
     if (node && !array) root.fail(*node, fmt::format("'{0}' must be written as [[{0}]]", kind));
-    if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", file.string(), kind));
+    if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", root.file().string(), kind));
     std::vector<ExperimentTable> tables;
     for (const toml::node& item : *array) {
         if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
-        tables.emplace_back(file, *item.as_table(), fmt::format("[[{}]]", kind), keys);
+        tables.emplace_back(root.file(), *item.as_table(), fmt::format("[[{}]]", kind), keys);
     }
     return tables;
 }
@@ -101,9 +101,9 @@ void load_plugins(const ExperimentTable& root, const fs::path& folder) {
 }
 
 // Claims are judged by `hausbench draw`; here only what they name is checked.
-void check_claims(const fs::path& file, const ExperimentTable& root, const std::vector<std::string>& labels) {
+void check_claims(const ExperimentTable& root, const std::vector<std::string>& labels) {
     if (!root.find("claim")) return;
-    for (const ExperimentTable& claim : tables_of(root, file, "claim", {"solver", "faster_than", "by", "on"})) {
+    for (const ExperimentTable& claim : tables_of(root, "claim", {"solver", "faster_than", "by", "on"})) {
         for (const char* key : {"solver", "faster_than"}) {
             const std::string name = claim.text(key), label = name.substr(0, name.find('('));
             if (std::find(labels.begin(), labels.end(), label) != labels.end()) continue;
@@ -119,12 +119,12 @@ void check_claims(const fs::path& file, const ExperimentTable& root, const std::
     }
 }
 
-void read_limits(const fs::path& file, const ExperimentTable& root, Experiment& experiment) {
+void read_limits(const ExperimentTable& root, Experiment& experiment) {
     Limits& limits = experiment.limits;
     const toml::node* node = root.find("limits");
     if (!node) return;
     if (!node->is_table()) root.fail(*node, "'limits' must be a table");
-    ExperimentTable reader(file, *node->as_table(), "[limits]",
+    ExperimentTable reader(root.file(), *node->as_table(), "[limits]",
                            {"case_seconds", "prepare_seconds", "memory_mb", "reference_seconds"});
     limits.case_seconds = reader.limit("case_seconds", limits.case_seconds);
     limits.prepare_seconds = reader.limit("prepare_seconds", limits.prepare_seconds);
@@ -167,11 +167,11 @@ toml::table parsed(const fs::path& file, const std::string& text, const std::str
     }
 }
 
-std::vector<ModelInfo> own_models(const fs::path& file, const toml::table& table, const ExperimentTable& root,
-                                  const std::string& profile) {
-    std::vector<ModelInfo> models = read_models(file, table, ModelsOf::experiment);
-    for (const ExperimentTable& scene : tables_of(root, file, "scene", scene_keys)) {
-        if (!wanted(scene, profile, profiles_of(table))) continue;
+std::vector<ModelInfo> own_models(const ExperimentTable& root, const std::string& profile) {
+    std::vector<ModelInfo> models = read_models(root, ModelsOf::experiment);
+    const auto profiles = profiles_of(root.table());
+    for (const ExperimentTable& scene : tables_of(root, "scene", scene_keys)) {
+        if (!wanted(scene, profile, profiles)) continue;
         for (const ExperimentTable& one : by_severity(scene)) {
             std::vector<ModelInfo> of_scene = models_in(one);
             std::move(of_scene.begin(), of_scene.end(), std::back_inserter(models));
@@ -181,8 +181,8 @@ std::vector<ModelInfo> own_models(const fs::path& file, const toml::table& table
 }
 
 // All but the scenes and the solvers.
-void read_top(const fs::path& file, const toml::table& table, const ExperimentTable& root, Experiment& experiment) {
-    experiment.models = own_models(file, table, root, experiment.profile);
+void read_top(const ExperimentTable& root, Experiment& experiment) {
+    experiment.models = own_models(root, experiment.profile);
     experiment.title = root.text("title");
     experiment.paper = root.text("paper", "");
     experiment.tolerances = root.tolerances("tolerances");
@@ -202,7 +202,7 @@ void read_top(const fs::path& file, const toml::table& table, const ExperimentTa
     experiment.fields = root.flag("fields", experiment.fields);
     experiment.stages = root.flag("stages", experiment.stages);
     experiment.reference = root.flag("reference", experiment.reference);
-    read_limits(file, root, experiment);
+    read_limits(root, experiment);
 }
 
 // Names of scenes, of matrices and of what `each` makes: in this profile, and in any.
@@ -210,17 +210,16 @@ struct SceneNames {
     std::set<std::string> wanted, all;
 };
 
-SceneNames read_scenes(const fs::path& file, const ExperimentTable& root, const std::vector<std::string>& profiles,
-                       Experiment& experiment) {
+SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::string>& profiles, Experiment& experiment) {
     SceneNames names;
     std::vector<std::string> swept;
-    for (const ExperimentTable& given : tables_of(root, file, "scene", scene_keys)) {
+    for (const ExperimentTable& given : tables_of(root, "scene", scene_keys)) {
         names.all.insert(given.text("name"));
         const bool asked = wanted(given, experiment.profile, profiles);
         if (asked) swept.push_back(given.text("name"));
         for (const ExperimentTable& table : by_severity(given)) {
-            const ScenePlan scene = read_scene(file, table);
-            const auto pairs = expand(file, table, scene);
+            const ScenePlan scene = read_scene(table);
+            const auto pairs = expand(table, scene);
             for (const ScenePlan& pair : pairs) names.all.insert(pair.name);
             if (!asked) continue;
             expect_pose_files(table, scene);
@@ -240,11 +239,10 @@ SceneNames read_scenes(const fs::path& file, const ExperimentTable& root, const 
 }
 
 // Returns the labels of all solvers, whatever their profile.
-std::vector<std::string> read_solvers(const fs::path& file, const ExperimentTable& root,
-                                      const std::vector<std::string>& profiles, const SceneNames& names,
-                                      Experiment& experiment) {
+std::vector<std::string> read_solvers(const ExperimentTable& root, const std::vector<std::string>& profiles,
+                                      const SceneNames& names, Experiment& experiment) {
     std::vector<std::string> labels;
-    for (const ExperimentTable& table : tables_of(root, file, "solver", solver_keys)) {
+    for (const ExperimentTable& table : tables_of(root, "solver", solver_keys)) {
         labels.push_back(table.text("label", table.text("name")));
         if (!wanted(table, experiment.profile, profiles)) continue;
         SolverPlan solver = read_solver(table, experiment);
@@ -287,15 +285,15 @@ Experiment read_text(const fs::path& file, const std::string& stem, std::string 
 
     const toml::table table = parsed(file, experiment.toml, profile);
     const ExperimentTable root(file, table, "", root_keys);
-    read_top(file, table, root, experiment);
+    read_top(root, experiment);
     const auto profiles = profiles_of(table);
     if (root.find("plugins") && plug_ins == PlugIns::refused)
         throw InputError(fmt::format("{}: names plug-ins, which are loaded only to run it", file.string()));
     load_plugins(root, experiment.folder());
-    const SceneNames names = read_scenes(file, root, profiles, experiment);
-    const auto labels = read_solvers(file, root, profiles, names, experiment);
+    const SceneNames names = read_scenes(root, profiles, experiment);
+    const auto labels = read_solvers(root, profiles, names, experiment);
     experiment.expected_unsound = read_expected_unsound(root, labels);
-    check_claims(file, root, labels);
+    check_claims(root, labels);
     return experiment;
 }
 
@@ -303,7 +301,7 @@ Experiment read_text(const fs::path& file, const std::string& stem, std::string 
 
 std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, const std::string& profile) {
     const toml::table table = parsed(file, toml, profile);
-    return own_models(file, table, ExperimentTable(file, table, "", root_keys), profile);
+    return own_models(ExperimentTable(file, table, "", root_keys), profile);
 }
 
 Experiment read_experiment(const fs::path& file, const std::string& profile, PlugIns plug_ins) {

@@ -7,10 +7,9 @@
 #include "algorithms/session/session.h"
 #include "datasets/hash.h"
 #include "harness/plan/command_files.h"
-#include "harness/plan/matrix.h"
+#include "harness/plan/jobs.h"
 #include "harness/plan/references.h"
 #include "harness/plan/scene_models.h"
-#include "harness/plan/turns.h"
 
 #include <fmt/format.h>
 
@@ -76,25 +75,22 @@ public:
         plan_.whole = choice.solvers.empty() && choice.scenes.empty();
         check_choice(choice.scenes, scene_names, "scene");
         check_choice(choice.solvers, solver_names, "solver");
+        // All names first: a wrong one should not cost the derivations.
         for (const ScenePlan& scene : experiment.scenes) {
-            if (!scene.search || choice.scenes.empty() || !chosen(choice.scenes, scene.name)) continue;
-            throw InputError(fmt::format("--scene: '{}' is a pair of a search: choose the whole of it, '{}'",
-                                         scene.name, scene.matrix));
-        }
-        for (const ScenePlan& scene :
-             experiment.scenes) {  // all names first: a wrong one should not cost the derivations
+            if (scene.search && !choice.scenes.empty() && chosen(choice.scenes, scene.name))
+                throw InputError(fmt::format("--scene: '{}' is a pair of a search: choose the whole of it, '{}'",
+                                             scene.name, scene.matrix));
             catalogue.find(scene.source);
             catalogue.find(scene.target);
+            if (chosen(choice.scenes, scene)) finder.expect(scene);
         }
         catalogue.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
-        for (const ScenePlan& scene : experiment.scenes)
-            if (chosen(choice.scenes, scene)) finder.expect(scene);
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
-            if (!chosen(choice.scenes, experiment.scenes[i])) continue;
-            const SceneModels models = finder.find(experiment.scenes[i]);
+            const ScenePlan& scene = experiment.scenes[i];
+            if (!chosen(choice.scenes, scene)) continue;
+            const SceneModels models = finder.find(scene);
             for (const SolverPlan& solver : experiment.solvers) {
-                const auto& on = solver.scenes;
-                if (!chosen(choice.solvers, solver.label) || !chosen(on, experiment.scenes[i])) continue;
+                if (!chosen(choice.solvers, solver.label) || !chosen(solver.scenes, scene)) continue;
                 for (const ParameterMap& options : solver.options) add(i, models, solver, options);
             }
         }

@@ -4,7 +4,6 @@
 #include "harness/plan/experiment.h"
 #include "harness/plan/experiment_table.h"
 
-#include <filesystem>
 #include <vector>
 
 namespace hausbench {
@@ -13,10 +12,10 @@ inline const std::vector<std::string> scene_keys = {
     "name",   "source",        "target",    "sources", "targets", "search",   "each",     "note",   "exact",
     "motion", "target_motion", "recording", "every",   "frames",  "profiles", "severity", "family", "tolerances"};
 
-ScenePlan read_scene(const std::filesystem::path& file, const ExperimentTable& table);
+ScenePlan read_scene(const ExperimentTable& table);
 
 // One scene for each source and each target, source by source, for each model, or for each pair of a recording; else the one that it is.
-std::vector<ScenePlan> expand(const std::filesystem::path& file, const ExperimentTable& table, const ScenePlan& scene);
+std::vector<ScenePlan> expand(const ExperimentTable& table, const ScenePlan& scene);
 
 // A file of poses that cannot be read is an error of the experiment: it is found before anything runs.
 void expect_pose_files(const ExperimentTable& table, const ScenePlan& scene);

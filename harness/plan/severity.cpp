@@ -48,7 +48,7 @@ const toml::array* severities(const ExperimentTable& scene) {
 ModelInfo model_in(const ExperimentTable& scene, const toml::node& node, const std::string& name,
                    const std::string& from = "") {
     if (!node.is_table()) scene.fail(node, "a shape is described by a table, as [model.NAME] is");
-    return read_model(scene.file(), name, *node.as_table(), ModelsOf::experiment, scene.filling(), from);
+    return read_model(scene, name, *node.as_table(), ModelsOf::experiment, from);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // The one table of what a result file holds: the columns of each group, with name, meaning, where the value is, and whether it
 // is part of a case's identity. The writer and the reader of result files, the journal and identify() are made from it, and so are the
 // tables in results/README.md and analysis/shared/columns.py (`python3 -m analysis.schema` writes both). A new column is a member
-// in case.h, outcome.h or row.h and a line in case_columns.cpp, outcome_columns.cpp or other_columns.cpp.
+// in case.h, outcome.h or row.h and a line in column_tables.cpp.
 //
 // A file may lack a column, which then holds the default of its member, and may hold columns that this program does not know.
 #pragma once
@@ -21,7 +21,8 @@ namespace hausbench {
 enum class Identity {
     no,
     always,
-    of_missing,  // the name of a missing model, which has no hash, so that such cases differ
+    // The name of a missing model, which has no hash, so that such cases differ.
+    of_missing,
     // Only if it is not the default: a later column leaves the identity of older cases unchanged.
     where_given
 };

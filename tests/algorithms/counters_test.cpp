@@ -85,19 +85,6 @@ template <class Tree> Counts tree_counts() {
     return counts;
 }
 
-Counts point_tree_counts() {
-    Counts counts;
-    for (const auto& [name, mesh] : tree_meshes()) {
-        if (name.starts_with("random")) continue;
-        const PointBvh tree(mesh.vertices);
-        Random random(9);
-        for (int i = 0; i < 200; ++i) {
-            (void)tree.nearest(query_near(mesh, random), std::numeric_limits<double>::infinity(), -1, counts[name]);
-        }
-    }
-    return counts;
-}
-
 // Pairs of point sets: clouds that overlap, that lie apart, that nearly coincide, and what is hard for grids and trees.
 std::vector<TestScene> point_scenes() {
     Random random(10);
@@ -167,7 +154,6 @@ std::map<std::string, Counts> all_counts() {
     all["closest_by_scan"] = scan_counts();
     all["bvh"] = tree_counts<TriangleBvh>();
     all["octree"] = tree_counts<TriangleOctree>();
-    all["point_bvh"] = point_tree_counts();
     for (const char* name :
          {"naive", "earlybreak", "inc", "nohd", "nohd_as_printed", "ohd", "ohd_as_printed", "adaptive", "scan"})
         all[name] = point_solver_counts(name);

@@ -7,6 +7,7 @@
 #include "tests/support/exact.h"
 #include "tests/support/scenes.h"
 
+#include <algorithm>
 #include <array>
 
 namespace hausbench::fuzz {
@@ -69,7 +70,9 @@ void kernels(std::string_view bytes) {
     BlockFeet feet, back;
     closest_points(p, block, feet);
     PointBlock points;
-    points.set(mesh.vertices, all);
+    for (int lane = 0; lane < block_width; ++lane) {
+        for (int k = 0; k < 3; ++k) points.coordinate[k][lane] = mesh.vertices(std::min(lane, 2), k);
+    }
     const Triangle last = longest_edge_first(triangle_of(mesh, 1));
     closest_points(points, last, back);
     for (int lane = 0; lane < 3; ++lane) {

@@ -130,7 +130,7 @@ def test_shards_are_merged(hausbench: Program, own: Path, tmp_path: Path) -> Non
      (('note = "my own"', 'nore = "my own"'), ("line 7", "model 'mine'", "unknown key 'nore'", "did you mean 'note'")),
      (('from = "mine"', 'from = "yours"'), ("model 'twice' is derived from 'yours', which does not exist",)),
      (('path = "clouds/scan.xyz"', 'path = "clouds/scan.xyz"\nsource = "npm"'), ("line 7", "packages are fetched for datasets/manifest.toml alone",)),
-     (("[model.mine]", "[model]\nmine = 3\n[model.other]"), ("line 6", "'mine' is not [model.NAME]")),
+     (("[model.mine]", "[model]\nmine = 3\n[model.other]"), (":6:", "'mine' is not [model.NAME]")),
      (('note = "my own"', f'sha256 = "{64 * "a"}"'), None)])
 def test_what_is_wrong_with_them(hausbench: Program, own: Path, change: tuple[str, str], says: tuple[str, ...] | None) -> None:
     text = own.read_text()

@@ -341,7 +341,7 @@ def test_a_name_chooses_one_case(tmp_path: Path) -> None:
     for name in ("build/bvh", "closest"):
         with pytest.raises(ValueError, match="kernels cannot be searched for"):
             bisection.case_named(name, file)
-    file.write_text(EXPERIMENT.replace("guthe", "naive"))
-    assert bisection.case_named("naive on", file).name.startswith("naive")  # "n" begins a kernel too: nearest/point_bvh
+    file.write_text(EXPERIMENT.replace("guthe", "cover"))
+    assert bisection.case_named("cover on", file).name.startswith("cover")  # "c" begins a kernel too: closest/bvh/cold
     with pytest.raises(ValueError, match="more than one case"):
-        bisection.case_named("n", file)
+        bisection.case_named("c", file)

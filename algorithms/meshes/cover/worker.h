@@ -8,16 +8,36 @@
 
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/deadline.h"
-#include "algorithms/meshes/cover/room.h"
+#include "algorithms/meshes/cover/offset_cover.h"
 #include "algorithms/meshes/cover/scene.h"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace hausbench {
+
+// Scratch buffers for covering, a few hundred kB. Each thread keeps those given back, because allocating them anew would take longer than
+// a search among small shapes.
+class CoverRoom {
+public:
+    struct Covers {
+        OffsetCover<float> rough;
+        OffsetCover<double> exact;
+    };
+
+    CoverRoom();
+    ~CoverRoom();
+    CoverRoom(CoverRoom&&) = default;
+
+    Covers& operator*() const { return *covers_; }
+
+private:
+    std::unique_ptr<Covers> covers_;
+};
 
 class CoverWorker final : CoverHost {
 public:

@@ -1,5 +1,5 @@
 // An upper bound on the distance from a piece of A to B that follows the feet: every point y of the piece is moved by a
-// vector t(y) of its own, to about its nearest point of B, where surface_beside.h moves all of them by one vector. Its error
+// vector t(y) of its own, to about its nearest point of B, where beside.h moves all of them by one vector. Its error
 // shrinks with the ninth power of the piece, so that boxes need not shrink to the root of the tolerance where the distance
 // is constant or nearly so over A (concentric spheres, tori around one circle, cylinders around one axis).
 //
@@ -14,7 +14,7 @@
 // little longer than the way to B, so that its end is surely past B.
 // Both may be any polynomials, so that a component of t that is rounding alone is made 0: Y + t then stays in a box that Y
 // touches from inside, as coaxial cylinders need it.
-// Where f_B has both signs on Y, the bound is within() of surface_beside.h with M >= |f_B| on Y; X and the way lie in B's box.
+// Where f_B has both signs on Y, the bound is within() of beside.h with M >= |f_B| on Y; X and the way lie in B's box.
 //
 // The maximum of |t|^2 is bounded by TaylorModel::at_most(), which is sharp to third order where the distance has a maximum
 // on A. The lower bound of the solver needs nothing of this: it is the distance from one proven point.

@@ -8,8 +8,8 @@
 // The maximum may lie where a box clips A: boxes and enclosures are of the clipped surface, so nothing is special there.
 //
 // Both bounds use that the piece in a box of size s lies within O(s^2) of a plane (surface_tree.h), so that the number of
-// boxes of B does not grow as s shrinks. Where A and B are close, or run side by side, more bounds apply: surface_beside.h, and
-// surface_feet.h, whose error is O(s^9). With it, boxes stay large where the distance is constant over A (concentric spheres).
+// boxes of B does not grow as s shrinks. Where A and B are close, or run side by side, more bounds apply: beside.h, and
+// feet.h, whose error is O(s^9). With it, boxes stay large where the distance is constant over A (concentric spheres).
 //
 // Surfaces are never empty (geometry.h); one that has no point in its box is refused when that is seen in preparing. Where no
 // point can be proven (f = g^2 has no change of sign) bounds hold all the same, but do not close: `stalled`. So does a
@@ -19,14 +19,265 @@
 // methods for systems of equations, 1990; best-first refinement of A against candidates of B as in Tang, Lee, Kim 2009.
 // Budget: boxes of A split. Time: boxes of A times boxes of B looked at, each O(terms of the polynomial).
 #include "algorithms/error.h"
+#include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/interval.h"
 #include "algorithms/solver.h"
-#include "algorithms/surfaces/enclosure/search.h"
+#include "algorithms/surfaces/enclosure/beside.h"
+#include "algorithms/surfaces/enclosure/feet.h"
+#include "algorithms/surfaces/enclosure/proven_feet.h"
 
+#include <algorithm>
+#include <array>
 #include <optional>
+#include <queue>
+#include <span>
 
 namespace hausbench {
+
 namespace {
+
+constexpr int kept_feet = 3;
+constexpr int unproven_at_most = 4000;  // boxes split, or points searched for, without a single proven point
+
+// Chosen by trial, as are those of proven_feet.cpp. Half or twice as much changes the polynomials bounded over boxes by the percentage in the
+// comment at most, on average over 28 queries of 12 pairs (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
+//
+// next_to() may help where B is nearer than so many sizes of the cell (0.3 %), or than this part of A's coordinates (nothing: it is for
+// cells that are smaller still).
+constexpr double near_sizes = 8, near_coordinates = 1e-3;
+// A point's distance is of use to one of so many parts of the tolerance (1 %), or of the gap as long as that is large (0.3 %).
+constexpr double parts_of_tolerance = 8, parts_of_gap = 16;
+// A local search: its steps (2 %), the factors of a step that follows one that helped and one that did not (5 % for the second), and the
+// smallest step as a part of the distance, a few ulps of it.
+constexpr int most_search_steps = 60;
+constexpr double longer_step = 2, shorter_step = 0.25, least_step = 1e-15;
+// The gap at which a local search is made again, as a part of that at the last one. Half: 2 % less; no limit: 15 % more.
+constexpr double gap_of_next_search = 0.5;
+
+Vec3 nowhere() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
+
+// A box of A whose piece has no point farther from B than `upper`.
+struct EnclosureCell {
+    double upper;
+    std::int32_t node;
+    std::array<std::int32_t, kept_feet> feet;  // proven points of B near it, those used last first
+    int feet_count;
+
+    bool operator<(const EnclosureCell& other) const {
+        return upper < other.upper || (upper == other.upper && node > other.node);
+    }
+
+    std::span<const std::int32_t> known_feet() const { return {feet.data(), std::size_t(feet_count)}; }
+
+    // The foot goes first; the one used least recently falls out.
+    void remember(std::int32_t foot) {
+        auto* end = feet.data() + feet_count;
+        auto* at = std::find(feet.data(), end, foot);
+        if (at == end) {
+            if (feet_count < kept_feet) ++feet_count;
+            at = feet.data() + feet_count - 1;
+        }
+        std::move_backward(feet.data(), at, at + 1);
+        feet[0] = foot;
+    }
+};
+
+class EnclosureSearch {
+public:
+    EnclosureSearch(const SurfaceTree& source, const SurfaceTree& target, std::size_t most_cells, const Query& query,
+                    Trace& trace)
+        : most_cells_(most_cells),
+          query_(query),
+          trace_(trace),
+          deadline_(query.time_limit),
+          a_(source),
+          feet_(target, deadline_, result_.counters) {
+        result_.bounds = {0, farthest_corners()};
+    }
+
+    Result run() {
+        queue_.push({farthest_corners(), 0, {}, 0});
+        result_.status = refine();
+        if (const auto answer = query_.answer(result_.bounds.lower, result_.bounds.upper)) result_.status = *answer;
+        return result_;
+    }
+
+private:
+    // The farthest any two points of the boxes can be from each other: an upper bound because B is not empty.
+    double farthest_corners() {
+        const Box &a = a_.box(), &b = feet_.tree().box();
+        Interval sum(0.0);
+        for (int k = 0; k < 3; ++k) {
+            const Interval first = Interval(b.high[k]) - Interval(a.low[k]),
+                           second = Interval(a.high[k]) - Interval(b.low[k]);
+            sum += CGAL::square(Interval(std::max({first.sup(), second.sup(), 0.0})));
+        }
+        return CGAL::sqrt(sum).sup();
+    }
+
+    Status refine() {
+        std::uint64_t splits = 0;
+        Bounds& bounds = result_.bounds;
+        while (!queue_.empty()) {
+            const EnclosureCell top = queue_.top();
+            bounds.upper = std::min(bounds.upper, std::max(top.upper, bounds.lower));
+            trace_.record(bounds.lower, bounds.upper);
+            if (const auto answer = query_.answer(bounds.lower, bounds.upper)) return *answer;
+            if (splits >= query_.budget) return Status::budget;
+            if (deadline_.passed()) return Status::time_limit;
+            if (const auto given_up = hopeless(top)) return *given_up;
+            queue_.pop();
+            ++splits;
+            split(top);
+        }
+        // Against the agreement that shapes are not empty.
+        if (!proven_) return stalled("the source has no point in its box");
+        bounds.upper = bounds.lower;
+        return Status::converged;
+    }
+
+    Status stalled(const char* why) {
+        result_.note = why;
+        return Status::stalled;
+    }
+
+    std::optional<Status> hopeless(const EnclosureCell& top) {
+        if (!proven_ && result_.counters.subdivisions > unproven_at_most)
+            return stalled(
+                "no point of the source could be proven to exist: its polynomial may not change its sign there");
+        if (feet_.empty() && result_.counters.closest_point_queries > unproven_at_most)
+            return stalled(
+                "no point of the target could be proven to exist: its polynomial may not change its sign there");
+        if (a_.size() + feet_.tree().size() > most_cells_)
+            return stalled("more boxes are needed than 'most_cells' allows");
+        if (result_.bounds.gap() <= 8 * resolution()) {
+            result_.note = "doubles are too far apart at these coordinates: move both surfaces towards the origin";
+            return Status::precision_floor;
+        }
+        if (a_.may_split(top.node)) return std::nullopt;
+        if (result_.bounds.gap() <= 1e-9 * farthest_corners()) return Status::precision_floor;
+        return stalled("next to a point that is about equally far from much of the target: too many boxes there");
+    }
+
+    void split(const EnclosureCell& cell) {
+        a_.split(cell.node, result_.counters);
+        ++result_.counters.subdivisions;
+        const std::int32_t first = a_[cell.node].first, count = a_[cell.node].count;
+        for (std::int32_t i = first; i < first + count; ++i) {
+            EnclosureCell child = cell;
+            child.node = i;
+            bound(child);
+            if (child.upper > result_.bounds.lower) {
+                queue_.push(child);
+                ++result_.counters.queue_pushes;
+            }
+        }
+    }
+
+    // Bounds the cell from what is cheap to what is dear, until it cannot hold the answer; at last by a point in it, which may update the
+    // lower bound.
+    void bound(EnclosureCell& cell) {
+        const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
+        ++result_.counters.bound_tests;
+        const auto lowered = [&](double upper) {
+            cell.upper = std::min(cell.upper, upper);
+            return cell.upper <= result_.bounds.lower;
+        };
+        double known = infinity;
+        for (const std::int32_t foot : cell.known_feet()) known = std::min(known, feet_.at_most(piece, foot));
+        if (lowered(known)) return;
+        const double size = 2 * piece.form.half.norm();
+        if (may_run_beside(cell.upper, size) && lowered(next_to(piece, feet_.tree(), result_.counters))) return;
+        const Vec3 seed = seed_on(piece, piece.form.middle);
+        if (cell.feet_count > 0) {
+            const Vec3& foot = feet_[cell.feet[0]].at;
+            if (lowered(along_feet(piece, a_, feet_.tree(), seed, foot, cell.upper, result_.counters))) return;
+        }
+        const auto point = a_.nearby(seed, seed, result_.counters);
+        const Vec3 p = point ? point->at : seed;
+        const NearestFoot near = feet_.nearest(p, cell.known_feet(), {precision_of(cell), result_.bounds.lower, size});
+        if (near.foot < 0) {
+            if (point) show(*point, near);
+            return;
+        }
+        if (point && show(*point, near)) local_search(*point, near.foot, size, cell);
+        if (!lowered(feet_.at_most(piece, near.foot)))
+            lowered(beside(piece, feet_.tree(), p, feet_[near.foot].at, cell.upper, result_.counters));
+        cell.remember(near.foot);
+    }
+
+    // Where B is far away as the cell's size goes, next_to() is no better than a foot.
+    bool may_run_beside(double upper, double size) const {
+        return upper < near_sizes * size || upper < near_coordinates * a_.box().high.cwiseAbs().maxCoeff();
+    }
+
+    // How far a point of either surface is from one that can be proven: at least the part that SurfaceTree::prove() allows for rounding.
+    double resolution() const {
+        const auto most = [](const Box& box) {
+            return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
+        };
+        return 0x1p-51 * std::max(most(a_.box()), most(feet_.tree().box()));
+    }
+
+    // To which the distance of a cell's point is of use: finer where the answer is, coarser as long as the bounds are far apart.
+    double precision_of(const EnclosureCell& cell) const {
+        const double wanted = query_.tolerance.gap(std::max(result_.bounds.lower, 0.0));
+        return std::max(
+            {wanted / parts_of_tolerance, (cell.upper - result_.bounds.lower) / parts_of_gap, resolution()});
+    }
+
+    // Takes over a proven point of A and its distance to B, if that is more than is known.
+    bool show(const SurfacePoint& point, const NearestFoot& near) {
+        const double shown = -(point.error - near.at_least);  // rounded down
+        const bool better = !proven_ || shown > result_.bounds.lower;
+        proven_ = true;
+        if (!better) return false;
+        result_.bounds.lower = std::max(result_.bounds.lower, shown);
+        result_.witness.source_point = point.at;
+        result_.witness.target_point = near.foot >= 0 ? feet_[near.foot].at : nowhere();
+        return true;
+    }
+
+    // Increases the distance of a point of A: moves it away from its foot and back onto A, as long as that helps. The last
+    // point is proven as any other. Only where it pays: the gap has shrunk since the last search, or it is the first.
+    void local_search(SurfacePoint point, std::int32_t foot, double step, EnclosureCell cell) {
+        const double gap = result_.bounds.gap();
+        if (gap > gap_of_next_search * searched_at_) return;
+        searched_at_ = gap;
+        const SurfacePoint start = point;
+        SurfacePoint b = feet_[foot];
+        double distance = (point.at - b.at).norm();
+        for (int i = 0; i < most_search_steps && step > least_step * distance; ++i) {
+            const Vec3 away = (point.at - b.at) / distance;
+            const auto to = a_.nearby(point.at + step * away, point.at, result_.counters);
+            const auto below = to ? feet_.tree().nearby(to->at, b.at, result_.counters) : std::nullopt;
+            const double next = below ? (to->at - below->at).norm() : 0;
+            if (next > distance) {
+                point = *to;
+                b = *below;
+                distance = next;
+                step *= longer_step;
+            } else {
+                step *= shorter_step;
+            }
+        }
+        if (point.at == start.at) return;
+        cell.remember(feet_.add(b));
+        const double precision = query_.tolerance.gap(result_.bounds.lower) / parts_of_tolerance;
+        show(point, feet_.nearest(point.at, cell.known_feet(), {precision, result_.bounds.lower, infinity}));
+    }
+
+    std::size_t most_cells_;
+    const Query& query_;
+    Trace& trace_;
+    Deadline deadline_;
+    Result result_;
+    SurfaceTree a_;
+    ProvenFeet feet_;  // on B
+    std::priority_queue<EnclosureCell> queue_;
+    bool proven_ = false;            // some point of A
+    double searched_at_ = infinity;  // the gap then
+};
 
 class SurfaceEnclosure final : public Solver {
 public:
@@ -45,7 +296,7 @@ public:
 
     Result solve(const Query& query, State*, Trace& trace) const override {
         const UpwardRounding upward;
-        return enclose(*source_, *target_, most_cells_, query, trace);
+        return EnclosureSearch(*source_, *target_, most_cells_, query, trace).run();
     }
 
 private:

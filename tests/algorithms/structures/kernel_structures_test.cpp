@@ -1,7 +1,9 @@
 // Adjacency and swept sphere volumes.
 #include "algorithms/meshes/tang/adjacency.h"
 #include "algorithms/meshes/tang/swept_sphere.h"
+#include "algorithms/points/zhang2017/point_octree.h"
 #include "algorithms/prepared.h"
+#include "algorithms/structures/bvh.h"
 #include "tests/support/exact.h"
 #include "tests/support/tree_meshes.h"
 
@@ -196,19 +198,19 @@ TEST(Prepared, BuildsWhatIsDeclaredAndNamesIt) {
     Random random(4);
     const Scene scene{triangle_soup(random, 50, 0.1), triangle_soup(random, 90, 0.1)};
     const Prepared prepared(scene, {need<TriangleBvh>(Side::target), need<SweptSphereBvh>(Side::source),
-                                    need<PointBvh>(Side::target), need<Adjacency>(Side::source)});
+                                    need<PointOctree>(Side::target), need<Adjacency>(Side::source)});
     EXPECT_EQ(prepared.get<TriangleBvh>(Side::target).tree().order.size(), 90u);
     EXPECT_EQ(prepared.get<SweptSphereBvh>(Side::source).tree().order.size(), 50u);
-    EXPECT_EQ(prepared.get<PointBvh>(Side::target).tree().order.size(), 270u);
+    EXPECT_EQ(prepared.get<PointOctree>(Side::target).order().size(), 270u);
     EXPECT_EQ(prepared.get<Adjacency>(Side::source).edges(), 150);
     EXPECT_THROW((void)prepared.get<TriangleBvh>(Side::source), std::logic_error);
     ASSERT_EQ(prepared.times().size(), 4u);
     EXPECT_EQ(prepared.times()[0].name, "target BVH");
     for (const PreparationTime& time : prepared.times()) EXPECT_GT(time.bytes, 0u) << time.name;
     EXPECT_EQ(prepared.uses().at("target BVH"), 1);
-    EXPECT_TRUE(structure_kind<PointBvh>().fits(ShapeKind::points));
-    EXPECT_TRUE(structure_kind<PointBvh>().fits(ShapeKind::mesh));
-    EXPECT_FALSE(structure_kind<PointBvh>().fits(ShapeKind::surface));
+    EXPECT_TRUE(structure_kind<PointOctree>().fits(ShapeKind::points));
+    EXPECT_TRUE(structure_kind<PointOctree>().fits(ShapeKind::mesh));
+    EXPECT_FALSE(structure_kind<PointOctree>().fits(ShapeKind::surface));
     EXPECT_TRUE(structure_kind<TriangleBvh>().fits(ShapeKind::points));
     EXPECT_FALSE(structure_kind<Adjacency>().fits(ShapeKind::points));
 }

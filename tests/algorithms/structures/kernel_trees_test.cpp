@@ -279,40 +279,5 @@ TEST(QuantisedBoxes, ATinyBoxBesideAHugeOne) {
     expect_outward(quantised, boxes, "subnormal");
 }
 
-void expect_nearest_as_by_scan(const PointBvh& tree, const Points& points, Random& random) {
-    Counters counters;
-    for (int i = 0; i < 300; ++i) {
-        const Vec3 p =
-            i % 3 == 0 ? Vec3(points.row(random.below(static_cast<Index>(points.rows())))) : random.vector(2);
-        NearestPoint expected;
-        for (Index k = 0; k < points.rows(); ++k) {
-            const double squared = squared_length(p - Vec3(points.row(k)));
-            if (squared < expected.squared_distance) expected = {squared, k};
-        }
-        const NearestPoint found = tree.nearest(p, infinity, -1, counters);
-        EXPECT_EQ(found.squared_distance, expected.squared_distance);
-        EXPECT_EQ(found.point, expected.point);
-        EXPECT_EQ(tree.nearest(p, expected.squared_distance, -1, counters).point, expected.point);
-        EXPECT_EQ(tree.nearest(p, std::nextafter(expected.squared_distance, -1), -1, counters).point, -1);
-        const NearestPoint enough = tree.nearest(p, infinity, 0.1, counters);
-        EXPECT_TRUE(enough.squared_distance <= 0.1 || enough.squared_distance == expected.squared_distance);
-    }
-    EXPECT_GT(tree.bytes(), static_cast<std::size_t>(points.rows()) * sizeof(Vec3));
-}
-
-TEST(PointBvh, NearestPointAsByAScan) {
-    Random random(8);
-    for (const Index count : {1, 7, 8, 9, 100, 3000}) {
-        Points points(count, 3);
-        for (Index i = 0; i < count; ++i) points.row(i) = random.vector();
-        for (Index i = 0; i < count / 4; ++i) points.row(i) = points.row(count - 1 - i);  // ties
-        PointBvh tree(points);
-        expect_nearest_as_by_scan(tree, points, random);
-        for (Index i = 0; i < count; ++i) points.row(i) += 0.3 * random.vector();
-        tree.refit(points);
-        expect_nearest_as_by_scan(tree, points, random);
-    }
-}
-
 }  // namespace
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// The lemmas behind surface_feet.h and surface_mesh.h, against exact rational arithmetic and known distances.
+// The lemmas behind feet.h and surface_mesh.h, against exact rational arithmetic and known distances.
 #include "algorithms/kernel/taylor_model.h"
 #include "algorithms/surfaces/enclosure/beside.h"
 #include "algorithms/surfaces/enclosure/feet.h"

@@ -1,8 +1,7 @@
 // What people see of a result: tables that fit, bounds that hold as shown, reasons, two solvers side by side, lines of progress.
 #include "algorithms/error.h"
 #include "datasets/hash.h"
-#include "harness/commands/compare_results.h"
-#include "harness/commands/compare_solvers.h"
+#include "harness/commands/comparison.h"
 #include "harness/commands/row_choice.h"
 #include "harness/commands/row_table.h"
 #include "harness/commands/row_texts.h"

@@ -1,4 +1,4 @@
-// Compares two solvers of one result.
+// Compares two results of the same experiment, or two solvers of one result.
 #pragma once
 
 #include "harness/commands/text_table.h"
@@ -7,6 +7,10 @@
 #include <string>
 
 namespace hausbench {
+
+// Rows of the same identity side by side: differing answers first, then the ratio of times (candidate / base), which is called
+// faster or slower only at 95 % confidence. Throws InputError where no case is in both.
+std::string compare_results(const ResultFile& base, const ResultFile& candidate);
 
 // Each is a label, or a label with its parameters, "guthe(samples=8)": paired by scene, poses, quantity
 // and tolerance, and, where both sweep the same parameters, by these. First the pairs whose intervals do not overlap, since

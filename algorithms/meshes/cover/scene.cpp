@@ -1,6 +1,7 @@
-#include "algorithms/meshes/cover/cluster.h"
+#include "algorithms/meshes/cover/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -21,6 +22,25 @@ void order_clusters(std::vector<Cluster>& clusters, std::size_t first) {
     ordered.reserve(clusters.size());
     for (const std::size_t i : best) ordered.push_back(clusters[i]);
     clusters = std::move(ordered);
+}
+
+double CoverPiece::farthest_corner(const Vec3& from) const {
+    double squared = 0;
+    for (const Vec3& corner : corners) squared = std::max(squared, squared_length(corner - from));
+    return std::sqrt(squared);
+}
+
+std::size_t CoverPiece::longest_edge() const {
+    std::size_t longest = 0;
+    double most = -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double squared = squared_length(corners[(k + 1) % 3] - corners[k]);
+        if (squared > most) {
+            most = squared;
+            longest = k;
+        }
+    }
+    return longest;
 }
 
 }  // namespace hausbench
