@@ -41,7 +41,7 @@ int usable_threads(int threads) {
     return cores > 0 ? std::min(threads, cores) : threads;
 }
 
-SolverMaker::SolverMaker(SolverEntry entry, Options options, Build build)
+SolverMaker::SolverMaker(SolverEntry entry, Options options, Prepare build)
     : entry_(std::move(entry)), options_(std::move(options)), build_(build) {}
 
 std::unique_ptr<Solver> SolverMaker::make() const {
@@ -49,7 +49,7 @@ std::unique_ptr<Solver> SolverMaker::make() const {
 }
 
 Needs SolverMaker::needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const {
-    if (build_ == Build::needed_only) return checked_needs(entry_, solver, scene, queries);
+    if (build_ == Prepare::needed_only) return checked_needs(entry_, solver, scene, queries);
     // Structures that do not fit these shapes are left out all the same.
     Needs needs = entry_.info.may_need;
     std::erase_if(needs, [&](const Need& need) {

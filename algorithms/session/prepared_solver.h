@@ -11,7 +11,7 @@ namespace hausbench {
 
 // Which structures to build: those that the solver says this scene needs, or all it could ever use (to test that the extra
 // ones change no bit of an answer).
-enum class Build { needed_only, everything };
+enum class Prepare { needed_only, everything };
 
 using SharedPreparedShape = std::shared_ptr<PreparedShape>;
 
@@ -24,7 +24,7 @@ struct Books {
 // Makes solvers of one kind with the same options.
 class SolverMaker {
 public:
-    SolverMaker(SolverEntry entry, Options options, Build build);
+    SolverMaker(SolverEntry entry, Options options, Prepare build);
 
     const SolverInfo& info() const { return entry_.info; }
 
@@ -40,7 +40,7 @@ public:
 private:
     SolverEntry entry_;
     Options options_;
-    Build build_;
+    Prepare build_;
 };
 
 // Limits a number of threads to the cores of this machine.

@@ -61,7 +61,7 @@ std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, 
 }
 
 Session::Session(const SolverEntry& entry, const Options& options, const Scene& scene, const QuerySet& queries,
-                 Build build)
+                 Prepare build)
     : Session(entry, options, pair_of(entry.info, scene), queries, build) {}
 
 // The solver of one pair in scaled units, with the cost of preparing it.
@@ -72,7 +72,7 @@ struct Session::Direct {
 };
 
 Session::Session(const SolverEntry& entry, const Options& options, PreparedPair pair, const QuerySet& queries,
-                 Build build)
+                 Prepare build)
     : maker_(std::make_shared<SolverMaker>(entry, options, build)), pair_(std::move(pair)) {
     const std::string no =
         refusal_of_shapes(entry.info, kind_of(pair_.source->shape()), kind_of(pair_.target->shape()));

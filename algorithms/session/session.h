@@ -21,12 +21,12 @@ public:
     // Scales copies of the two shapes (see prepare_pair), builds the structures and prepares the solver, with the threads of
     // `queries` if the solver supports threads. Throws InputError for shapes that the solver does not accept.
     Session(const SolverEntry& entry, const Options& options, const Scene& scene, const QuerySet& queries,
-            Build build = Build::needed_only);
+            Prepare build = Prepare::needed_only);
 
     // The same on shapes that are scaled already, both by the same exponent. Other sessions may share them, and structures that
     // exist are not built again. Do not construct two sessions on one shape at the same time.
     Session(const SolverEntry& entry, const Options& options, PreparedPair pair, const QuerySet& queries,
-            Build build = Build::needed_only);
+            Prepare build = Prepare::needed_only);
     ~Session();
     Session(Session&&) noexcept;
 

@@ -1,4 +1,4 @@
-// Reads and checks an experiment file; CONTRIBUTING.md lists its keys. scene_reader.h and solver_reader.h read its tables.
+// Reads and checks an experiment file; docs/experiments.md lists its keys. scene_reader.h and solver_reader.h read its tables.
 #pragma once
 
 #include "algorithms/options.h"

@@ -1,4 +1,4 @@
-// A recorded simulation: frame by frame, which of its moving objects overlap, and their poses. CONTRIBUTING.md has the format.
+// A recorded simulation: frame by frame, which of its moving objects overlap, and their poses. docs/experiments.md has the format.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"

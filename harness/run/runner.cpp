@@ -267,7 +267,7 @@ private:
         order.round = round;
         order.repeats = plan_.experiment.repeats;
         order.slowdown = plan_.planted_slowdown;
-        order.build = plan_.leave_nothing_out ? Build::everything : Build::needed_only;
+        order.build = plan_.leave_nothing_out ? Prepare::everything : Prepare::needed_only;
         order.plugins = plugin_hashes();
         std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0, search = 0;
         const double least = least_upper_before(job, places.front());  // of a search that broke off

@@ -26,7 +26,7 @@ struct WorkOrder {
     int exponent = 0;
     Limits limits;
     int round = 0, repeats = 0;
-    Build build = Build::needed_only;
+    Prepare build = Prepare::needed_only;
     double slowdown = 0;          // Plan::planted_slowdown
     std::vector<int> cores = {};  // cores of the worker; empty: any. Not sent to it
     struct Item {

@@ -75,7 +75,7 @@ Query query_of(const Pose& pose, const Truth& truth) {
 
 Options defaults(const SolverEntry& entry) { return quick_options(entry); }
 
-Session session_of(const SolverEntry& entry, const TestScene& test, Build build = Build::needed_only,
+Session session_of(const SolverEntry& entry, const TestScene& test, Prepare build = Prepare::needed_only,
                    const ParameterMap& given = {}) {
     QuerySet queries;
     queries.moves = test.poses.size() > 1;
@@ -276,8 +276,8 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
     std::map<std::string, std::set<std::string>> asked;
     const auto compare = [&](const SolverEntry& entry, const Case& c, const ParameterMap& given,
                              const std::string& where) {
-        const Session lean = session_of(entry, c.test, Build::needed_only, given),
-                      full = session_of(entry, c.test, Build::everything, given);
+        const Session lean = session_of(entry, c.test, Prepare::needed_only, given),
+                      full = session_of(entry, c.test, Prepare::everything, given);
         Trace trace;
         for (std::size_t i = 0; i < c.truths.size(); ++i) {
             const Query query = query_of(c.test.poses[i], c.truths[i]);
@@ -376,7 +376,7 @@ TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
         const ParameterMap& given = variant.second;
         for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
             if (entry.info.name != name || excepted(entry.info, c.test.name)) return;
-            const Session session = session_of(entry, c.test, Build::needed_only, given);
+            const Session session = session_of(entry, c.test, Prepare::needed_only, given);
             Trace trace;
             const Result result = session.solve(query_of(c.test.poses[0], c.truths[0]), trace);
             check_bounds(entry.info, c.truths[0], result.bounds, where + ", " + given.begin()->first);

@@ -530,15 +530,15 @@ TEST_F(SessionDirections, SharedShapesSayWhatWasThere) {
 TEST_F(SessionDirections, NothingIsLeftOutOfAMovingSceneEither) {
     script.needs_both = false;
     const SolverEntry entry = scripted();
-    const auto built = [&](const QuerySet& queries, Build build) {
+    const auto built = [&](const QuerySet& queries, Prepare build) {
         script.built[0] = script.built[1] = 0;
         const Session session(entry, Options(entry.info.name, {}, {}), scene, queries, build);
         return std::pair(script.built[0], script.built[1]);
     };
-    EXPECT_EQ(built({}, Build::needed_only), std::pair(0, 0));
-    EXPECT_EQ(built({}, Build::everything), std::pair(1, 1));
-    EXPECT_EQ(built({.target_moves = true}, Build::needed_only), std::pair(0, 0));
-    EXPECT_EQ(built({.target_moves = true}, Build::everything), std::pair(1, 0));
+    EXPECT_EQ(built({}, Prepare::needed_only), std::pair(0, 0));
+    EXPECT_EQ(built({}, Prepare::everything), std::pair(1, 1));
+    EXPECT_EQ(built({.target_moves = true}, Prepare::needed_only), std::pair(0, 0));
+    EXPECT_EQ(built({.target_moves = true}, Prepare::everything), std::pair(1, 0));
 }
 
 TEST_F(SessionDirections, MovesChangePlaces) {
