@@ -35,10 +35,10 @@ class SharedShape {
 public:
     template <class S>
     requires(std::constructible_from<Shape, S&&> && !std::same_as<std::remove_cvref_t<S>, SharedShape>)
-        SharedShape(S&& shape)
+        SharedShape(S&& shape)  // NOLINT(google-explicit-constructor): a scene is made of shapes
         : shape_(std::make_shared<const Shape>(std::forward<S>(shape))) {}
 
-    operator const Shape&() const { return *shape_; }
+    operator const Shape&() const { return *shape_; }  // NOLINT(google-explicit-constructor): it is read like the shape
 
 private:
     std::shared_ptr<const Shape> shape_;

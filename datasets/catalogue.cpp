@@ -179,7 +179,8 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
     const std::filesystem::path file = local ? model.folder / path : cache_ / "raw" / model.sha256 / path.filename();
     if (!std::filesystem::exists(file))
         return MissingModel{local ? fmt::format("file {} does not exist", file.string())
-                                  : fmt::format("package {} was not fetched: run `make datasets`", model.package)};
+                                  : fmt::format("package {} was not fetched: run `hausbench fetch{}`", model.package,
+                                                model.of_corpus ? " --corpus" : "")};
     if (!std::filesystem::is_regular_file(file))
         throw InputError(fmt::format("model '{}': {} is not a regular file: name a file that holds a shape", model.name,
                                      file.string()));

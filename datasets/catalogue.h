@@ -42,7 +42,7 @@ struct ResolvedModel {
 };
 
 struct MissingModel {
-    std::string reason;  // "package glmark2-data was not fetched: run `make datasets`"
+    std::string reason;  // "package glmark2-data was not fetched: run `hausbench fetch`"
 };
 
 class Catalogue {

@@ -32,7 +32,13 @@ bool is_ours(const fs::path& place) {
     return user && members && user->pw_gid == state.st_gid && std::string_view(user->pw_name) == members->gr_name;
 }
 
+// share/hausbench of an installation, which is not a project: results and the cache do not belong there.
+bool is_installed(const fs::path& folder) {
+    return folder.filename() == "hausbench" && folder.parent_path().filename() == "share";
+}
+
 bool is_root(const fs::path& folder) {
+    if (is_installed(folder)) return false;
     std::error_code unreadable;
     if (!fs::exists(folder / "datasets" / "manifest.toml", unreadable)) return false;
     for (const fs::path& place : {folder, folder / "datasets", folder / "datasets" / "manifest.toml"}) {
@@ -71,20 +77,22 @@ fs::path project_root() {
         "HAUSBENCH_ROOT to it");
 }
 
+fs::path installed_folder() { return program_path().parent_path().parent_path() / "share" / "hausbench"; }
+
 fs::path manifest_file() {
-    if (const auto root = find_project_root()) return *root / "datasets" / "manifest.toml";
-    const fs::path installed =
-        program_path().parent_path().parent_path() / "share" / "hausbench" / "datasets" / "manifest.toml";
-    return fs::exists(installed) ? installed : fs::path();
+    const fs::path file = find_project_root().value_or(installed_folder()) / "datasets" / "manifest.toml";
+    return fs::exists(file) ? file : fs::path();
 }
+
+fs::path experiments_folder() { return find_project_root().value_or(installed_folder()) / "experiments"; }
 
 fs::path results_folder(const fs::path& experiment) {
     if (std::getenv("HAUSBENCH_ROOT")) return project_root() / "results";
     std::error_code unreadable;
     const fs::path file = fs::weakly_canonical(fs::absolute(experiment), unreadable);
     for (fs::path folder = file.parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
-        const bool installed = folder.filename() == "hausbench" && folder.parent_path().filename() == "share";
-        if (!installed && fs::exists(folder / "datasets" / "manifest.toml", unreadable)) return folder / "results";
+        if (!is_installed(folder) && fs::exists(folder / "datasets" / "manifest.toml", unreadable))
+            return folder / "results";
     }
     return "results";
 }

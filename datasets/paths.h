@@ -15,8 +15,14 @@ std::filesystem::path program_path();
 std::optional<std::filesystem::path> find_project_root();
 std::filesystem::path project_root();  // throws InputError if there is none
 
+// share/hausbench beside the folder of the program, whether or not it exists.
+std::filesystem::path installed_folder();
+
 // Of the project, else the one that was installed with the program; empty if there is neither: then no model has a name.
 std::filesystem::path manifest_file();
+
+// Likewise, whether or not it exists.
+std::filesystem::path experiments_folder();
 
 // `results` of HAUSBENCH_ROOT, else of the checkout that has the experiment's file, else of the current folder.
 std::filesystem::path results_folder(const std::filesystem::path& experiment);

@@ -9,6 +9,9 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 
 
 def measure(stem: str, file: str = "", root: Path = ROOT) -> str:
-    """'make STEM' for an experiment of the project in a clone of it; else 'hausbench run FILE', with the file of the experiment if that is known."""
-    ours = (root / "Makefile").is_file() and any(path.stem == stem for path in (root / "experiments").rglob("*.toml"))
-    return f"'make {stem}'" if ours else f"'hausbench run {file or f'{stem}.toml'}'"
+    """'make STEM' for an experiment of the project in a clone of it, 'hausbench run STEM' beside an installed program; else 'hausbench run FILE', with the
+    file of the experiment if that is known."""
+    ours = any(path.stem == stem for path in (root / "experiments").rglob("*.toml"))
+    if ours and (root / "Makefile").is_file():
+        return f"'make {stem}'"
+    return f"'hausbench run {stem if ours else file or f'{stem}.toml'}'"

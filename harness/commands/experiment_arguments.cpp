@@ -16,15 +16,13 @@ namespace hausbench {
 
 namespace {
 
-// The file, or the experiment of the project that has this stem.
+// The file, or the experiment of the project or the installation that has this stem.
 std::filesystem::path experiment_file(const std::filesystem::path& named) {
     if (named.has_parent_path() || named.has_extension() || std::filesystem::exists(named)) return named;
     std::vector<std::string> stems;
-    if (const auto root = find_project_root()) {
-        for (const auto& file : experiment_files(*root / "experiments")) {
-            if (file.stem() == named) return file;
-            stems.push_back(file.stem().string());
-        }
+    for (const auto& file : experiment_files(experiments_folder())) {
+        if (file.stem() == named) return file;
+        stems.push_back(file.stem().string());
     }
     if (stems.empty()) return named;
     throw InputError(fmt::format("'{}' is neither a file nor an experiment of the project{}", named.string(),

@@ -157,7 +157,7 @@ std::string solvers_text(const json& all, const Paper& paper) {
 
 std::string experiments_text(const json& all, const Paper& paper) {
     if (all["experiments"].empty())
-        return "no experiments: there is no project here, see HAUSBENCH_ROOT in the README\n";
+        return "no experiments: there is no project here: set HAUSBENCH_ROOT to a checkout\n";
     TextTable table({{"experiment"}, {"scenes", true, 1}, {"what it is", false, 0, true}});
     for (const json& e : all["experiments"])
         table.add({{text_of(e, "stem"), std::to_string(e["scenes"].size()), text_of(e, "title")}});
@@ -172,7 +172,7 @@ std::size_t meshes_of_corpus(const json& all) {
 }
 
 std::string models_text(const json& all, const Paper& paper) {
-    if (all["models"].empty()) return "no models: there is no project here, see HAUSBENCH_ROOT in the README\n";
+    if (all["models"].empty()) return "no models: there is no project here: set HAUSBENCH_ROOT to a checkout\n";
     TextTable table({{"model"}, {"made by, or from", false, 1}, {"what it is", false, 0, true}});
     for (const json& m : all["models"]) table.add({{text_of(m, "name"), origin(m), text_of(m, "note")}});
     const std::size_t meshes = meshes_of_corpus(all);
@@ -275,11 +275,8 @@ json list_as_json() {
     for (const SolverEntry& entry : solvers()) out["solvers"].push_back(solver_json(entry.info));
     for (const NotBuilt& absent : solvers_not_built())
         out["not_built"].push_back({{"name", absent.name}, {"reason", absent.reason}});
-    const auto root = find_project_root();
-    if (root && std::filesystem::is_directory(*root / "experiments")) {
-        for (const auto& file : experiment_files(*root / "experiments"))
-            out["experiments"].push_back(experiment_or_error(file));
-    }
+    for (const auto& file : experiment_files(experiments_folder()))
+        out["experiments"].push_back(experiment_or_error(file));
     if (manifest_file().empty()) return out;
     Catalogue catalogue(manifest_file(), cache_folder(), program_path());
     for (const ModelInfo& m : catalogue.models()) out[m.of_corpus ? "corpus" : "models"].push_back(model_json(m));

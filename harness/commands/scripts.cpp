@@ -49,8 +49,7 @@ namespace {
 // The checkout, or share/hausbench of the installation, whichever has this file. Throws InputError if neither has.
 fs::path folder_with(const std::string& verb, const fs::path& file) {
     if (const auto root = find_project_root(); root && fs::exists(*root / file)) return *root;
-    const fs::path installed = program_path().parent_path().parent_path() / "share" / "hausbench";
-    if (fs::exists(installed / file)) return installed;
+    if (fs::exists(installed_folder() / file)) return installed_folder();
     throw InputError(
         fmt::format("{}: found no {}: run it in a checkout, or set HAUSBENCH_ROOT to one", verb, file.string()));
 }

@@ -319,6 +319,9 @@ def test_no_remedy_is_to_remove_a_file_that_is_no_result(tmp_path: Path) -> None
 def test_the_remedy_is_make_only_in_a_clone(tmp_path: Path) -> None:
     assert remedy.measure("zhang2017_table3") == "'make zhang2017_table3'" and remedy.measure("mine", "/a/mine.toml") == "'hausbench run /a/mine.toml'"
     assert remedy.measure("zhang2017_table3", root=tmp_path) == "'hausbench run zhang2017_table3.toml'"
+    (tmp_path / "experiments").mkdir()  # of an installed program
+    (tmp_path / "experiments" / "zhang2017_table3.toml").touch()
+    assert remedy.measure("zhang2017_table3", "/a/zhang2017_table3.toml", tmp_path) == "'hausbench run zhang2017_table3'"
 
 
 def test_file_of_another_experiment(tmp_path: Path) -> None:

@@ -574,7 +574,7 @@ TEST_F(Manifest, WhatIsNotThereIsMissingWithItsReason) {
                                         "[model.mine]\nsource = 'file'\npath = 'mine.obj'\n",
                                     reader());
     EXPECT_EQ(std::get<MissingModel>(all.resolve("bunny")).reason,
-              "package glmark2-data was not fetched: run `make datasets`");
+              "package glmark2-data was not fetched: run `hausbench fetch`");
     EXPECT_NE(std::get<MissingModel>(all.resolve("half")).reason.find("glmark2-data"), std::string::npos);
     EXPECT_NE(std::get<MissingModel>(all.resolve("mine")).reason.find("mine.obj"), std::string::npos);
     std::ofstream(folder_.path() / "mine.obj") << "beside the manifest";

@@ -85,7 +85,7 @@ def test_a_damaged_mesh_costs_its_own_rows_alone(hausbench: Program, root: Path,
     assert texts(result, "cases/scene") == ["bad", "ball", "cube", "gone", "soup", "torus"]
     assert texts(result, "cases/status") == ["failed", "ok", "ok", "skipped", "failed", "ok"]
     reasons = texts(result, "cases/reason")
-    assert "bad.off" in reasons[0] and "package p was not fetched" in reasons[3] and "simplify" in reasons[4]
+    assert "bad.off" in reasons[0] and "package p was not fetched: run `hausbench fetch --corpus`" in reasons[3] and "simplify" in reasons[4]
 
 
 def test_scenes_are_chosen_one_by_one_or_together(hausbench: Program, root: Path, tmp_path: Path) -> None:

@@ -164,7 +164,7 @@ def test_missing_package_is_skipped_with_the_reason(hausbench: Program, experime
     experiment.write_text(experiment.read_text().replace("sphere1", "bunny"))
     file = run(hausbench, experiment, tmp_path)
     assert texts(file, "cases/status") == ["skipped"]
-    assert "make datasets" in texts(file, "cases/reason")[0]
+    assert "run `hausbench fetch`" in texts(file, "cases/reason")[0]
 
 
 def test_two_runs_on_one_result_refuse(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
