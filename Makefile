@@ -124,7 +124,7 @@ format-check: $(DEPS)  ## shows the lines where make format would change somethi
 # --- has anything become slower? -------------------------------------------------------------------------------------
 
 tracked: $(DEPS)
-	tools/build release hausbench hausbench_commit kernel_bench
+	tools/build release hausbench hausbench_commit kernel_bench counters_test
 	$(FETCH) --profile $(PROFILE) --experiment experiments/tracking.toml
 # make can only say 2 where the program says 3, 4 or 5: what it printed last is the verdict.
 track: tracked  ## work counters, instructions, then times beside the commit BASE (default: HEAD); TRACK_ARGS="--tiers time ..."

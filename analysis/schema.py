@@ -1,9 +1,8 @@
-"""What follows in Python and in prose from the program's own tables: analysis/shared/columns.py and the tables of results/README.md from
-its columns, analysis/shared/solvers.py from its solvers.
+"""What follows in Python and in prose from the program's columns: analysis/shared/columns.py and the tables of results/README.md.
 
     python3 -m analysis.schema
 
-asks the program (`hausbench list columns`, `hausbench list --json`) and writes all three; a test fails where they differ from it.
+asks the program (`hausbench list columns`) and writes both; a test fails where they differ from it.
 Nothing else in analysis/ starts the program: stems read result files, and shapes from the cache.
 """
 
@@ -21,7 +20,6 @@ from typing import Any, Final
 ROOT: Final = Path(__file__).resolve().parents[1]
 README: Final = ROOT / "results" / "README.md"
 MODULE: Final = ROOT / "analysis" / "shared" / "columns.py"
-SOLVERS: Final = MODULE.with_name("solvers.py")
 TYPES: Final = {"text": "Texts", "real": "Floats", "integer": "Ints"}
 HEAD: Final = '''"""The columns of result files, as analysis/shared/load.py reads them. Written by `python3 -m analysis.schema`: do not edit."""
 
@@ -56,20 +54,6 @@ def listed(what: str) -> Any:
 def columns() -> Groups:
     groups: Groups = listed("columns")
     return groups
-
-
-def titles() -> dict[str, str]:
-    """Of the solvers that are built."""
-    return {solver["name"]: solver["title"] for solver in listed("--json")["solvers"]}
-
-
-def solvers_module(known: dict[str, str]) -> str:
-    lines = "".join(f"    {json.dumps(name)}: {json.dumps(title)},\n" for name, title in sorted(known.items()))
-    return f'''"""What each solver is called. Written by `python3 -m analysis.schema`: do not edit."""
-
-TITLES: dict[str, str] = {{
-{lines}}}
-'''
 
 
 def module(groups: Groups) -> str:
@@ -122,8 +106,7 @@ def main() -> int:
     groups = columns()
     MODULE.write_text(module(groups), encoding="utf-8")
     README.write_text(readme(README.read_text(encoding="utf-8"), groups), encoding="utf-8")
-    SOLVERS.write_text(solvers_module(titles()), encoding="utf-8")
-    for path in (MODULE, README, SOLVERS):
+    for path in (MODULE, README):
         print(path.relative_to(ROOT))
     return 0
 

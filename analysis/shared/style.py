@@ -1,4 +1,4 @@
-"""How figures look: one fixed colour, marker and line for each solver (_MARKS), the words and letters of failures, legends, widths of columns.
+"""How figures look: one fixed colour, marker and line for each solver (LOOKS), the words and letters of failures, legends, widths of columns.
 
 Colours are those of Okabe and Ito (2008) with a few from Paul Tol's muted set; both can be told apart with every common
 kind of colour blindness. There are more solvers than such colours, so a colour returns once, in the other family (point
@@ -19,7 +19,6 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-from analysis.shared import solvers  # noqa: E402
 from analysis.shared.drawable import legend_label, make_drawable  # noqa: E402
 from analysis.shared.statistics import Estimate  # noqa: E402
 
@@ -57,37 +56,34 @@ class Look:
 
 DASHED: Final = (0, (4, 1.5))
 DOTTED: Final = (0, (1, 1))
-# The colour, the marker and the line of each solver, in the order of legends and tables.
-_MARKS: Final[list[tuple[str, str, str, Line]]] = [
+# Solvers with a look of their own, in the order of legends and tables. introduce() gives the others one.
+LOOKS: Final[dict[str, Look]] = {
     # point sets
-    ("naive", "#000000", "s", "-"),
-    ("earlybreak", "#E69F00", "o", "-"),
-    ("inc", "#56B4E9", "v", "-"),
-    ("nohd", "#009E73", "^", DASHED),
-    ("ohd", "#0072B2", "D", DASHED),
-    ("adaptive", "#CC79A7", "P", "-"),
-    ("scan", "#D55E00", "X", "-"),
-    ("kdtree", "#882255", "h", DOTTED),
-    ("cgal_kdtree", "#999933", "p", DOTTED),
+    "naive": Look("NAIVEHDD", "#000000", "s"),
+    "earlybreak": Look("EARLYBREAK", "#E69F00", "o"),
+    "inc": Look("INC", "#56B4E9", "v"),
+    "nohd": Look("NOHD", "#009E73", "^", DASHED),
+    "ohd": Look("OHD", "#0072B2", "D", DASHED),
+    "adaptive": Look("NOHD/OHD framework", "#CC79A7", "P"),
+    "scan": Look("scan (ours)", "#D55E00", "X"),
+    "kdtree": Look("k-d tree (nanoflann)", "#882255", "h", DOTTED),
+    "cgal_kdtree": Look("k-d tree (CGAL)", "#999933", "p", DOTTED),
     # meshes
-    ("sampling", "#CC79A7", "p", "-"),
-    ("guthe", "#999933", "<", DASHED),
-    ("tang", "#56B4E9", "o", "-"),
-    ("kang", "#009E73", "s", "-"),
-    ("zheng", "#0072B2", "^", "-"),
-    ("sacht", "#E69F00", "D", "-"),
-    ("cover", "#D55E00", "*", "-"),
-    ("cgal", "#882255", "X", DOTTED),
+    "sampling": Look("sampling", "#CC79A7", "p"),
+    "guthe": Look("Guthe 2005", "#999933", "<", DASHED),
+    "tang": Look("Tang 2009", "#56B4E9", "o"),
+    "kang": Look("Kang 2018", "#009E73", "s"),
+    "zheng": Look("Zheng 2022", "#0072B2", "^"),
+    "sacht": Look("Sacht 2024", "#E69F00", "D"),
+    "cover": Look("cover (ours)", "#D55E00", "*"),
+    "cgal": Look("CGAL", "#882255", "X", DOTTED),
     # surfaces, other programs
-    ("interval_subdivision", "#000000", "d", "-"),
-    ("surface_enclosure", "#D55E00", "h", "-"),
-    ("surface_meshes", "#0072B2", "s", "-"),
-    ("external", "#777777", ">", (0, (4, 1.5, 1, 1.5)))]
-LOOKS: Final[dict[str, Look]] = {name: Look(solvers.TITLES[name], colour, marker, line) for name, colour, marker, line in _MARKS}
+    "interval_subdivision": Look("interval subdivision", "#000000", "d"),
+    "surface_enclosure": Look("surface enclosure (ours)", "#D55E00", "h"),
+    "surface_meshes": Look("surface meshes (ours)", "#0072B2", "s"),
+    "external": Look("external program", "#777777", ">", (0, (4, 1.5, 1, 1.5)))}
 NEUTRAL: Final = Look("", GREY, "o")  # of no solver
 PROGRAMS: Final = {"scipy_ckdtree": "SciPy cKDTree", "scipy_directed_hausdorff": "SciPy directed_hausdorff"}  # titles of external programs
-# Solvers that no picture shows, or one alone, which says there how they look.
-WITHOUT_LOOK: Final = ("nohd_as_printed", "ohd_as_printed", "penetration")
 
 # Letters in figures for rows without bounds.
 STATUS_LETTERS: Final = {"timeout": "T", "out_of_memory": "M", "signal": "C", "failed": "F", "unsound": "U",
@@ -124,19 +120,17 @@ _behind: dict[str, int] = {}  # the number of each label that is drawn in grey
 
 
 def introduce(results: Results) -> None:
-    """Gives solvers of plug-ins and external programs their titles and colours of their own, and the variants of a solver shades and lines of
-    their own, in the order of the file.
+    """Gives solvers that are not in LOOKS, plug-ins' too, and external programs their titles and colours of their own, and the variants of a solver
+    shades and lines of their own, in the order of the file.
     """
     used = {LOOKS[solver].marker for solver, name in zip(results.cases.solver, results.names) if solver in LOOKS and name == solver}
-    titles: dict[str, str] = {}
-    for plugin in json.loads(str(results.meta.get("plugins") or "[]")):
-        titles |= {str(name): str(title) for name, title in plugin.get("titles", {}).items()}
+    titles: dict[str, str] = json.loads(str(results.meta.get("titles") or "{}"))
     for solver, label in dict.fromkeys(zip(results.cases.solver, results.cases.label)):
         name = label if solver == "external" else solver
         if (solver == "external" or solver not in LOOKS) and name not in _own:
             k = len(_own)
             marker = _unused(_OWN_MARKERS, used, k)
-            _own[name] = Look(titles.get(name, PROGRAMS.get(name, name)), _OWN_COLOURS[k % len(_OWN_COLOURS)], marker, (DASHED, "-")[k % 2])
+            _own[name] = Look((PROGRAMS if solver == "external" else titles).get(name, name), _OWN_COLOURS[k % len(_OWN_COLOURS)], marker, (DASHED, "-")[k % 2])
     named: dict[str, list[str]] = {}
     for solver, label in dict.fromkeys(zip(results.cases.solver, results.names)):
         if label != solver and label not in _own:
@@ -183,7 +177,7 @@ def look(solver: str, label: str = "") -> Look:
 def _look(solver: str, label: str) -> Look:
     if solver == "external" and label.partition("(")[0] in _own:
         solver = label.partition("(")[0]
-    known = _own[solver] if solver in _own else LOOKS.get(solver, Look(solvers.TITLES.get(solver, solver), "#777777", "<>1234+x"[zlib.crc32(solver.encode()) % 8], "--"))
+    known = _own[solver] if solver in _own else LOOKS.get(solver, Look(solver, "#777777", "<>1234+x"[zlib.crc32(solver.encode()) % 8], "--"))
     if label in ("", solver):
         return known
     if label in _variants:

@@ -11,7 +11,7 @@ import matplotlib.ticker
 import numpy as np
 import scipy.stats
 
-from analysis.shared import claims, solvers, style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.columns import Floats
 from analysis.shared.notes import machine_line
 from analysis.shared.report import NO_TIMES, Report
@@ -19,9 +19,9 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import RARE, Verdict, never
 
 BLOCK: Final = 5  # neighbouring poses
-LOOKS: Final = {"ohd_as_printed": style.Look(solvers.TITLES["ohd_as_printed"], "#0072B2", "D"),
-                "nohd_as_printed": style.Look(solvers.TITLES["nohd_as_printed"], "#009E73", "^"),
-                "ohd": style.Look(solvers.TITLES["ohd"], "#56B4E9", "o"), "nohd": style.Look(solvers.TITLES["nohd"], "#999933", "s")}
+LOOKS: Final = {"ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
+                "nohd_as_printed": style.Look("NOHD as printed", "#009E73", "^"),
+                "ohd": style.Look("OHD", "#56B4E9", "o"), "nohd": style.Look("NOHD", "#999933", "s")}
 CLAIMS: Final = {"ohd_as_printed": ("zhang2017", "ohd_as_printed"), "nohd_as_printed": ("zhang2017", "nohd_as_printed"),
                  "ohd": ("hausbench", "ohd_exact"), "nohd": ("hausbench", "nohd_exact")}
 PRINTED: Final = {"ohd": "ohd_as_printed", "nohd": "nohd_as_printed"}  # of what is mended

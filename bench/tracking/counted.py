@@ -1,4 +1,5 @@
-"""Tiers 1 and 2: work counters and instructions of the tracked cases, against baseline.toml, which is committed.
+"""Tiers 1 and 2: work counters and instructions of the tracked cases, against baseline.toml, which is committed. It also holds the work
+counters of small scenes ([small_scenes]), which tests/algorithms/counters_test.cpp compares.
 
 Counters are the same on every machine and must be equal. Instructions of the solves alone, under valgrind, are the same from run to run,
 so that half a per cent shows without a clock; they depend on the compiler and the libraries, so the baseline has a table for each key,
@@ -10,6 +11,7 @@ A case that gives no answer, and one that the baseline does not have, are red.
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import re
 import shutil
@@ -22,8 +24,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
-
-import tomli_w
 
 from bench.tracking.blocks import NotMeasured, measure, read, run, run_words, write_case
 from bench.tracking.cases import MESH, Case, Kernel
@@ -104,6 +104,18 @@ def differences(before: Mapping[str, int], now: Mapping[str, int]) -> list[str]:
 
 def signed_share(now: int, before: int) -> str:
     return f"{100 * (now / before - 1):+.3g} %" if before else "new"
+
+
+def count_small_scenes(program: Path, folder: Path) -> dict[str, Any]:
+    """The work counters that counters_test compares, by group and scene. Missing if the program is not built or fails."""
+    file = folder / "small_scenes.toml"
+    try:
+        subprocess.run([program], env={**os.environ, "HAUSBENCH_COUNTS": str(file)}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True)
+    except OSError:
+        raise Missing(f"{program} is missing: make track-counts builds it") from None
+    except subprocess.CalledProcessError as error:
+        raise Missing(f"{program} failed: {error.stdout}") from None
+    return tomllib.loads(file.read_text())
 
 
 # --- instructions ----------------------------------------------------------------------------------------------------
@@ -247,7 +259,7 @@ def count_instructions(jobs: Counting, baseline: Mapping[str, Any], shapes: Mapp
 
 
 def updated(baseline: Mapping[str, Any], counters: Mapping[str, Any], instructions: Mapping[str, Any], reason: str,
-            names: Collection[str] | None = None) -> dict[str, Any]:
+            names: Collection[str] | None = None, small_scenes: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """The baseline with what was measured now in place of what it had of the same cases and the same key. `names`: of all cases and
     kernels that there are; what has another name is gone. A machine that has no table yet adds one, and leaves counters of other
     shapes as they are.
@@ -264,12 +276,25 @@ def updated(baseline: Mapping[str, Any], counters: Mapping[str, Any], instructio
             before[name] = measured
     if key:
         tables[key] = {**tables.get(key, {}), **instructions}
-    return {"reason": reason, "counters": before, "instructions": tables}
+    small = {**baseline.get("small_scenes", {}), **(small_scenes or {})}
+    return {"reason": reason, "counters": before, "small_scenes": small, "instructions": tables}
+
+
+def as_toml(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {as_toml(part)}" for key, part in value.items()) + " }"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def write_baseline(file: Path, baseline: Mapping[str, Any]) -> None:
-    """Beside it, and then in its place: an interrupt leaves the old one."""
-    head = "# Written by `hausbench track --update REASON`: work counters and instructions of the tracked cases.\n"
+    """A line for each case and scene. Writes beside the file, and then in its place: an interrupt leaves the old one."""
+    text = "# Written by `hausbench track --update REASON`: work counters and instructions of the tracked cases, work counters of small scenes.\n"
+    text += f"reason = {as_toml(baseline['reason'])}\n"
+    tables = {"counters": baseline["counters"]}
+    for kind in ("small_scenes", "instructions"):
+        tables |= {f"{kind}.{name}": table for name, table in baseline[kind].items()}
+    for name, table in tables.items():
+        text += f"\n[{name}]\n" + "".join(f"{as_toml(key)} = {as_toml(value)}\n" for key, value in table.items())
     beside = file.with_suffix(".new")
-    beside.write_text(head + tomli_w.dumps(dict(baseline)))
+    beside.write_text(text)
     beside.replace(file)

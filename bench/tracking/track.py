@@ -156,11 +156,15 @@ def time_tier(report: Report, task: Task) -> None:
 
 def update(task: Task, counters: counted.Found, instructions: counted.Found) -> None:
     """Of all cases and kernels, or of those that were chosen. Missing where nothing was measured."""
-    if not counters.measured and len(instructions.measured) < 2:
+    small_scenes = {}
+    if "counters" in task.given.tiers and not task.given.case:
+        small_scenes = counted.count_small_scenes(task.given.program.parent / "tests" / "counters_test", task.folder)
+    if not counters.measured and len(instructions.measured) < 2 and not small_scenes:
         raise counted.Missing("nothing was measured: the baseline stays as it is")
     names = None if task.given.case else {case.name for case in task.cases} | {kernel.name for kernel in KERNELS}
     baseline = counted.read_baseline(task.given.baseline)
-    counted.write_baseline(task.given.baseline, counted.updated(baseline, counters.measured, instructions.measured, task.given.update, names))
+    counted.write_baseline(task.given.baseline,
+                           counted.updated(baseline, counters.measured, instructions.measured, task.given.update, names, small_scenes))
     print(f"{task.given.baseline}: written")
 
 
@@ -210,7 +214,7 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--blocks", type=block_count, default=BLOCKS, metavar="N",
                         help=f"of each side, at most, of what looks slower after {SCREENING} (default: {BLOCKS})")
     parser.add_argument("--case", action="append", default=[], metavar="NAME", help="only cases whose names begin so; may be repeated")
-    parser.add_argument("--update", metavar="REASON", help="write the baseline of counters and instructions, and why it changed; no times")
+    parser.add_argument("--update", metavar="REASON", help="write the baseline of counters (of small scenes, too) and instructions, and why it changed; no times")
     parser.add_argument("--record", type=Path, default=ROOT / "results" / "tracking.json", metavar="FILE",
                         help="all that was measured (default: results/tracking.json)")
     program = os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build/release/hausbench")

@@ -137,15 +137,18 @@ const std::map<fs::path, std::string>& plugin_hashes() {
 std::string plugins_json() {
     json all = json::array();
     for (const Plugin& plugin : plugins()) {
-        json titles = json::object();
-        for (const std::string& name : plugin.solvers) titles[name] = find_solver(name).info.title;
         all.push_back({{"file", plugin.file.filename().string()},
                        {"sha256", plugin_hashes().at(plugin.file)},
                        {"compiled", plugin.compiled},
-                       {"solvers", plugin.solvers},
-                       {"titles", titles}});
+                       {"solvers", plugin.solvers}});
     }
     return all.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string titles_json() {
+    json titles = json::object();
+    for (const SolverEntry& entry : solvers()) titles[entry.info.name] = entry.info.title;
+    return titles.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 const std::string& build_of(const std::string& solver) {

@@ -38,6 +38,9 @@ const std::map<std::filesystem::path, std::string>& plugin_hashes();
 // JSON: of each plug-in its file's name, its SHA-256, how it was compiled, and its solvers.
 std::string plugins_json();
 
+// JSON: the title of each solver, by its name.
+std::string titles_json();
+
 // The build of the program that made each row of a result. Column `build` of a solver in a plug-in is a hash of the program and the
 // plug-in; the times of both compare all the same, because one program ran them.
 class Programs {

@@ -169,7 +169,7 @@ constexpr const char* meta_texts[] = {"stem",     "title",    "paper",      "pro
                                       "started",  "finished", "commit",     "dirty",     "build",
                                       "compiler", "flags",    "build_type", "libraries", "machine",
                                       "cpu",      "caches",   "kernel",     "system",    "hausbench_version"};
-constexpr const char* later_texts[] = {"plugins", "shard", "experiment_file"};  // older files have none
+constexpr const char* later_texts[] = {"plugins", "titles", "shard", "experiment_file"};  // older files have none
 constexpr const char* meta_integers[] = {"cores", "memory_bytes"};
 
 void expect_result(const fs::path& file, const h5::File& in) {

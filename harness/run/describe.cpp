@@ -28,6 +28,7 @@ void describe_run(ResultFile& result, const Plan& plan, const std::string& start
         {"libraries", build.libraries},
         {"hausbench_version", build.version},
         {"plugins", plugins_json()},
+        {"titles", titles_json()},
         {"shard", plan.shard.whole() ? "" : to_string(plan.shard)},
         {"machine", machine.id},
         {"cpu", machine.cpu},

@@ -25,7 +25,7 @@ TEXT = h5py.string_dtype("utf-8")
 META: dict[str, Any] = {
     "schema_version": 2, "stem": "", "title": "synthetic", "paper": "none", "profile": "quick", "experiment_toml": "", "experiment_file": "",
     "started": "2026-01-01T00:00:00Z", "finished": "2026-01-01T00:01:00Z", "commit": "0123456789abcdef", "dirty": "no",
-    "build": "b1", "build_type": "Release", "plugins": "[]", "shard": "", "compiler": "g++ 12.2.0", "flags": "-O3", "libraries": "{}", "machine": "m1", "cpu": "Test CPU",
+    "build": "b1", "build_type": "Release", "plugins": "[]", "titles": "{}", "shard": "", "compiler": "g++ 12.2.0", "flags": "-O3", "libraries": "{}", "machine": "m1", "cpu": "Test CPU",
     "cores": 2, "caches": "", "memory_bytes": 8 * 2**30, "kernel": "6.1.0", "system": "Debian 12",
     "hausbench_version": "0.1.0"}
 

@@ -42,7 +42,8 @@ def looks_as_before() -> Iterator[None]:
 def sweep(speed: float = 2.0, poses: int = 1, scenes: tuple[str, ...] = ("x", "y"), **columns: Any) -> ResultFile:
     """`mine`, a plug-in's solver, takes a `speed`th of the time of guthe on each of three tolerances."""
     file = ResultFile("own", meta={"title": "Mine against Guthe", "experiment_toml": CLAIMS,
-                                   "plugins": json.dumps([{"file": "libmine.so", "sha256": "0", "solvers": ["mine"], "titles": {"mine": "My solver"}}])})
+                                   "plugins": json.dumps([{"file": "libmine.so", "sha256": "0", "solvers": ["mine"]}]),
+                                   "titles": json.dumps({"mine": "My solver", "tang_again": "Tang again"})})
     for k, scene in enumerate(scenes):
         for pose in range(poses):
             for tolerance in (1e-2, 1e-3, 1e-4):
@@ -280,18 +281,21 @@ def test_what_a_result_does_not_hold_is_said(tmp_path: Path, capsys: pytest.Capt
     assert "none.h5" in capsys.readouterr().err
 
 
-def test_solvers_from_outside_have_titles_and_colours_of_their_own(tmp_path: Path) -> None:
+def test_solvers_without_a_chosen_look_have_titles_and_colours_of_their_own(tmp_path: Path) -> None:
     file = sweep()
+    file.case("tang_again", "x", spread(0.1, 6))  # compiled into the program
     file.case("external", "x", spread(0.1, 6), label="metro")
     file.case("external", "x", spread(0.1, 6), label="cloudcompare")
     assert run(file, tmp_path, "--as", "table", "--highlight", "mine") == 0
-    mine, metro, other = style.look("mine", "mine"), style.look("external", "metro"), style.look("external", "cloudcompare")
-    assert (mine.title, metro.title, other.title) == ("My solver", "metro", "cloudcompare")
+    mine, again = style.look("mine", "mine"), style.look("tang_again", "tang_again")
+    metro, other = style.look("external", "metro"), style.look("external", "cloudcompare")
+    assert (mine.title, again.title, metro.title, other.title) == ("My solver", "Tang again", "metro", "cloudcompare")
     assert mine.colour not in {look.colour for look in style.LOOKS.values()}
     greys = {"#A0A0A0", "#C4C4C4", "#808080"}
     assert {metro.colour, other.colour, style.look("guthe", "guthe").colour} <= greys and mine.colour not in greys
     style.highlight("")
-    assert len({look.colour for look in (style.look("mine"), style.look("external", "metro"), style.look("external", "cloudcompare"))}) == 3
+    colours = [style.look(*pair).colour for pair in (("mine", ""), ("tang_again", ""), ("external", "metro"), ("external", "cloudcompare"))]
+    assert len({*colours}) == 4 and not {*colours} & {look.colour for look in style.LOOKS.values()}
     assert style.look("guthe", "guthe").colour == style.LOOKS["guthe"].colour
 
 

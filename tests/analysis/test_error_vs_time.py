@@ -14,7 +14,7 @@ import synthetic
 from stem_runner import Make, stem_runner
 from synthetic import ResultFile
 
-from analysis.shared import load, solvers, style
+from analysis.shared import load, style
 from analysis.shared.results import Results
 from analysis.speed import error_curves, error_picture, error_vs_time
 
@@ -285,9 +285,7 @@ def test_experiment_has_nine_scenes_and_every_solver(profile: str) -> None:
     names = [scene["name"] for scene in asked["scene"]]
     assert [name.partition(":")[0] for name in names] == ["easy", "typical", "hard"] * 3 and len(set(names)) == 9
     assert all(set(solver["scenes"]) in (set(names[:3]), set(names[3:6]), set(names[6:])) for solver in asked["solver"])
-    aside = {"nohd_as_printed", "ohd_as_printed", "penetration", "external"}
-    assert [solver["name"] for solver in asked["solver"] if solver["name"] in aside] == []
-    assert {solver["name"] for solver in asked["solver"]} == set(solvers.TITLES) - aside
+    assert {solver["name"] for solver in asked["solver"]} == set(style.LOOKS) - {"external"}
     assert (experiment | experiment["profile"].get(profile, {}))["rounds"] >= (6 if profile == "paper" else 2) and experiment["trace"]
     # Solvers that are one line are asked for a tolerance that every resolution reaches, so that all of their rounds are timed.
     assert {solver["name"] for solver in asked["solver"] if "tolerances" in solver} == set(error_curves.RESOLUTION)

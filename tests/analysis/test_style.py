@@ -8,16 +8,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from analysis.shared import report, scales, solvers, style
+from analysis.shared import report, scales, style
 
 
 def test_no_two_solvers_look_alike() -> None:
     looks = [(look.colour, look.marker) for look in style.LOOKS.values()]
     assert len(set(looks)) == len(looks)
-
-
-def test_every_solver_of_the_program_has_a_look() -> None:
-    assert {*style.LOOKS, *style.WITHOUT_LOOK} == {*solvers.TITLES} and not {*style.LOOKS} & {*style.WITHOUT_LOOK}
 
 
 def test_every_status_has_a_letter_of_its_own() -> None:

@@ -40,11 +40,11 @@ Row row(int number) {
 
 ResultFile small_result() {
     ResultFile result;
-    for (const char* name : {"stem",     "title",    "paper",          "profile",   "experiment_toml",
-                             "started",  "finished", "commit",         "dirty",     "build",
-                             "compiler", "flags",    "build_type",     "libraries", "machine",
-                             "cpu",      "caches",   "kernel",         "system",    "hausbench_version",
-                             "plugins",  "shard",    "experiment_file"})
+    for (const char* name :
+         {"stem",    "title", "paper",          "profile",  "experiment_toml", "started",           "finished",
+          "commit",  "dirty", "build",          "compiler", "flags",           "build_type",        "libraries",
+          "machine", "cpu",   "caches",         "kernel",   "system",          "hausbench_version", "plugins",
+          "titles",  "shard", "experiment_file"})
         result.texts[name] = "text";
     result.integers = {{"cores", 2}, {"memory_bytes", 1000}};
     for (const char* name : {"a", "b"}) {

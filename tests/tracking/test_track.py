@@ -186,6 +186,7 @@ def test_an_update_of_nothing_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_pa
                                          capsys: pytest.CaptureFixture[str]) -> None:
     tiers(monkeypatch)
     monkeypatch.setattr(counted, "count_work", lambda *given: counted.Found())
+    monkeypatch.setattr(counted, "count_small_scenes", lambda *given: {})
     monkeypatch.setattr(counted, "count_instructions", lambda *given: counted.Found(measured={"depends_on": "this"}))
     assert track.main([*words, "--update", "why"]) == 5
     assert "stays as it is" in capsys.readouterr().err and not (tmp_path / "baseline.toml").exists()
