@@ -8,6 +8,7 @@
 // neighbours: for a comparison, compare.cpp times contenders in turn.
 #include "algorithms/error.h"
 #include "algorithms/kernel/textbook.h"
+#include "algorithms/kernel/triangle_block.h"
 #include "algorithms/meshes/tang/adjacency.h"
 #include "algorithms/meshes/tang/swept_sphere.h"
 #include "algorithms/points/inc/rtree.h"

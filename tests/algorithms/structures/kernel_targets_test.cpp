@@ -1,4 +1,5 @@
 // The same bits on every instruction set that this program was compiled for and this machine has: each is forced in turn.
+#include "algorithms/kernel/triangle_block.h"
 #include "algorithms/structures/bvh.h"
 #include "algorithms/structures/octree.h"
 #include "algorithms/structures/triangle_blocks.h"
