@@ -27,11 +27,11 @@ struct ShuffledTarget {
     }
 };
 
-// One outer loop: point i of A against B until some distance is less than the largest so far, which is updated. False if
-// time ran out before that; the point then counts as not looked at. Apart, so that its loop has the registers to itself.
+// Measures point i of A against B until some distance is below the largest so far, which it updates. Returns false if time ran out
+// first; the point then counts as not examined. A separate function, so that its loop has all registers.
 [[gnu::noinline]] inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const Deadline& deadline,
                                           FarthestPoint& farthest, Counters& counters) {
-    constexpr Index block = 4096;  // points of B between two looks at the clock
+    constexpr Index block = 4096;  // points of B between two checks of the clock
     const double* point = a.row(i).data();
     const auto count = static_cast<Index>(b.order.size());
     double nearest = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// What the exact solvers for point sets share: squared distances in, a certified result out (rounding.h).
+// Turns squared distances into certified results (rounding.h), for the exact solvers of point sets.
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -17,13 +17,13 @@ struct FarthestPoint {
     Index source = -1, target = -1;
 };
 
-// Whether coordinates are beyond what rounding.h covers; a solver then returns Result{}: stalled, in [0, infinity].
+// Returns whether coordinates are beyond the range that rounding.h covers; a solver then returns Result{}: stalled, in [0, infinity].
 inline bool out_of_range(const Points& a, const Points& b) {
     return !(magnitude(a) <= largest_safe_coordinate && magnitude(b) <= largest_safe_coordinate);
 }
 
-// `rest` bounds the squared distances of the points of A that were not looked at: -1 where all were. `stopped` is why.
-// `tiny`: some coordinate is not 0 but smaller than smallest_safe_coordinate.
+// Returns the result of a search. `rest` bounds the squared distances of the points of A that were not examined, -1 if there are
+// none; `stopped` is the reason. `tiny`: some nonzero coordinate is smaller than smallest_safe_coordinate.
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, bool tiny, double rest, Status stopped) {
     Result result;
@@ -38,26 +38,26 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
     return result;
 }
 
-// The same for solvers that have not looked for tiny coordinates. O(n).
+// The same for solvers that have not searched for tiny coordinates. O(n).
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, double rest = -1, Status stopped = Status::converged) {
     const bool tiny = std::min(smallest_nonzero(a), smallest_nonzero(b)) < smallest_safe_coordinate;
     return exact_result(query, a, b, farthest, counters, tiny, rest, stopped);
 }
 
-// Apart, so that the loops which call record() stay as small as without it.
+// A separate function, so that the loops that call record() stay small.
 [[gnu::noinline, gnu::cold]] inline void record_sample(Trace& trace, double squared_lower, double squared_upper) {
     trace.record(distance_at_least(std::max(squared_lower, 0.0), true),
                  distance_at_most(std::max({squared_lower, squared_upper, 0.0}), true));
 }
 
-// Adds a sample to the trace, from bounds of the squared distance, rounded as if coordinates were tiny; infinity: no upper bound is known yet.
+// Adds a sample to the trace, from bounds of the squared distance, rounded as if coordinates were tiny. Infinity: no upper bound yet.
 inline void record(Trace& trace, double squared_lower, double squared_upper = std::numeric_limits<double>::infinity()) {
     if (trace.on()) [[unlikely]]
         record_sample(trace, squared_lower, squared_upper);
 }
 
-// An upper bound for the points order[first..] of A (order null: first..): the farthest from one point of B. O(n).
+// Returns an upper bound for the points order[first..] of A (order null: first..): their largest distance to one point of B. O(n).
 inline double squared_distances_at_most(const Points& a, const Points& b, const Index* order, Index first) {
     double most = -1;
     for (Index i = first; i < a.rows(); ++i) {

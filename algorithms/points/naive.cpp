@@ -9,7 +9,7 @@
 namespace hausbench {
 namespace {
 
-// The nearest point of B among those from begin to end. Apart, so that the loop has the registers to itself.
+// Finds the nearest point of B in [begin, end). A separate function, so that the loop has all registers.
 [[gnu::noinline]] void compare(const double* point, const Points& b, Index begin, Index end, double& nearest,
                                Index& at) {
     double least = nearest;
@@ -37,7 +37,7 @@ public:
         if (out_of_range(a, b)) return {};
 
         const Deadline deadline(query.time_limit);
-        constexpr Index block = 4096;  // points of B between two looks at the clock
+        constexpr Index block = 4096;  // points of B between two checks of the clock
         Counters counters;
         FarthestPoint farthest;
         for (Index i = 0; i < a.rows(); ++i) {

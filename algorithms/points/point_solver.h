@@ -1,4 +1,4 @@
-// What a solver for point sets says of itself.
+// The SolverInfo that solvers for point sets have in common.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -7,7 +7,7 @@
 
 namespace hausbench {
 
-// Exact, so that no tolerance matters. `certified` is for the solver to say.
+// Returns the info of an exact solver, which ignores the tolerance. The solver itself sets `certified`.
 inline SolverInfo point_solver_info(std::string name, std::string title, std::string paper) {
     SolverInfo info;
     info.name = std::move(name);

@@ -21,7 +21,7 @@ private:
     std::uint64_t state_;
 };
 
-// 0 .. count - 1, shuffled or as they come.
+// Returns 0 .. count - 1, shuffled or in order.
 inline std::vector<Index> order_of(Index count, bool shuffle, Generator& random) {
     std::vector<Index> order(static_cast<std::size_t>(count));
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);
