@@ -21,7 +21,7 @@ from analysis import forest, ledger, which_solver
 from analysis.paper_page import TITLES, papers
 from analysis.shared import claims, tables
 from analysis.shared.report import CAPTION
-from analysis.shared.stems import ANALYSIS, drawn_with
+from analysis.shared.stems import ANALYSIS, drawn_with, has_script
 from analysis.shared.tex import tex_escape
 
 # Without adjustbox: nothing is shrunk, so LaTeX reports each table that is too wide.
@@ -50,8 +50,7 @@ def stems_of(paper: str) -> list[str]:
     found = [file.stem for file in sorted((ANALYSIS.parent / "experiments").rglob("*.toml"))
              if (file.parent.name == paper if paper != claims.OWN else file.parent.name not in others)]
     ordered = found if paper == claims.OWN else sorted(found, key=_place)
-    known = {file.stem for file in ANALYSIS.rglob("*.py")}
-    return [*dict.fromkeys(each for stem in ordered if stem in known for each in drawn_with(stem)), *(OF_ALL if paper == claims.OWN else ())]
+    return [*dict.fromkeys(each for stem in ordered if has_script(stem) for each in drawn_with(stem)), *(OF_ALL if paper == claims.OWN else ())]
 
 
 def _caption(folder: Path, stem: str) -> str:

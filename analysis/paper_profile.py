@@ -4,8 +4,8 @@
 
 writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, results/reference/points_speed.md. The group
 `corpus` has no paper: its whole profile is `corpus`, and its file results/reference/corpus.md.
-Their verdicts are kept beside it, in NAME.verdicts.json.
-Stems of the group without a result here keep the tables and the verdicts that the files have, so that a long group may be measured in parts.
+Their verdicts are kept beside it, in NAME.verdicts.json, and the times that README's table of winners needs, in NAME.times.json.
+Stems of the group without a result here keep the tables, verdicts and times that the files have, so that a long group may be measured in parts.
 A section `What it says`, before the tables, is written by hand and kept.
 README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims are written again from these files.
 """
@@ -22,9 +22,10 @@ from pathlib import Path
 from typing import Final
 
 from analysis import paper_page, winners
-from analysis.shared import claims, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
+from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.stems import drawn_with, module_of, results_of
 
@@ -40,6 +41,7 @@ class Kept:
     rows: dict[str, str] = field(default_factory=dict)  # by stem, of the table at its head
     tables: dict[str, str] = field(default_factory=dict)  # by stem
     verdicts: list[claims.Record] = field(default_factory=list)
+    times: list[claims.Record] = field(default_factory=list)
     says: str = ""
 
 
@@ -56,6 +58,8 @@ def kept_of(path: Path) -> Kept:
         if stem in rows:
             kept.rows[stem], kept.tables[stem] = rows[stem], body.strip("\n")
     kept.verdicts = claims.read(path.with_suffix(claims.SUFFIX))
+    if (file := path.with_suffix(winners.SUFFIX)).exists():
+        kept.times = tables.read_json(file)
     kept.machines = [line[2:] for line in head.splitlines() if line.startswith("- ")]
     return kept
 
@@ -87,20 +91,25 @@ def check(results: Results) -> Results:
     return results
 
 
-def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Record]]:
-    """The whole file, and all verdicts: of each stem what was measured, or else what was kept."""
+def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Record], list[tables.Record]]:
+    """The whole file, all verdicts, and the times of winners: of each stem what was measured, or else what was kept."""
     stems, whole = stems_of(group, folder), whole_profile(group)
     if not stems:
         raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE={whole}'")
     all_results = [check(load(folder / f"{stem}.h5")) for stem in stems]
     rows, texts, judged = dict(kept.rows), dict(kept.tables), list[claims.Record]()
+    timed = [one for one in kept.times if one["stem"] not in stems]
     for stem, results in zip(stems, all_results):
         counts = {status: int((results.cases.status == status).sum()) for status in sorted(set(results.cases.status))}
         rows[stem] = (f"| {stem} | {results.meta.get('started')} | {results.meta.get('finished')} | "
                       f"{', '.join(f'{count:,} {status}' for status, count in counts.items())} |")
-        made = {each: importlib.import_module(module_of(each)).make(results).printed(results, each) for each in drawn_with(stem)}
+        style.introduce(results)
+        reports: dict[str, Report] = {each: importlib.import_module(module_of(each)).make(results) for each in drawn_with(stem)}
+        made = {each: table for each, report in reports.items() if (table := report.printed(results, each))}
         texts[stem] = "\n\n".join(tables.markdown(table).strip("\n") for table in made.values())
         judged += [one for each, table in made.items() for one in claims.records(table.verdicts, each, whole)]
+        if stem in winners.RACES:
+            timed += winners.times(reports[stem].records, results)
     still = [text for stem, text in texts.items() if stem not in stems]
     machines = {measured_on(results) for results in all_results}
     machines |= {machine for machine in kept.machines if any(machine in text for text in still)}
@@ -117,7 +126,7 @@ def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Rec
         parts += ["", f"## {stem}", "", texts[stem]]
     judged += [one for one in kept.verdicts if results_of(str(one["stem"])) not in stems]
     place = {stem: i for i, stem in enumerate(ordered)}
-    return "\n".join(parts) + "\n", sorted(judged, key=lambda one: place.get(results_of(str(one["stem"])), len(place)))
+    return "\n".join(parts) + "\n", sorted(judged, key=lambda one: place.get(results_of(str(one["stem"])), len(place))), timed
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -129,12 +138,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     single = stems_of(chosen.group, chosen.results) == [chosen.group] or chosen.group == whole_profile(chosen.group)
     path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")
     try:
-        text, judged = files_of(chosen.group, chosen.results, kept_of(path))
+        text, judged, timed = files_of(chosen.group, chosen.results, kept_of(path))
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
     tables.write_whole(path, text)
-    claims.save(judged, path.with_suffix(claims.SUFFIX))
+    tables.save_json(judged, path.with_suffix(claims.SUFFIX))
+    if timed:
+        tables.save_json(timed, path.with_suffix(winners.SUFFIX))
     print(path)
     if chosen.out != REFERENCE:
         return 0

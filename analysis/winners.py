@@ -1,149 +1,130 @@
-"""README's table of where solvers win, from the tables in results/reference/. `python3 -m analysis.winners`
+"""README's table of where solvers win, from the times kept beside the tables in results/reference/. `python3 -m analysis.winners`
 writes it between two marks in README.md; analysis.paper_profile does so whenever it writes those tables.
 
-A solver wins a scene where its interval lies below the interval of every other. Nobody wins where a solver has a single time,
-which has no interval, or where the note of the table promises less than 95 % for its intervals; a line below the table says how
-many scenes that are.
+A solver wins a scene if its interval lies below the interval of every other. Nobody wins if a solver has a single time, which has
+no interval, or an interval of less than 95 %, or if the times do not compare; a line below the table says how many scenes that are.
 """
 
 from __future__ import annotations
 
 import math
-import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
 from analysis.shared import style, tables
+from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.load import REFERENCE
-from analysis.shared.notes import APART
+from analysis.shared.results import Results
+from analysis.shared.statistics import CONFIDENCE, order_statistic_rank
 
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
 END: Final = "<!-- written by analysis/winners.py: end -->"
-SURE: Final = re.compile(r"intervals in brackets \((at least )?95 %\)")  # older kept tables say "(95 %)"
-# File, stem, how its rows of times are marked and in which column, and what it is called.
-RACES: Final = (("zhang2017_paper_profile.md", "zhang2017_table3", "here", 1, "pairs of Table 3"),
-                ("points_speed.md", "points_speed", "ms", 1, "workloads of 100K and 1M points"),
-                ("mesh_peers.md", "mesh_peers", "ms", 3, "pairs of real meshes"))
-SOURCES: Final = tuple(dict.fromkeys(file for file, *_ in RACES))
+SUFFIX: Final = ".times.json"  # after the name of a kept file of tables
+# By stem: the kept file that has its table, and how its scenes are called.
+RACES: Final = {"zhang2017_table3": ("zhang2017_paper_profile.md", "pairs of Table 3"),
+                "points_speed": ("points_speed.md", "workloads of 100K and 1M points"),
+                "mesh_peers": ("mesh_peers.md", "pairs of real meshes")}
+SOURCES: Final = tuple(file for file, _ in RACES.values())
 
 
-@dataclass
-class Section:
-    """A stem in a file of tables."""
+@dataclass(frozen=True)
+class Time:
+    """The time of one solver on one scene: a line of a file of times."""
 
-    header: list[str] = field(default_factory=list)
-    rows: list[list[str]] = field(default_factory=list)
-    sure: bool = False  # its intervals are of 95 %, as tables.coverage_note says
-    apart: bool = False  # rows were run beside others, so nobody wins
+    stem: str
+    scene: str
+    solver: str
+    label: str
+    title: str
+    n: int  # rounds, or seeds; 0: no answer
+    seconds: Sequence[float]  # the median, then the ends of its interval; a single time has none
+    apart: str  # why the times of the scene do not compare; empty if they do
 
-
-def sections(text: str) -> dict[str, Section]:
-    found: dict[str, Section] = {}
-    section = Section()
-    for line in text.splitlines():
-        if line.startswith("## "):
-            section = found.setdefault(line[3:].strip(), Section())
-        elif line.startswith("| "):
-            cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
-            if section.header:
-                section.rows.append(cells)
-            else:
-                section.header = cells
-        elif SURE.search(line):
-            section.sure = True
-        section.apart |= APART in line
-    return found
+    @property
+    def name(self) -> str:
+        return self.title if self.solver == "external" else f"`{self.label}`"
 
 
-def interval(text: str) -> tuple[float, float, float] | None:
-    """Of '2.00 [1.93, 2.08]': 2, 1.93, 2.08. Of '80.0', whose ends are unknown: 80, NaN, NaN. None for 'timeout' and the like."""
-    digits = r"(\d[\d.]*(?:e[-+]?\d+)?)"  # as tables.number writes them
-    match = re.match(rf"{digits}(?: \[{digits}, {digits}\])?$", text)
-    if not match:
-        return None
-    return float(match[1]), float(match[2] or math.nan), float(match[3] or math.nan)
+def times(records: Iterable[tables.Record], results: Results) -> list[tables.Record]:
+    """The times in the records of a table, as they are kept."""
+    apart = {scene: reason_apart(one._replace(clock="") for one in origins(results, results.rows(scene=scene))) for scene in results.scenes}
+    return [{"stem": results.stem, **{name: one[name] for name in ("scene", "solver", "label")}, "title": style.title(str(one["solver"]), str(one["label"])), "n": one["n"],
+             "seconds": [x for end in ("median", "low", "high") if isinstance(x := one[f"{end}_seconds"], float) and math.isfinite(x)],
+             "apart": apart[str(one["scene"])]} for one in records]
 
 
-def name_of(title: str) -> str:
-    names = {look.title: name for name, look in style.LOOKS.items()}
-    return f"`{names[title]}`" if title in names else title
+def read(file: str, folder: Path = REFERENCE) -> list[Time]:
+    """The times beside a kept file of tables. Raises OSError if there are none."""
+    return [Time(**one) for one in tables.read_json((folder / file).with_suffix(SUFFIX))]  # type: ignore[arg-type]
 
 
 @dataclass
 class Race:
     """The scenes of a table."""
 
-    scenes: int = 0
+    scenes: int
     won: dict[str, list[float]] = field(default_factory=dict)  # by winner: of each scene how many times over the next best
     unjudged: int = 0  # scenes in which nobody can win
-    unknown: list[str] = field(default_factory=list)  # what has single times in them
-    least: dict[str, int] = field(default_factory=dict)  # in how many of them this interval lies below all else
+    single: dict[str, None] = field(default_factory=dict)  # titles of the solvers with single times in them
+    doubts: dict[str, None] = field(default_factory=dict)  # other reasons
+    least: dict[str, int] = field(default_factory=dict)  # in how many of them, single times aside, this interval lies below all else
 
 
-def race(section: Section, mark: str, column: int) -> Race:
-    titles = {i: title for i, title in enumerate(section.header)
-              if title in {look.title for look in style.LOOKS.values()} | set(style.PROGRAMS.values())}
-    rows = [row for row in section.rows if len(row) > column and row[column] == mark]
-    found = Race(len(rows))
-    for row in rows:
-        known = sorted((x, titles[i]) for i in titles if (x := interval(row[i])))
+def race(among: Sequence[Time]) -> Race:
+    scenes = dict.fromkeys(one.scene for one in among)
+    found = Race(len(scenes))
+    for scene in scenes:
+        known = sorted((one for one in among if one.scene == scene and one.n), key=lambda one: (one.seconds[0], one.title))
         if len(known) < 2:
             continue
-        single = [title for x, title in known if math.isnan(x[1])]
-        best, winner = known[0][0], name_of(known[0][1])
-        judged = section.sure and not single and not section.apart
-        if not judged:
-            found.unknown += [title for title in single if title not in found.unknown]
+        best, *others = known
+        single = [one.title for one in known if one.n == 1]
+        doubts = [f"times {best.apart}"] * bool(best.apart)
+        doubts += ["their intervals are of less than 95 %"] * any(one.n > 1 and not order_statistic_rank(one.n, CONFIDENCE) for one in known)
+        first = best.n > 1 and max(best.seconds) < min(x for one in others for x in one.seconds)
+        if single or doubts:
             found.unjudged += 1
-        if not best[2] < min(x[0] if math.isnan(x[1]) else x[1] for x, _ in known[1:]):
-            continue
-        if judged:
-            found.won.setdefault(winner, []).append(known[1][0][0] / best[0])
-        elif section.sure and not section.apart:
-            found.least[winner] = found.least.get(winner, 0) + 1
+            found.single |= dict.fromkeys(single)
+            found.doubts |= dict.fromkeys(doubts)
+            if first and not doubts:
+                found.least[best.name] = found.least.get(best.name, 0) + 1
+        elif first:
+            found.won.setdefault(best.name, []).append(others[0].seconds[0] / best.seconds[0])
     return found
 
 
-def victories(found: dict[str, Section]) -> dict[str, list[str]]:
+def victories(races: dict[str, Race]) -> dict[str, list[str]]:
     texts: dict[str, list[str]] = {}
-    for _, stem, mark, column, what in RACES:
-        if stem not in found:
-            continue
-        seen = race(found[stem], mark, column)
+    for stem, seen in races.items():
         for solver, factors in seen.won.items():
             low, high = tables.number(min(factors), 2), tables.number(max(factors), 2)
-            texts.setdefault(solver, []).append(f"{len(factors)} of the {seen.scenes} {what}, {low if low == high else f'{low} to {high}'}"
+            texts.setdefault(solver, []).append(f"{len(factors)} of the {seen.scenes} {RACES[stem][1]}, {low if low == high else f'{low} to {high}'}"
                                                 " times over the next best")
     return texts
 
 
-def unjudged(found: dict[str, Section]) -> list[str]:
+def unjudged(races: dict[str, Race]) -> list[str]:
     """Why scenes have no winner, one line a table."""
     lines = []
-    for _, stem, mark, column, what in RACES:
-        seen = race(found[stem], mark, column) if stem in found else Race()
+    for stem, seen in races.items():
         if not seen.unjudged:
             continue
-        why = (f"{' and '.join(seen.unknown)} {'have' if len(seen.unknown) > 1 else 'has'} single times there, without an interval"
-               if seen.unknown else "their intervals are of less than 95 %")
-        least = "".join(f"; the interval of {solver} lies below all intervals and single times in {count} of them"
-                        for solver, count in seen.least.items())
-        lines.append(f"No winner in {seen.unjudged} of the {seen.scenes} {what}: {why}{least}.")
+        why = [f"{' and '.join(seen.single)} {'have' if len(seen.single) > 1 else 'has'} single times there, without an interval"] * bool(seen.single)
+        why += [*seen.doubts, *[f"the interval of {solver} lies below all intervals and single times in {count} of them" for solver, count in seen.least.items()]]
+        lines.append(f"No winner in {seen.unjudged} of the {seen.scenes} {RACES[stem][1]}: {'; '.join(why)}.")
     return lines
 
 
 def table(folder: Path = REFERENCE) -> str:
-    found: dict[str, Section] = {}
-    for name in SOURCES:
-        found |= sections((folder / name).read_text(encoding="utf-8"))
-    won = victories(found)
-    stated = ", ".join(f"[{what}](results/reference/{file})" for file, *_, what in RACES)
+    races = {stem: race([one for one in read(file, folder) if one.stem == stem]) for stem, (file, _) in RACES.items()}
+    won = victories(races)
+    stated = ", ".join(f"[{what}](results/reference/{file})" for file, what in RACES.values())
     lines = [f"From the kept tables: {stated}.", "", "| solver | fastest on |", "| --- | --- |", *[f"| {solver} | {'; '.join(won[solver])} |" for solver in won]]
-    return "\n".join(lines + [line for note in unjudged(found) for line in ("", note)])
+    return "\n".join(lines + [line for note in unjudged(races) for line in ("", note)])
 
 
 def rewritten(readme: str, text: str) -> str:

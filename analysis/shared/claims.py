@@ -9,10 +9,9 @@ such a claim needs neither `stem` nor `judged_as`, and must not get a verdict.
 
 from __future__ import annotations
 
-import json
 import math
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -26,7 +25,7 @@ OWN: Final = "hausbench"
 STATED: Final = "experiment"  # in place of a paper, for claims that an experiment states itself
 KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "in_general", "untested"})
 SUFFIX: Final = ".verdicts.json"  # after the stem, or the name of a kept file of tables
-Record = dict[str, object]
+Record = tables.Record
 
 
 @dataclass(frozen=True)
@@ -112,18 +111,6 @@ def records(verdicts: Iterable[Verdict], stem: str, profile: str) -> list[Record
     return [record(verdict, stem, profile) for verdict in verdicts]
 
 
-def save(found: Sequence[Record], path: Path) -> Path:
-    """Writes a list of verdicts, one a line."""
-    lines = ",\n".join(json.dumps(one, ensure_ascii=False) for one in found)
-    tables.write_whole(path, f"[\n{lines}\n]\n" if found else "[]\n")
-    return path
-
-
 def read(path: Path) -> list[Record]:
     """The verdicts of a file; none if there is no file. Raises ValueError if it is damaged."""
-    if not path.exists():
-        return []
-    found = json.loads(path.read_text(encoding="utf-8"))
-    if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-        raise ValueError(f"{path}: is not a list of verdicts: write it again with 'python3 -m analysis'")
-    return found
+    return tables.read_json(path) if path.exists() else []

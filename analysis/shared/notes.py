@@ -5,15 +5,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
 
 from analysis.shared import style
 from analysis.shared.results import LEAST_SHARE, Results
-
-
-APART: Final = "their times do not compare with any"  # analysis/winners.py looks for it
 
 
 def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
@@ -35,7 +31,7 @@ def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
 def side_by_side_line(results: Results) -> str:
     """For a table or figure of rows that were run beside others: their times say little. Empty where there are none."""
     several = int((results.cases.side_by_side != 0).sum())
-    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): {APART}." if several else ""
+    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times do not compare with any." if several else ""
 
 
 def machine_line(results: Results) -> str:

@@ -57,7 +57,7 @@ class Report:
             paths = tables.save(table, self.records, out, stem)
             if table.verdicts:
                 found = claims.records(table.verdicts, stem, str(results.meta.get("profile", "")))
-                paths.append(claims.save(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
+                paths.append(tables.save_json(found, out / "tables" / f"{stem}{claims.SUFFIX}"))
         if not self.draw:
             delete_figures(out, stem, formats)
             return [*paths, *save_caption("", out, stem)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -120,6 +121,21 @@ def comma_separated(records: Sequence[Record]) -> str:
     writer.writeheader()
     writer.writerows({key: cell(value) for key, value in record.items()} for record in records)
     return text.getvalue()
+
+
+def save_json(records: Sequence[Record], path: Path) -> Path:
+    """Writes a list of records, one a line."""
+    lines = ",\n".join(json.dumps(one, ensure_ascii=False) for one in records)
+    write_whole(path, f"[\n{lines}\n]\n" if records else "[]\n")
+    return path
+
+
+def read_json(path: Path) -> list[Record]:
+    """Raises ValueError if the file is damaged, with the remedy."""
+    found = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+        raise ValueError(f"{path}: is not a list of records: write it again with 'python3 -m analysis'")
+    return found
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

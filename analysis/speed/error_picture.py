@@ -84,7 +84,7 @@ def draw(results: Results, panels: Sequence[Panel], rows_of: dict[Panel, list[in
     figure.set_layout_engine("none")
     legends = [style.handles(style.order(each)) for each in _entries(bands)]
     columns = [_columns(figure, handles) for handles in legends]
-    notes = textwrap.wrap(" ".join(filter(None, [_key(results, bands), footnote])), int(24 * width))
+    notes = textwrap.wrap(" ".join(filter(None, [_key(bands), footnote])), int(24 * width))
     tall = [TITLE + 2 * TALL + BETWEEN + BELOW + LEGEND * -(-len(handles) // count) + 0.03 * bool(handles) for handles, count in zip(legends, columns)]
     height = top = sum(tall) + 0.12 * len(notes) + 0.05
     figure.set_figheight(height)
@@ -282,7 +282,7 @@ def _draw_error(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
     _joined(ax, scale, one.floor, [answer for answer in one.answers if answer.case in heights], heights)
 
 
-def _key(results: Results, bands: list[tuple[str, list[Shown]]]) -> str:
+def _key(bands: list[tuple[str, list[Shown]]]) -> str:
     """Explains the lines, markers and letters that occur."""
     shown = [one for _, band in bands for one in band]
     answers = [answer for one in shown for answer in one.answers]

@@ -45,7 +45,6 @@ class Outcome(Enum):
 
 
 STOPS: Final = {"timeout": ("T", "stopped at its time limit"), "budget": ("B", "stopped at its budget"), "floor": ("P", "stopped at the precision of doubles")}
-ASKED: Final = tuple(outcome for outcome in Outcome if outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN))
 ILL: Final = (Outcome.REFUSED, Outcome.HUNG, Outcome.CRASHED, Outcome.WRONG)
 
 

@@ -25,6 +25,9 @@ from analysis.shared.statistics import NO_DATA, Estimate, exact, median, one_dra
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdict, above_one, all_of, greatest, rising_by_run, weighed
 from analysis.zhang2017 import motion_picture
 
+CAPTIONS: Final = {
+    "zhang2017_fig10": "A torus moved through one of the same shape and size (Fig. 10 of Zhang et al. 2017).",
+    "zhang2017_fig11": "A gear moved and turned through one of another shape and size (Fig. 11 of Zhang et al. 2017)."}
 WORK: Final = "distances, bounds and nodes"
 THETA: Final = 0.33
 REGIMES: Final = (("apart", "boxes apart"), ("touching", "α ≤ 0.33"), ("overlapping", "α > 0.33"))
@@ -227,7 +230,8 @@ def _regime(results: Results, rows: dict[str, int]) -> str:
     return "apart" if told["alpha"] < 0 else "touching" if told["alpha"] <= THETA else "overlapping"
 
 
-def make(caption: str, results: Results) -> Report:
+def make(results: Results) -> Report:
+    caption = CAPTIONS[results.stem]
     motions = [Motion(results, scene) for scene in results.scenes]
     labels = style.order(pair for motion in motions for pair in motion.labels)
     clock = clock_word(results)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -30,8 +30,8 @@ class Spec:
     part: str  # what the one has and the other has not
     gains: str  # id of the paper's claim
     others: tuple[str, ...]  # more labels: a column each
-    extra: Callable[[Results, str, dict[str, Cell]], list[tuple[str, str, float]]]  # header, text, number for the CSV
-    notes: list[str] = field(default_factory=list)
+    notes: list[str]
+    extra: Callable[[Results, str, dict[str, Cell]], list[tuple[str, str, float]]] = lambda *_: []  # header, text, number for the CSV
 
 
 class Pair:

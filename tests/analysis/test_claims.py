@@ -92,5 +92,5 @@ def test_verdicts_stand_beside_the_table(tmp_path: Path) -> None:
 def test_a_damaged_file_of_verdicts_is_refused(tmp_path: Path) -> None:
     assert claims.read(tmp_path / "none.json") == []
     (tmp_path / "x.json").write_text(json.dumps({"not": "a list"}), encoding="utf-8")
-    with pytest.raises(ValueError, match="not a list of verdicts"):
+    with pytest.raises(ValueError, match="not a list of records"):
         claims.read(tmp_path / "x.json")

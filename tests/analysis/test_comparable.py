@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 import synthetic
 import synthetic_tang
-from synthetic import ResultFile
+from synthetic import ResultFile, spread
 from test_meshes import peers
 from test_over_pairs import fig2
 from test_over_pairs import fig10 as orders
@@ -23,7 +23,8 @@ from test_scaling import file_of
 from test_stems import STEMS
 
 from analysis import pareto, winners
-from analysis.shared import notes, style, tables
+from analysis.points import points_speed
+from analysis.shared import notes, tables
 from analysis.shared.comparable import origins, reason_apart
 from analysis.shared.load import load
 from analysis.shared.report import NO_TIMES, Report
@@ -83,7 +84,7 @@ def test_verdicts_change_with_times_where_times_compare(tmp_path: Path) -> None:
 def test_no_verdict_on_times_of_rows_run_beside_others(stem: str, tmp_path: Path, tetrahedra: None) -> None:
     found = [report_of(with_columns(file, side_by_side=1), tmp_path)[1] for file in (FILES[stem](), slower(FILES[stem]()))]
     assert outcomes(found[0]) == outcomes(found[1])
-    assert notes.APART in found[0]
+    assert "their times do not compare with any" in found[0]
     if stem in JUDGED_BY_TIME:
         assert "run beside others" in "\n".join(line for line in found[0].splitlines() if line.startswith("- Claim"))
 
@@ -126,11 +127,19 @@ def test_pareto_is_open_where_times_do_not_compare(tmp_path: Path) -> None:
     assert "not separated (0 of 1 cells" in pareto.judge(found, "cover").line() and "times run beside others" in found[0].line()
 
 
-def test_no_winner_among_rows_run_beside_others() -> None:
-    text = (f"## points_speed\n| workload |  | {' | '.join(style.title(x) for x in ('scan', 'kdtree'))} |\n| x | ms | 1.00 [0.900, 1.10] | 2.00 [1.90, 2.10] |\n"
-            "- n = 6 rounds, with order-statistic intervals in brackets (95 %).\n")
-    assert winners.race(winners.sections(text)["points_speed"], "ms", 1).won
-    assert not winners.race(winners.sections(text + f"- 3 of 4 rows: {notes.APART}.\n")["points_speed"], "ms", 1).won
+@pytest.mark.parametrize(("column", "other", "why"), [("side_by_side", 1, "run beside others"), ("machine", "m2", "of different machines"), ("build", "b2", "of different builds")])
+def test_no_winner_among_times_that_do_not_compare(column: str, other: object, why: str, tmp_path: Path) -> None:
+    """By different clocks they race all the same: programs outside have their own."""
+    def raced(changed: bool) -> winners.Race:
+        file = ResultFile("points_speed")
+        for solver, middle, clock in (("scan", 1.0, "cpu"), ("kdtree", 2.0, "wall")):
+            file.case(solver, "x", spread(middle, 6), lower=1.0, upper=1.0, clock=clock)
+        if changed:
+            file.cases[-1][column] = other
+        results = load(file.write(tmp_path))
+        return winners.race([winners.Time(**one) for one in winners.times(points_speed.make(results).records, results)])  # type: ignore[arg-type]
+
+    assert raced(False).won and not raced(True).won and list(raced(True).doubts) == [f"times {why}"]
 
 
 @pytest.mark.parametrize("stem", FILES)

@@ -3,29 +3,40 @@
 from __future__ import annotations
 
 import re
+import subprocess
 
 import pytest
 
 from analysis.shared.results import ResultError
-from analysis.shared.stems import ANALYSIS, module_of
+from analysis.shared.stems import ANALYSIS, SCRIPTS, has_script, module_of, script_of
 
 EXPERIMENTS = ANALYSIS.parent / "experiments"
 
 
 def test_scripts_lie_where_their_experiments_do() -> None:
     experiments = {file.stem: file.parent.relative_to(EXPERIMENTS) for file in EXPERIMENTS.rglob("*.toml")}
-    scripts = {file.stem: file.parent.relative_to(ANALYSIS) for file in ANALYSIS.rglob("*.py") if file.stem in experiments}
+    scripts = {stem: script_of(stem).parent.relative_to(ANALYSIS) for stem in experiments if has_script(stem)}
     assert scripts == {stem: experiments[stem] for stem in scripts}
     assert set(experiments) - set(scripts) == {"smoke", "tracking"}  # nothing is drawn of the first; bench/tracking has its own ways
 
 
 def test_no_two_scripts_have_one_name() -> None:
-    names = [file.stem for file in ANALYSIS.rglob("*.py")]
+    names = [*(file.stem for file in ANALYSIS.rglob("*.py")), *SCRIPTS]
     assert len(names) == len(set(names))
+
+
+def test_walk_knows_the_stems_that_share_a_script() -> None:
+    """The line of tools/walk by itself, for each experiment."""
+    line = next(line for line in (ANALYSIS.parent / "tools" / "walk").read_text(encoding="utf-8").splitlines() if line.startswith("has_script()"))
+    stems = sorted(file.stem for file in EXPERIMENTS.rglob("*.toml"))
+    asked = "\n".join([line, *[f"has_script {stem} && echo {stem}" for stem in stems], "true"])
+    printed = subprocess.run(["bash", "-c", asked], cwd=ANALYSIS.parent, capture_output=True, encoding="utf-8", check=True).stdout
+    assert printed.split() == [stem for stem in stems if has_script(stem)]
 
 
 def test_module_of_a_stem() -> None:
     assert module_of("zhang2017_table3") == "analysis.zhang2017.zhang2017_table3" and module_of("overview") == "analysis.overview"
+    assert module_of("corpus_remesh") == module_of("corpus_decimation") == "analysis.corpus.every_mesh"
     with pytest.raises(ResultError, match="no analysis/<folder>/nothing.py"):
         module_of("nothing")
 

@@ -1,4 +1,4 @@
-"""README's table of winners: it is what the kept tables give, and it follows them."""
+"""README's table of winners: it is made of the kept times, which are those of the kept tables."""
 
 from __future__ import annotations
 
@@ -6,111 +6,124 @@ import re
 from pathlib import Path
 
 import pytest
+import synthetic
 
-from analysis import winners
-from analysis.shared import tables
-from analysis.shared.statistics import median
+from analysis import paper_profile, winners
+from analysis.shared import style, tables
+from analysis.shared.load import REFERENCE
+from analysis.shared.statistics import Estimate
 
-TABLE3 = """## zhang2017_table3
-
-**Times.**
-
-| scene |  | \\|A\\| / \\|B\\| | EARLYBREAK | scan (ours) | k-d tree (nanoflann) | EARLYBREAK / framework |
-|---|---|---:|---:|---:|---:|---:|
-| (a) pears | here | 1 / 1 | 8.00 [7.00, 9.00] | 2.00 [1.50, 2.50] | 4.00 [3.00, 5.00] | 9.00 |
-|  | distances |  | 1 | 2 | 3 | — |
-|  | paper | 1 / 1 | 0.1 | — | — | — |
-| (b) cow | here | 1 / 1 | 1.00 [0.900, 1.10] | timeout | 3.00 [2.90, 3.10] | 9.00 |
-| (c) cups | here | 1 / 1 | 1.00 [0.900, 1.10] | 1.05 [1.00, 1.10] | 3.00 [2.90, 3.10] | 9.00 |
-
-- Medians of n = 10 rounds, with order-statistic intervals in brackets (95 %).
-"""
+# Milliseconds on three scenes; no answer: a timeout.
+TIMES: dict[str, dict[str, list[float]]] = {
+    "a_pears": {"earlybreak": [8.0, 7.0, 9.0], "scan": [2.0, 1.5, 2.5], "kdtree": [4.0, 3.0, 5.0]},
+    "b_cow": {"earlybreak": [1.0, 0.9, 1.1], "scan": [], "kdtree": [3.0, 2.9, 3.1]},
+    "c_cups": {"earlybreak": [1.0, 0.9, 1.1], "scan": [1.05, 1.0, 1.1], "kdtree": [3.0, 2.9, 3.1]}}
 
 
-def kept(folder: Path, text: str = TABLE3) -> Path:
-    """The kept files of tables."""
-    (folder / "zhang2017_paper_profile.md").write_text(text, encoding="utf-8")
-    for other in winners.SOURCES[1:]:
-        (folder / other).write_text(f"## {other.removesuffix('.md')}\n", encoding="utf-8")
+def kept(folder: Path, stem: str = "zhang2017_table3", times: dict[str, dict[str, list[float]]] = TIMES, rounds: int = 10, apart: str = "",
+         **changed: list[float]) -> Path:
+    """Files of times; those of the other stems are empty. `changed` are times on the first scene."""
+    first = next(iter(times))
+    found: list[tables.Record] = [
+        {"stem": stem, "scene": scene, "solver": solver, "label": solver, "title": style.title(solver), "seconds": seconds,
+         "n": {0: 0, 1: 1, 3: rounds}[len(seconds)], "apart": apart}
+        for scene, own in times.items() for solver, seconds in (own | (changed if scene == first else {})).items()]
+    for name, (file, _) in winners.RACES.items():
+        tables.save_json(found if name == stem else [], (folder / file).with_suffix(winners.SUFFIX))
     return folder
 
 
-def test_readme_is_what_the_kept_tables_give() -> None:
+def test_readme_is_what_the_kept_times_give() -> None:
     readme = winners.README.read_text(encoding="utf-8")
     assert winners.rewritten(readme, winners.table()) == readme, "run python3 -m analysis.winners"
     assert "| `scan` |" in winners.table()
 
 
+def rows_of(stem: str, text: str) -> list[list[str]]:
+    """The cells of the table of a stem, the header first."""
+    section = text.partition(f"\n## {stem}\n")[2].partition("\n## ")[0]
+    return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in section.splitlines() if line.startswith("| ")]
+
+
+@pytest.mark.parametrize("stem", winners.RACES)
+def test_the_kept_times_are_those_of_the_kept_table(stem: str) -> None:
+    """Every time is printed in the row of its scene and the column of its solver, and no number of such a row is missing."""
+    file = winners.RACES[stem][0]
+    header, *rows = rows_of(stem, (REFERENCE / file).read_text(encoding="utf-8"))
+    found = [one for one in winners.read(file) if one.stem == stem]
+    titles = {one.title for one in found}
+    by_cell = {(one.scene, one.title): one for one in found}
+    assert len(by_cell) == len(found) and {one.title for one in found} <= set(header)
+    for scene in dict.fromkeys(one.scene for one in found):
+        row = next(row for row in rows if row[0] in (scene, style.scene_title(scene)))
+        for title, cell in zip(header, row):
+            if title in titles:
+                one = by_cell[scene, title]
+                value, low, high = [*one.seconds, *[float("nan")] * 3][:3]
+                printed = tables.estimate(Estimate(value, low, high, one.n, 1.0), 1000)
+                assert cell == printed if one.n else not cell[0].isdigit()
+
+
 def test_a_winner_is_separated_from_all_others(tmp_path: Path) -> None:
-    """(a) is scan's, two times over the tree; (b) EARLYBREAK's, for scan timed out; on (c) the two are level."""
+    """The first scene is scan's, two times over the tree; the second EARLYBREAK's, for scan timed out; on the third the two are level."""
     lines = winners.table(kept(tmp_path)).splitlines()
     assert "| `scan` | 1 of the 3 pairs of Table 3, 2.0 times over the next best |" in lines
     assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times over the next best |" in lines
+    assert "`scan`" not in winners.table(kept(tmp_path, scan=[2.0, 1.5, 3.5]))
 
 
 def test_a_single_time_neither_wins_nor_loses(tmp_path: Path) -> None:
-    """On (a) the tree has a single time, above or below all intervals; the other scenes stay as they are."""
-    for time, least in (("4.00", "; the interval of `scan` lies below all intervals and single times in 1 of them"), ("0.100", "")):
-        text = winners.table(kept(tmp_path, TABLE3.replace("4.00 [3.00, 5.00]", time)))
+    """On the first scene the tree has a single time, above or below all intervals; the other scenes stay as they are."""
+    for time, least in ((4.0, "; the interval of `scan` lies below all intervals and single times in 1 of them"), (0.1, "")):
+        text = winners.table(kept(tmp_path, kdtree=[time]))
         assert "`scan` |" not in text and "`kdtree` |" not in text
         assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times over the next best |" in text
         assert ("\n\nNo winner in 1 of the 3 pairs of Table 3: k-d tree (nanoflann) has single times there, without an interval"
                 f"{least}.") in text
 
 
-def test_mesh_solvers_race_on_their_rows_of_times(tmp_path: Path) -> None:
-    """The mark is in another column there, and each pair has two more rows."""
-    kept(tmp_path)
-    (tmp_path / "mesh_peers.md").write_text("""## mesh_peers
-
-| pair | triangles | h / diagonal |  | Guthe 2005 | Sacht 2024 | CGAL |
-|---|---|---|---|---:|---:|---:|
-| bull | 2 → 1 | 0.1 | ms | 8.00 [7.00, 9.00] | 2.00 [1.50, 2.50] | 4.00 [3.00, 5.00] |
-|  |  |  | times | 1 [1, 1] | 9 [9, 9] | — |
-| cow | 2 → 1 | 0.1 | ms | 1.00 [0.900, 1.10] | timeout | 3.00 [2.90, 3.10] |
-|  |  |  | times | 9 [9, 9] | — | — |
-
-- Medians of n = 6 rounds, with order-statistic intervals in brackets (95 %).
-""", encoding="utf-8")
-    text = winners.table(tmp_path)
-    assert "| `guthe` | 1 of the 2 pairs of real meshes, 3.0 times over the next best |" in text
-    assert "| `sacht` | 1 of the 2 pairs of real meshes, 2.0 times over the next best |" in text
-
-
 @pytest.mark.parametrize("rounds", [2, 5])
 def test_nobody_wins_by_intervals_of_less_than_95_percent(rounds: int, tmp_path: Path) -> None:
-    """The note is that of tables.coverage_note, for six rounds as for fewer."""
-    old = "Medians of n = 10 rounds, with order-statistic intervals in brackets (95 %)."
-    few, enough = (tables.coverage_note([median([1.0 + i for i in range(n)])]) for n in (rounds, 6))
-    text = winners.table(kept(tmp_path, TABLE3.replace(old, few)))
+    text = winners.table(kept(tmp_path, rounds=rounds))
     assert text.count("over the next best") == 0
     assert "No winner in 3 of the 3 pairs of Table 3: their intervals are of less than 95 %." in text
-    assert winners.table(kept(tmp_path, TABLE3.replace(old, enough))).count("over the next best") == 2
+    assert winners.table(kept(tmp_path, rounds=6)).count("over the next best") == 2
 
 
-def test_small_times_have_exponents(tmp_path: Path) -> None:
-    assert winners.interval("1.2e-05 [1.1e-5, 1.3e-05]") == (1.2e-5, 1.1e-5, 1.3e-5)
-    assert winners.interval("timeout") is None and winners.interval("1.10 (not separated)") is None
-    value = winners.interval(tables.estimate(median([1e-6 * (i + 1) for i in range(6)])))
-    assert value is not None and value[1:] == (1e-6, 6e-6)
-    text = TABLE3.replace("1.05 [1.00, 1.10]", "1.2e-5 [1.1e-5, 1.3e-5]")
-    assert "| `scan` | 2 of the 3 pairs of Table 3" in winners.table(kept(tmp_path, text))
-
-
-def test_the_stated_sources_are_the_files_that_are_read(tmp_path: Path) -> None:
+def test_the_stated_sources_are_those_that_are_read(tmp_path: Path) -> None:
     """Without any of them there is no table; another kept file is not asked for."""
     stated = re.findall(r"\(results/reference/([^)]*)\)", winners.table(kept(tmp_path)))
-    assert stated == list(winners.SOURCES) and set(stated) == {path.name for path in tmp_path.iterdir()}
-    for name in stated:
+    files = [Path(name).with_suffix(winners.SUFFIX).name for name in stated]
+    assert stated == list(winners.SOURCES) and set(files) == {path.name for path in tmp_path.iterdir()}
+    for name in files:
         (tmp_path / name).rename(tmp_path / "away")
         with pytest.raises(FileNotFoundError):
             winners.table(tmp_path)
         (tmp_path / "away").rename(tmp_path / name)
 
 
-def test_the_table_follows_the_data(tmp_path: Path) -> None:
-    text = TABLE3.replace("2.00 [1.50, 2.50]", "2.00 [1.50, 3.50]")
-    assert "`scan`" not in winners.table(kept(tmp_path, text))
+def test_times_are_kept_with_their_table(tmp_path: Path) -> None:
+    """As a profile of the paper's sizes is kept: the times of a stem without a result here stay; programs outside have their titles."""
+    for file in (synthetic.points_speed(), synthetic.zhang2017_table3()):
+        file.meta["profile"] = "paper"
+        file.write(tmp_path)
+        assert paper_profile.main([file.stem.partition("_table")[0], "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    points = {(one.scene, one.label): one for one in winners.read("points_speed.md", tmp_path)}
+    scan, other = points["overlapping_100K", "scan"], points["noisy_100K", "scipy_ckdtree"]
+    assert [tables.number(1000 * x) for x in scan.seconds] == ["2.00", "1.93", "2.08"] and scan.name == "`scan`" and scan.apart == ""
+    assert other.seconds == pytest.approx([0.08]) and other.n == 1 and other.name == "SciPy cKDTree"
+    assert points["noisy_100K", "earlybreak"].n == 0 and not points["noisy_100K", "earlybreak"].seconds
+    assert "| SciPy cKDTree |" in (tmp_path / "points_speed.md").read_text(encoding="utf-8")
+
+    before = (tmp_path / "zhang2017_paper_profile.times.json").read_bytes()
+    assert before.startswith(b'[\n{"stem": "zhang2017_table3", "scene": "a_pears", ')
+    (tmp_path / "zhang2017_table3.h5").rename(tmp_path / "away")
+    fig8 = synthetic.ResultFile("zhang2017_fig8")
+    fig8.case("nohd", "50K", [1.0], lower=1.0, upper=1.0, options={"depth": 5}, variant="depth=5")
+    fig8.meta["profile"] = "paper"
+    fig8.write(tmp_path)
+    assert paper_profile.main(["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "zhang2017_paper_profile.times.json").read_bytes() == before
 
 
 def test_marks_are_needed(tmp_path: Path) -> None:
