@@ -12,9 +12,9 @@
 namespace hausbench {
 namespace {
 
-constexpr std::uint64_t most_a_row = 48;  // points of B that cells may make a row of A look at, on average
+constexpr std::uint64_t most_a_row = 48;  // limit of the average number of points of B examined per row of A
 
-// The points of B in cells that the closest points of undecided ones may lie in; none if that would hardly leave any out.
+// Returns the points of B in cells that may hold the closest point of an undecided point; nothing if that would exclude few.
 std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std::vector<Undecided>& undecided,
                                                  ScanState& state) {
     std::vector<std::uint8_t> flags(work.grid.cells());
@@ -36,11 +36,11 @@ void take(const CellFindings& found, ScanState& state) {
     if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
 }
 
-// Blocks of rows, each with the largest distance that was known before them and what it finds itself, so that the answer does not
-// depend on which of them are searched at the same time.
+// Searches blocks of rows. Each block starts from the largest distance known before the round, so the answer does not depend on which
+// blocks run at the same time.
 Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const PointCells& cells,
                      std::vector<Index>& open, ScanState& state) {
-    constexpr std::size_t size = ScanWork::block_rows, at_once = 64;  // blocks between two looks at the clock
+    constexpr std::size_t size = ScanWork::block_rows, at_once = 64;  // blocks between two checks of the clock
     const std::size_t count = rows ? rows->size() : static_cast<std::size_t>(work.a.rows());
     for (std::size_t begin = 0; begin < count; begin += size * at_once) {
         if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
@@ -63,11 +63,11 @@ Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const
     return Status::converged;
 }
 
-// `open` are the rows that it does not decide. None: cells are no help here.
+// Searches in cells; `open` receives the undecided rows. Returns nothing if cells do not help here.
 std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<Index>* rows,
                                       const std::vector<Index>* near, std::vector<Index>& open, ScanState& state) {
-    // On a surface, a cell of that size that has points has about two. Where the largest distance so far is long, a larger cell does:
-    // all points within one are near enough to each other.
+    // On a surface, an occupied cell of this size has about two points. If the largest distance so far is long, larger cells suffice,
+    // because all points within one are near enough to each other.
     const double crowd = static_cast<double>(work.b.rows()) / static_cast<double>(work.grid.occupied());
     const double finer = std::sqrt(std::max(crowd / 2, 1.0));
     const double wide_enough = 1.75 / distance_at_most(std::max(state.farthest.squared, 0.0), true);
@@ -79,12 +79,12 @@ std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<In
     search_cells(cells, work.grid, work.a, some, work.b, first);
     take(first, state);
     if (first.open.size() > some.size() / 4) return std::nullopt;
-    // Where cells differ much in what they hold, a tree looks at fewer points.
+    // If the numbers of points per cell differ much, a tree examines fewer points.
     if (first.counters.point_distances > most_a_row * some.size()) return std::nullopt;
     return search_blocks(work, rows, cells, open, state);
 }
 
-// Plain early breaking.
+// Compares by plain early breaking.
 Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near, ScanState& state) {
     const Points &a = work.a, &b = work.b;
     const auto count = near ? static_cast<Index>(near->size()) : static_cast<Index>(b.rows());
@@ -109,7 +109,7 @@ Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::
 }
 
 Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const PointBlocks& blocks, ScanState& state) {
-    constexpr std::size_t chunk = 64;  // leaves between two looks at the clock
+    constexpr std::size_t chunk = 64;  // leaves between two checks of the clock
     if (leaves.size() > chunk) search_samples(blocks, leaves, state);
     for (std::size_t begin = 0; begin < leaves.size(); begin += chunk) {
         if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
@@ -118,7 +118,7 @@ Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const Poi
     return Status::converged;
 }
 
-// The rows of A (all if null) against the points of B that may be closest to them (likewise), with what is cheapest for so many.
+// Searches the rows of A (all if null) in the points of B that may be closest (all if null), by the cheapest method for that number.
 Status search_near(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near,
                    ScanState& state) {
     if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;

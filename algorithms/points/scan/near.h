@@ -1,4 +1,4 @@
-// Steps 4 to 6 of points/scan/scan.cpp: the points of A that are left, against what is near them of B.
+// Steps 4 to 6 of points/scan/scan.cpp: the undecided points of A against the points of B near them.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -18,11 +18,11 @@ struct ScanWork {
     const Points &a, &b;
     const NearGrid& grid;          // over B
     const Box& target_box;         // of B
-    double cells_from, tree_from;  // pairs, see the parameters of these names
+    double cells_from, tree_from;  // numbers of pairs, see the parameters of these names
 
-    static constexpr std::size_t block_rows = 1024;  // of A, that one thread takes at a time
+    static constexpr std::size_t block_rows = 1024;  // rows of A that one thread takes at a time
 
-    // Why to stop; `converged`: go on.
+    // Returns the reason to stop, or `converged` to go on.
     Status stop(const ScanState& state) const;
 };
 
@@ -32,13 +32,13 @@ struct Undecided {
     Index row;
 };
 
-// Some of the rows (of all of A if null), one of each of up to 1024 parts.
+// Returns a sample of the rows (of all of A if null), one from each of up to 1024 parts.
 std::vector<Index> sample_of(const Points& a, const std::vector<Index>* rows);
 
-// All points of A against all of B, with what is cheapest for so many; both end as ScanWork::stop() does.
+// Searches all points of A in all of B by the cheapest method for that number. Returns what ScanWork::stop() returns.
 Status search_all(const ScanWork& work, ScanState& state);
 
-// The undecided ones against the points of B that may be closest to them.
+// Searches the undecided points in the points of B that may be closest to them. Returns likewise.
 Status search_undecided(const ScanWork& work, const std::vector<Undecided>& undecided, ScanState& state);
 
 }  // namespace hausbench

@@ -9,8 +9,8 @@
 
 namespace hausbench {
 
-// Cubes from `low` on, size[k] of them along axis k, in the order of x, then y, then z. Points outside belong to the nearest cell along each
-// axis. Monotone in each coordinate.
+// Cubes that start at `low`, size[k] of them along axis k, ordered by x, then y, then z. Points outside belong to the nearest cell along
+// each axis. Monotone in each coordinate.
 struct CellLayout {
     double low[3] = {}, last[3] = {};  // `last` is size - 1
     double cells_per_length = 0;
@@ -29,7 +29,7 @@ struct CellLayout {
 void cells_of(const CellLayout& layout, const double* points, std::size_t count, std::int32_t* cells);
 
 // Writes the squared distance, as squared_distance() computes it, of each of `count` points to the point of its cell, whose coordinates
-// are at of_cells[4 cell], and after it. Returns the number of the farthest of them, the first of equals; count > 0.
+// start at of_cells[4 cell]. Returns the number of the farthest, the first of equals; count > 0.
 std::size_t squared_to_cells(const CellLayout& layout, const double* of_cells, const double* points, std::size_t count,
                              double* squared);
 

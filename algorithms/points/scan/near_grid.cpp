@@ -8,7 +8,7 @@
 namespace hausbench {
 namespace {
 
-// Where the nearest occupied cell is; empty where none is known yet.
+// The nearest occupied cell; empty if none is known yet.
 struct Place {
     std::int16_t x = -1, y = -1, z = -1;
     bool empty() const { return x < 0; }
@@ -18,9 +18,8 @@ int squared(const Place& p, int x, int y, int z) {
     return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + (p.z - z) * (p.z - z);
 }
 
-// Up to 1024 points, one from each of so many parts of equal length: its place there follows the golden ratio, so that no
-// regular order of the points can put the same kind of point at all places. Each coordinate triple once: copies tell nothing of
-// the extent.
+// Returns up to 1024 distinct points, one from each of as many parts of equal length. The place within a part follows the golden ratio,
+// so that no regular order of the points can put the same kind of point at every place. Duplicates say nothing about the extent.
 std::vector<std::array<double, 3>> sample_of(const Points& points) {
     const Eigen::Index count = std::min<Eigen::Index>(points.rows(), 1024);
     std::vector<std::array<double, 3>> sample;
@@ -35,9 +34,9 @@ std::vector<std::array<double, 3>> sample_of(const Points& points) {
     return sample;
 }
 
-// The box, less what outliers add to it: an axis that is more than eight times as long as the span between the quantiles of
-// 1/16 and 15/16 (of a sample of distinct points) is cut down to that span and as much again on both sides. Where nearly all
-// points coincide the sample has few distinct ones, and an outlier among fewer than 16 of them keeps the whole box.
+// Returns the box without outliers: an axis more than eight times as long as the span between the quantiles 1/16 and 15/16 (of a
+// sample of distinct points) is cut down to three times that span. If nearly all points coincide, the sample is small, and an outlier
+// among fewer than 16 distinct points keeps the whole box.
 Box dense_part(const Points& points, const Box& box) {
     const std::vector<std::array<double, 3>> sample = sample_of(points);
     std::vector<double> along(sample.size());
@@ -72,9 +71,9 @@ NearGrid::NearGrid(const Points& points, const Box& box, const Threads& threads)
     fill_empty_cells();
 }
 
-// The last point of each cell. A point that is not inside may be far from the cell that it belongs to: any other is better.
+// Stores the last point of each cell. A point outside the grid may be far from its cell, so any point inside is preferred.
 //
-// A part of the points for each of a few threads, which note the last row of each cell; of two parts the later one counts.
+// A few threads each take a part of the points and note the last row of each cell; the later part wins.
 void NearGrid::take_last_of_each(const Points& points, const Box* inside, const Threads& threads) {
     constexpr std::size_t chunk = 1024;
     const auto count = static_cast<std::size_t>(points.rows());
@@ -119,7 +118,7 @@ std::size_t NearGrid::squared_to_candidates(const double* points, std::size_t co
     return squared_to_cells(layout_, candidates_.front().point, points, count, squared);
 }
 
-// As many cells along the longest axis as the total allows.
+// Puts as many cells along the longest axis as the total allows.
 void NearGrid::lay_cells(const Box& box, double most) {
     const Vec3 width = box.high - box.low;
     const double longest = width.maxCoeff();
@@ -166,7 +165,7 @@ void NearGrid::fill_empty_cells() {
             }
         }
     };
-    // A third sweep reaches cells that only the second could bring news to.
+    // A third sweep reaches cells that only the second one could update.
     sweep(true);
     sweep(false);
     sweep(true);
@@ -191,8 +190,8 @@ Points NearGrid::spread() const {
 }
 
 std::size_t NearGrid::mark(const double* point, double radius, std::vector<std::uint8_t>& flags) const {
-    // Rounding to nearest is monotone and leaves a double as it is: point - radius <= x <= point + radius, exact, implies
-    // the same of the rounded ends for every double x. So the ends need no slack.
+    // Rounding to nearest is monotone and keeps doubles: point - radius <= x <= point + radius in exact arithmetic implies the same for
+    // the rounded ends and every double x. So the ends need no slack.
     const std::int32_t(&size_)[3] = layout_.size;
     int from[3], to[3];
     for (int k = 0; k < 3; ++k) {
