@@ -1,14 +1,14 @@
 // INC: two R-trees refined in turn, a queue over A by upper bound whose every entry has a queue of its own over B.
 //
 // Source: Nutanong, Jacox, Samet: An incremental Hausdorff distance calculation algorithm, PVLDB 4(8), 2011. An entry
-// pairs a node or point x of A with all nodes and points of B that may hold the nearest ones, by least distance, and an
-// upper bound. The entry of largest upper bound is taken; if x is a point and the nearest of B is one, that is h. Otherwise
+// pairs a node or point x of A with an upper bound, and with all nodes and points of B that may be nearest, ordered by least
+// distance. The entry with the largest upper bound is taken; if x and the nearest of B are points, their distance is h. Otherwise
 // the larger of the two is split: children of x each get a copy of the queue, a node of B is replaced by its children.
-// What is farther from x than its upper bound is dropped.
+// Nodes and points farther from x than its upper bound are dropped.
 //
-// Bounds are kept squared, in the rounding of the distances themselves (posed_box.h), so the answer is NAIVEHDD's to the
-// bit. The trees are built once; under motion a node of A becomes the box around the posed one. Memory is the weak point:
-// the queues hold many copies, O(|A| |B|) at worst (extra `queue_bytes`: the most held at once). Budget: entries taken.
+// Bounds are kept squared and rounded like the distances themselves (posed_box.h), so the answer has the bits of
+// NAIVEHDD. The trees are built once; under motion a node of A becomes the box around the posed one. Memory is the weak point:
+// the queues hold many copies, O(|A| |B|) at worst (extra `queue_bytes`: the peak). Budget: entries taken.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
@@ -122,7 +122,7 @@ private:
     }
     static std::size_t held(const Entry& entry) { return entry.near.capacity() * sizeof(Near); }
 
-    // Bounds of one pair; for two points the distance itself.
+    // Returns the bounds of one pair; for two points the distance itself.
     void bound(const Box& x, Id near, double& lower, double& upper) {
         const Box y = target_box(near);
         ++(is_point(near) ? counters_.bound_tests : counters_.node_visits);
@@ -166,7 +166,7 @@ private:
         push(std::move(entry));
     }
 
-    // What is no farther than the final upper bound, in just the memory it takes.
+    // Returns the entries no farther than the final upper bound, with no spare capacity.
     static void keep(Entry& entry, const std::vector<Near>& all) {
         const auto kept = [&](const Near& near) { return near.squared_lower <= entry.squared_upper; };
         entry.near.reserve(static_cast<std::size_t>(std::count_if(all.begin(), all.end(), kept)));

@@ -31,7 +31,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;
 
-// Of whole rows: `count` numbers, a multiple of three.
+// Takes whole rows: `count` numbers, a multiple of three.
 Extent extent_of_part(const double* data, std::size_t count) {
     const Doubles d;
     const std::size_t lanes = hn::Lanes(d);
@@ -72,7 +72,7 @@ Extent extent_of_part(const double* data, std::size_t count) {
     return extent;
 }
 
-// The nearest point of B, among those from row `begin` to before `end`, to each of a few rows of A.
+// Finds the nearest point of B in rows [begin, end) to each of a few rows of A.
 void nearest_of_part(const Points& a, std::span<const Index> rows, const Points& b, std::size_t begin, std::size_t end,
                      Best* best) {
     const Doubles d;
@@ -124,7 +124,7 @@ HWY_EXPORT(nearest_of_part);
 
 namespace {
 
-constexpr std::size_t part_rows = 1 << 14;  // that are worth a thread
+constexpr std::size_t part_rows = 1 << 14;  // rows that are worth a thread
 
 // By row of A.
 std::vector<Best> nearest_of_all(const Points& a, std::span<const Index> rows, const Points& b,

@@ -11,20 +11,20 @@
 
 namespace hausbench {
 
-// What one pass over points tells.
+// The findings of one pass over points.
 struct Extent {
     Box box;
-    bool tiny = false;  // some coordinate is not 0 but smaller than smallest_safe_coordinate
+    bool tiny = false;  // some nonzero coordinate is smaller than smallest_safe_coordinate
 
     double magnitude() const { return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff()); }
 };
 Extent extent_of(const Points& points, const Threads& threads = Threads());
 
-// The nearest point of B to each of a few rows of A, by comparing with all; updates `farthest`. O(rows |B|).
+// Finds the nearest point of B to each of a few rows of A by comparing with all points; updates `farthest`. O(rows |B|).
 void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, const Threads& threads,
                       FarthestPoint& farthest, Counters& counters);
 
-// The squared distance of each of a few rows of A to the nearest point of B. O(rows |B|).
+// Returns the squared distance of each of a few rows of A to the nearest point of B. O(rows |B|).
 std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b,
                                        const Threads& threads);
 

@@ -71,7 +71,7 @@ PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen,
     std::size_t total = 0;
     for (std::size_t n = leaves.size(); total == 0 || n > 1;) total += n = (n + block_children - 1) / block_children;
     nodes.reserve(total);
-    std::size_t below = leaves.size();  // how many on the level below
+    std::size_t below = leaves.size();  // nodes on the level below
     do {
         const std::size_t begin = nodes.size();
         const std::size_t count = (below + block_children - 1) / block_children;
@@ -93,7 +93,7 @@ PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen,
 }
 
 std::size_t PointBlocks::leaf_at(const double* point) const {
-    // Leaves of one key, which are many in a cluster that the frame does not resolve, are told apart by more halvings.
+    // A cluster that the frame does not resolve has many leaves with one key; more halvings tell them apart.
     const auto [from, to] = std::equal_range(keys.begin(), keys.end(), frame.key(point));
     const auto begin = leaves.begin() + (from - keys.begin()), end = leaves.begin() + (to - keys.begin());
     const auto after = std::upper_bound(begin, end, point, [&](const double* p, const PointLeaf& leaf) {

@@ -1,6 +1,6 @@
 // Points in Morton order, sixteen a leaf, under an implicit tree of boxes with eight children a node.
 //
-// Quick to build (a radix sort, then one pass) and quick to search with vector instructions; points/scan/search.h does.
+// Quick to build (a radix sort, then one pass), and quick to search with vector instructions (points/scan/search.h).
 #pragma once
 
 #include "algorithms/kernel/morton.h"
@@ -15,13 +15,13 @@ namespace hausbench {
 inline constexpr std::size_t block_points = 16;
 inline constexpr std::size_t block_children = 8;
 
-// Where fewer points are left, the last one is repeated.
+// A leaf with fewer points repeats the last one.
 struct alignas(64) PointLeaf {
     double x[block_points], y[block_points], z[block_points];
     Index row[block_points];
 };
 
-// Children that are not there have low = infinity, high = -infinity: infinitely far from everything.
+// Missing children have low = infinity, high = -infinity, so they are infinitely far from everything.
 struct alignas(64) BlockNode {
     double low[3][block_children], high[3][block_children];
 };
@@ -38,7 +38,7 @@ struct PointBlocks {
     PointBlocks(const Points& points, const std::vector<Index>* chosen, const Box& box);
     explicit PointBlocks(const Points& points);
 
-    // The leaf whose points come at the same place of the order as this point. O(log n). Only likely to be near: no bound.
+    // Returns the leaf at the place of this point in the order. O(log n). It is likely to be near, without a guarantee.
     std::size_t leaf_at(const double* point) const;
 
     MortonFrame frame;

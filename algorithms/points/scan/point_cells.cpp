@@ -5,7 +5,7 @@
 
 namespace hausbench {
 
-// Along each axis as many entries as there are cells, unless that is more than the table is to have: then the longest is halved.
+// Gives each axis as many entries as it has cells; halves the longest axis until the table is small enough.
 void PointCells::lay_table(std::size_t count, const Box& box) {
     const int most = std::bit_width(2 * count - 1);
     int bits[3];

@@ -1,8 +1,8 @@
-// Points in small cubes: for sets that lie close together, where a near point is in the same cube or a neighbour.
+// Points in small cubes, for sets that lie close together: a near point is then in the same cube or a neighbour.
 //
-// A table of lists, quick to build and small: fresh memory costs more than the work. Cell (x, y, z) of the grid stands at
-// (x mod 2^i, y mod 2^j, z mod 2^k) of the table, so that points of any extent take a table of one to two entries a point. Cells far
-// apart may share an entry: the list of a cell holds all of its points, and maybe others.
+// A table of lists, quick to build and small, because fresh memory costs more than the work. Cell (x, y, z) of the grid uses entry
+// (x mod 2^i, y mod 2^j, z mod 2^k) of the table, so points of any extent need one to two entries per point. Distant cells may share
+// an entry: the list of a cell holds all of its points, and possibly others.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -24,13 +24,13 @@ public:
     PointCells(const Points& points, const std::vector<Index>* chosen, const Box& box, double cells_per_length,
                const Threads& threads);
 
-    // Monotone in each coordinate, of any point.
+    // Returns the cell of any point. Monotone in each coordinate.
     Cell cell_of(const double* point) const { return {cell(point[0], 0), cell(point[1], 1), cell(point[2], 2)}; }
 
-    // Where |x - point| <= radius along each axis holds, cell_of(x) is between these.
+    // Returns the range of cell_of(x) for all x with |x - point| <= radius along each axis.
     //
-    // Rounding to nearest is monotone and leaves a double as it is: point - radius <= x <= point + radius, exact, implies the same
-    // of the rounded ends for every double x. So the ends need no slack.
+    // Rounding to nearest is monotone and keeps doubles: point - radius <= x <= point + radius in exact arithmetic implies the same
+    // for the rounded ends and every double x. So the ends need no slack.
     struct Range {
         Cell from, to;
     };
@@ -47,11 +47,11 @@ public:
     Index first(const Cell& cell) const { return first_[place(cell)]; }
     Index next(Index row) const { return next_[static_cast<std::size_t>(row)]; }
 
-    // To fetch before they are needed.
+    // Addresses to prefetch.
     const Index* first_at(const Cell& cell) const { return &first_[place(cell)]; }
     const Index* next_at(Index row) const { return &next_[static_cast<std::size_t>(row)]; }
 
-    // How many entries there are along an axis: as many neighbouring cells have lists of their own.
+    // The number of entries along an axis; as many neighbouring cells have lists of their own.
     std::int64_t entries(std::size_t axis) const { return std::int64_t{masks_[axis]} + 1; }
 
 private:
@@ -72,7 +72,7 @@ private:
     std::uint32_t masks_[3] = {};
     int shift_y_ = 0, shift_z_ = 0;
     std::vector<Index> first_;
-    std::unique_ptr<Index[]> next_;  // by row; that of a row that was not chosen is not set
+    std::unique_ptr<Index[]> next_;  // by row; not set for rows that were not chosen
 };
 
 }  // namespace hausbench

@@ -1,29 +1,30 @@
-// scan: exact distances of point sets, for both regimes: one outlier decides, or the sets are nearly the same.
+// scan: exact distances of point sets, whether one outlier decides or the sets are nearly the same.
 //
-// A point of A is given up as soon as some point of B is no farther than the largest distance found so far (early
-// breaking, Taha and Hanbury 2015). The steps that find such a point go from cheap to expensive; each is taken only if
-// the ones before leave points of A undecided:
+// A point of A is discarded as soon as some point of B is no farther than the largest distance found so far (early
+// breaking, Taha and Hanbury 2015). The steps that find such a point go from cheap to expensive; each runs only if
+// the steps before leave points of A undecided:
 //   1. a coarse grid over B gives one near point of B, the candidate, for each point of A;
-//   2. the points of A whose candidates are farthest are compared with all of B: the largest distance so far;
-//   3. points of A whose candidate is no farther than that are decided;
-//   4. of B only what may be nearest to an undecided point is kept: the grid cells no farther from it than its candidate;
-//   5. that is put into cells of about the distance between neighbours. A near point is mostly in the cell of a point of A, or beside
-//      it; else all cells are looked at that may have one;
-//   6. where points crowd in cells, they are sorted in Morton order under a tree of boxes, and so are the undecided points of A. A leaf
-//      of A is decided by a near leaf of B as a whole, or else point by point: by that leaf, then by a search.
-// Where 3 would decide few points, as a sample tells, 5 takes all. Only the grid is built beforehand: what 5 and 6 build depends on the
-// distance, and costs less than searching.
+//   2. the points of A whose candidates are farthest are compared with all of B, which gives a first largest distance;
+//   3. points of A whose candidate is no farther than this are decided;
+//   4. points of B that cannot be nearest to an undecided point are dropped: a grid cell is kept if it is no farther from such a point
+//      than its candidate;
+//   5. the kept points go into cells about as large as the distance between neighbours. A near point is usually in the cell of the
+//      point of A or beside it; otherwise all cells that may hold one are searched;
+//   6. if cells are crowded, their points are sorted in Morton order under a tree of boxes, and so are the undecided points of A. A
+//      near leaf of B decides a leaf of A as a whole, or point by point; the points left are searched for in the tree.
+// If a sample shows that step 3 would decide few points, step 5 takes all. Only the grid is built beforehand: the structures of steps 5
+// and 6 depend on the distance, and cost less than searching.
 //
-// Threads take the points of A in blocks (1, 3 and 5), each of which starts from the distance that was known before the round: so the
-// work, the answer and its witness are the same whatever their number.
+// Threads take the points of A in blocks (steps 1, 3 and 5). Each block starts from the distance known before the round, so the work,
+// the answer and its witness do not depend on the number of threads.
 //
-// Outliers and clusters: the grid covers the part of B where most points are, and both sorts refine every cell that holds
-// many points in the frame of its own box (kernel/morton.h), so that no step takes its scale from the farthest points.
+// Outliers and clusters: the grid covers the part of B that holds most points, and both sorts refine every crowded cell in the frame of
+// its own box (kernel/morton.h), so that no step takes its scale from the farthest points.
 //
-// Exact and certified: only computed squared distances to points of B, in the order of operations of squared_distance,
-// decide; boxes are compared in the same monotone operations (kernel/box.h), and cells are rounded outward. So the answer is
-// the same bits as that of `naive`. O(|A| + |B|) where an outlier decides, about O(|A| log |B| + |B|) else; O(|A| + |B|)
-// memory. Budget: searches for closest points, looked at between batches.
+// Exact and certified: only computed squared distances to points of B decide, in the order of operations of squared_distance. Boxes are
+// compared with the same monotone operations (kernel/box.h), and cells are rounded outward. So the answer has the same bits as that of
+// `naive`. Time: O(|A| + |B|) if an outlier decides, else about O(|A| log |B| + |B|). Memory: O(|A| + |B|). Budget: searches for closest
+// points, checked between batches.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/scan/near.h"
@@ -64,7 +65,7 @@ public:
         ScanState state;
         const ScanWork work{query, deadline, threads, a, b, grid_, target_.box, cells_from_, tree_from_};
         Status stopped = work.stop(state);
-        double left = -1;  // bounds the squared distances of points of A that were not decided
+        double left = -1;  // bounds the squared distances of undecided points of A
         if (stopped != Status::converged) {
             left = squared_distances_at_most(a, b, nullptr, 0);
         } else {
@@ -100,7 +101,7 @@ private:
         return squared_distance(point, grid_.candidate(point).point);
     }
 
-    // Compares those whose candidates are farthest with all of B: they are decided.
+    // Decides the points whose candidates are farthest by comparing them with all of B.
     static void compare_farthest(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) {
         const std::size_t count = std::min(batch, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
@@ -115,7 +116,7 @@ private:
         drop_decided(undecided, state);
     }
 
-    // Replaces candidates by the nearest of some points of B that are spread evenly: far from B, one is about as near as the closest.
+    // Replaces candidates by the nearest of some evenly spread points of B: far from B, such a point is about as near as the closest.
     void compare_with_spread(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) const {
         const std::size_t pairs = undecided.size() * grid_.occupied();
         if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
@@ -127,7 +128,7 @@ private:
         drop_decided(undecided, state);
     }
 
-    // The point of each block of A whose candidate is farthest.
+    // Returns the point of each block of A whose candidate is farthest.
     std::vector<Undecided> farthest_of_blocks(const ScanWork& work) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
         std::vector<Undecided> farthest((count + block_rows - 1) / block_rows);
@@ -140,7 +141,7 @@ private:
         return farthest;
     }
 
-    // Whether the candidates of most points of A are farther than the largest distance so far.
+    // Returns whether most candidates are farther than the largest distance so far.
     bool candidates_decide_few(const Points& a, ScanState& state) const {
         const std::vector<Index> some = sample_of(a, nullptr);
         std::size_t left = 0;
@@ -149,7 +150,7 @@ private:
         return left > some.size() / 2;
     }
 
-    // The points of A that their candidate does not decide.
+    // Returns the points of A that their candidate does not decide.
     std::vector<Undecided> keep_undecided(const ScanWork& work, const std::vector<Undecided>& farthest,
                                           ScanState& state) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
@@ -166,8 +167,8 @@ private:
             }
         }
         compare_with_spread(work, undecided, state);
-        // One pass over B for the farthest candidates, and more while each decides half of what is left, or two more would do: cheaper
-        // than cells.
+        // One pass over B for the farthest candidates; more passes while each decides half of the rest, or two more would finish: this is
+        // cheaper than cells.
         for (std::size_t before = 2 * undecided.size();
              !undecided.empty() && undecided.size() <= std::max(before / 2, 2 * batch);) {
             before = undecided.size();

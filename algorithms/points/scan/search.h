@@ -1,4 +1,4 @@
-// Leaves of A against the tree of B, in vector instructions chosen at run time; answers are the same bits on every target.
+// Searches leaves of A in the tree of B, with vector instructions chosen at run time. Answers have the same bits on every target.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -11,20 +11,20 @@
 
 namespace hausbench {
 
-// Leaves of A against the tree of B. What carries over from one leaf to the next is where the last answer was.
+// The state of a search; the place of the last answer carries over from one leaf to the next.
 struct ScanState {
     FarthestPoint farthest;
     Counters counters;
     std::size_t last_leaf = 0;
 };
 
-// Updates state.farthest by one point of every fourth leaf: when the others follow, most are decided at once.
+// Updates state.farthest with one point of every fourth leaf, so that most other points are then decided at once.
 void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state);
 
-// Updates it by all points of the leaves.
+// Updates it with all points of the leaves.
 void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state);
 
-// The Highway target whose instructions run, for tests.
+// Returns the Highway target whose instructions run, for tests.
 std::int64_t scan_target();
 
 }  // namespace hausbench

@@ -5,8 +5,8 @@
 // min(vol boxA, vol boxB), and an axis along which a box is flat is left out of all three. Nested boxes have alpha = 1
 // however large h is, so the volume of the intersection over that of the union (`iou`) is reported beside it.
 //
-// Facts: `chosen` (the solver). Extras: `alpha` (-1: disjoint), `iou`. Time, memory and budget are those of the
-// chosen one, and O(|A|) for the box; a scene that does not move is decided before anything is built.
+// Facts: `chosen` (the solver). Extras: `alpha` (-1: disjoint), `iou`. Time, memory and budget are as for the chosen
+// solver, plus O(|A|) for the box. A static scene is decided before anything is built.
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/point_solver.h"
@@ -26,16 +26,16 @@ namespace {
 
 enum Choice : std::size_t { nohd = 0, earlybreak = 1, ohd = 2 };
 constexpr const char* names[] = {"nohd", "earlybreak", "ohd"};
-constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};  // parameters of the three
+constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};  // parameters passed on
 
 struct Overlap {
     bool meet = true;
     double alpha = -1, iou = 0;
 };
 
-// Ratios of lengths axis by axis, so that no volume under- or overflows.
+// Multiplies ratios of lengths axis by axis, so that no volume under- or overflows.
 Overlap overlap_of(const Box& a, const Box& b) {
-    double of_a = 1, of_b = 1;  // the intersection as a part of either box
+    double of_a = 1, of_b = 1;  // the intersection as a fraction of each box
     for (int k = 0; k < 3; ++k) {
         const double common = std::min(a.high[k], b.high[k]) - std::max(a.low[k], b.low[k]);
         if (common < 0) return {.meet = false};
@@ -69,7 +69,7 @@ public:
         return needs;
     }
 
-    // Just one octree: the scene stands still, and the choice is made. None: EARLYBREAK's. Both: any of the three.
+    // One octree: the scene is static, and the choice is made. None: EARLYBREAK. Both: any of the three may be chosen.
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         target_box_ = box_of(points_of(scene.target));
@@ -92,7 +92,7 @@ public:
         if (out_of_range(a, points_of(scene_->target))) return {};
         const Overlap overlap = overlap_of(box_of(a), target_box_);
         std::size_t chosen = choose(overlap);
-        // A pose where none was announced: any that is ready is exact.
+        // An unannounced pose: use any solver that is ready; all are exact.
         while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
         Result result = solvers_[chosen]->solve(query, state, trace);
         result.reported["chosen"] = names[chosen];

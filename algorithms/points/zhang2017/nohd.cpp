@@ -2,17 +2,17 @@
 //
 // Source: Zhang et al. 2017, Algorithms 3 to 5. Three changes:
 //   - Algorithm 5 breaks without setting cmin to 0, as the first print of EARLYBREAK did, and then returns a stale minimum or
-//     infinity: here it says "no farther" instead. nohd_as_printed.cpp has it as printed.
-//   - The search stops once the head of the queue is no farther than the lower bound. The paper drains the queue; what is left
-//     in it is no farther either.
-//   - Bounds of a cell are kept squared, in the rounding of the distances themselves (posed_box.h), so the answer is NAIVEHDD's
-//     to the bit.
+//     infinity. Here it returns "no farther". nohd_as_printed.cpp has it as printed.
+//   - The search stops once the head of the queue is no farther than the lower bound. The paper drains the queue, which cannot change
+//     the answer.
+//   - Bounds of a cell are kept squared and rounded like the distances themselves (posed_box.h), so the answer has the bits of
+//     NAIVEHDD.
 // `early_break = false` is the paper's variant without: Algorithm 4 without lines 5 to 8, so that every child is inserted, and
 // Algorithm 5 without lines 4 to 6.
 //
 // The octree is built once in A's frame, down to single points; `depth` cuts through it, so that solvers can share it. With
-// `build = "to_depth"` it is built to `depth` alone, as in the paper: the cells and bounds are the same, and the points of a
-// cell come in another order. Under motion a cell becomes the box around the posed cell. O(|A| |B|) time at worst;
+// `build = "to_depth"` it is built only to `depth`, as in the paper: cells and bounds are the same, but the points of a
+// cell are in another order. Under motion a cell becomes the box around the posed cell. O(|A| |B|) time at worst;
 // O(cells |B|), far fewer if A and B are apart. O(|A| + |B|) memory.
 // Budget: cells taken from the queue.
 #include "algorithms/points/zhang2017/nohd.h"
@@ -77,7 +77,7 @@ public:
     }
 
 private:
-    // Algorithm 5, for the points of a cell. False if time ran out.
+    // Algorithm 5, for the points of a cell. Returns false if time ran out.
     bool look_at_points(const Cursor& cell) {
         const PointOctree::Node& node = tree_.nodes()[static_cast<std::size_t>(cell.node)];
         for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
@@ -104,7 +104,7 @@ private:
         squared_lower_ = std::max(squared_lower_, nearest);
     }
 
-    // `rest` bounds the squared distances of points that were not looked at. Where the lower bound is that of a cell, any of its points shows it.
+    // `rest` bounds the squared distances of points not examined. If the lower bound comes from a cell, any of its points is a witness.
     Result finish(double rest, Status stopped) {
         if (std::isinf(rest)) rest = squared_distances_at_most(a_, b_, nullptr, 0);
         const bool shown = farthest_.source >= 0 || stopped != Status::converged;

@@ -1,5 +1,5 @@
-// What nohd.cpp and nohd_as_printed.cpp have in common: Algorithm 4 of Zhang et al. 2017, which has no error, and the queue's
-// entries. Algorithms 3 and 5 are in each file.
+// Algorithm 4 of Zhang et al. 2017, which is correct as printed, and the entries of its queue, for nohd.cpp and nohd_as_printed.cpp.
+// Algorithms 3 and 5 are in each file.
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -12,7 +12,7 @@ namespace hausbench {
 
 struct NohdEntry {
     double squared_upper;  // MinUB
-    std::uint64_t number;  // of ties the first comes first
+    std::uint64_t number;  // breaks ties: the first comes first
     Cursor cell;
 
     bool operator<(const NohdEntry& other) const {
@@ -25,7 +25,7 @@ struct CellToPoints {
     bool undecided;                       // flag: a point of the cell may be farther than MaxLB
 };
 
-// Algorithm 4. Without `early_break` its lines 5 to 8 are left out: every cell is undecided.
+// Algorithm 4. Without `early_break`, omits its lines 5 to 8: every cell is undecided.
 inline CellToPoints cell_to_points(const Box& cell, const Points& b, double squared_max_lb, bool early_break,
                                    Counters& counters) {
     ++counters.node_visits;

@@ -1,4 +1,4 @@
-// NOHD as printed, with its error, to show what it does: Zhang et al. 2017, Algorithms 3 and 5, and 4 in nohd.h.
+// NOHD as printed, with its error, to show the effect: Zhang et al. 2017, Algorithms 3 and 5, and 4 in nohd.h.
 //
 // The error: Algorithm 5 breaks without cmin <- 0, and then returns the minimum of the points before, even infinity. nohd.cpp
 // has the correction. As there, the search stops once the head of the queue is no farther than the lower bound; with the queue
@@ -35,7 +35,7 @@ public:
         Counters counters;
         FarthestPoint farthest;
         double max_lb = 0;                        // MaxLB, squared
-        Index shows_it = tree_->order().front();  // a point of the cell that MaxLB is from
+        Index shows_it = tree_->order().front();  // a point of the cell that gave MaxLB
         std::priority_queue<NohdEntry> queue;
         queue.push({infinity, 0, root_of(*tree_)});
         for (std::uint64_t taken = 0; !queue.empty(); ++taken) {
@@ -68,7 +68,7 @@ public:
                 max_lb = std::max(max_lb, found.squared);
             }
         }
-        // A cell alone gave MaxLB: its points are neither nearer nor farther.
+        // MaxLB came from a cell: its points are neither nearer nor farther.
         if (farthest.squared < max_lb || farthest.source < 0) farthest = point_to_points(a, shows_it, b, -1, counters);
         return exact_result(query, a, b, farthest, counters);
     }
@@ -80,7 +80,7 @@ private:
         return std::nullopt;
     }
 
-    // Algorithm 5, and which point of B it found.
+    // Algorithm 5, which also returns the point of B that it found.
     static FarthestPoint point_to_points(const Points& a, Index i, const Points& b, double squared_max_lb,
                                          Counters& counters) {
         FarthestPoint cmin{infinity, i, 0};

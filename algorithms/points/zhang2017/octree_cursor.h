@@ -1,4 +1,4 @@
-// Walks over the full octree of points, with all the levels that PointOctree passes over.
+// Walks the full octree of points, including the levels that PointOctree skips.
 #pragma once
 
 #include "algorithms/points/zhang2017/point_octree.h"

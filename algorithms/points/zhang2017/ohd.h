@@ -1,4 +1,4 @@
-// What ohd.cpp and ohd_as_printed.cpp have in common.
+// Code shared by ohd.cpp and ohd_as_printed.cpp.
 #pragma once
 
 #include "algorithms/points/early_break.h"
@@ -7,7 +7,7 @@
 
 namespace hausbench {
 
-// The first ceil(lambda |A|) of a random order.
+// Returns the first ceil(lambda |A|) points of a random order.
 inline std::vector<Index> first_of_order(Index count, double lambda, Generator& random) {
     std::vector<Index> order = order_of(count, true, random);
     order.resize(static_cast<std::size_t>(std::ceil(lambda * count)));

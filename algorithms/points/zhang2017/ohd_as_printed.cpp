@@ -1,9 +1,9 @@
-// OHD as printed, with its error, to show what it does: Zhang et al. 2017, Algorithms 6 and 7, sections 4.4.1 and 4.4.2.
+// OHD as printed, with its error, to show the effect: Zhang et al. 2017, Algorithms 6 and 7, sections 4.4.1 and 4.4.2.
 //
 // The error: a point of A in a cell of side AHD that holds a point of B is culled, though the two may be sqrt(3) AHD apart.
 // ohd.cpp has the correction. Cells have exactly the side AHD; the octree is built for each query, once AHD is known, as
-// printed, and its leaves are the cells that both culling and searching go by. AHD = 0 gives no such octree, and so does one
-// of more than 2^40 cells along an axis: then cells are split down to single points, and nothing is culled.
+// printed, and its leaves are the cells for both culling and searching. AHD = 0 gives no such octree, nor does a side that needs more
+// than 2^40 cells along an axis: then cells are split down to single points, and nothing is culled.
 // O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD. Budget: points of A.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
@@ -28,7 +28,7 @@ struct CellsOfB {
         return node.child_count == 0 || (levels >= 0 && node.depth >= levels);
     }
 
-    // Whether the cell of this side that holds the point holds one of B.
+    // Returns whether the cell of this side that contains the point also contains a point of B.
     bool occupied_at(const Vec3& point) const {
         Cursor at = root_of(tree);
         if ((point.array() < at.cell.low.array()).any() || (point.array() >= at.cell.high.array()).any()) return false;

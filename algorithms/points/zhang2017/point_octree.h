@@ -10,14 +10,14 @@
 
 namespace hausbench {
 
-// The part of `cell` on one side of its middle on each axis (bit k of `octant` set: the upper part on axis k). Points are
-// sorted into parts by comparing them with the same middle, so a part holds its points exactly, whatever the rounding.
+// Returns an octant of `cell` (bit k of `octant` set: the upper half on axis k). Points are sorted into octants by comparing them with
+// the same middle, so an octant contains its points exactly, whatever the rounding.
 Box part_of(const Box& cell, int octant);
 int octant_of(const Box& cell, const Vec3& point);
 
-// Cells are cubes, the root a cube around the points; a cell is split down to single points. A cell whose points all lie in
-// one of its parts would have a single child: it is passed over, and `depth` tells by how many levels. So a tree of n
-// points has fewer than 2n nodes, and any coarser octree is a cut through it (octree_cursor.h).
+// Cells are cubes; the root is a cube around the points, and cells are split down to single points. A cell whose points all lie in one
+// octant would have a single child, so it is skipped; `depth` counts the levels. So a tree of n points has fewer than 2n nodes, and any
+// coarser octree is a cut through it (octree_cursor.h).
 class PointOctree {
 public:
     static constexpr std::string_view structure_name = "point octree";
@@ -26,21 +26,21 @@ public:
     struct Node {
         Box cell;
         std::int32_t depth;  // halvings of the root's cube
-        // No children: a leaf, with one point or with points that cannot be told apart.
+        // No children: a leaf, with one point or several that coincide.
         std::int32_t first_child, child_count;
         std::int32_t first, count;  // of the points, in the order of order()
     };
 
     // Copies the points. O(n depth) time, O(n) memory; coincident points share a leaf.
     explicit PointOctree(const Points& points);
-    // The same with another root, a cube that holds the points. Cells at `deepest` are not split, so leaves there may have many points.
+    // The same with another root, a cube that contains the points. Cells at `deepest` are not split, so their leaves may have many points.
     PointOctree(const Points& points, const Box& root_cell, int deepest = max_depth);
     static Box root_around(const Points& points);
 
     const std::vector<Node>& nodes() const { return nodes_; }  // the root is the first
     const std::vector<Index>& order() const { return order_; }
     const Points& points() const { return points_; }     // sorted by order()
-    const Box& root_cell() const { return root_cell_; }  // before any level is passed over
+    const Box& root_cell() const { return root_cell_; }  // before any level is skipped
 
     std::size_t bytes() const;
 
