@@ -5,8 +5,8 @@
 namespace hausbench {
 namespace {
 
-// Encloses f_B(y + t) for y on the piece of A: the linear part of f_A, which is 0 there, is taken away as far as it helps.
-// Empty where y + t may leave B's box.
+// Encloses f_B(y + t) for y on the piece of A. Subtracts the linear part of f_A, which is 0 there, as far as that helps. Returns nothing
+// if y + t may leave B's box.
 std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& t, Counters& counters) {
     Box box;
     for (int k = 0; k < 3; ++k) {

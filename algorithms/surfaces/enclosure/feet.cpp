@@ -24,7 +24,7 @@ public:
         }
     }
 
-    // Newton's method, not proven: the middle, then the polynomial degree by degree. False where it fails.
+    // Newton's method, unproven: the middle, then the polynomial degree by degree. Returns false if it fails.
     bool find(const Vec3& p) {
         Vec3 at = piece_.form.middle, gradient;
         at[axis_] = p[axis_];
@@ -43,7 +43,7 @@ public:
         return true;
     }
 
-    // Step 1 of the header: adds how far A may be from the polynomial. False where A may be no graph.
+    // Step 1 of the header: adds the possible distance between A and the polynomial. Returns false if A may not be a graph.
     bool prove(Counters& counters) {
         TaylorModel& height = y_[std::size_t(axis_)];
         const Interval values = height.range();
@@ -67,8 +67,8 @@ private:
     Models y_;
 };
 
-// From every point of the graph to about its foot on B, not proven: z - y + m grad f_B(z) = 0 and f_B(z) = 0 are solved for
-// z and m by Newton's method, in the middle of the piece and then degree by degree.
+// Finds the vectors from each point of the graph to about its foot on B, unproven: Newton's method solves z - y + m grad f_B(z) = 0 and
+// f_B(z) = 0 for z and m, in the middle of the piece and then degree by degree.
 class Feet {
 public:
     Feet(const Models& y, const SurfaceTree& target) : y_(y), target_(target) {}
@@ -117,7 +117,7 @@ private:
     Models to_foot_;
 };
 
-Models longer(const Models& t, double factor) {  // polynomials of their own: what is rounded here needs no bound
+Models longer(const Models& t, double factor) {  // new polynomials, so rounding here needs no bound
     Models out = t;
     for (TaylorModel& of : out) {
         for (double& c : of.c) c *= factor;
@@ -125,7 +125,7 @@ Models longer(const Models& t, double factor) {  // polynomials of their own: wh
     return out;
 }
 
-// Whether y and y + t lie in the box for every y of the piece.
+// Returns whether y and y + t lie in the box for every y of the piece.
 bool stays_inside(const SurfaceTree::Node& piece, const Models& t, const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const Interval moved = Interval(piece.box.low[k], piece.box.high[k]) + t[std::size_t(k)].range();
@@ -160,7 +160,7 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
     const double sign = here.inf() > 0 ? 1 : -1;
     const Vec3 way(t[0].c[0], t[1].c[0], t[2].c[0]);
     f.value(Vec3(y[0].c[0], y[1].c[0], y[2].c[0]) + way, gradient);
-    const double fall = -sign * gradient.dot(way);  // of f_B, by so much of t as its length
+    const double fall = -sign * gradient.dot(way);  // fall of f_B per unit of length along t
     if (!(fall > 0)) return infinity;
     double further = 0;
     for (int tries = 0; tries < 4; ++tries) {

@@ -8,13 +8,13 @@
 namespace hausbench {
 namespace {
 
-constexpr int most_boxes = 20000;             // of B opened for one point
-constexpr int most_boxes_without_foot = 200;  // likewise, as long as no point of B is proven
+constexpr int most_boxes = 20000;             // boxes of B opened for one point
+constexpr int most_boxes_without_foot = 200;  // the same, while no point of B is proven
 constexpr int boxes_without_descent = 3;
-constexpr int boxes_between_looks = 64;  // at the clock
+constexpr int boxes_between_looks = 64;  // checks of the clock
 
 struct OpenBox {
-    double least;  // distance of what it holds of B
+    double least;  // distance of the part of B in it
     std::int32_t node;
     bool operator<(const OpenBox& other) const {
         return least > other.least || (least == other.least && node > other.node);
@@ -36,13 +36,13 @@ NearestFoot ProvenFeet::nearest(const Vec3& p, std::span<const std::int32_t> kno
         if (d < best.at_most) best = {d, foot};
     }
     if (best.foot >= 0) descend_from((*this)[best.foot].at, p, best);
-    // The lower bound would hardly grow: that no point is nearer need not be shown.
+    // The lower bound would hardly grow, so there is no need to prove that no point is nearer.
     if (best.at_most <= search.lower + 2 * search.precision) return {best.foot, 0};
     const double least = at_least(p, search, best);
     return {best.foot, least};
 }
 
-// From a seed on B to a proven point that is nearer to p, if there is one.
+// Moves from a seed on B to a proven point nearer to p, if there is one.
 void ProvenFeet::descend_from(const Vec3& seed, const Vec3& p, Best& best) {
     const auto found = tree_.nearby(p, seed, counters_);
     if (!found) return;
@@ -50,16 +50,16 @@ void ProvenFeet::descend_from(const Vec3& seed, const Vec3& p, Best& best) {
     if (d < best.at_most) best = {d, add(*found)};
 }
 
-// Best first over the boxes of B, until none can hold a point that is nearer than the best foot by more than the precision.
+// Searches the boxes of B best first, until none can hold a point nearer than the best foot by more than the precision.
 double ProvenFeet::at_least(const Vec3& p, const FootSearch& search, Best& best) {
     std::priority_queue<OpenBox> queue;
     queue.push({0, 0});
-    // Half of the precision is given away, so that whoever checks the bound needs no more boxes than we did.
+    // Gives away half of the precision, so that a checker of the bound needs no more boxes than this search.
     const auto given_away = [&] { return best.at_most - 0.5 * search.precision; };
     for (int opened = 1; !queue.empty(); ++opened) {
         const OpenBox top = queue.top();
         if (top.least >= best.at_most - search.precision) return std::max(std::min(top.least, given_away()), 0.0);
-        // No point of A in this cell is farther from B than the answer: its lower bound is of no interest.
+        // No point of A in this cell is farther from B than the answer, so its lower bound does not matter.
         if (best.at_most + search.cell_size <= search.lower || !tree_.may_split(top.node)) return top.least;
         if (opened > (best.at_most == infinity ? most_boxes_without_foot : most_boxes)) return top.least;
         if (opened % boxes_between_looks == 0 && deadline_.passed()) return top.least;

@@ -1,6 +1,6 @@
 // Proven points of B, and the search for the one nearest to a point, with a proof that no point of B is much nearer.
 //
-// All functions want UpwardRounding (kernel/interval.h).
+// All functions require UpwardRounding (kernel/interval.h).
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -11,17 +11,17 @@
 
 namespace hausbench {
 
-// What a search for the nearest point of B may leave undone.
+// The accuracy with which to search for the nearest point of B.
 struct FootSearch {
-    double precision;  // the result may be so much below the distance
+    double precision;  // the result may be below the distance by this much
     // The search ends once the distance is known to be at most `lower - cell_size`: then no point of a
     // cell of this size is farther than `lower`.
     double lower, cell_size;
 };
 
 struct NearestFoot {
-    std::int32_t foot = -1;  // the nearest proven point that was found; -1: none was
-    double at_least = 0;     // the distance to B
+    std::int32_t foot = -1;  // the nearest proven point found; -1: none
+    double at_least = 0;     // lower bound of the distance to B
 };
 
 class ProvenFeet {
@@ -38,15 +38,15 @@ public:
         return static_cast<std::int32_t>(feet_.size()) - 1;
     }
 
-    // No point of the piece is farther from B.
+    // Returns an upper bound of the distance from the piece to B.
     double at_most(const SurfaceTree::Node& piece, std::int32_t foot);
 
-    // `known` are feet to begin with, of points near p.
+    // `known` are feet of points near p, to begin with.
     NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search);
 
 private:
     struct Best {
-        double at_most = std::numeric_limits<double>::infinity();  // the distance to the foot
+        double at_most = std::numeric_limits<double>::infinity();  // upper bound of the distance to the foot
         std::int32_t foot = -1;
     };
     void descend_from(const Vec3& seed, const Vec3& p, Best& best);

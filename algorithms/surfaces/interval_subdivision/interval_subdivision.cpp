@@ -3,13 +3,13 @@
 // Source: Shou, Huang, Gu, Miao, Wang: Computing the Hausdorff distance between two algebraic surfaces, Computer Science and
 // Application 3, 2013 (in Chinese; read from badly recognised text: the denominators of its surfaces are inferred from the
 // interval it prints).
-// The box is divided into 2^depth voxels an axis by an octree that keeps a cell where 0 lies in the interval of the
+// An octree divides the box into 2^depth voxels per axis and keeps a cell if 0 lies in the interval of the
 // polynomial over it. The distance of two kept voxels is an interval [g, G], the least and the largest distance of their
 // points, and the answer is [max over A of min over B of g, max over A of min over B of G]. The paper's H is the larger of
 // both directions, end by end: ask for both.
 //
-// Not certified: a kept voxel need not hold a point of the surface, so either end may be wrong. Reported as the method
-// gives it, so that this can be seen; surface_enclosure.cpp is the one to trust. No witness, for the same reason.
+// Not certified: a kept voxel need not contain a point of the surface, so either end may be wrong. The interval is reported as the
+// method gives it, to show this, and without a witness. surface_enclosure.cpp is the solver to trust.
 //
 // `pairs = all` computes every pair of voxels, as the paper does; `pruned` gives the same bits (voxel_distances.h). Budget: voxels of A (all)
 // or searches (pruned).

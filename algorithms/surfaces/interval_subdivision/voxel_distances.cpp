@@ -10,7 +10,7 @@
 namespace hausbench {
 namespace {
 
-// What square roots and sums of a few of them round by, as a factor, and plenty: bounds of the search alone depend on it, no result.
+// A generous factor for the rounding of square roots and their sums. Only bounds of the search depend on it, not the results.
 constexpr double wider = 1 + 1e-12, narrower = 1 - 1e-12;
 
 // Squared least (g) or largest (G) distance of two boxes. Rounded to nearest; every operation is monotone.
@@ -23,7 +23,7 @@ template <bool largest> double squared_distance(const Box& a, const Box& b) {
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// No more than squared_distance() of a and any voxel in the cell.
+// Returns a lower bound of squared_distance() of a and any voxel in the cell.
 template <bool largest> double at_least(const Box& a, const Voxels& b, const Voxels::Node& cell) {
     if (!largest) return squared_distance<false>(a, b.box_of(cell));
     double d[3];
@@ -36,9 +36,9 @@ template <bool largest> double at_least(const Box& a, const Voxels& b, const Vox
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// min over B of g and of G, for the voxel i of A.
+// Returns min over B of g and of G for voxel i of A.
 VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
-    constexpr std::size_t lanes = 4;  // minima kept apart, so that the compiler may compute them side by side
+    constexpr std::size_t lanes = 4;  // separate minima, so that the compiler may vectorise them
     const std::size_t m = b.leaves.size();
     const double *bl[3], *bh[3];
     double al[3], ah[3];
@@ -74,7 +74,7 @@ VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
     return {*std::min_element(least, least + lanes), *std::min_element(largest, largest + lanes)};
 }
 
-// The largest, over voxels of A, of their least squared distance to those of B.
+// The largest, over voxels of A, of their least squared distance to the voxels of B.
 template <bool largest> class VoxelSearch {
 public:
     VoxelSearch(const Voxels& a, const Voxels& b, VoxelWork& work) : a_(a), b_(b), work_(work) {
@@ -98,9 +98,9 @@ public:
     }
 
 private:
-    // A cell of A that may hold a voxel farther from B than all that were searched from.
+    // A cell of A that may hold a voxel farther from B than all voxels searched from so far.
     struct Cell {
-        double bound;  // of the distances of all its voxels
+        double bound;  // upper bound of the distances of all its voxels
         std::uint32_t node;
         std::uint32_t voxel;  // one of them
         double squared;       // its squared distance
@@ -118,7 +118,7 @@ private:
         }
     }
 
-    // A cell with one of its voxels, whose squared distance is searched for if it is not known (below 0).
+    // Makes the entry of a cell with one of its voxels; searches for its squared distance if that is unknown (below 0).
     void add(std::uint32_t node, std::uint32_t voxel, double squared) {
         const bool is_voxel = a_.nodes[node].size == 1;
         const double farther = is_voxel ? 0 : farthest_shift(node, voxel);
@@ -134,7 +134,7 @@ private:
         ++work_.counters.queue_pushes;
     }
 
-    // How far a voxel of A is from the farthest in the cell.
+    // Returns the distance from a voxel of A to the farthest voxel of the cell.
     double farthest_shift(std::uint32_t node, std::uint32_t leaf) const {
         const Voxels::Node &cell = a_.nodes[node], &voxel = a_.nodes[leaf];
         double sum = 0;
@@ -154,7 +154,7 @@ private:
         return inside;
     }
 
-    // The kept voxel next to the middle of the cell, as the octree's order has it; cells without voxels have none.
+    // Returns the kept voxel next to the middle of the cell in the order of the octree; none for cells without voxels.
     std::optional<std::uint32_t> middle_voxel(std::uint32_t node) const {
         const Voxels::Node& cell = a_.nodes[node];
         if (cell.size == 1) return node;
@@ -164,7 +164,7 @@ private:
         return std::nullopt;
     }
 
-    // The least squared distance from a voxel to those of B; any value within the squared early-out radius once one is known.
+    // Returns the least squared distance from a voxel to the voxels of B, or any value within the squared early-out radius.
     double nearest(const Box& a, double squared_early_out) {
         struct Entry {
             double least;
@@ -196,7 +196,7 @@ private:
 
     const Voxels &a_, &b_;
     VoxelWork& work_;
-    double rounding_;  // of grid lines, a few ulps of the largest coordinate: but for it, voxels are translates
+    double rounding_;  // of grid lines, a few ulps of the largest coordinate; otherwise voxels are exact translates
     std::priority_queue<Cell> queue_;
     double most_ = 0;  // squared
     std::uint64_t searches_ = 0;

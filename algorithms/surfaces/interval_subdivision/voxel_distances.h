@@ -1,8 +1,8 @@
-// The distances of two surfaces' voxels. That of two voxels is an interval [g, G], the least and the largest distance of their points; what is
-// computed is [max over A of min over B of g, max over A of min over B of G].
+// Distances between the voxels of two surfaces. The distance of two voxels is an interval [g, G], the least and the largest distance of
+// their points; the result is [max over A of min over B of g, max over A of min over B of G].
 //
-// Squared distances are rounded to nearest, by monotone operations. What is left undone when the budget or the time runs out makes the results
-// too small: `stopped` then says so.
+// Squared distances are rounded to nearest, by monotone operations. If the budget or the time runs out, the results are too small, and
+// `stopped` is set.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -34,12 +34,12 @@ struct VoxelDistances {
 // Squared G of two boxes.
 double largest_squared_distance(const Box& a, const Box& b);
 
-// Every pair. Budget: voxels of A.
+// Computes every pair. Budget: voxels of A.
 VoxelDistances distances_of_all(const Voxels& a, const Voxels& b, VoxelWork& work);
 
-// The same bits by far fewer pairs. min over B of g is at most the distance between voxels farther for another voxel of A (both are
-// translates), so an octree over A is searched by the value at one voxel of each cell, and each value by an octree over B. Budget: such
-// searches, of g and of G each.
+// Computes the same bits from far fewer pairs. From one voxel of A to another, min over B of g grows by at most the distance between the
+// two (they are translates). So an octree over A is searched with the value at one voxel of each cell, and each value with an octree over
+// B. Budget: such searches, one each for g and G.
 VoxelDistances distances_by_search(const Voxels& a, const Voxels& b, VoxelWork& work);
 
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// The voxels of a grid over a surface's box that may hold a point of it, as interval arithmetic sees it, and the octree that led to them.
+// The voxels of a grid over a surface's box that may hold a point of the surface, by interval arithmetic, and the octree above them.
 //
 // Grid lines are rounded numbers lo + (hi - lo) i / n, and voxels are the boxes between them: they cover the box without gaps.
 #pragma once
@@ -19,7 +19,7 @@ struct Voxels {
     struct Node {
         std::array<int, 3> at;  // in voxels
         int size;
-        // Children; count 0: a voxel, or a cell in which no voxel was kept.
+        // Children; count 0: a voxel, or a cell without kept voxels.
         std::uint32_t first = 0, count = 0;
     };
 
@@ -29,7 +29,7 @@ struct Voxels {
     std::array<std::vector<double>, 3> low, high;  // by leaf
     std::uint64_t evaluations = 0;
 
-    // Here, since searches ask it for each cell that they look at: a fifth of their instructions where it was not inlined.
+    // Defined here to be inlined: searches call it for each cell, and it took a fifth of their instructions otherwise.
     Box box_of(const std::array<int, 3>& at, int size) const {
         Box box;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -46,7 +46,7 @@ struct Voxels {
     }
 };
 
-// 2^depth voxels an axis. Sets the rounding mode for itself. Throws InputError where the box is too small for so many, or holds no point.
+// Makes 2^depth voxels per axis. Sets the rounding mode itself. Throws InputError if the box is too small for so many, or holds no point.
 Voxels voxels_of(const AlgebraicSurface& surface, int depth, Form form);
 
 }  // namespace hausbench
