@@ -1,13 +1,13 @@
-// The bridge to mesh solvers: both surfaces are triangulated, a mesh solver is asked, and what it answers is widened by how
-// far each mesh is from its surface at most, proven in both directions (surface_mesh.h):
+// The bridge to mesh solvers: triangulates both surfaces, asks a mesh solver, and widens its answer by the largest distance
+// between each mesh and its surface, proven in both directions (surface_mesh.h):
 //     l - h(MA,A) - h(B,MB) <= h(A,B) <= u + h(A,MA) + h(MB,B).
-// Certified, because the mesh solver has to be. The deviations, the mesh solver's own bounds and the numbers of triangles
-// are reported. The width is that of the deviations at least, of the order of a cell (of its square, where the surface is
-// smooth and does not meet the box's sides); beyond, `stalled`. Where a deviation cannot be bounded, the upper bound falls
-// back to the farthest points of the boxes.
+// Certified, because only certified mesh solvers are accepted. Reports the deviations, the mesh solver's own bounds and the
+// numbers of triangles. The gap is at least the sum of the deviations, which is of the order of a cell (or of its square, if the
+// surface is smooth and does not meet the sides of the box); for a smaller tolerance the status is `stalled`. If a deviation cannot
+// be bounded, the upper bound is the largest distance between points of the boxes.
 //
-// Where a polynomial does not change its sign on the grid there is no mesh of the surface: `stalled`, with the farthest points of the boxes
-// as the upper bound; infinity where it is the target, which may have no point.
+// If a polynomial does not change its sign on the grid, there is no mesh of the surface: `stalled`, with the largest distance between
+// points of the boxes as the upper bound, or infinity if it is the target, which may be empty.
 // Budget, counters and witness: the mesh solver's. O(cells^3) to triangulate, O(cells^2 4^levels) for the deviations.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
@@ -36,7 +36,7 @@ public:
         TriangleMesh of_a, of_b;
         try {
             of_b = triangulate(b, cells_);
-        } catch (const InputError& error) {  // it may have no point
+        } catch (const InputError& error) {  // it may be empty
             no_mesh_ = error.what();
             farthest_ = std::numeric_limits<double>::infinity();
             return;
@@ -59,7 +59,7 @@ public:
     Result solve(const Query& query, State*, Trace& trace) const override {
         if (!meshes_) return without_meshes(query);
         Query inner = query;
-        inner.floor = 0;  // its distance is another
+        inner.floor = 0;  // it applies to another distance
         inner.cutoff = std::numeric_limits<double>::infinity();
         Trace unused;
         Result result = meshes_->solve(inner, unused);
@@ -71,7 +71,7 @@ public:
             result.bounds.lower = std::max(low.inf(), 0.0);
             result.bounds.upper = std::min(of_meshes.upper + a_.surface_to_mesh + b_.mesh_to_surface, farthest_);
         }
-        result.witness.source_element = result.witness.target_element = -1;  // of meshes that nobody else has
+        result.witness.source_element = result.witness.target_element = -1;  // they refer to internal meshes
         result.reported = {{"mesh_a_to_surface", a_.mesh_to_surface},
                            {"surface_to_mesh_a", a_.surface_to_mesh},
                            {"mesh_b_to_surface", b_.mesh_to_surface},
@@ -91,7 +91,7 @@ public:
     }
 
 private:
-    // No two points of the boxes are farther apart.
+    // Returns the largest distance between two points of the boxes.
     static double farthest(const Points& a, const Points& b) {
         const UpwardRounding upward;
         Interval sum(0.0);
@@ -111,7 +111,7 @@ private:
     }
 
     int cells_, levels_;
-    std::string no_mesh_;  // why there is none; else empty
+    std::string no_mesh_;  // the reason why there is no mesh, or empty
     SolverEntry asked_;
     MeshDeviation a_{}, b_{};
     std::array<double, 2> triangles_{};

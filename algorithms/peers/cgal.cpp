@@ -1,4 +1,4 @@
-// CGAL's bounded-error one-sided Hausdorff distance between triangle meshes, as its users call it.
+// CGAL's bounded-error one-sided Hausdorff distance between triangle meshes, called as its users do.
 //
 // Source: CGAL 5.5, Polygon_mesh_processing::bounded_error_Hausdorff_distance (after Tang, Lee, Kim 2009, midpoint
 // subdivision). Its own structures are built inside every call, so they are part of solve, not of prepare.

@@ -1,15 +1,15 @@
-// CGAL's k-d tree over B, as its users call it: the nearest point of B for each point of A, and the largest of these distances.
+// CGAL's k-d tree over B, called as its users do: finds the nearest point of B for each point of A, and takes the largest distance.
 //
 // Source: CGAL 5.5, Spatial_searching, as in its example of points with an index: Kd_tree with the default splitter and 10 points
 // a leaf, Orthogonal_k_neighbor_search with K = 1. No search stops early and the points of A keep their order;
 // `kdtree`, with another library, stops early and asks for far points first.
 //
-// Certified although CGAL gives no guarantee: each search returns a point of B, and its distance is computed here again, so the
-// largest of these bounds h from above; checked_result.h has the lower bound. O(|A| log |B| + |B|) time on tame data,
+// Certified although CGAL gives no guarantee: each search returns a point of B, whose distance is computed here again, so the
+// largest one is an upper bound of h; checked_result.h proves the lower bound. O(|A| log |B| + |B|) time on tame data,
 // O(|A| + |B|) memory. Budget: points of A.
 //
-// Of n points of B in one place CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the
-// stack, which crashes the process, here as in any program that uses it: with a stack of 8 MB not yet at n = 20,000, but at 50,000.
+// If n points of B coincide, CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the stack and crash
+// the process, as in any program that uses it. A stack of 8 MB suffices for n = 20,000 but not for 50,000.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/peers/checked_result.h"
 #include "algorithms/points/point_solver.h"
@@ -45,8 +45,8 @@ public:
         tree_.build();
     }
 
-    // The points, a pointer to each that stays reserved after the building, and the nodes: num_nodes() of CGAL 5.5 counts leaves alone,
-    // and a binary tree has one inner node less. What the deques of nodes hold in reserve, a few percent of all, is left out.
+    // The points, a pointer to each that stays reserved after building, and the nodes: num_nodes() of CGAL 5.5 counts only leaves,
+    // and a binary tree has one inner node less. The spare capacity of the deques of nodes, a few percent, is not counted.
     std::size_t prepared_bytes() const override {
         const std::size_t leaves = tree_.root()->num_nodes();
         return tree_.size() * (sizeof(Entry) + sizeof(const Entry*)) + leaves * sizeof(Tree::Leaf_node) +

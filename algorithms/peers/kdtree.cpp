@@ -1,5 +1,5 @@
-// The simple baseline: a k-d tree over B (nanoflann) and a nearest neighbour search for each point of A, which stops once it
-// finds a point no farther than the largest distance so far. Points of A that are probably farthest come first.
+// The simple baseline: a k-d tree over B (nanoflann), and for each point of A a nearest neighbour search that stops at the first
+// point no farther than the largest distance so far. Points of A that are probably farthest come first.
 //
 // Certified although nanoflann gives no guarantee: checked_result.h says why. O(|A| log |B| + |B|) time on tame data,
 // O(|A| + |B|) memory. Budget: points of A.

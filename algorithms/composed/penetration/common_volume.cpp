@@ -42,7 +42,7 @@ Corners sorted(Corners corners) {
     return corners;
 }
 
-// Says of each triangle of the cut volume whether it comes from A, and whether A and B have triangles in one plane.
+// Records for each triangle of the cut volume whether it comes from A, and whether A and B have coplanar triangles.
 struct Origins : pmp::Corefinement::Default_visitor<SurfaceMesh> {
     struct Found {
         std::map<Face, bool> of_source;
@@ -94,7 +94,7 @@ private:
     std::vector<std::array<Index, 3>> rows_;
 };
 
-// The diagonal of the box of both sides.
+// Returns the diagonal of the box of both sides.
 double size_of(const CommonPart& part) {
     Eigen::AlignedBox3d box;
     for (const Points* points : {&part.of_source.vertices, &part.of_target.vertices})
@@ -102,7 +102,7 @@ double size_of(const CommonPart& part) {
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-// The corefined B is where one finds which triangles of A are also triangles of B: those that lie in one plane are cut alike.
+// Uses the corefined B to find triangles of A that are also triangles of B: coplanar triangles are cut alike.
 std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& target, const Origins::Found& found) {
     std::set<Corners> of_target;
     if (found.coplanar)
@@ -110,7 +110,7 @@ std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& t
     std::map<Face, std::size_t> surface;
     std::size_t count =
         pmp::connected_components(volume, boost::associative_property_map<std::map<Face, std::size_t>>(surface));
-    // A part may have a surface of its own within another one: where a solid is hollow.
+    // If a solid is hollow, a part has a second surface inside the first.
     if (count > 1)
         count = pmp::volume_connected_components(volume,
                                                  boost::associative_property_map<std::map<Face, std::size_t>>(surface));
@@ -145,7 +145,7 @@ struct Cutting {
             const auto row = points.row(Eigen::Index(vertex.idx()));
             mesh.point(vertex) = Point(row[0], row[1], row[2]);
         }
-        if (pose.rotation.determinant() < 0) pmp::reverse_face_orientations(mesh);  // a mirror turns it inside out
+        if (pose.rotation.determinant() < 0) pmp::reverse_face_orientations(mesh);  // a reflection turns it inside out
         return mesh;
     }
 };
@@ -159,7 +159,7 @@ Solid::Solid(const TriangleMesh& mesh) : vertices_(mesh.vertices), faces_(std::m
         polygons.push_back(
             {std::size_t(mesh.triangles(t, 0)), std::size_t(mesh.triangles(t, 1)), std::size_t(mesh.triangles(t, 2))});
     pmp::repair_polygon_soup(points, polygons);
-    pmp::orient_polygon_soup(points, polygons);  // doubles vertices where no one surface goes through them
+    pmp::orient_polygon_soup(points, polygons);  // duplicates vertices that belong to several surfaces
     if (polygons.empty()) {
         flaw_ = "all its triangles are points or lines";
         return;
@@ -194,7 +194,7 @@ Solid::Solid(Solid&&) noexcept = default;
 
 std::size_t Solid::bytes() const {
     const SurfaceMesh& mesh = faces_->mesh;
-    // A point and a halfedge of each vertex, four indices of each halfedge, a halfedge of each face.
+    // A point and a halfedge per vertex, four indices per halfedge, a halfedge per face.
     return std::size_t(vertices_.size()) * sizeof(double) + mesh.number_of_vertices() * (sizeof(Point) + 4) +
            mesh.number_of_halfedges() * 16 + mesh.number_of_faces() * 4;
 }

@@ -1,7 +1,7 @@
-// The volume that two solids have in common, in connected parts, each with its surface cut in two: what is of A and what is of B.
+// The common volume of two solids, in connected parts, each with its boundary split into the part from A and the part from B.
 //
-// Source: Tang et al. 2009, section 7.3, step 1. The cutting is CGAL's corefinement: which triangles cross, and on which side of B a part of A lies, is
-// decided exactly; the points where they cross are rounded to doubles. So nothing here is certified.
+// Source: Tang et al. 2009, section 7.3, step 1. CGAL's corefinement does the cutting: it decides exactly which triangles cross, and on
+// which side of B a part of A lies, but rounds the points where they cross to doubles. So nothing here is certified.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -12,14 +12,14 @@
 
 namespace hausbench {
 
-// A closed mesh, ready to be cut. Vertices with equal coordinates become one; its triangles are turned so that they face outward.
+// A closed mesh, ready to be cut: coincident vertices are merged, and triangles are turned to face outward.
 class Solid {
 public:
-    explicit Solid(const TriangleMesh& mesh);  // o(n log n), plus the number of self-intersections
+    explicit Solid(const TriangleMesh& mesh);  // O(n log n), plus the number of self-intersections
     ~Solid();
     Solid(Solid&&) noexcept;
 
-    // Why the mesh bounds no volume: it is open, crosses itself, is no manifold; empty where it does.
+    // The reason why the mesh bounds no volume (it is open, crosses itself, or is not a manifold); empty if it bounds one.
     const std::string& flaw() const { return flaw_; }
 
     Points posed(const Pose& pose) const { return hausbench::posed(vertices_, pose); }
@@ -34,18 +34,18 @@ private:
     std::unique_ptr<Faces> faces_;
 };
 
-// One connected part of the volume. Where A and B lie in one plane and face the same way, the surface is of both. Without triangles: the part is
-// enclosed by the other mesh alone.
+// One connected part of the volume. A piece of boundary where A and B coincide and face the same way belongs to both. A side without
+// triangles: the other mesh alone encloses the part.
 struct CommonPart {
     TriangleMesh of_source, of_target;
 };
 
 struct CommonVolume {
     std::vector<CommonPart> parts;  // the one with the largest box first
-    std::string failure;            // why there are none, where it could not be cut
+    std::string failure;            // the reason, if cutting failed
 };
 
-// Of solids without a flaw. Parts of volume zero, where the two only touch, are none.
+// Cuts solids without a flaw. Places where the two only touch, of volume zero, are not parts.
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose);
 
 }  // namespace hausbench

@@ -1,15 +1,17 @@
-// The penetration depth of two solids, by cutting out the volume that they have in common.
+// The penetration depth of two solids, by cutting out their common volume.
 //
-// Source: Tang et al. 2009, section 7.3: compute the volume of the intersection; its surface is in part of A and in part of B; the depth is H of these
-// two, by any solver of H (parameter `solver`; the paper's is `tang`). Of several parts of the volume it is the largest; the witness is the deepest pair of points.
+// Source: Tang et al. 2009, section 7.3: compute the intersection of the volumes; its boundary comes partly from A and partly from B; the
+// depth is H between these two, by any solver (parameter `solver`; the paper uses `tang`). If the volume has several parts, the depth is
+// the largest over them, and the witness is the deepest pair of points.
 //
-// What the paper leaves open: a part that is enclosed by one mesh alone has no surface of that mesh, and H is infinite. Its depth here is h of the surface that it
-// has to the whole of the enclosing mesh. Solids that only touch, or do not, have depth 0. Meshes that are not closed, or cross themselves, have no inside: they are refused,
-// with the reason, where their boxes overlap.
+// The paper leaves some cases open. If one mesh alone encloses a part, the other side has no boundary, and H would be infinite; the depth
+// is then h from the existing side to the whole enclosing mesh. Solids that only touch, or are apart, have depth 0. Meshes that are not
+// closed, or cross themselves, have no inside; they are refused, with the reason, if their boxes overlap.
 //
-// Never certified: the cut points are rounded (composed/penetration/common_volume.h). Extras: `parts` of the volume, triangles that were measured; with
-// `each_part` bounds and witness of each part, where otherwise a part that cannot be the deepest is left early. Stages: "cut", "measure".
-// Budget: for each part, of the inner solver. Time: corefinement, O(n log n) and what crosses; then that of the inner solver. Cutting ignores the limit of time.
+// Never certified: the cut points are rounded (composed/penetration/common_volume.h). Extras: `parts` of the volume, and the number of
+// measured triangles; with `each_part` also bounds and witness of each part (otherwise a part that cannot be the deepest ends early).
+// Stages: "cut", "measure". Budget: passed to the inner solver for each part. Time: corefinement, O(n log n) plus crossings, then the
+// inner solver. Cutting ignores the time limit.
 #include "algorithms/composed/penetration/common_volume.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/kernel/rounding.h"
@@ -56,7 +58,7 @@ public:
             Query asked = query;
             asked.time_limit = std::max(0.0, query.time_limit - seconds_since(begin));
             if (!each_part_) asked.floor = std::max(query.floor, result.bounds.lower);
-            // A floor that is the cutoff would ask a question that nobody asked.
+            // floor == cutoff turns the query into a yes/no question, so the floor stays just below the cutoff.
             if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
             const Result part = measure(common.parts[i], asked);
             if (each_part_) describe(part, i + 1, result.reported);
@@ -94,7 +96,7 @@ private:
         return result;
     }
 
-    // A part without a surface of one mesh lies inside of that mesh.
+    // A part without a boundary from one mesh lies inside that mesh.
     Result measure(const CommonPart& part, Query query) const {
         const bool in_target = part.of_target.triangles.rows() == 0, in_source = part.of_source.triangles.rows() == 0;
         const auto whole = [](const TriangleMesh& mesh, const Pose& pose) {
@@ -118,7 +120,7 @@ private:
             std::swap(result.witness.source_point, result.witness.target_point);
             result.witness.direction = Witness::Direction::target_to_source;
         }
-        result.witness.source_element = result.witness.target_element = -1;  // of the cut meshes
+        result.witness.source_element = result.witness.target_element = -1;  // they refer to the cut meshes
         return result;
     }
 
