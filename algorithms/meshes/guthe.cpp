@@ -1,37 +1,36 @@
 // Midpoint subdivision after Guthe, Borodin, Klein: Fast and accurate Hausdorff distance calculation between meshes, WSCG
-// 2005. That paper was not at hand: this follows the descriptions in Tang, Lee, Kim 2009 and Zhang et al. 2017. From
-// there: an octree for proximity, subdivision at the midpoints of the edges, an upper bound for each triangle, purging of
-// triangles that cannot attain the maximum, the end of a triangle whose vertices share a nearest triangle.
+// 2005. The paper was not at hand, so this follows the descriptions in Tang, Lee, Kim 2009 and Zhang et al. 2017: an
+// octree for proximity, subdivision at the midpoints of the edges, an upper bound for each triangle, purging of
+// triangles that cannot attain the maximum, and no further work on a triangle whose vertices share a nearest triangle.
 //
 // Upper bound of a piece T with vertices v: the least, over some triangles S of B, of max_v d(v, S). The distance to a convex
-// set is convex, so its maximum over T is at a vertex (exact if S is nearest to all three, even if ties named another: the
-// shared-triangle end of Tang et al., section 4). Which S Guthe tries is not known. Ours are those nearest to the piece's
-// vertices, to its siblings' vertices, and the one that was best for its parent. A Lipschitz bound, d(v, B) + the longest
-// edge from v, cannot be less than that of the S nearest to v, so there is none.
+// set is convex, so its maximum over T is at a vertex. The bound is exact if S is nearest to all three, even if ties named
+// another triangle (the shared-triangle end of Tang et al., section 4). Which S Guthe tries is not known. We try those nearest to
+// the piece's vertices and its siblings' vertices, and the best one of its parent. A Lipschitz bound, d(v, B) + the longest
+// edge from v, cannot be less than the bound of the S nearest to v, so it is not used.
 // The piece of largest upper bound is split first. The lower bound is the largest distance of a vertex met so far.
 //
-// Regions: groups of triangles of A are settled by the boxes of an octree over A (search/regions.h). Off: every vertex of A is
-// measured.
+// Regions: the boxes of an octree over A settle groups of triangles (search/regions.h). If off, every vertex of A is measured.
 //
 // Split: `midpoint`, as published, makes four pieces of the same shape, so a needle stays a needle: k levels make 4^k pieces
 // where 2^k would do. `longest_edge` (ours) halves the longest edge, which soon makes compact pieces of a needle.
 //
-// Certified: upper bounds are widened as kernel/rounding.h says. Purging by the uncertified lower bound does no harm, as
-// the bounds of what is purged are kept; only the last witness is certified, by support planes (kernel/point_triangle.h).
-// With certify = false nothing is widened or certified, and with kernel = textbook distances are those that textbooks give:
-// both are there to be compared with, and their bounds may be wrong.
-// Warm start (ours, and only where the caller gives a State; search/warm_start.h): the point that was farthest at the pose before is
-// measured first, and a triangle of A is settled without a query if its distance to a triangle of B that was nearest to one of its
-// corners is small enough. Vertices that are measured begin at the triangle that was nearest to them.
+// Certified: upper bounds are widened as kernel/rounding.h says. Purging by the uncertified lower bound is safe, because
+// the bounds of purged pieces are kept; only the last witness is certified, by support planes (kernel/point_triangle.h).
+// With certify = false nothing is widened or certified, and with kernel = textbook distances are computed as in textbooks.
+// Both exist for comparison, and their bounds may be wrong.
+// Warm start (ours, if the caller gives a State; search/warm_start.h): the farthest point of the previous pose is measured first, and
+// a triangle of A is settled without a query if its distance to a triangle of B that was nearest to one of its corners is small
+// enough. Queries of vertices start at the triangle that was nearest before.
 //
 // Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest piece. They
-// are as tight as the search needed them: what cannot attain the maximum is not looked into.
+// are as tight as the search needed; triangles that cannot attain the maximum are not refined.
 //
-// Certificate: the search's own pieces and, of each, the triangle S whose bound it has (search/piece_proofs.h). The distances to S of the
-// corners show it, also where the search had the box of a group and one point of S, which are no nearer.
+// Certificate: the search's own pieces, each with the triangle S of its bound (search/piece_proofs.h). The distances from the corners to S
+// prove it, also if the search used the box of a group and one point of S, which are no nearer.
 //
-// Budget: subdivisions. Time O(n log m) for the vertices and O(log m) a subdivision on tame data; memory O(n + m) and 168
-// bytes for each piece in the queue.
+// Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on tame data. Memory: O(n + m), and 168
+// bytes per piece in the queue.
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/elements.h"
 #include "algorithms/search/mesh_solver.h"
@@ -55,7 +54,7 @@ struct GuthePiece {
     Index source;  // triangle of A
     Index best;    // triangle of B whose bound was least
     int level;
-    PieceProofs::Node node;  // of its proof, where a certificate is wanted
+    PieceProofs::Node node;  // of its proof, if a certificate is wanted
 };
 
 struct GutheChoices {
@@ -111,9 +110,9 @@ private:
     const Points& points_;
     Split split_;
     Counters counters_;
-    std::optional<ElementBounds> elements_;  // only where fields are wanted
+    std::optional<ElementBounds> elements_;  // set only if fields are wanted
     Stages stages_;
-    std::optional<PieceProofs> proofs_;  // only where a certificate is wanted
+    std::optional<PieceProofs> proofs_;  // set only if a certificate is wanted
     SearchBounds bounds_;
     SourceVertices vertices_;
     PieceQueue<GuthePiece> queue_;
@@ -125,7 +124,7 @@ void GutheSearch::push(const GuthePiece& piece) {
     queue_.push(piece);
 }
 
-// The least over the triangles nearest to its corners.
+// Bounds a piece by the least over the triangles nearest to its corners.
 void GutheSearch::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
@@ -144,7 +143,7 @@ void GutheSearch::push_triangles() {
     }
 }
 
-// The largest squared distance of a corner to a triangle of B that is nearest to one of them.
+// Returns the largest squared distance from a corner to a triangle of B that is nearest to one of the corners.
 double GutheSearch::squared_to_farthest(const GuthePiece& piece, Index triangle) {
     const Triangle near = target_.triangle(triangle);
     double most = 0;
@@ -169,7 +168,7 @@ PointBlock block_of(const Cut<MeasuredPoint>& cut) {
     return block;
 }
 
-// Each part is bounded by the triangles nearest to any vertex of the cut, and by the one that was best for the whole piece.
+// Bounds each part by the triangles nearest to any vertex of the cut, and by the best one of the whole piece.
 void GutheSearch::split(const GuthePiece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;

@@ -1,25 +1,25 @@
-// Sampling, as Metro (Cignoni, Rocchini, Scopigno 1998) and MESH (Aspert, Santa-Cruz, Ebrahimi 2002) do it: the distance to B of
-// the vertices of A, and of points on its edges and faces at an even density. Neither paper was at hand: this follows descriptions of
-// them. Both report the largest distance of a sample, which bounds h from below. The upper bound is ours.
+// Sampling like Metro (Cignoni, Rocchini, Scopigno 1998) and MESH (Aspert, Santa-Cruz, Ebrahimi 2002): measures the distance to B
+// of the vertices of A, and of evenly spread points on its edges and faces. Neither paper was at hand, so this follows descriptions.
+// Both report the largest distance of a sample, which bounds h from below. The upper bound is ours.
 //
-// Samples: on each triangle of A the grid of n steps (kernel/rounding.h), with n the least number for which its longest edge L has steps
-// of at most `step` times the diagonal of A's box. Metro asks for a number of samples for each unit of area, MESH for a step of a
-// fraction of the diagonal. A grid has about as many samples of a triangle as either, but for needles, which have more here.
+// Samples: a grid of n steps on each triangle of A (kernel/rounding.h), where n is the least number for which the steps on its longest
+// edge L are at most `step` times the diagonal of A's box. Metro takes a number of samples per unit of area, MESH a step as a fraction
+// of the diagonal. A grid has about as many samples per triangle as either, except on needles, which get more here.
 //
-// Upper bound of a triangle: the largest distance of its samples + the covering radius L / (n sqrt 3), which kernel/rounding.h
-// derives with its rounding. The gap is at most the largest covering radius, 0.58 `step` diagonals, and rounding: it does not depend on
-// the tolerance. Where it is wider than the tolerance the status is `budget`. With half the step the lower bound never becomes
-// smaller where all n double, and the largest gap becomes half; the upper bound may become larger, for a new sample may be up to 0.5
-// L / n farther than those beside it, and the radius gets smaller by 0.29 L / n only.
+// Upper bound of a triangle: the largest distance of its samples plus the covering radius L / (n sqrt 3), which kernel/rounding.h
+// derives with its rounding. The gap is at most the largest covering radius, 0.58 `step` diagonals, plus rounding, whatever the
+// tolerance; if it exceeds the tolerance, the status is `budget`. If the step is halved and every n doubles, the lower bound does not
+// decrease and the largest gap is halved. The upper bound may increase, because a new sample may be up to 0.5 L / n farther than its
+// neighbours, while the radius shrinks only by 0.29 L / n.
 //
-// Order: all vertices, which gives every triangle the bound of n = 1 (kept where it is the smaller one), then triangle by triangle the samples on its edges and inside. An
-// edge that two triangles share with the same n is measured once. Who stops early keeps the bounds of n = 1 of the triangles to come.
-// Triangles whose bound of n = 1 is at most the floor are left out.
+// Order: first all vertices, which give every triangle the bound of n = 1 (kept if it is the smaller one), then the samples on the edges
+// and inside, triangle by triangle. An edge that two triangles share with the same n is measured once. A search that stops early uses
+// the bounds of n = 1 for the remaining triangles. Triangles whose bound of n = 1 is at most the floor are skipped.
 //
 // Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and its "steps" n.
 //
-// Budget: samples beside the vertices of A, which are always measured. Time O(log m) a sample on tame data; memory O(n + m) for n
-// triangles of A and m of B: something is kept of each vertex, triangle and edge, and nothing of any other sample.
+// Budget: samples other than the vertices of A, which are always measured. Time: O(log m) per sample on tame data. Memory: O(n + m) for n
+// triangles of A and m of B; only samples at vertices and on edges are stored.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/elements.h"
@@ -37,7 +37,7 @@
 namespace hausbench {
 namespace {
 
-constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // of one triangle, so that numbers of steps are exact
+constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // per triangle, so that numbers of steps are exact
 
 // The samples inside an edge.
 struct EdgeSamples {
@@ -90,13 +90,13 @@ private:
     Trace& trace_;
     double step_;  // a length
     Counters counters_;
-    std::optional<ElementBounds> elements_;  // only where fields are wanted
+    std::optional<ElementBounds> elements_;  // set only if fields are wanted
     Stages stages_;
     SearchBounds bounds_;
     SourceVertices vertices_;
-    std::vector<double> rest_;  // the largest bound of n = 1 of the triangles from i on
+    std::vector<double> rest_;  // the largest bound of n = 1 among triangles i and later
     std::unordered_map<std::uint64_t, EdgeSamples> edges_;
-    std::uint64_t samples_ = 0;  // beside the vertices
+    std::uint64_t samples_ = 0;  // other than vertices
     Index near_ = -1;            // triangle of B, nearest to the last sample
     std::optional<Status> stopped_;
 };
@@ -131,7 +131,7 @@ void Sampling::bound_by_corners() {
     }
 }
 
-// Whether floor or cutoff allow to stop, where `rest` bounds the triangles that were not sampled. No tolerance ends it.
+// Returns whether floor or cutoff allow stopping, given that `rest` bounds the unsampled triangles. The tolerance never ends it.
 std::optional<Status> Sampling::end(double rest) {
     const double high = std::max(bounds_.settled(), rest);
     if (trace_.on()) trace_.record(bounds_.certified_lower(), high);
@@ -141,7 +141,7 @@ std::optional<Status> Sampling::end(double rest) {
     return query.answer(bounds_.certified_lower(), high);
 }
 
-// False: the samples or the time are spent.
+// Returns false if the samples or the time are spent.
 bool Sampling::measure(const Vec3& point, Index i, MeasuredPoint& farthest) {
     if (samples_ >= query_.budget) stopped_ = Status::budget;
     if (samples_ % 64 == 0 && bounds_.out_of_time()) stopped_ = Status::time_limit;
@@ -178,12 +178,12 @@ bool Sampling::sample_inside(Index i, std::int64_t n, MeasuredPoint& farthest) {
             if (!measure(grid_point(a, b, c, j, k, n), i, farthest)) return false;
             if (k == 1) first = near_;
         }
-        near_ = first;  // it is beside the first of the next row
+        near_ = first;  // it is next to the first sample of the next row
     }
     return true;
 }
 
-// False: stopped before its last sample.
+// Returns false if it stopped before its last sample.
 bool Sampling::sample_triangle(Index i, std::int64_t n, double by_corners) {
     const auto v = a_.triangles.row(i);
     const auto corners = vertices_.corners(i);

@@ -23,10 +23,10 @@ struct CascadePiece {
     double upper;
     Index source;  // triangle of A
     int level;
-    PieceProofs::Node node;  // of its proof, where a certificate is wanted
+    PieceProofs::Node node;  // of its proof, if a certificate is wanted
 };
 
-// The subdivisions that max_factor leaves: A's triangles count, and every piece. At least none.
+// Returns the number of subdivisions that max_factor allows; it counts A's triangles and every piece.
 std::uint64_t subdivisions_of(const Cascade& cascade, Index triangles) {
     const double pieces = (cascade.max_factor - 1) * static_cast<double>(triangles);
     const double most = std::floor(pieces / (cascade.split == Split::midpoint ? 4 : 2));
@@ -92,10 +92,10 @@ private:
     std::uint64_t factor_budget_;
     Query query_;
     Counters counters_;
-    std::optional<ElementBounds> elements_;  // only where fields are wanted
-    std::vector<double> last_bound_;  // likewise: of each triangle of A, the bound that was computed last, 0: exact
+    std::optional<ElementBounds> elements_;  // set only if fields are wanted
+    std::vector<double> last_bound_;         // likewise: the last bound computed for each triangle of A; 0: exact
     Stages stages_;
-    std::optional<PieceProofs> proofs_;  // only where a certificate is wanted
+    std::optional<PieceProofs> proofs_;  // set only if a certificate is wanted
     SearchBounds bounds_;
     PieceBounds pieces_;
     SourceVertices vertices_;
@@ -126,7 +126,7 @@ double CascadeSearch::bound(PieceBound which, const CascadePiece& piece) {
     return three;
 }
 
-// Lowers its upper bound; true: it is settled.
+// Lowers the upper bound of a piece. Returns true if that settles it.
 bool CascadeSearch::bound(CascadePiece& piece) {
     const auto lower = [&](double upper, double which) {
         piece.upper = std::min(piece.upper, upper);
