@@ -124,7 +124,7 @@ void GutheSearch::push(const GuthePiece& piece) {
     queue_.push(piece);
 }
 
-// Bounds a piece by the least over the triangles nearest to its corners.
+// Queues the triangles of A, each bounded by the least over the triangles of B nearest to its corners.
 void GutheSearch::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
