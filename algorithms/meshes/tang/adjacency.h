@@ -1,4 +1,4 @@
-// Which triangles of a mesh share an edge.
+// The triangles of a mesh that share an edge.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -11,8 +11,8 @@
 
 namespace hausbench {
 
-// An edge is a pair of vertex numbers: vertices at the same place but with different numbers are not joined. Any soup will
-// do; an edge may belong to one triangle, to two or to many. A triangle with two equal corners is listed twice at its edge.
+// An edge is a pair of vertex numbers: vertices at the same place but with different numbers are not joined. Any soup is
+// allowed; an edge may belong to one, two or many triangles. A triangle with two equal corners is listed twice at its edge.
 class Adjacency {
 public:
     static constexpr std::string_view structure_name = "adjacency";
@@ -24,18 +24,18 @@ public:
 
     Index edges() const { return static_cast<Index>(begin_.size()) - 1; }
 
-    // The edge from corner k to corner k + 1 (mod 3) of a triangle.
+    // Returns the edge from corner k to corner k + 1 (mod 3) of a triangle.
     Index edge(Index triangle, int k) const {
         return edge_of_[3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(k)];
     }
 
-    // Its triangles, in ascending order.
+    // Returns the triangles at an edge, in ascending order.
     std::span<const Index> triangles(Index edge) const {
         const auto e = static_cast<std::size_t>(edge);
         return {triangles_.data() + begin_[e], static_cast<std::size_t>(begin_[e + 1] - begin_[e])};
     }
 
-    // The other triangle at that edge; -1 at a border, and where there are several.
+    // Returns the other triangle at that edge; -1 at a border, or if there are several.
     Index neighbour(Index triangle, int k) const {
         const auto both = triangles(edge(triangle, k));
         if (both.size() != 2 || both[0] == both[1]) return -1;

@@ -15,12 +15,12 @@ namespace hausbench {
 
 namespace {
 
-constexpr std::size_t most_near_move = 256;  // triangles of B: with more the lemma is not tried
+constexpr std::size_t most_near_move = 256;  // triangles of B; with more, the lemma is not tried
 
 using Corners = std::array<Vec3, 3>;
 
-// Whether the hulls of two sets of points are more than `margin` apart along an axis. Which axis is tried decides nothing but whether
-// one is found, so rounding matters only along it.
+// Returns whether the hulls of two sets of points are more than `margin` apart along an axis. The choice of axes affects only whether one
+// is found, so rounding matters only in the test along it.
 bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two, double margin) {
     const double size = axis.cwiseAbs().maxCoeff();
     if (!(size > 0 && size < infinity)) return false;
@@ -37,7 +37,7 @@ bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two
     return low[0] - high[1] > margin || low[1] - high[0] > margin;
 }
 
-// The axes of a separating plane of two triangles, or of a segment and one: normals, and products of edges.
+// Returns candidate axes of a plane that separates two triangles, or a segment and a triangle: normals, and products of edges.
 bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
     const auto edge = [](std::span<const Vec3> p, std::size_t k) { return Vec3(p[(k + 1) % p.size()] - p[k]); };
     if (one.size() == 3 && apart_along(edge(one, 0).cross(edge(one, 1)), one, two, margin)) return true;
@@ -58,7 +58,7 @@ bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
     return false;
 }
 
-// Whether the segment crosses the triangle inside; nothing where that is in doubt. Its ends are not on the triangle.
+// Returns whether the segment crosses the inside of the triangle; nothing if that is in doubt. Its ends are not on the triangle.
 std::optional<bool> crosses(const std::array<Vec3, 2>& segment, const Corners& t, double margin) {
     if (apart(segment, t, margin)) return false;
     const Vec3 &p = segment[0], &q = segment[1];
@@ -109,10 +109,10 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
     const double length = distance_at_most(squared_length(move), true), n = magnitude_ + length;
     const double margin = (4 * level + 48) * unit_roundoff * n;
     const Corners moved{corners[0] + move, corners[1] + move, corners[2] + move};
-    // Not a corner or the middle, which are often above an edge.
+    // Neither a corner nor the middle, which are often above an edge.
     const Vec3 p = 0.5 * corners[0] + 0.3 * corners[1] + 0.2 * corners[2];
     const std::array<Vec3, 2> segment{p, p + move};
-    // Both, and all segments, are in this ball. Each length errs by a few uN.
+    // Contains both triangles and all segments. Each length errs by a few uN.
     const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     double radius = 0;
     for (const Vec3& corner : corners) radius = std::max(radius, squared_length(corner - middle));

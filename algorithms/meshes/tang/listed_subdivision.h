@@ -1,6 +1,6 @@
-// Subdivision of pieces of A by lists of near triangles of B (Tang et al. 2009, section 5.1): a piece is cut until it is settled, the
-// one of largest upper bound first. The list of a piece takes the place of B for its parts; without one they are measured by closest
-// point queries.
+// Subdivision of pieces of A with lists of near triangles of B (Tang et al. 2009, section 5.1): pieces are cut until they are settled, the
+// one with the largest upper bound first. The list of a piece replaces B for its parts; without a list, closest point queries measure
+// them.
 #pragma once
 
 #include "algorithms/meshes/tang/enclosed_move.h"
@@ -13,31 +13,31 @@ namespace hausbench {
 // `Tree` is over B.
 template <class Tree> class ListedSubdivision {
 public:
-    // References are kept. `by_moving`: tried before a piece is cut, or null.
+    // Keeps references. `by_moving` is tried before a piece is cut; may be null.
     ListedSubdivision(TargetCulling<Tree>& on_b, const PieceCutter& cutter, SearchBounds& bounds, Counters& counters,
                       EnclosedMove<Tree>* by_moving = nullptr)
         : on_b_(on_b), cutter_(cutter), bounds_(bounds), counters_(counters), by_moving_(by_moving) {}
 
-    // Whether it needs no further work; its bound is then kept.
+    // Returns whether a piece needs no further work; its bound is then kept.
     bool settle(const ListedPiece& piece) {
         return bounds_.settle(piece.upper, piece.source, piece.level, cutter_.most_levels());
     }
 
-    // Unless it is settled.
+    // Queues a piece unless it is settled.
     void push(const ListedPiece& piece);
 
     // Cuts pieces until the search is over.
     Status run();
 
-    // The largest upper bound of what is not settled, 0 if all is.
+    // Returns the largest upper bound of an unsettled piece, 0 if there is none.
     double upper() const { return queue_.upper(); }
 
-    // Gives their triangles the bounds of the pieces that are not settled.
+    // Gives the bounds of unsettled pieces to their triangles.
     void settle_elements() const {
         queue_.for_each([&](const ListedPiece& piece) { bounds_.elements()->settle(piece.upper, piece.source); });
     }
 
-    // The most subdivisions that a piece has gone through.
+    // The largest depth of subdivision of a piece.
     int deepest() const { return deepest_; }
 
 private:

@@ -1,4 +1,4 @@
-// A walk over the leaves of a BVH of either kind (volumes.h) that may hold something near a point, near ones first.
+// A walk over the leaves of either kind of BVH (volumes.h) that may hold something near a point, near ones first.
 #pragma once
 
 #include "algorithms/kernel/counters.h"

@@ -1,4 +1,4 @@
-// Many short lists of numbers, such as the triangles of B that a piece keeps, in one piece of memory.
+// Many short lists of numbers, such as the triangles of B that a piece keeps, in one block of memory.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -11,15 +11,15 @@
 
 namespace hausbench {
 
-// At most `most` numbers a list. Room that was given back is used again for a list of about the same length, so there is never
-// more than the most lists of each length at any one time took.
+// At most `most` numbers per list. Released space is reused for a list of about the same length, so memory is bounded by the peak number
+// of lists of each length.
 template <std::size_t most> class ShortLists {
 public:
     struct List {
         std::uint32_t begin = 0, count = 0;
     };
 
-    // An empty list takes no room.
+    // An empty list takes no space.
     List store(std::span<const Index> numbers) {
         if (numbers.empty()) return {};
         std::vector<std::uint32_t>& free = free_[kind(numbers.size())];
@@ -34,7 +34,7 @@ public:
         return list;
     }
 
-    // Until the next store().
+    // Valid until the next store().
     std::span<const Index> numbers(const List& list) const { return {numbers_.data() + list.begin, list.count}; }
 
     void give_back(const List& list) {

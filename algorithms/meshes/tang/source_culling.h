@@ -1,9 +1,9 @@
-// Culling on A (Tang et al. 2009, section 4.1): a BVH of A is searched from its root, and all triangles below a node are left out if
-// its volume is no farther from some point q of B than the lower bound (Eqs. 8, 9).
+// Culling on A (Tang et al. 2009, section 4.1): searches a BVH of A from its root, and skips all triangles below a node whose volume is
+// no farther from some point q of B than the lower bound (Eqs. 8, 9).
 //
-// Ours: nodes whose volume is farthest from B come first; q is the closest point to the middle of a volume, or of one around it. A
-// query for it is made only where it can cull. In a chain of poses (ours as well), the triangle of B that was nearest to a volume at the
-// pose before gives a q without a query.
+// Ours: nodes whose volume is farthest from B come first; q is the closest point to the middle of a volume, or of an enclosing one. A
+// query for q is made only if it can cull. In a chain of poses (also ours), the triangle of B that was nearest to a volume at the
+// previous pose gives q without a query.
 #pragma once
 
 #include "algorithms/meshes/tang/volumes.h"
@@ -14,12 +14,12 @@
 
 namespace hausbench {
 
-// `Tree`: SweptSphereBvh or TriangleBvh, over A where it stands; its volumes are moved with A. What is culled is settled in
-// `bounds`, and so are its triangles where `bounds` keeps elements.
+// `Tree` is SweptSphereBvh or TriangleBvh, over A unposed; its volumes are moved with A. Culled nodes are settled in `bounds`, and so are
+// their triangles if `bounds` keeps elements.
 template <class Tree> class SourceCulling {
 public:
-    // References are kept.
-    // `near_node`: as in WarmStart, read and written; or null.
+    // Keeps references.
+    // `near_node` is as in WarmStart, read and written; may be null.
     SourceCulling(const Tree& tree, const Pose& pose, const Target& target, double magnitude, SearchBounds& bounds,
                   Counters& counters, std::vector<Index>* near_node)
         : tree_(tree),
@@ -37,13 +37,13 @@ public:
 
     bool done() const { return branches_.empty(); }
 
-    // The largest upper bound of what was not looked at yet, 0 where it is done.
+    // Returns the largest upper bound of the remaining nodes, 0 if none is left.
     double upper() const { return branches_.empty() ? 0 : branches_.back().rest; }
 
-    // Takes one node: it is culled, or its children take its place. Or a leaf: its triangles, which are the caller's from now on.
+    // Takes one node, which is culled or replaced by its children; or a leaf, whose triangles pass to the caller.
     std::span<const Index> step();
 
-    // Gives each triangle that was not looked at yet the bound of its node.
+    // Gives each remaining triangle the bound of its node.
     void settle_elements() const {
         for (const Branch& branch : branches_) settle_below(branch.child, branch.upper);
     }
@@ -51,7 +51,7 @@ public:
 private:
     // A node, or a leaf.
     struct Branch {
-        double upper;       // bound of all below it
+        double upper;       // bound of everything below it
         double rest;        // the largest bound from here down the stack
         ClosestPoint near;  // on B
         std::int32_t child;
@@ -69,7 +69,7 @@ private:
     SearchBounds& bounds_;
     Counters& counters_;
     std::vector<Index>* near_node_;
-    std::vector<Branch> branches_;  // what is left, the largest bound last
+    std::vector<Branch> branches_;  // the remaining ones, the largest bound last
 };
 
 }  // namespace hausbench

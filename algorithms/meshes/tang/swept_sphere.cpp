@@ -11,10 +11,10 @@
 namespace hausbench {
 namespace {
 
-// A point of the rectangle near q, and what a bound needs to know.
+// A point of the rectangle near q, with the numbers that a bound needs.
 struct Foot {
     double squared;  // computed squared distance from q
-    double size;     // no less than |q - centre| + |u| + |v|, but for rounding
+    double size;     // at least |q - centre| + |u| + |v|, up to rounding
 };
 
 double along(const Vec3& r, const Vec3& axis) {
@@ -30,7 +30,7 @@ Foot foot_of(const SweptSphere& volume, const Vec3& q) {
     return {squared_length(rest), sum(r) + sum(volume.u) + sum(volume.v)};
 }
 
-// Of the points of the rectangle. A difference, two products and two sums err by at most 8u(size) in each coordinate of
+// Finds the point of the rectangle nearest to q. A difference, two products and two sums err by at most 8u(size) in each coordinate of
 // `rest`, so in length by less than 14u(size); the length itself by 4u of it, which is at most 1.01 size.
 double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     double most = 0;
@@ -41,7 +41,7 @@ double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     return next_up(most);
 }
 
-// Of the points' moments about their mean, the largest first. The points are taken about `middle` in units of `extent`.
+// Returns the principal axes of the points, the largest moment first. The points are taken relative to `middle` in units of `extent`.
 std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& middle, double extent) {
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     Vec3 mean = Vec3::Zero();
@@ -55,7 +55,7 @@ std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& mid
     return {solver.eigenvectors().col(2), solver.eigenvectors().col(1), solver.eigenvectors().col(0)};
 }
 
-// The box of the points along the axes, about `middle`.
+// Returns the box of the points along the axes, relative to `middle`.
 Box box_along(const std::array<Vec3, 3>& axes, std::span<const Vec3> points, const Vec3& middle) {
     Box box;
     for (const Vec3& point : points) {

@@ -1,5 +1,5 @@
-// Swept sphere volumes: a point, a segment or a rectangle, and all that is within a radius of it. Tighter than boxes around
-// surface patches. A BVH whose children have one each.
+// Swept sphere volumes: all points within a radius of a point, a segment or a rectangle. They are tighter than boxes around surface
+// patches. A BVH with one for each child.
 //
 // After Larsen, Gottschalk, Lin, Manocha: Fast proximity queries with swept sphere volumes, 1999; used by Tang et al. 2009.
 #pragma once
@@ -18,11 +18,11 @@ struct SweptSphere {
     double radius = 0;
 };
 
-// One around these points, and with them their convex hull: of a sphere, a segment and a rectangle along the principal axes
-// the one of least volume. The radius is rounded up. O(n). At least one point; coordinates up to 2^400.
+// Returns a volume around these points, and so around their convex hull: the smallest by volume of a sphere, and of those of a segment and
+// a rectangle along the principal axes. The radius is rounded up. O(n). At least one point; coordinates up to 2^400.
 SweptSphere swept_sphere_around(std::span<const Vec3> points);
 
-// Bounds of the distance from q to what is inside, proven under rounding (swept_sphere.cpp): none is nearer, none farther.
+// Lower and upper bounds of the distance from q to any point inside; valid under rounding (swept_sphere.cpp).
 double distance_at_least(const SweptSphere& volume, const Vec3& q);
 double distance_at_most(const SweptSphere& volume, const Vec3& q);
 
@@ -34,7 +34,7 @@ public:
     // `mesh` must outlive this. O(n log n).
     explicit SweptSphereBvh(const TriangleMesh& mesh);
 
-    // Around the triangles below the child of a node of tree().
+    // Returns the volume around the triangles below a child of a node of tree().
     const SweptSphere& volume(std::size_t node, int child) const {
         return volumes_[node * tree_width + static_cast<std::size_t>(child)];
     }

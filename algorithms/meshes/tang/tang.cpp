@@ -1,30 +1,30 @@
 // Cross-culling and Voronoi subdivision: Tang, Lee, Kim: Interactive Hausdorff distance computation for general polygonal models,
 // ACM Transactions on Graphics 28(3), 2009.
 //
-// Three steps. Culling on A (meshes/tang/source_culling.h): nodes of a BVH of A that cannot hold the farthest point are left out.
-// Culling on B (meshes/tang/target_culling.h): a triangle T of A that is left goes through a BVH of B, which gives T's upper bound u and
-// the list L of the triangles of B that its parts may be near. Subdivision (meshes/tang/listed_subdivision.h, meshes/tang/voronoi_cut.h): T is
-// cut until it is settled, the piece of largest upper bound first; L takes the place of B for its parts.
+// Three steps. Culling on A (source_culling.h) skips nodes of a BVH of A that cannot hold the farthest point. Culling on B
+// (target_culling.h) sends each remaining triangle T of A through a BVH of B, which gives T's upper bound u and the list L of the
+// triangles of B that its parts may be near. Subdivision (listed_subdivision.h, voronoi_cut.h) cuts T until it is settled, the piece
+// with the largest upper bound first; L replaces B for its parts.
 //
-// From the paper: all that, swept sphere volumes, group traversal (the three corners go through B together), Voronoi subdivision, the
-// end of a piece whose corners have a nearest triangle in common: then some S in L has h(T, S) = the largest distance of a corner,
-// and u settles the piece. Ties need no care, as L holds each of the triangles that tie.
-// Ours: what the headers of the parts say; and leaves hold up to eight triangles, not four, for the vector kernels: they belong to the
-// trees of all solvers. Penetration depth is left out.
-// The paper's option for closed B, Lemma 4, is `lemma4`, off: corrected and certified (meshes/tang/enclosed_move.h).
+// From the paper: these steps, swept sphere volumes, group traversal (the three corners go through B together), Voronoi subdivision,
+// and no further work on a piece whose corners share a nearest triangle: then some S in L has h(T, S) = the largest distance of a
+// corner, and u settles the piece. Ties are harmless, because L holds every tied triangle.
+// Ours: changes named in the headers of the parts, and leaves of up to eight triangles, not four, for the vector kernels, because all
+// solvers share the trees. Penetration depth is a solver of its own.
+// The paper's option for closed B, Lemma 4, is `lemma4`, off by default: corrected and certified (enclosed_move.h).
 //
-// Certified: upper bounds are widened as kernel/rounding.h says, volumes as meshes/tang/volumes.cpp does; the lower bound as in
-// search/bounds.h. Where A was moved, its volumes are moved with it.
-// Two sides (section 6): the triangle of B that gave one of A its bound is the first to be tried with it in the second direction. So are
-// in a chain of poses, where the caller gives a State, those of the pose before: these, what was near the nodes of A, and the point
-// that was farthest (ours).
+// Certified: upper bounds are widened as kernel/rounding.h says, volumes as volumes.cpp does; the lower bound is that of
+// search/bounds.h. If A moves, its volumes move with it.
+// Two sides (section 6): the triangle of B that gave a triangle of A its bound is tried first with it in the second direction. In a chain
+// of poses (if the caller gives a State), hints come from the previous pose: these triangles, the triangles near the nodes of A, and the
+// farthest point (ours).
 //
 // Fields: those of guthe.cpp; triangles that were culled with a node have that node's bound.
-// Reports: "culled on A", the share of A's triangles that were settled before culling on B; "culled on B", the share of B's triangles
-// that were not measured against a triangle of A that was not culled; "depth", the largest number of subdivisions.
+// Reports: "culled on A", the share of A's triangles settled before culling on B; "culled on B", the share of B's triangles that were
+// not measured against any remaining triangle of A; "depth", the largest number of subdivisions.
 //
-// Budget: subdivisions. Time O(n log n + m log m) to prepare. Memory O(n + m), and 184 bytes and its list, 4 bytes a triangle, for each
-// piece in the queue.
+// Budget: subdivisions. Time: O(n log n + m log m) to prepare. Memory: O(n + m), and per piece in the queue 184 bytes plus 4 bytes for
+// each triangle in its list.
 #include "algorithms/meshes/tang/enclosed_move.h"
 #include "algorithms/meshes/tang/listed_subdivision.h"
 #include "algorithms/meshes/tang/source_culling.h"
@@ -104,7 +104,7 @@ private:
     WarmStart* warm_start_;
     bool by_groups_;
     Counters counters_;
-    std::optional<ElementBounds> elements_;  // only where fields are wanted
+    std::optional<ElementBounds> elements_;  // set only if fields are wanted
     Stages stages_;
     SearchBounds bounds_;
     SourceCulling<Tree> on_a_;
@@ -125,7 +125,7 @@ template <class Tree> void TangSearch<Tree>::report(Result& result) const {
     result.reported["depth"] = static_cast<double>(pieces_.deepest());
 }
 
-// Ends with a status, or where all of A is culled or in the queue.
+// Returns a status if the search ends, or nothing once all of A is culled or queued.
 template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     on_a_.begin(points_);
     while (!on_a_.done()) {
@@ -203,7 +203,7 @@ template <class Tree> class Tang final : public MeshSolver<Tree> {
 public:
     explicit Tang(const TangChoices& choices) : choices_(choices) {}
 
-    // However small the shapes are: culling goes by the nodes.
+    // Needed however small the shapes are, because culling works on nodes.
     Needs needs(const Scene&, const QuerySet&) const override {
         return {need<Tree>(Side::source), need<Tree>(Side::target)};
     }
@@ -225,7 +225,7 @@ private:
 
     TangChoices choices_;
     const Tree* a_tree_ = nullptr;
-    bool closed_ = false;  // B, where that is asked for
+    bool closed_ = false;  // whether B is closed, if that was asked for
 };
 
 std::unique_ptr<Solver> make(const Options& options) {
