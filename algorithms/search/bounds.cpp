@@ -4,8 +4,8 @@
 
 namespace hausbench {
 
-// The distance as computed, less some uM, would not do: that it is not too large is measured, not proven
-// (kernel/point_triangle.h). Support planes prove it of the point, which is within 2 level uM of A (kernel/rounding.h).
+// Subtracting some uM from the computed distance would not be a proof: that it is not too large is measured, not proven
+// (kernel/point_triangle.h). Support planes prove it for the point, which is within 2 level uM of A (kernel/rounding.h).
 double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {
     if (!rounding_.certify || farthest.source < 0) return std::sqrt(std::max(farthest.point.squared, 0.0));
     const double distance = target_.certified_distance(farthest.point.point, counters);
@@ -21,7 +21,7 @@ std::optional<Status> SearchBounds::answered(double queued) {
     while (true) {
         const double high = std::max(settled_, queued), low = std::max(std::sqrt(farthest_squared()) - loss_, 0.0);
         if (trace_.on()) trace_.record(certified_lower(), high);
-        // Seemingly answered, or nothing is left to split. Certifying the witness costs a query, so it comes last.
+        // Apparently answered, or nothing left to split. Certifying the witness costs a query, so it comes last.
         const std::optional<Status> seems = query_.answer(low, high);
         const bool done = queued <= settled_;
         if (seems || done) {

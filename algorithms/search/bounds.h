@@ -1,9 +1,9 @@
-// What a branch-and-bound search over pieces of A knows of h(A, B): the farthest point so far, the interval, and when to end.
+// The bounds of h(A, B) in a branch-and-bound search over pieces of A: the farthest point so far, the interval, and when to stop.
 //
-// Lower bound: the largest distance of a point of A met so far. It is certified by support planes (kernel/point_triangle.h),
-// which costs a query, so only when the search seems to be over. Until then pieces are purged by the uncertified one, which
-// does no harm: the upper bounds of what is purged are kept.
-// Upper bound: the largest of those kept ("settled") and of those in the queue, which belongs to the caller.
+// Lower bound: the largest distance of a point of A met so far. Support planes certify it (kernel/point_triangle.h), which
+// costs a query, so it is done only when the search seems to be over. Until then the uncertified bound purges pieces, which
+// is safe, because the upper bounds of purged pieces are kept.
+// Upper bound: the largest of the kept ("settled") bounds and of those in the queue, which belongs to the caller.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -20,7 +20,7 @@ namespace hausbench {
 
 class SearchBounds {
 public:
-    // References are kept. `rounding.magnitude`: of A posed and B. `elements`: to keep the bounds of each triangle of A too, or null.
+    // Keeps references. `rounding.magnitude` covers A posed and B. `elements`, if not null, also receives the bounds of each triangle of A.
     SearchBounds(const Query& query, const Target& target, const SurfaceRounding& rounding, Counters& counters,
                  Trace& trace, ElementBounds* elements = nullptr)
         : query_(query),
@@ -33,7 +33,7 @@ public:
 
     bool out_of_time() const { return deadline_.passed(); }
 
-    // A point of A was measured: a vertex of a piece of `level` subdivisions of triangle `source`, or of A (level 0).
+    // Takes a measured point of A: a vertex of a piece after `level` subdivisions of triangle `source`, or of A (level 0).
     void offer(const MeasuredPoint& point, Index source, int level) {
         if (elements_) elements_->offer(point, source, level);
         if (!(point.squared > farthest_.point.squared)) return;
@@ -41,7 +41,7 @@ public:
         certified_ = -1;
     }
 
-    // Finds its distance, and offers it. `warm`: a triangle of B to look at first, or -1.
+    // Measures a point and offers it. `warm`: a triangle of B to try first, or -1.
     MeasuredPoint measure(const Vec3& point, Index warm, Index source, int level) {
         const ClosestPoint nearest = target_.closest(point, warm, counters_);
         const MeasuredPoint measured{point, nearest.squared_distance, nearest.triangle};
@@ -52,23 +52,23 @@ public:
     const Farthest& farthest() const { return farthest_; }
     ElementBounds* elements() const { return elements_; }
 
-    // The upper bound of a piece whose points are at most sqrt(squared) from B, as computed, after `level` subdivisions.
+    // Returns the upper bound of a piece after `level` subdivisions whose points are at most sqrt(squared) from B as computed.
     double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
 
-    // An upper bound that ends the search, if all have it and the lower bound is what it seems to be.
+    // Returns an upper bound that ends the search once every piece has it, provided that the lower bound can be certified.
     double sought() const {
         const double low = std::sqrt(farthest_squared());
         return low + 0.5 * query_.tolerance.gap(low);
     }
 
-    // The largest upper bound that a piece of this level may have and be purged.
+    // Returns the largest upper bound with which a piece of this level may be purged.
     double purged_at_most(int level) const {
         return std::max(rounding_.at_most(farthest_squared(), level), query_.floor);
     }
 
-    // Whether a piece of triangle `source` with this upper bound needs no further work; its bound is then kept. A bound that
-    // comes from points no farther than the farthest one is purged here, exactly; so is one below the floor, which is of no
-    // interest, and what is at `most_levels` (subdivision.h).
+    // Returns whether a piece of triangle `source` with this upper bound needs no further work; its bound is then kept. Purges
+    // pieces bounded by points no farther than the farthest one, pieces below the floor, and pieces at `most_levels`
+    // (subdivision.h).
     bool settle(double upper, Index source, int level, int most_levels) {
         if (upper > purged_at_most(level) && level < most_levels) return false;
         settled_ = std::max(settled_, upper);
@@ -76,30 +76,30 @@ public:
         return true;
     }
 
-    // What somebody else settled has no larger upper bound; its elements are told already.
+    // Takes the largest upper bound of pieces settled elsewhere, whose elements are recorded already.
     void keep(double upper) { settled_ = upper > settled_ ? upper : settled_; }
 
-    // Whether the bounds, or the lack of anything left to split, end the search; `queued` as below.
+    // Returns a status if the bounds, or an empty queue, end the search; `queued` as below.
     std::optional<Status> answered(double queued);
 
-    // Whether the search is over, and how; asked before a piece is taken from the queue, which is not empty if the answer is
-    // no. `queued` is the largest upper bound in the queue, 0 where it is empty; `spent` is what the budget is compared with.
+    // Returns a status if the search is over. Call it before taking a piece from the queue; if it returns nothing, the queue is
+    // not empty. `queued` is the largest upper bound in the queue, 0 if it is empty; `spent` is compared with the budget.
     std::optional<Status> end(double queued, std::uint64_t spent);
 
-    // The largest upper bound of what was settled so far.
+    // Returns the largest upper bound of settled pieces.
     double settled() const { return settled_; }
 
-    // Of the farthest point; costs a query each time that there is a new one.
+    // Returns the certified distance of the farthest point; costs a query for each new farthest point.
     double certified_lower();
 
     Result result(Status status, double queued);
 
-    // Where time is out before every triangle of A has an upper bound. `vertices` are those of A, posed. O(n).
+    // Returns the result if time ran out before every triangle of A has an upper bound. `vertices` are the vertices of A, posed. O(n).
     Result result_without_bounds(const Triangles& triangles, const Points& vertices);
 
-    // Of `elements`, to which the caller has given what is left in its queue: "lower", "upper" and "level" of each triangle of A.
-    // The lower bound is 0 where no point of the triangle was measured. Costs a certified distance a triangle, whatever the time
-    // limit, which no counter tells.
+    // Returns "lower", "upper" and "level" of each triangle of A from `elements`, to which the caller has given the rest of its queue.
+    // The lower bound is 0 if no point of the triangle was measured. Costs one certified distance per triangle, whatever the time
+    // limit; no counter includes it.
     Fields fields() const;
 
 private:
@@ -115,8 +115,8 @@ private:
     Deadline deadline_;
     Farthest farthest_;
     double certified_ = -1;  // lower bound of the distance of farthest_; negative: to be computed
-    double settled_ = 0;     // the largest upper bound of what was purged
-    double loss_ = 0;        // what certifying the farthest point has cost so far
+    double settled_ = 0;     // the largest upper bound of purged pieces
+    double loss_ = 0;        // loss in certifying the farthest point so far
 };
 
 }  // namespace hausbench

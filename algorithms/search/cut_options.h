@@ -1,4 +1,4 @@
-// How a solver cuts the triangles of A, as its parameters say.
+// Parameters that say how a solver cuts the triangles of A.
 #pragma once
 
 #include "algorithms/options.h"
@@ -8,13 +8,13 @@
 
 namespace hausbench {
 
-// The parameter `split` where the published one is at midpoints, and what it says.
+// The parameter `split` of solvers that publish midpoint subdivision, and its value.
 ParameterSpec split_parameter();
 Split split_of(const Options& options);
 
 enum class Cutting { voronoi, midpoint, longest_edge };
 
-// The parameters `split` and `least_part` where it is Voronoi subdivision (voronoi_cut.h), and what the first of them says.
+// The parameters `split` and `least_part` of solvers that publish Voronoi subdivision (voronoi_cut.h), and the value of the first.
 std::vector<ParameterSpec> cutting_parameters();
 Cutting cutting_of(const Options& options);
 

@@ -1,4 +1,4 @@
-// What a search knows of each triangle of A, beside what it knows of all: for Result::fields, and kept only where they are wanted.
+// The bounds of each triangle of A in a search, for Result::fields; kept only if fields are wanted.
 #pragma once
 
 #include "algorithms/search/target.h"
@@ -7,17 +7,17 @@
 
 namespace hausbench {
 
-// The farthest point of A so far, or of one triangle of it.
+// The farthest point so far, of A or of one triangle of it.
 struct Farthest {
     MeasuredPoint point{};
-    Index source = -1;  // triangle of A that it is in; -1: nothing was measured yet
-    int level = 0;      // how far it may be from A by rounding, as kernel/rounding.h counts it
+    Index source = -1;  // its triangle of A; -1: nothing measured yet
+    int level = 0;      // its possible distance from A by rounding, in the levels of kernel/rounding.h
 };
 
-// Its functions are not inline, so that searches without it are as fast as before.
+// Its functions are not inline, so that searches without it stay fast.
 struct ElementBounds {
     std::vector<Farthest> farthest;
-    std::vector<double> upper;    // the largest upper bound of a piece that was settled
+    std::vector<double> upper;    // the largest upper bound of a settled piece
     std::vector<double> deepest;  // level of subdivision of its smallest piece
 
     explicit ElementBounds(Index count)
@@ -25,13 +25,13 @@ struct ElementBounds {
           upper(static_cast<std::size_t>(count)),
           deepest(static_cast<std::size_t>(count)) {}
 
-    // A point of triangle `source` was measured.
+    // Takes a measured point of triangle `source`.
     void offer(const MeasuredPoint& point, Index source, int level);
 
-    // A piece of triangle `source` has this upper bound, and is not looked into any more.
+    // Settles a piece of triangle `source` with this upper bound.
     void settle(double bound, Index source);
 
-    // There is a piece of triangle `source` of this level.
+    // Records that triangle `source` has a piece of this level.
     void subdivided(Index source, int level);
 };
 

@@ -1,5 +1,5 @@
-// What solvers of meshes have in common: the shapes they take, a tree over B, the vertices of A in their pose, and the size of
-// the coordinates, which decides how far rounding may go.
+// Base of mesh solvers: the shapes they accept, a tree over B, the posed vertices of A, and the size of the coordinates, which
+// determines the rounding errors.
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -16,24 +16,24 @@
 
 namespace hausbench {
 
-// One query: A, its vertices in their pose, B, and M of kernel/rounding.h. All but the last are references.
+// One query: A, its posed vertices, B, and M of kernel/rounding.h. All but the last are references.
 struct MeshPair {
     const TriangleMesh& source;
     const Points& points;
     const Target& target;
     double magnitude;
-    const TriangleTree* source_tree;  // over A, unposed; null: none is asked for
+    const TriangleTree* source_tree;  // over A, unposed; null if not used
 };
 
-// Of the box of both where they stand. O(n + m).
+// Returns the magnitude of the box of both at their poses. O(n + m).
 inline double diagonal_of(const MeshPair& pair) {
     Box box = box_of(pair.points);
     box.add(box_of(pair.target.mesh().vertices));
     return (box.high - box.low).norm();
 }
 
-// `Tree`: what a solver has over B, unless B is so small that a scan is as fast: a tree or a grid. A solver that needs more overrides needs() and
-// prepare(), and calls these.
+// `Tree` is the solver's structure over B, a tree or a grid; it is not built if B is so small that a scan is as fast. A solver that needs
+// more overrides needs() and prepare(), and calls these.
 template <class Tree> class MeshSolver : public Solver {
     static constexpr bool is_tree = std::derived_from<Tree, TriangleTree>;
 
@@ -71,24 +71,24 @@ public:
 protected:
     explicit MeshSolver(bool textbook = false, bool regions = false) : textbook_(textbook), regions_(regions) {}
 
-    // Even where a tree over A was built for nothing: answers must not depend on what was left out.
+    // Applies even if a tree over A was built needlessly: answers must not depend on what was left out.
     bool has_regions(const Scene& scene) const { return regions_ && element_count(scene.source) > scan_at_most; }
 
     const TriangleMesh& source() const { return *source_; }
-    const Tree* tree() const { return tree_; }  // null: B is scanned
+    const Tree* tree() const { return tree_; }  // null if B is scanned
 
 private:
     virtual Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const = 0;
 
-    bool textbook_;  // as Target takes it
-    bool regions_;   // whether there is a tree over A too
+    bool textbook_;  // see Target
+    bool regions_;   // whether to use a tree over A
     const TriangleMesh* source_ = nullptr;
     const TriangleMesh* target_ = nullptr;
     const Tree* tree_ = nullptr;
     const RegionTree* source_tree_ = nullptr;
 };
 
-// Meshes or points on either side, certified, with a trace and fields. The rest is the solver's.
+// Returns the info of a certified solver for meshes or points on either side, with trace and fields. The solver sets the rest.
 template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string title, std::string paper) {
     SolverInfo info;
     info.name = std::move(name);

@@ -1,9 +1,9 @@
-// The arguments of piece_bounds.h as trees of a certificate: how a piece is cut into cells, and the triangle of B of each.
+// The arguments of piece_bounds.h as trees of a certificate: the cuts of a piece into cells, and the triangle of B of each cell.
 //
-// The bounds have room for how far the corners of cells, as computed, are from the exact points that the certificate is about, but for the
+// The bounds leave room for the distance between the computed corners of cells and the exact points of the certificate, except for the
 // corners of two kinds of cells, which are chosen here:
-// - Of those nearest to a corner of the piece (u2). Places are told from the first corner of the piece, so that all that is rounded is at most
-//   its longest edge e. A chord is where f(x) = |b - a|^2 / 2 - (x - a)(b - a) is 0, and f errs by less than 10 u e |b - a| at either end, so
+// - Cells of the points nearest to a corner of the piece (u2). Places are relative to the first corner of the piece, so that every rounded
+//   number is at most its longest edge e. A chord is where f(x) = |b - a|^2 / 2 - (x - a)(b - a) is 0, and f errs by less than 10 u e |b - a| at either end, so
 //   by less than 20 u e |b - a| at the chord's ends. There |x - a| and |x - b| differ by 2 |f| / (|x - a| + |x - b|) < 40 u e, as
 //   that sum is at least |b - a|. So a point of the cell of a corner is at most 40 u e farther from that corner than from the nearest one.
 // - The barycentre, which is a third of the way along the median: the double 1/3 is off by less than u, and the point by less than u e.

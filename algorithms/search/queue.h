@@ -1,4 +1,4 @@
-// Which piece a branch-and-bound search looks into next: the one of largest upper bound.
+// The queue of a branch-and-bound search, ordered by largest upper bound.
 #pragma once
 
 #include <algorithm>
@@ -7,20 +7,19 @@
 
 namespace hausbench {
 
-// `Piece` has a member `upper`, its upper bound. The heap moves a bound and a place, 16 bytes; the pieces themselves stay
-// where they are, and the place of a piece that was taken is used again. So there are as many places as there were pieces
-// at any one time. The order of equal bounds is that of std::push_heap and std::pop_heap: it depends on nothing but the
-// order of the calls.
+// `Piece` has a member `upper`, its upper bound. The heap moves a bound and an index, 16 bytes; the pieces themselves do not
+// move, and the slot of a removed piece is reused, so memory is bounded by the peak number of pieces. The order of equal
+// bounds is that of std::push_heap and std::pop_heap, which depends only on the order of the calls.
 template <class Piece> class PieceQueue {
 public:
     bool empty() const { return heap_.empty(); }
     std::size_t size() const { return heap_.size(); }
     std::size_t places() const { return pieces_.size(); }
 
-    // The largest upper bound of a piece in the queue, 0 where it is empty.
+    // Returns the largest upper bound in the queue, 0 if it is empty.
     double upper() const { return heap_.empty() ? 0.0 : heap_.front().upper; }
 
-    // O(log n). At most 2^32 pieces at a time.
+    // Adds a piece. O(log n). At most 2^32 pieces at a time.
     void push(const Piece& piece) {
         std::uint32_t place = static_cast<std::uint32_t>(pieces_.size());
         if (free_.empty()) {
@@ -34,7 +33,7 @@ public:
         std::push_heap(heap_.begin(), heap_.end());
     }
 
-    // The piece of largest upper bound, which leaves the queue. O(log n).
+    // Removes and returns the piece with the largest upper bound. O(log n).
     Piece pop() {
         std::pop_heap(heap_.begin(), heap_.end());
         free_.push_back(heap_.back().place);
@@ -42,7 +41,7 @@ public:
         return pieces_[free_.back()];
     }
 
-    // Each piece in the queue, in no order.
+    // Calls f for each piece in the queue, in no particular order.
     template <class Visit> void for_each(const Visit& visit) const {
         for (const Queued& queued : heap_) visit(pieces_[queued.place]);
     }

@@ -18,7 +18,7 @@ void SourceRegions::lower(Region& region) {
     region.shown = region.near;
 }
 
-// Whether its upper bound may have changed. Half of the diagonal is the least bound that any q can give.
+// Returns whether the upper bound may have changed. Half of the diagonal is the least bound that any q can give.
 bool SourceRegions::improve(Region& region) {
     if (region.own || 0.5 * std::sqrt(squared_length(region.box.high - region.box.low)) > bounds_.purged_at_most(0))
         return false;

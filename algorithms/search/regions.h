@@ -1,13 +1,13 @@
-// Groups of triangles of A, by the boxes of a tree over A: a group that cannot hold the farthest point is settled without a look at
-// its triangles. Zheng et al. 2022 (a BVH), and as Guthe et al. 2005 is described (an octree: only regions that can attain the
-// maximum are looked at).
+// Settles groups of triangles of A by the boxes of a tree over A: a group that cannot hold the farthest point is settled without
+// examining its triangles. After Zheng et al. 2022 (a BVH), and descriptions of Guthe et al. 2005 (an octree: only regions that can
+// attain the maximum are examined).
 //
-// No point of a box is farther from B than the box's farthest corner is from a point q of B. q is the point of B that is nearest to
-// the centre of the box, or to that of a box around it. A query for it is worth its cost only where the box is so small, beside the
-// lower bound, that its group can be settled; so it is made when the group is taken from the queue, largest bound first.
+// The distance of a box to B is at most the distance of its farthest corner to a point q of B. q is the point of B nearest to the centre
+// of the box, or of an enclosing box. A query for q pays only if the box is small compared with the lower bound, so that its group
+// can be settled; so it is made when the group is taken from the queue, largest bound first.
 //
-// Rounding: the box holds the posed vertices as computed, so their triangles too (kernel/posed_box.h); q is within 7uM of B, and its
-// distance to a corner, computed as to a point of the box, errs as that does: a bound like that of a vertex (kernel/rounding.h).
+// Rounding: the box contains the posed vertices as computed, and so their triangles (kernel/posed_box.h). q is within 7uM of B, and its
+// distance to a corner errs like the distance of a vertex, so the bound is widened like that of a vertex (kernel/rounding.h).
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -20,7 +20,7 @@ namespace hausbench {
 
 class SourceRegions {
 public:
-    // References are kept. `tree` is over A in its own coordinates, `points` are its vertices, posed. O(n) for their box.
+    // Keeps references. `tree` is over A in its own coordinates, `points` are its posed vertices. O(n) for their box.
     SourceRegions(const TriangleTree& tree, const Points& points, const Pose& pose, const Target& target,
                   SearchBounds& bounds, Counters& counters)
         : tree_(tree.tree()),
@@ -40,7 +40,7 @@ private:
         double upper;
         Box box;             // posed
         Vec3 q;              // of B
-        Index near;          // the triangle that q is on; -1: none is known
+        Index near;          // the triangle of q; -1: unknown
         Index shown;         // triangle of B at distance `upper`; -1: none yet
         std::int32_t child;  // as WideNode has it
         bool own;            // whether q is nearest to its own centre

@@ -1,4 +1,4 @@
-// The loop of searches that split a piece of A at a time.
+// The main loop of searches that split one piece of A at a time.
 #pragma once
 
 #include "algorithms/search/bounds.h"
@@ -6,8 +6,8 @@
 
 namespace hausbench {
 
-// Splits the piece of largest upper bound until the bounds are close enough, or time or budget is spent. settle(piece): whether the lower
-// bound settles it, which may be larger than when the piece was pushed; else split(piece).
+// Splits the piece with the largest upper bound until the bounds are close enough, or time or budget is spent. Calls settle(piece), which
+// returns whether the lower bound settles it by now, and otherwise split(piece).
 template <class Piece, class Settle, class Split>
 Status split_until_done(PieceQueue<Piece>& queue, SearchBounds& bounds, const Counters& counters, const Settle& settle,
                         const Split& split) {

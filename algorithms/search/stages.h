@@ -1,4 +1,4 @@
-// The time that each stage of a solve takes, for Wanted::stages.
+// Measures the time of each stage of a solve, for Wanted::stages.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -8,14 +8,14 @@
 
 namespace hausbench {
 
-// Reads the clock at its making and at the end of each stage; never where it is off.
+// Reads the clock on construction and at the end of each stage, unless it is off.
 class Stages {
 public:
     explicit Stages(bool on) : on_(on) {
         if (on_) begin_ = std::chrono::steady_clock::now();
     }
 
-    // The stage is what was done since the stage before. One that comes more than once has the sum.
+    // Ends a stage, which began at the end of the previous one. Repeated stages add up.
     void end(const char* name) {
         if (!on_) return;
         const auto now = std::chrono::steady_clock::now();
@@ -25,7 +25,7 @@ public:
         begin_ = now;
     }
 
-    // Those that were ended, as Result::reported names them.
+    // Returns the stages that ended, named as in Result::reported.
     const Reported& seconds() const { return seconds_; }
 
 private:

@@ -1,4 +1,4 @@
-// A triangle cut into smaller ones, which share the new vertices: each is measured once.
+// Cuts a triangle into smaller ones that share new vertices, so that each vertex is measured once.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -14,12 +14,12 @@ enum class Split {
     longest_edge,
 };
 
-// By then a piece is smaller than rounding: four pieces have half the diameter of their parent; two halvings of the longest
-// edge divide the diameter by 2, but for a factor of sqrt(3) in all.
+// At this level a piece is smaller than rounding: four pieces have half the diameter of their parent; two halvings of the longest
+// edge divide the diameter by 2, up to a factor of sqrt(3) overall.
 constexpr int most_levels(Split split) { return split == Split::midpoint ? 50 : 102; }
 
-// The corners of the triangle (0, 1, 2), the new vertices after them, and the pieces as three of these each, in the
-// orientation of the triangle. The pieces cover the triangle, but for the rounding of midpoints (kernel/rounding.h).
+// The corners of the triangle (0, 1, 2), then the new vertices, and the pieces as triples of these in the orientation of the
+// triangle. The pieces cover the triangle up to the rounding of midpoints (kernel/rounding.h).
 template <class Vertex> struct Cut {
     std::array<Vertex, 6> vertices;
     std::size_t vertex_count = 3, piece_count = 0;
@@ -31,8 +31,8 @@ template <class Vertex> struct Cut {
     }
 };
 
-// `Vertex` has a member `point`. `place(one, two)` returns a point of the edge between two vertices, and `measure(point, near)` the
-// vertex there; `near` is beside it. Four pieces, with a new vertex on each edge.
+// Makes four pieces, with a new vertex on each edge. `Vertex` has a member `point`. `place(one, two)` returns a point of the edge between
+// two vertices, and `measure(point, near)` the vertex there; `near` is a neighbour.
 template <class Vertex, class Place, class Measure>
 Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place, const Measure& measure) {
     Cut<Vertex> cut;
@@ -46,13 +46,13 @@ Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place
     return cut;
 }
 
-// Likewise, at midpoints. `measure` is called once for each new vertex, in order.
+// Likewise, at midpoints. Calls `measure` once for each new vertex, in order.
 template <class Vertex, class Measure>
 Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, const Measure& measure) {
     const auto midpoint = [](const Vertex& one, const Vertex& two) { return Vec3(0.5 * (one.point + two.point)); };
     if (split == Split::midpoint) return cut_in_four(corners, midpoint, measure);
     Cut<Vertex> cut;
-    for (std::size_t k = 0; k < 6; ++k) cut.vertices[k] = corners[k % 3];  // leaves none undefined
+    for (std::size_t k = 0; k < 6; ++k) cut.vertices[k] = corners[k % 3];  // leaves no vertex undefined
     std::size_t opposite = 0;
     double longest = -1;
     for (std::size_t k = 0; k < 3; ++k) {

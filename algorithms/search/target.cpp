@@ -28,7 +28,7 @@ ClosestPoint Target::closest(const Vec3& point, Index warm, Counters& counters) 
 
     ClosestPoint best =
         tree_ ? tree_->textbook_closest(point, hints, counters) : textbook_closest_by_scan(mesh_, point, counters);
-    // All were NaN: something has to be answered.
+    // All distances were NaN: return any triangle.
     if (best.triangle < 0) best = {best.squared_distance, triangle(0).a, 0};
     return best;
 }

@@ -1,4 +1,4 @@
-// Distances to the target B, by its tree, its grid or its blocks, or by a scan where B is so small that it has neither.
+// Distances to the target B, by its tree, its grid or its blocks, or by a scan if B is too small to have one.
 #pragma once
 
 #include "algorithms/kernel/closest.h"
@@ -9,20 +9,20 @@
 
 namespace hausbench {
 
-// Triangles of B that are as soon scanned as searched: with so many a solver needs no tree.
+// Up to this many triangles of B, a scan is as fast as a tree.
 inline constexpr Index scan_at_most = 32;
 
-// A point of A posed, or of a piece of it, and what is known of its distance to B.
+// A point of A posed, or of a piece of it, with its distance to B if known.
 struct MeasuredPoint {
     Vec3 point;
-    double squared = -1;  // distance to B, squared; negative: not known yet
+    double squared = -1;  // squared distance to B; negative: unknown
     Index triangle = -1;  // of B, nearest
 };
 
 class Target {
 public:
-    // Both outlive this; `tree` is over `mesh`, or null. With `textbook` all distances but certified ones are those of
-    // kernel/textbook.h, to show how they fail: bounds from them may be wrong.
+    // Both arguments must outlive this; `tree` is over `mesh`, or null. With `textbook` all distances except certified ones come from
+    // kernel/textbook.h, to show how they fail, so bounds from them may be wrong.
     Target(const TriangleMesh& mesh, const TriangleTree* tree, bool textbook = false)
         : mesh_(mesh), tree_(tree), textbook_(textbook) {}
 
@@ -33,16 +33,16 @@ public:
     const TriangleMesh& mesh() const { return mesh_; }
     Triangle triangle(Index i) const { return triangle_of(mesh_, i); }
 
-    // `warm` as in ClosestHints: a triangle to look at first, or -1.
+    // `warm`: a triangle to try first, or -1, as in ClosestHints.
     ClosestPoint closest(const Vec3& point, Index warm, Counters& counters) const;
 
-    // Of `point` to one triangle. Counts nothing.
+    // Returns the squared distance of `point` to one triangle. Counts nothing.
     double squared_distance(const Vec3& point, const Triangle& triangle) const;
 
-    // Of the first `count` of up to 8 points in `block`, lane by lane. Counts nothing.
+    // Likewise for the first `count` of up to 8 points in `block`, lane by lane. Counts nothing.
     void squared_distances(const PointBlock& block, std::size_t count, const Triangle& triangle, BlockFeet& feet) const;
 
-    // A lower bound of the exact distance that holds under rounding.
+    // Returns a lower bound of the exact distance; valid under rounding.
     double certified_distance(const Vec3& point, Counters& counters) const;
 
 private:

@@ -7,7 +7,7 @@ Triangle SourceVertices::posed_triangle(Index i) const {
     return {points_.row(corners[0]), points_.row(corners[1]), points_.row(corners[2])};
 }
 
-// What was farthest is measured first, so that the lower bound is large from the start.
+// Measures the previous farthest point first, so that the lower bound is large from the start.
 void SourceVertices::begin_warm() {
     WarmStart& last = *warm_start_;
     last.nearest.resize(vertices_.size(), -1);
@@ -21,8 +21,8 @@ void SourceVertices::begin_warm() {
     }
 }
 
-// The distance to a triangle of B is convex, so a triangle of A is no farther from any of them than its corners are. The one
-// that was nearest to a corner at the pose before may be close enough.
+// The distance to a triangle of B is convex, so its maximum over a triangle of A is at a corner. The triangle of B that was nearest to a
+// corner at the previous pose may give a small enough bound.
 bool SourceVertices::settle_by_last_pose(Index i) {
     const auto corners = a_.triangles.row(i);
     for (const Index v : corners) {
@@ -38,7 +38,7 @@ bool SourceVertices::settle_by_last_pose(Index i) {
     return false;
 }
 
-// The search itself offers a vertex once, with the first of its triangles.
+// The search offers a vertex once, with the first of its triangles.
 void SourceVertices::offer_to_all_triangles() const {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         for (const MeasuredPoint& corner : corners(i)) {
@@ -57,7 +57,7 @@ bool SourceVertices::measure() {
     return done;
 }
 
-// No point of the triangle is farther than `upper` from triangle `near` of B.
+// Records that no point of the triangle is farther than `upper` from triangle `near` of B.
 bool SourceVertices::leave_out(Index i, double upper, Index near) {
     if (!bounds_.settle(upper, i, 0, most_levels_)) return false;
     if (proofs_) proofs_->one(static_cast<PieceProofs::Node>(i), upper, near);
@@ -65,7 +65,7 @@ bool SourceVertices::leave_out(Index i, double upper, Index near) {
     return true;
 }
 
-// `near`: a triangle of B where to begin, or -1. Returns one that is nearest to one of its corners, or `near`.
+// Measures the corners, starting at triangle `near` of B, or -1. Returns a triangle nearest to a corner, or `near`.
 Index SourceVertices::measure_triangle(Index i, Index near) {
     if (warm_start_ && settle_by_last_pose(i)) return near;
     const auto vertex = [&](Index v) -> MeasuredPoint& { return vertices_[static_cast<std::size_t>(v)]; };
@@ -82,7 +82,7 @@ Index SourceVertices::measure_triangle(Index i, Index near) {
     return near;
 }
 
-// One triangle is measured whatever the regions say, so that there is a witness, and a lower bound to begin with.
+// Measures one triangle whatever the regions say, so that there is a witness and a first lower bound.
 bool SourceVertices::measure_regions() {
     measure_triangle(0, -1);
     return regions_->walk([&](Index i, Index near) { measure_triangle(i, near); },

@@ -1,4 +1,4 @@
-// The vertices of A, each measured once: where searches over whole triangles of A begin.
+// The first step of searches over triangles of A: measures each vertex of A once.
 #pragma once
 
 #include "algorithms/search/bounds.h"
@@ -13,7 +13,7 @@ namespace hausbench {
 
 class SourceVertices {
 public:
-    // References are kept; `points` are the vertices of A, posed; `warm_start` is null for a cold start.
+    // Keeps references. `points` are the posed vertices of A; `warm_start` is null for a cold start.
     SourceVertices(const TriangleMesh& a, const Points& points, const Target& target, WarmStart* warm_start,
                    int most_levels, SearchBounds& bounds, Counters& counters)
         : a_(a),
@@ -24,10 +24,10 @@ public:
           bounds_(bounds),
           counters_(counters) {}
 
-    // Groups of triangles of A that cannot hold the farthest point are left out from now on. `tree` is over A, unposed.
+    // Skips groups of triangles of A that cannot hold the farthest point from now on. `tree` is over A, unposed.
     void use_regions(const TriangleTree& tree, const Pose& pose);
 
-    // The proofs of what is left out are told from now on.
+    // Records proofs for skipped triangles from now on.
     void use_proofs(PieceProofs& proofs) { proofs_ = &proofs; }
 
     // Offers each to the bounds, triangle by triangle, and begins a query at the triangle of B that was nearest to the vertex
@@ -35,7 +35,7 @@ public:
     // those settle are left out, as those of regions are. Where the bounds of each triangle are kept, a vertex is offered to all its triangles. False: out of time.
     bool measure();
 
-    // Whether triangle i of A was left out: its bound is kept. After measure().
+    // Returns whether triangle i of A was skipped with its bound kept. Call it after measure().
     bool settled(Index i) const { return !settled_.empty() && settled_[static_cast<std::size_t>(i)]; }
 
     // Of a triangle; if it was left out, those that no other triangle needed are not measured.
@@ -44,7 +44,7 @@ public:
         return {v(0), v(1), v(2)};
     }
 
-    // For the next pose, when the search is over.
+    // Saves hints for the next pose when the search is over.
     void remember() const;
 
 private:
@@ -67,7 +67,7 @@ private:
     std::vector<MeasuredPoint> vertices_;
     std::vector<bool> settled_;  // triangles of A; empty without a warm start and regions
     std::optional<SourceRegions> regions_;
-    PieceProofs* proofs_ = nullptr;  // only where a certificate is wanted
+    PieceProofs* proofs_ = nullptr;  // set only if a certificate is wanted
 };
 
 }  // namespace hausbench

@@ -1,7 +1,7 @@
-// What a mesh solver may carry from one pose of A to the next: what was nearest, and what was farthest.
+// Hints that a mesh solver may carry from one pose of A to the next: nearest triangles and the farthest point.
 //
-// It says only what to look at first. Every bound is proven anew at each pose, so a state from any other pose is as good, but
-// slower. Ours: in none of the papers, so a solver uses it only where the caller gives it a state.
+// They only decide what to try first. Every bound is proven anew at each pose, so a state from any other pose is correct too, but
+// slower. Ours, in none of the papers, so a solver uses it only if the caller passes a state.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -14,10 +14,10 @@
 namespace hausbench {
 
 struct WarmStart final : State {
-    // Triangle of B nearest to each vertex of A; -1: unknown. Empty before the first pose.
+    // The triangle of B nearest to each vertex of A; -1: unknown. Empty before the first pose.
     std::vector<Index> nearest;
-    Index source = -1;             // triangle of A that the farthest point was in; -1: unknown
-    int corner = -1;               // the corner of it that the point was, -1: none of them
+    Index source = -1;             // triangle of A with the farthest point; -1: unknown
+    int corner = -1;               // the corner that was the point; -1: none
     double second = 0, third = 0;  // otherwise: the weights of these corners, in [0, 1]
     Index target = -1;             // triangle of B, nearest to it
     // Of each triangle of A, one of B that lay near it (Tang et al. 2009, section 6, for the second direction of H); -1, or beyond the end:
@@ -42,7 +42,7 @@ struct WarmStart final : State {
         target = farthest.point.triangle;
         const Vec3& point = farthest.point.point;
         corner = point == triangle.a ? 0 : point == triangle.b ? 1 : point == triangle.c ? 2 : -1;
-        // By least squares, without care: it only says where to begin.
+        // Plain least squares suffice: this is only a starting point.
         const Vec3 e = triangle.b - triangle.a, f = triangle.c - triangle.a, p = point - triangle.a;
         const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), scale = ee * ff - ef * ef;
         // Never NaN.
