@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""Counts habits of prose that make readers stumble, in comments, docstrings and documents.
+
+prose.py [--places] [PATH ...]   PATH: files or folders of the repository; default: all of it
+
+Prints one line for each habit: how often it occurs, how often per 1,000 words, and the rate that we aim for. --places lists the places.
+It judges nothing: its exit code is 0 whatever it counts.
+"""
+
+import argparse
+import io
+import re
+import subprocess
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parent.parent
+NOUN = "it|they|this|that|these|the|a|an|is|are|was|were|has|have|each|one|all|no"
+
+
+class Habit(NamedTuple):
+    name: str
+    pattern: re.Pattern[str]
+    goal: float | None = None  # occurrences per 1,000 words
+
+
+OPENS = r"(?:^|(?<=[.!?:;] ))"
+HABITS = [
+    Habit('a sentence opens with "Of"', re.compile(OPENS + r"Of\b"), 0.05),
+    Habit('"what it is" as a noun', re.compile(rf"\b[Ww]hat (?:{NOUN})\b(?![^.]*\?)"), 0.2),
+    Habit('"that of", "those of"', re.compile(r"\b[Tt]h(?:at|ose) of\b"), 0.1),
+    Habit('a sentence opens with "Where"', re.compile(OPENS + r"Where\b(?![^.]*\?)"), 0.1),
+    Habit('"all that"', re.compile(r"\b[Aa]ll that\b")),
+    Habit('"is no", "are no"', re.compile(r"\b(?:is|are) no\b(?! (?:longer|more than))")),
+    Habit('"nobody", "whole number"', re.compile(r"\b[Nn]obody\b|\bwhole number")),
+    Habit('"who", "whoever"', re.compile(r"\b[Ww]ho(?:ever)?\b")),
+]
+
+
+class Paragraph(NamedTuple):
+    line: int
+    text: str
+
+
+def joined(lines: list[tuple[int, str]]) -> Iterator[Paragraph]:
+    """Joins lines that follow each other without a blank one, so that a sentence is counted whole."""
+    start, last = 0, 0
+    words: list[str] = []
+    for number, text in [*lines, (-1, "")]:
+        if start and text.strip() and number == last + 1:
+            words.append(text.strip())
+        else:
+            if start:
+                yield Paragraph(start, " ".join(words))
+            start, words = (number, [text.strip()]) if text.strip() else (0, [])
+        last = number
+
+
+def after_mark(text: str, mark: str) -> list[tuple[int, str]]:
+    """Returns the comments that a mark opens, with their lines; a mark inside a string or an address opens none."""
+    found = []
+    for number, line in enumerate(text.splitlines(), 1):
+        hit = re.search(rf"(?:^|\s){mark}+!?(?:\s+|$)(.*)", re.sub(r'"(?:\\.|[^"\\])*"', lambda quoted: "_" * len(quoted[0]), line))
+        if hit:
+            found.append((number, line[hit.start(1) :]))
+    return found
+
+
+def of_python(text: str) -> list[tuple[int, str]]:
+    found = []
+    before = tokenize.NEWLINE
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            found.append((token.start[0], token.string.lstrip("#! ")))
+        elif token.type == tokenize.STRING and before in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT):
+            found += [(token.start[0] + i, line.strip('" ')) for i, line in enumerate(token.string.splitlines())]
+        if token.type not in (tokenize.NL, tokenize.COMMENT):
+            before = token.type
+    return found
+
+
+def of_document(text: str) -> list[tuple[int, str]]:
+    """Returns the prose of a Markdown page: no code, and each cell of a table by itself."""
+    found, code = [], False
+    for number, line in enumerate(text.splitlines(), 1):
+        code ^= line.lstrip().startswith("```")
+        found.append((number, "" if code or line.lstrip().startswith("```") else line.strip("#|>-* ")))
+    return found
+
+
+def prose(path: Path) -> list[Paragraph]:
+    text = path.read_text(encoding="utf-8")
+    if path.suffix in (".cpp", ".h"):
+        lines = after_mark(text, "/")
+    elif path.suffix == ".py":
+        lines = of_python(text)
+    elif path.suffix == ".md":
+        lines = of_document(text)
+    else:
+        lines = after_mark(text, "#")
+    return list(joined(lines))
+
+
+def files(paths: list[Path]) -> list[Path]:
+    names = subprocess.run(["git", "ls-files", "-z", *map(str, paths)], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0")
+    kinds = {".cpp", ".h", ".py", ".md", ".toml", ".cmake", ".in"}
+    chosen = [ROOT / name for name in names if name and not name.startswith("results/")]
+    return [path for path in chosen if path.suffix in kinds or path.name in ("Makefile", "CMakeLists.txt") or (not path.suffix and path.parent.name in ("tools", ".ci"))]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--places", action="store_true", help="list every place")
+    parser.add_argument("paths", nargs="*", type=Path, metavar="PATH")
+    arguments = parser.parse_args()
+    found: dict[str, list[str]] = {habit.name: [] for habit in HABITS}
+    words = 0
+    for path in files([path.resolve() for path in arguments.paths] or [ROOT]):
+        for paragraph in prose(path):
+            words += len(paragraph.text.split())
+            for habit in HABITS:
+                for hit in habit.pattern.finditer(paragraph.text):
+                    around = paragraph.text[max(0, hit.start() - 30) : hit.end() + 50]
+                    found[habit.name].append(f"{path.relative_to(ROOT)}:{paragraph.line}: {around}")
+    print(f"{'habit':<34} {'count':>6} {'per 1,000':>10} {'goal':>6}   ({words:,} words)")
+    for habit in HABITS:
+        goal = "" if habit.goal is None else f"{habit.goal:.2f}"
+        print(f"{habit.name:<34} {len(found[habit.name]):>6} {1000 * len(found[habit.name]) / max(words, 1):>10.2f} {goal:>6}")
+        if arguments.places:
+            print(*(f"    {place}" for place in found[habit.name]), sep="\n")
+
+
+if __name__ == "__main__":
+    main()
