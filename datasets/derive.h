@@ -8,32 +8,7 @@ namespace hausbench {
 
 class Random;  // random.h
 
-// vertices   a mesh becomes the set of its vertices
-// weld       vertices (or points) with equal coordinates become one
-// sample     count, seed: random points on the surface, uniform in area; of a point set, `count` of its points
-// quantise   cells: each coordinate becomes the nearest multiple of 1 / cells, as in voxel data; equal points all stay
-// simplify   ratio, or triangles: edge collapse (CGAL, Lindstrom and Turk 1998) down to that many triangles
-// remesh     edge: even edges of this length, a fraction of the diagonal (CGAL, isotropic remeshing, 3 rounds)
-// noise      amplitude, seed: each vertex moves within a cube of half this edge, a fraction of the diagonal
-// subdivide  levels: splits each triangle in four at the midpoints of its edges; the surface changes by rounding only
-// triangulate  cells: an algebraic surface becomes a mesh by marching tetrahedra (surfaces/surface_mesh.h); no other
-//            operation takes a surface
-// scale      factor, about the origin
-// normalise  box centred at the origin, diagonal 1
-// outlier    x, y, z: a point set gets one more point, the last
-// translate  x, y, z: fractions of the diagonal
-// rotate     x, y, z: the axis; t: tangent of half the angle; about the origin (rational, so that no libm is needed)
-// stray      distance: the last element once more, that far along (2, 1, 2); a scan with one stray triangle or point
-// two_clusters  distance: the shape, and a copy of it that far along (2, 1, 2)
-// And those of derive_exact.cpp:
-// move       x, y, z: lengths
-// stretch    x, y, z: a factor for each coordinate; flattens a mesh into needles and caps
-// power      exponent: all coordinates times that power of two; rounded only where they become subnormal
-// nudge      ulps: every x becomes the double that many steps above it
-// repeat     count, vertices, x, y, z, grow: copies of all elements, each moved on by x, y, z, and copy i larger by 1 + i grow; with `vertices` 0
-//            the copies are of faces alone
-// shuffle    seed: another order of vertices, of faces, and another first corner of each
-// float32    each coordinate becomes the nearest float
+// `hausbench list keys` explains them.
 const std::vector<Recipe>& operations();
 std::vector<Recipe> exact_operations();
 

@@ -211,18 +211,37 @@ TriangleMesh fan(const Given& g) {
 const std::vector<Recipe>& recipes() {
     static const std::vector<Recipe> list = [] {
         std::vector<Recipe> all = {
-            {"icosphere", {whole_number("level", 0, 10), length("radius")}, icosphere},
-            {"cube", {whole_number("subdivisions", 1, 4096)}, cube},
+            {"icosphere",
+             "an icosahedron, each triangle split in four `level` times, with vertices moved to the sphere; 20 "
+             "4^`level` triangles",
+             {whole_number("level", 0, 10), length("radius")},
+             icosphere},
+            {"cube",
+             "edge 1 around the origin, n x n squares on each side; 12 n^2 triangles (n = `subdivisions`)",
+             {whole_number("subdivisions", 1, 4096)},
+             cube},
             {"torus",
+             "around the z axis, with these radii; 2 `rings` `sides` triangles",
              {whole_number("rings", 3, 16384), whole_number("sides", 3, 16384), length("major"), length("minor")},
              torus},
             {"gear",
+             "a spur gear around the z axis with a bore: `steps` vertices along a tooth, `rings` from bore to rim, "
+             "`layers` along the height; closed, 4 `teeth` `steps` (`rings` + `layers`) triangles",
              {whole_number("teeth", 3, 4096), whole_number("steps", 4, 4096), whole_number("rings", 1, 4096),
               whole_number("layers", 1, 4096), length("outer"), length("root"), length("bore"), length("height")},
              gear},
-            {"plane", {whole_number("n", 1, 16384), coordinate("z")}, plane},
-            {"needle", {length("ratio")}, needle},
-            {"fan", {whole_number("triangles", 3, 1e7), coordinate("height")}, fan}};
+            {"plane",
+             "a square of edge 1 around the z axis at height `z`, n x n squares; 2 n^2 triangles",
+             {whole_number("n", 1, 16384), coordinate("z")},
+             plane},
+            {"needle",
+             "one triangle with a base of length 1 along x and a height of 1 / `ratio` along y",
+             {length("ratio")},
+             needle},
+            {"fan",
+             "triangles around one vertex that lies `height` above the centre of a circle of radius 1",
+             {whole_number("triangles", 3, 1e7), coordinate("height")},
+             fan}};
         const std::vector<Recipe> points = point_recipes();
         all.insert(all.end(), points.begin(), points.end());
         return all;

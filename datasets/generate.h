@@ -40,7 +40,7 @@ struct Given {
 };
 
 struct Recipe {
-    std::string name;
+    std::string name, meaning;
     std::vector<NumberSpec> numbers;
     std::function<Shape(const Given&)> make;
 };
@@ -54,25 +54,7 @@ template <class List> std::vector<std::string> names_of(const List& list) {
 // Throws InputError for an unknown name, which begins with `what` ("unknown recipe") and names the nearest.
 const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& name, const std::string& what);
 
-// icosphere        level, radius: an icosahedron, each triangle split in four `level` times, vertices moved to the sphere;
-//                  20 * 4^level triangles
-// cube             subdivisions n: edge 1 around the origin, n x n squares a side; 12 n^2 triangles
-// torus            rings, sides, major, minor: around the z axis; 2 rings sides triangles
-// gear             teeth, steps, rings, layers, outer, root, bore, height: a spur gear around the z axis with a bore, `steps`
-//                  vertices along a tooth, `rings` from bore to rim, `layers` along the height; closed,
-//                  4 teeth steps (rings + layers) triangles
-// plane            n, z: edge 1 around the z axis at height z, n x n squares; 2 n^2 triangles
-// needle           ratio: one triangle with a base of length 1 along x and a height of 1 / ratio along y
-// fan              triangles, height: around one vertex at that height over the centre of a circle of radius 1
-// gaussian_points  count, seed, sigma, x, y, z: each coordinate is the centre's plus sigma times (the sum of 12
-//                  uniform numbers less 6), which has variance 1 and is close to normal but never beyond 6 sigma
-// uniform_points   count, seed: in the cube [0, 1)^3
-// box_points       count, seed, x, y, z: uniform in [0, x) x [0, y) x [0, z); a line, ribbon or sheet where some are small or 0
-// curve_points     count, seed: (t, t^2, t^3) for uniform t in [0, 1)
-// shell_points     count, seed, radius, x, y, z: on a sphere around a centre
-// cluster_points   count, seed, clusters, layout, spread, sigma, shrink: centres uniform in [0, spread)^3, by the seed `layout`;
-//                  point i belongs to cluster i mod `clusters`, the c-th of standard deviation sigma shrink^c, as in
-//                  gaussian_points (sigma 0: duplicates; spread 0: all scales around one point)
+// `hausbench list keys` explains them.
 const std::vector<Recipe>& recipes();
 std::vector<Recipe> point_recipes();  // those of them that make points; point_recipes.cpp
 

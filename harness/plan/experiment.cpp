@@ -5,6 +5,7 @@
 #include "algorithms/registry.h"
 #include "datasets/model_table.h"
 #include "datasets/toml_reader.h"
+#include "harness/plan/keys.h"
 #include "harness/plan/scene_reader.h"
 #include "harness/plan/severity.h"
 #include "harness/plan/solver_reader.h"
@@ -55,11 +56,6 @@ bool wanted(const ExperimentTable& reader, const std::string& profile, const std
     return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
 }
 
-const std::vector<std::string> root_keys = {
-    "title",    "paper",   "tolerances", "of",      "floor",     "cutoff", "budget", "repeats",
-    "rounds",   "trace",   "limits",     "profile", "model",     "scene",  "solver", "expected_unsound",
-    "quantity", "threads", "fields",     "stages",  "reference", "claim",  "plugins"};
-
 // Labels of all solvers of the file count, whatever their profile.
 std::vector<std::string> read_expected_unsound(const ExperimentTable& root, const std::vector<std::string>& labels) {
     const auto expected = root.texts("expected_unsound");
@@ -71,17 +67,17 @@ std::vector<std::string> read_expected_unsound(const ExperimentTable& root, cons
     return expected;
 }
 
-// The tables of a kind, each with its keys checked.
-std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const char* kind,
-                                       const std::vector<std::string>& keys) {
+// Returns the tables [[scene]], [[solver]] or [[claim]], each with its keys checked.
+std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const KeyTable& keys) {
+    const std::string kind = keys.title.substr(2, keys.title.size() - 4);  // without brackets
     const toml::node* node = root.find(kind);
     const toml::array* array = node ? node->as_array() : nullptr;
-    if (node && !array) root.fail(*node, fmt::format("'{0}' must be written as [[{0}]]", kind));
-    if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", root.file().string(), kind));
+    if (node && !array) root.fail(*node, fmt::format("'{}' must be written as {}", kind, keys.title));
+    if (!array) throw InputError(fmt::format("{}: no {} in it: add at least one", root.file().string(), keys.title));
     std::vector<ExperimentTable> tables;
     for (const toml::node& item : *array) {
-        if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
-        tables.emplace_back(root.file(), *item.as_table(), fmt::format("[[{}]]", kind), keys);
+        if (!item.is_table()) root.fail(item, fmt::format("write it as {}", keys.title));
+        tables.emplace_back(root.file(), *item.as_table(), keys);
     }
     return tables;
 }
@@ -103,7 +99,7 @@ void load_plugins(const ExperimentTable& root, const fs::path& folder) {
 // Claims are judged by `hausbench draw`; here only what they name is checked.
 void check_claims(const ExperimentTable& root, const std::vector<std::string>& labels) {
     if (!root.find("claim")) return;
-    for (const ExperimentTable& claim : tables_of(root, "claim", {"solver", "faster_than", "by", "on"})) {
+    for (const ExperimentTable& claim : tables_of(root, claim_keys())) {
         for (const char* key : {"solver", "faster_than"}) {
             const std::string name = claim.text(key), label = name.substr(0, name.find('('));
             if (std::find(labels.begin(), labels.end(), label) != labels.end()) continue;
@@ -124,8 +120,7 @@ void read_limits(const ExperimentTable& root, Experiment& experiment) {
     const toml::node* node = root.find("limits");
     if (!node) return;
     if (!node->is_table()) root.fail(*node, "'limits' must be a table");
-    ExperimentTable reader(root.file(), *node->as_table(), "[limits]",
-                           {"case_seconds", "prepare_seconds", "memory_mb", "reference_seconds"});
+    ExperimentTable reader(root.file(), *node->as_table(), limit_keys());
     limits.case_seconds = reader.limit("case_seconds", limits.case_seconds);
     limits.prepare_seconds = reader.limit("prepare_seconds", limits.prepare_seconds);
     limits.memory_bytes = std::int64_t(reader.limit("memory_mb", double(limits.memory_bytes >> 20)) * 1048576);
@@ -136,14 +131,15 @@ void read_limits(const ExperimentTable& root, Experiment& experiment) {
 void expect_profiles(const fs::path& file, const toml::table& table) {
     const toml::node* profiles = table.get("profile");
     if (!profiles) return;
-    const ExperimentTable root(file, table, "", root_keys);
+    const ExperimentTable root(file, table, top_keys());
     if (!profiles->is_table()) root.fail(*profiles, "'profile' must be a table: write [profile.NAME]");
-    auto keys = root_keys;
-    std::erase(keys, "profile");
+    KeyTable keys = top_keys();
+    std::erase_if(keys.keys, [](const Key& key) { return key.name == "profile"; });
     for (const auto& [name, node] : *profiles->as_table()) {
         if (!node.is_table())
             root.fail(node, fmt::format("'profile.{0}' must be a table: write [profile.{0}]", name.str()));
-        ExperimentTable(file, *node.as_table(), fmt::format("[profile.{}]", name.str()), keys);
+        keys.title = fmt::format("[profile.{}]", name.str());
+        ExperimentTable(file, *node.as_table(), keys);
     }
 }
 
@@ -170,7 +166,7 @@ toml::table parsed(const fs::path& file, const std::string& text, const std::str
 std::vector<ModelInfo> own_models(const ExperimentTable& root, const std::string& profile) {
     std::vector<ModelInfo> models = read_models(root, ModelsOf::experiment);
     const auto profiles = profiles_of(root.table());
-    for (const ExperimentTable& scene : tables_of(root, "scene", scene_keys)) {
+    for (const ExperimentTable& scene : tables_of(root, scene_keys())) {
         if (!wanted(scene, profile, profiles)) continue;
         for (const ExperimentTable& one : by_severity(scene)) {
             std::vector<ModelInfo> of_scene = models_in(one);
@@ -213,7 +209,7 @@ struct SceneNames {
 SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::string>& profiles, Experiment& experiment) {
     SceneNames names;
     std::vector<std::string> swept;
-    for (const ExperimentTable& given : tables_of(root, "scene", scene_keys)) {
+    for (const ExperimentTable& given : tables_of(root, scene_keys())) {
         names.all.insert(given.text("name"));
         const bool asked = wanted(given, experiment.profile, profiles);
         if (asked) swept.push_back(given.text("name"));
@@ -242,7 +238,7 @@ SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::strin
 std::vector<std::string> read_solvers(const ExperimentTable& root, const std::vector<std::string>& profiles,
                                       const SceneNames& names, Experiment& experiment) {
     std::vector<std::string> labels;
-    for (const ExperimentTable& table : tables_of(root, "solver", solver_keys)) {
+    for (const ExperimentTable& table : tables_of(root, solver_keys())) {
         labels.push_back(table.text("label", table.text("name")));
         if (!wanted(table, experiment.profile, profiles)) continue;
         SolverPlan solver = read_solver(table, experiment);
@@ -284,7 +280,7 @@ Experiment read_text(const fs::path& file, const std::string& stem, std::string 
     experiment.toml = std::move(text);
 
     const toml::table table = parsed(file, experiment.toml, profile);
-    const ExperimentTable root(file, table, "", root_keys);
+    const ExperimentTable root(file, table, top_keys());
     read_top(root, experiment);
     const auto profiles = profiles_of(table);
     if (root.find("plugins") && plug_ins == PlugIns::refused)
@@ -301,7 +297,7 @@ Experiment read_text(const fs::path& file, const std::string& stem, std::string 
 
 std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, const std::string& profile) {
     const toml::table table = parsed(file, toml, profile);
-    return own_models(ExperimentTable(file, table, "", root_keys), profile);
+    return own_models(ExperimentTable(file, table, top_keys()), profile);
 }
 
 Experiment read_experiment(const fs::path& file, const std::string& profile, PlugIns plug_ins) {

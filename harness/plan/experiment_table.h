@@ -3,6 +3,7 @@
 
 #include "algorithms/scene.h"
 #include "datasets/toml_reader.h"
+#include "harness/plan/keys.h"
 
 #include <filesystem>
 #include <string>
@@ -10,13 +11,11 @@
 
 namespace hausbench {
 
-// Every key must be one of `known`.
 class ExperimentTable : public TomlReader {
 public:
-    ExperimentTable(const std::filesystem::path& file, const toml::table& table, const std::string& name,
-                    const std::vector<std::string>& known)
-        : TomlReader(file, table, name, ":") {
-        allow(known);
+    ExperimentTable(const std::filesystem::path& file, const toml::table& table, const KeyTable& known)
+        : TomlReader(file, table, known.title, ":") {
+        allow(known.names());
         refuse_other_keys();
     }
 

@@ -19,18 +19,13 @@ namespace {
 Motion read_motion(const ExperimentTable& scene, const toml::node& node, std::string_view key) {
     const toml::table* motion = node.as_table();
     if (!motion) scene.fail(node, fmt::format("'{}' must be a table such as {{ kind = \"static\" }}", key));
-    const auto read = [&](const std::vector<std::string>& keys) {
-        ExperimentTable reader(scene.file(), *motion, "the motion", keys);
-        if (scene.filling()) reader.fill(*scene.filling());
-        return reader;
-    };
     const auto kind = (*motion)["kind"].value_or<std::string>("");
-    if (kind == "static") {
-        (void)read({"kind"});
-        return Static{};
-    }
+    const std::vector<std::string>& kinds = motion_kinds();
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+        scene.fail(node, fmt::format("unknown motion '{}'{}", kind, nearest_hint(kind, kinds)));
+    ExperimentTable reader(scene.file(), *motion, {"the motion", motion_keys(kind).keys});
+    if (scene.filling()) reader.fill(*scene.filling());
     if (kind == "translation") {
-        const ExperimentTable reader = read({"kind", "from", "to", "steps", "of"});
         const auto of = reader.text("of", "diagonal");
         if (of != "diagonal" && of != "longest" && of != "absolute")
             reader.fail("'of' must be \"diagonal\", \"longest\" or \"absolute\"");
@@ -41,17 +36,12 @@ Motion read_motion(const ExperimentTable& scene, const toml::node& node, std::st
                                              : Of::absolute};
     }
     if (kind == "rotation") {
-        const ExperimentTable reader = read({"kind", "axis", "degrees", "steps"});
         const Vec3 axis = reader.vector("axis");
         if (axis.isZero(0)) reader.fail("'axis' must not be zero");
         return Rotation{axis, reader.number(reader.required("degrees"), "degrees"), reader.count("steps", 1, 10)};
     }
-    if (kind == "poses") {
-        const ExperimentTable reader = read({"kind", "file"});
-        return PoseFile{scene.file().parent_path() / reader.text("file")};
-    }
-    scene.fail(node, fmt::format("unknown motion '{}'{}", kind,
-                                 nearest_hint(kind, {"static", "translation", "rotation", "poses"})));
+    if (kind == "poses") return PoseFile{scene.file().parent_path() / reader.text("file")};
+    return Static{};
 }
 
 // One number, or one for each severity.

@@ -8,10 +8,6 @@
 
 namespace hausbench {
 
-inline const std::vector<std::string> scene_keys = {
-    "name",   "source",        "target",    "sources", "targets", "search",   "each",     "note",   "exact",
-    "motion", "target_motion", "recording", "every",   "frames",  "profiles", "severity", "family", "tolerances"};
-
 ScenePlan read_scene(const ExperimentTable& table);
 
 // One scene for each source and each target, source by source, for each model, or for each pair of a recording; else the one that it is.

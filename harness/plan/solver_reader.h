@@ -8,9 +8,6 @@
 
 namespace hausbench {
 
-inline const std::vector<std::string> solver_keys = {"name",     "label",   "parameters", "tolerances", "scenes",
-                                                     "quantity", "threads", "warm",       "profiles"};
-
 Quantity read_quantity(const ExperimentTable& table, Quantity otherwise);
 
 // With every combination of the parameters that it sweeps, each checked against the solver's declarations. A solver that is not built

@@ -17,13 +17,15 @@ from analysis.shared.results import ResultError, Results
 
 
 def test_columns_follow_from_the_program() -> None:
-    """analysis/shared/columns.py, the tables of results/README.md and the generator of these tests know the same columns."""
+    """analysis/shared/columns.py, the tables of results/README.md and of docs/experiments.md and the generator of these tests agree with the program."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     groups = schema.columns()
     assert schema.MODULE.read_text(encoding="utf-8") == schema.module(groups), "run python3 -m analysis.schema"
     text = schema.README.read_text(encoding="utf-8")
     assert text == schema.readme(text, groups), "run python3 -m analysis.schema"
+    page = schema.EXPERIMENTS.read_text(encoding="utf-8")
+    assert page == schema.experiments(page, schema.listed("keys", "--json")), "run python3 -m analysis.schema"
     written = {"models": synthetic.MODEL, "cases": synthetic.CASE, "answers": synthetic.ANSWER, "repeats": synthetic.REPEAT,
                "preparation": synthetic.PREPARATION, "trace": synthetic.TRACE, "fields": synthetic.FIELD, "ledger": synthetic.LEDGER}
     for group, known in groups.items():
