@@ -150,7 +150,7 @@ std::vector<std::string> slow_plugins() {
     for (const Plugin& plugin : plugins()) {
         if (!plugin.compiled.starts_with(slow) || std::string_view(HAUSBENCH_COMPILED).starts_with(slow)) continue;
         lines.push_back(
-            fmt::format("{}: is not optimized, as this program is: its times do not compare; build it with "
+            fmt::format("{}: is not optimized, but this program is, so its times are not comparable: build it with "
                         "-DCMAKE_BUILD_TYPE=Release",
                         plugin.file.string()));
     }

@@ -4,6 +4,8 @@ set(HAUSBENCH_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/hausbench)
 install(TARGETS hausbench_algorithms hausbench_text EXPORT hausbench_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 if(HAUSBENCH_WITH_PROGRAM)
   install(TARGETS hausbench EXPORT hausbench_targets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(FILES ${CMAKE_BINARY_DIR}/hausbench.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  install(FILES ${CMAKE_BINARY_DIR}/hausbench.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME hausbench)
   install(FILES ${CMAKE_BINARY_DIR}/commit.json DESTINATION ${CMAKE_INSTALL_DATADIR}/hausbench)
   install(FILES datasets/manifest.toml datasets/corpus.toml datasets/fetch.py datasets/packages.py datasets/letters.py
     DESTINATION ${CMAKE_INSTALL_DATADIR}/hausbench/datasets)

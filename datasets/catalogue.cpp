@@ -101,11 +101,10 @@ void Catalogue::add(const std::filesystem::path& file, std::vector<ModelInfo> mo
             continue;
         }
         if (has(model.name))
-            throw InputError(
-                one_line(fmt::format("{}: model '{}' is one of datasets/manifest.toml too, or of another scene (a "
-                                     "shape described in a scene has the "
-                                     "scene's name, with '_' for what is no letter or digit): give it another name",
-                                     file.string(), model.name)));
+            throw InputError(one_line(fmt::format(
+                "{}: model '{}' is also in datasets/manifest.toml or in another scene: give it another name (a shape "
+                "described in a scene has the scene's name, with '_' for characters other than letters and digits)",
+                file.string(), model.name)));
         index_[model.name] = models_.size();
         models_.push_back(std::move(model));
     }
@@ -159,10 +158,10 @@ void Catalogue::expect_room(const ModelInfo& model, const Input& input) const {
     double taken = 0;
     for (const auto& file : std::filesystem::directory_iterator(apart_)) taken += double(file.file_size());
     if (bytes + taken <= most_bytes_) return;
-    throw InputError(fmt::format(
-        "model '{}' would take about {:.3g} MB, with which the models of this file exceed {:.3g} MB: if you "
-        "trust it, make them first with `hausbench explain` of its experiment",
-        model.name, bytes / 1e6, most_bytes_ / 1e6));
+    throw InputError(
+        fmt::format("model '{}' would take about {:.3g} MB, and the models of this file more than {:.3g} MB together: "
+                    "if you trust the file, make them first with `hausbench explain` of its experiment",
+                    model.name, bytes / 1e6, most_bytes_ / 1e6));
 }
 
 std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo& model) const {

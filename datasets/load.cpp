@@ -103,7 +103,7 @@ LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool m
     const std::vector<Index> corners = triangles_of(soup, report.polygons);
     if (corners.empty()) throw InputError(name + ": none of its faces has three corners");
     if (corners.size() / 3 > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
-        throw InputError(name + ": holds more triangles than are numbered");
+        throw InputError(name + ": has more triangles than can be numbered");
     TriangleMesh mesh = without_unused(
         points, Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3));
     // A format that repeats vertices has none without a face.
@@ -145,10 +145,9 @@ std::string read_all(const std::filesystem::path& file) {
         bytes.append(buffer.data(), static_cast<std::size_t>(count));
         const z_off_t taken = gzoffset(in.get());  // bytes of the file read so far; -1 if unknown
         if (taken > 0 && bytes.size() > inflated_anyway && bytes.size() / inflation > static_cast<std::size_t>(taken))
-            throw InputError(
-                fmt::format("{}: inflates to more than {} times its size, which no mesh does: inflate it "
-                            "by hand if it is sound",
-                            file.string(), inflation));
+            throw InputError(fmt::format(
+                "{}: inflates to more than {} times its size, as no mesh does: inflate it yourself if it is sound",
+                file.string(), inflation));
     }
 }
 
@@ -177,17 +176,17 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     }
     const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
     if (kind.empty())
-        throw InputError(
-            name +
-            ": has no extension to tell its format: rename it to .off, .obj, .ply, .stl, .wrl, .xyz or what it is");
+        throw InputError(name +
+                         ": has no extension, which tells the format: rename it to .off, .obj, .ply, .stl, .wrl, .xyz "
+                         "or its format");
     if (kind == "las" || kind == "laz" || kind == "e57")
-        throw InputError(fmt::format(
-            "{}: {} is not read, since no library of Debian 12 reads it: convert it to .xyz or .ply, for example with "
-            "`las2txt -parse xyz` or `pdal translate`",
-            name,
-            kind == "las"   ? "LAS"
-            : kind == "laz" ? "LAZ"
-                            : "E57"));
+        throw InputError(
+            fmt::format("{}: {} cannot be read, because Debian 12 has no library for it: convert it to .xyz or .ply, "
+                        "for example with `las2txt -parse xyz` or `pdal translate`",
+                        name,
+                        kind == "las"   ? "LAS"
+                        : kind == "laz" ? "LAZ"
+                                        : "E57"));
     using Read = readers::Soup (*)(const std::string& name, std::string_view bytes);
     static const std::map<std::string, Read> own = {
         {"obj", readers::read_obj},   {"off", readers::read_off}, {"ply", readers::read_ply},

@@ -18,7 +18,7 @@ void refuse_utf16(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::string mark(2, ' ');
     if (in.read(mark.data(), 2) && (mark == "\xff\xfe" || mark == "\xfe\xff"))
-        throw InputError(file.string() + ": is UTF-16 text, which its reader does not understand: convert it to UTF-8");
+        throw InputError(file.string() + ": is UTF-16 text, which its reader does not support: convert it to UTF-8");
 }
 
 struct Tally {

@@ -41,7 +41,7 @@ std::vector<std::size_t> face_of(const std::string& name, std::string_view line,
         const auto index = whole<int>(word.substr(0, word.find('/')));
         if (!index || *index == 0)
             refuse(name, number,
-                   fmt::format("'{}' is no vertex number (they begin with 1, or -1 from the end)", shown(word)));
+                   fmt::format("'{}' is not a vertex number (they count from 1, or from -1 backwards)", shown(word)));
         face.push_back(static_cast<std::size_t>(*index > 0 ? *index - 1 : static_cast<std::int64_t>(points) + *index));
     }
     return face;

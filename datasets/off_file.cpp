@@ -56,7 +56,7 @@ OffHeader header_of(const std::string& name, const std::vector<Line>& lines, std
             if (!word.ends_with("OFF") || word.find('n') != std::string_view::npos)
                 refuse(
                     name, number,
-                    fmt::format("'{}' is no OFF header that is read (OFF, with ST, C, N or 4 before it)", shown(word)));
+                    fmt::format("'{}' is not a supported OFF header (OFF, with ST, C, N or 4 before it)", shown(word)));
         }
     }
     if (counts.size() < 2) throw InputError(name + ": has no OFF header with the number of vertices and faces");
@@ -96,7 +96,7 @@ void add_face(const std::string& name, Line line, Soup& soup) {
 
 Soup read_off(const std::string& name, std::string_view bytes) {
     if (bytes.find('\0') != std::string_view::npos)
-        throw InputError(name + ": a binary OFF file is not read: convert it to text");
+        throw InputError(name + ": binary OFF is not supported: convert it to text");
     std::vector<Line> lines;  // that are not empty
     std::string_view rest = bytes;
     for (std::uint32_t number = 1; !rest.empty(); ++number) {

@@ -44,7 +44,7 @@ bool is_root(const fs::path& folder) {
     for (const fs::path& place : {folder, folder / "datasets", folder / "datasets" / "manifest.toml"}) {
         if (is_ours(place)) continue;
         throw InputError(
-            fmt::format("{}: another user can write to it, so the models of {} are not taken: set HAUSBENCH_ROOT to a "
+            fmt::format("{}: another user can write to it, so the models of {} are not used: set HAUSBENCH_ROOT to a "
                         "checkout that you trust",
                         place.string(), (folder / "datasets" / "manifest.toml").string()));
     }
@@ -104,7 +104,7 @@ fs::path cache_folder() {
         return fs::path(cache) / "hausbench";
     if (const char* home = std::getenv("HOME"); home && fs::path(home).is_absolute())
         return fs::path(home) / ".cache" / "hausbench";
-    throw InputError("there is no folder for models that are read or made: set HAUSBENCH_CACHE to one");
+    throw InputError("no folder for prepared models: set HAUSBENCH_CACHE to one");
 }
 
 }  // namespace hausbench

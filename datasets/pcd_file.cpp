@@ -40,7 +40,7 @@ public:
 
     PcdHeader read() {
         while (header_.data.empty()) {
-            if (header_.body.empty()) throw InputError(name_ + ": is no PCD file: it has no DATA line");
+            if (header_.body.empty()) throw InputError(name_ + ": is not a PCD file: it has no DATA line");
             std::string_view line = next_line(header_.body);
             ++header_.lines;
             line = line.substr(0, line.find('#'));
@@ -78,13 +78,13 @@ private:
         } else if (one) {
             counts_[key] = number(values.front());
         } else {
-            refuse_line(fmt::format("'{}' is no word of a PCD header: is it a PCD file?", shown(key)));
+            refuse_line(fmt::format("'{}' is not a word of a PCD header: is it a PCD file?", shown(key)));
         }
     }
 
     std::uint64_t number(std::string_view text) const {
         const auto value = whole<std::uint64_t>(text);
-        if (!value || *value > most) refuse_line(fmt::format("'{}' is no whole number up to 2^40", shown(text)));
+        if (!value || *value > most) refuse_line(fmt::format("'{}' is not a whole number up to 2^40", shown(text)));
         return *value;
     }
 
@@ -156,7 +156,7 @@ std::string inflated(const std::string& name, std::string_view body) {
         throw InputError(fmt::format("{}: is truncated: {} compressed bytes are announced, and {} are there", name,
                                      packed, body.size() < 8 ? 0 : body.size() - 8));
     // LZF writes at most 264 bytes for each 3 that it reads: a larger number is damage, and would only take memory.
-    if (full / 88 > packed) throw InputError(name + ": is damaged: its bytes cannot inflate to what it announces");
+    if (full / 88 > packed) throw InputError(name + ": is damaged: its bytes cannot inflate to the announced size");
     std::string out(full, '\0');
     if (lzf_decompress(body.data() + 8, packed, out.data(), full) != full)
         throw InputError(name + ": is damaged: its compressed bytes cannot be inflated");
@@ -164,7 +164,7 @@ std::string inflated(const std::string& name, std::string_view body) {
 #else
     (void)body;
     throw InputError(name +
-                     ": its data are binary_compressed, which this build does not read: write it as binary, or install "
+                     ": its data are binary_compressed, which this build cannot read: write it as binary, or install "
                      "liblzf-dev and build again");
 #endif
 }
@@ -196,10 +196,10 @@ Soup read_pcd(const std::string& name, std::string_view bytes) {
         std::any_of(header.axes.begin(), header.axes.end(), [](const Field& f) { return f.type.is_float32(); });
     for (std::size_t i = 0; i < soup.points.size(); ++i)
         if (!soup.points[i].allFinite())
-            throw InputError(fmt::format(
-                "{}: {}point {} (from 0) is not finite, which marks a missing measurement in PCD: remove such points "
-                "first",
-                name, soup.point_lines.empty() ? "" : fmt::format("line {}: ", soup.point_lines[i]), i));
+            throw InputError(
+                fmt::format("{}: {}point {} (from 0) is not finite, which in PCD marks a missing measurement: remove "
+                            "such points first",
+                            name, soup.point_lines.empty() ? "" : fmt::format("line {}: ", soup.point_lines[i]), i));
     return soup;
 }
 

@@ -70,13 +70,13 @@ private:
         for (line_ = 1; !body_.empty(); ++line_) {
             std::string_view line = next_line(body_);
             const std::string_view keyword = next_word(line);
-            if (line_ == 1 && keyword != "ply") refuse_line("is no PLY file: it does not begin with 'ply'");
+            if (line_ == 1 && keyword != "ply") refuse_line("is not a PLY file: it does not begin with 'ply'");
             if (keyword == "format") format_ = next_word(line);
             if (keyword == "element") add_element(line);
             if (keyword == "property") add_property(line);
             if (keyword == "end_header") return;  // other words are comments that some writers do not mark
         }
-        refuse_file("has no end_header line: truncated, or no PLY file");
+        refuse_file("has no end_header line: truncated, or not a PLY file");
     }
 
     void add_element(std::string_view line) {
@@ -109,7 +109,7 @@ private:
     // Refuses what is no mesh; returns how many bytes it takes at least.
     std::uint64_t checked(const Element& element) {
         if (element.name == "tristrips" && element.count > 0)
-            refuse_file("triangle strips are not read: convert the file to faces");
+            refuse_file("triangle strips are not supported: convert the file to faces");
         std::uint64_t least = 0;
         int axes = 0, named = 0, lists = 0;
         for (const Property& property : element.properties) {

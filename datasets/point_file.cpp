@@ -115,7 +115,7 @@ void PointLines::add_point(std::uint32_t number) {
             refuse(name_, number,
                    field.empty() ? where() + " is empty"
                    : comma ? fmt::format("{} is '{}': write decimals with a point, not a comma", where(), shown(field))
-                           : fmt::format("{} is '{}', which is no number: a point begins with x, y and z", where(),
+                           : fmt::format("{} is '{}', which is not a number: a point begins with x, y and z", where(),
                                          shown(field)));
         }
         point[static_cast<Eigen::Index>(k)] = *value;

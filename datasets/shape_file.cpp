@@ -32,7 +32,7 @@ LoadedShape read_unchecked(const std::filesystem::path& path, const std::string&
     if (!file.has_attribute("", "shape_schema") || file.integer_attribute("", "shape_schema") != shape_schema)
         throw std::runtime_error("is not a shape file of this version");
     if (!made_from.empty() && file.text_attribute("", "made_from") != made_from)
-        throw std::runtime_error("holds a shape that was made from another file or recipe");
+        throw std::runtime_error("has a shape that was made from another file or recipe");
     LoadedShape loaded;
     const std::string kind = file.text_attribute("", "kind");
     const Points points =

@@ -23,7 +23,7 @@ Soup read_binary(const std::string& name, std::string_view bytes) {
     const std::size_t facets = facets_of(bytes), expected = header + facet * facets;
     // A longer one was usually transferred as text: its coordinates are wrong.
     if (bytes.size() != expected)
-        throw InputError(fmt::format("{}: is {}, or no STL file: {} facets take {} bytes, {} bytes found", name,
+        throw InputError(fmt::format("{}: is {}, or not an STL file: {} facets take {} bytes, {} bytes found", name,
                                      bytes.size() < expected ? "truncated" : "damaged", facets, expected,
                                      bytes.size()));
     Soup soup;
@@ -68,7 +68,7 @@ Soup read_text(const std::string& name, std::string_view bytes) {
         } else if (keyword == "endsolid") {
             in_solid = false;
         } else if (!keyword.empty() && keyword != "outer" && keyword != "endloop") {
-            refuse(name, number, fmt::format("'{}' is no word of an STL file", shown(keyword)));
+            refuse(name, number, fmt::format("'{}' is not a word of an STL file", shown(keyword)));
         }
     }
     if (in_solid || in_facet)
@@ -86,8 +86,8 @@ Soup read_stl(const std::string& name, std::string_view bytes) {
     if (bytes.size() >= header && (!solid || bytes.size() == header + facet * facets_of(bytes)))
         return read_binary(name, bytes);
     if (!solid)
-        throw InputError(name +
-                         ": is no STL file: neither begins with 'solid' nor has the 84 bytes of a binary header");
+        throw InputError(
+            name + ": is not an STL file: it neither begins with 'solid' nor has the 84 bytes of a binary header");
     return read_text(name, bytes);
 }
 

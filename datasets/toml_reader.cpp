@@ -107,7 +107,7 @@ double TomlReader::number(const toml::node& node, std::string_view key) const {
     const auto integer = node.value_exact<std::int64_t>();
     const auto value = integer ? std::optional(double(*integer)) : node.value<double>();
     if (integer && static_cast<long double>(*value) != static_cast<long double>(*integer))
-        fail(node, fmt::format("'{}' is {}, which a double does not hold: write {:.17g}", key, *integer, *value));
+        fail(node, fmt::format("'{}' is {}, which is not a double: write {:.17g}", key, *integer, *value));
     if (!value || !std::isfinite(*value)) fail(node, fmt::format("'{}' must be a finite number", key));
     return *value;
 }

@@ -57,14 +57,15 @@ public:
     VrmlField read() {
         if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
         if (rest_.starts_with("#VRML V1"))
-            refuse(name_, 1, "is VRML 1.0, which is not read: convert it to VRML 2.0, OBJ or STL");
-        if (!rest_.starts_with("#VRML V2.0")) refuse(name_, 1, "is no VRML file: it does not begin with '#VRML V2.0'");
+            refuse(name_, 1, "is VRML 1.0, which is not supported: convert it to VRML 2.0, OBJ or STL");
+        if (!rest_.starts_with("#VRML V2.0"))
+            refuse(name_, 1, "is not a VRML file: it does not begin with '#VRML V2.0'");
         if (rest_.find('\0') != std::string_view::npos)
-            throw InputError(name_ + ": holds a zero byte, which no VRML file does: save or fetch it again");
+            throw InputError(name_ + ": has a zero byte, which no VRML file has: save or fetch it again");
         VrmlField scene;
         while (peek()) read_value(scene, 0);
         if (!scene.words.empty())
-            refuse(name_, scene.words[0].line, fmt::format("'{}' is no node", shown(scene.words[0].text)));
+            refuse(name_, scene.words[0].line, fmt::format("'{}' is not a node", shown(scene.words[0].text)));
         return scene;
     }
 
@@ -104,7 +105,7 @@ private:
     // ROUTE a TO b, which moves nothing here. Refuses what defines nodes of its own.
     bool is_statement(const Word& word) {
         if (word.text == "PROTO" || word.text == "EXTERNPROTO")
-            refuse(name_, word.line, fmt::format("{} is not read: convert the file to OBJ or STL", word.text));
+            refuse(name_, word.line, fmt::format("{} is not supported: convert the file to OBJ or STL", word.text));
         if (word.text != "ROUTE") return false;
         for (int i = 0; i < 3; ++i) next();
         return true;
@@ -224,7 +225,7 @@ private:
     double number(const Word& word) const {
         const auto value = decimal(word.text);
         if (!value || !std::isfinite(*value))
-            refuse_at(word, fmt::format("'{}' is no {}number", shown(word.text), value ? "finite " : ""));
+            refuse_at(word, fmt::format("'{}' is not a {}number", shown(word.text), value ? "finite " : ""));
         return *value;
     }
 
@@ -266,7 +267,7 @@ private:
         if (depth > deepest)
             refuse_at(node.type, fmt::format("nodes are nested deeper than {}, with what USE repeats", deepest));
         spend(node, 1);
-        if (node.is({"Inline"})) refuse_at(node.type, "Inline is not read: convert what it names alone");
+        if (node.is({"Inline"})) refuse_at(node.type, "Inline is not supported: convert the file that it names");
         if (node.is({"Shape"}))
             for (const Node* geometry : node.field("geometry").nodes) draw_geometry(*geometry, at);
         if (node.is({"Transform"})) {
@@ -291,7 +292,7 @@ private:
         if (node.is({"IndexedLineSet", "PointSet"})) return;
         if (!node.is({"IndexedFaceSet"}))
             refuse_at(node.type,
-                      fmt::format("{} is not read, only IndexedFaceSet: convert it, or the file to OBJ or STL",
+                      fmt::format("{} is not supported, only IndexedFaceSet: convert it, or the file to OBJ or STL",
                                   shown(node.type.text)));
         if (node.field("coord").nodes.empty()) return;
         const Node& coordinate = *node.field("coord").nodes[0];

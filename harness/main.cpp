@@ -2,6 +2,7 @@
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
 #include "algorithms/registry.h"
+#include "harness/commands/help.h"
 #include "harness/commands/verb.h"
 #include "harness/result/provenance.h"
 #include "harness/run/external.h"
@@ -14,6 +15,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <string_view>
 
@@ -50,13 +52,17 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
 int run_verb(int argc, char** argv) {
     add_solvers({external_solver()}, "hausbench");
     CLI::App app(
-        "Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, "
-        "Pompeiu-Hausdorff).");
+        "hausbench computes certified bounds of Hausdorff distances between meshes, point sets and algebraic surfaces, "
+        "and compares programs that compute them.");
+    app.footer(
+        "`hausbench VERB --help` describes a verb, and `man hausbench` all of them. `hausbench --version` names the "
+        "build.");
+    app.formatter(std::make_shared<Help>());
     app.require_subcommand(1);
     app.set_version_flag("--version", version_text);  // hashes the program, so only where it is asked for
     int code = 0;
-    for (const auto add : {add_run, add_explain, add_list, add_measure, add_export, add_verify, add_merge, add_compare,
-                           add_show, add_status, add_draw, add_fetch, add_track, add_hidden})
+    for (const auto add : {add_measure, add_run, add_explain, add_status, add_show, add_compare, add_verify, add_draw,
+                           add_merge, add_list, add_fetch, add_export, add_track, add_hidden})
         add(app, code);
     try {
         app.parse(argc, argv);

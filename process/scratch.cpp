@@ -59,9 +59,10 @@ ScratchFolder::ScratchFolder(std::string_view kind) {
     for (int i = 0; i < most_tries; ++i) {
         if (try_to_make((temporary / fmt::format("{}{}-XXXXXX", prefix, kind)).string())) return;
     }
-    throw InputError(fmt::format(
-        "{}: other processes removed {} folders just made there: name another place for temporary files with TMPDIR",
-        temporary.string(), most_tries));
+    throw InputError(
+        fmt::format("{}: other processes removed {} folders that were just made there: name another place for "
+                    "temporary files with TMPDIR",
+                    temporary.string(), most_tries));
 }
 
 // False where another process took the new folder for an abandoned one: it holds the lock, or has removed the folder.

@@ -134,8 +134,8 @@ private:
         int n = 0;
         while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])) && n <= most_power)
             n = 10 * n + (text_[at_++] - '0');
-        if (at_ == from) fail_at(from, "a whole number from 0 must stand after '^', such as x^2");
-        if (n > most_power) fail_at(from, fmt::format("powers above {} are too many", most_power));
+        if (at_ == from) fail_at(from, "write a whole number from 0 after '^', such as x^2");
+        if (n > most_power) fail_at(from, fmt::format("powers above {} are not supported", most_power));
         if (base.size() == 1) {  // sharp: (-2)^2 and x^2 alike
             const auto& [powers, x] = *base.begin();
             Sum all{{{powers[0] * n, powers[1] * n, powers[2] * n}, power(x, n)}};
@@ -153,7 +153,7 @@ private:
     void check_size(const Sum& all) {
         for (const auto& [powers, x] : all) {
             if (*std::max_element(powers.begin(), powers.end()) > most_power)
-                fail(fmt::format("a power above {} comes out: too many", most_power));
+                fail(fmt::format("the product has a power above {}: use lower powers", most_power));
         }
     }
 
@@ -180,8 +180,8 @@ private:
             return inside;
         }
         if (std::isdigit(static_cast<unsigned char>(c)) || c == '.') return {{Powers{}, number()}};
-        if (c == '\0') fail("the text ends where a number, x, y, z or '(' is wanted");
-        fail(fmt::format("'{}' where a number, x, y, z or '(' is wanted", c));
+        if (c == '\0') fail("the text ends where a number, x, y, z or '(' is expected");
+        fail(fmt::format("'{}' where a number, x, y, z or '(' is expected", c));
     }
 
     // Digits one at a time in interval arithmetic: exact as long as a double holds them, and enclosed beyond.
@@ -211,7 +211,7 @@ private:
             const std::size_t begin = at_;
             while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])) && exponent < 1000)
                 exponent = 10 * exponent + (text_[at_++] - '0');
-            if (at_ == begin) fail_at(begin, "digits must stand after 'e', such as 1e-3");
+            if (at_ == begin) fail_at(begin, "write digits after 'e', such as 1e-3");
             if (minus) exponent = -exponent;
         }
         exponent -= decimals;

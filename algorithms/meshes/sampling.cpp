@@ -229,7 +229,7 @@ Result Sampling::sample() {
     stages_.end("sample");
     Result result = bounds_.result(stopped_.value_or(spread ? Status::budget : Status::precision_floor), rest);
     if (result.status == Status::budget && !stopped_)
-        result.note = "samples this far apart bound it no closer: a smaller `step` does";
+        result.note = "samples this far apart give no closer bounds: choose a smaller `step`";
     return result;
 }
 

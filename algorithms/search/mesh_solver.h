@@ -107,7 +107,7 @@ inline ParameterSpec regions_parameter(bool by_default, std::string paper_value)
             .default_value = by_default,
             .paper_value = std::move(paper_value),
             .description =
-                "settle whole groups of triangles of A by the boxes of a tree over A, which must be built; off: "
+                "settle whole groups of triangles of A by the boxes of a tree over A, which takes time to build; off: "
                 "measure every vertex of A"};
 }
 

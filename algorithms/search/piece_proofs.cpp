@@ -213,9 +213,8 @@ void PieceProofs::finish(Result& result) const {
         tree.clear();
         if (!writing.triangle(i, tree)) {
             result.why_no_certificate =
-                "a piece that was settled by the bound of a larger one has no bound of its own that is small enough "
-                "after as many cuts as are tried, as happens far from the origin; move both shapes near the origin, or "
-                "ask another of guthe, kang and cover";
+                "a piece that was settled by the bound of a larger one needs more cuts than are tried, as happens far "
+                "from the origin; move both shapes near the origin, or use another of guthe, kang and cover";
             return;
         }
         builder.set(i, tree);

@@ -315,7 +315,7 @@ CertificateCheck check_certificate(const Shape& source, const Pose& source_pose,
     check.found = infinity;
     try {
         if (certificate.format != format_name)
-            throw Refused(fmt::format("its format is not '{}', which is what this program reads", format_name));
+            throw Refused(fmt::format("its format is not '{}', the one that this program reads", format_name));
         if (kind_of(source) == ShapeKind::surface || kind_of(target) == ShapeKind::surface)
             throw Refused("an algebraic surface has no triangles");
         const Standing a(source, source_pose), b(target, target_pose);

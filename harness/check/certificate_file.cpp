@@ -48,7 +48,7 @@ std::string_view unsealed(std::string_view file) {
     const std::string_view content = file.substr(0, length);
     const std::string_view seal = file.substr(length);
     if (!seal.starts_with(seal_begin)) throw std::runtime_error("it does not end in its SHA-256");
-    if (seal != seal_of(content)) throw std::runtime_error("damaged: its SHA-256 is not what it says");
+    if (seal != seal_of(content)) throw std::runtime_error("damaged: its SHA-256 does not match");
     return content;
 }
 
@@ -79,7 +79,7 @@ json parse_header(std::string_view line) {
         if (event == json::parse_event_t::object_start) keys.emplace_back();
         if (event == json::parse_event_t::object_end) keys.pop_back();
         if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-            throw std::runtime_error("a key stands twice");
+            throw std::runtime_error("a key occurs twice");
         return true;
     });
 }
@@ -155,8 +155,8 @@ void expect_shape(const CertificateFile::Model& model, const Shape& shape, const
     const std::string hash = content_hash(shape);
     if (hash == model.sha256) return;
     throw InputError(
-        fmt::format("{}: this is not the shape that the certificate is about: its coordinates and indices have the "
-                    "SHA-256 {}, not {}; give the file that was measured as {}",
+        fmt::format("{}: this is not the shape of the certificate: its coordinates and indices have the SHA-256 {}, "
+                    "not {}; give the file that was measured as {}",
                     model.file, hash, model.sha256, name));
 }
 
@@ -181,7 +181,7 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
         c.witness.direction == Witness::Direction::source_to_target ? c.witness.source_point : c.witness.target_point;
     wrong = !(lower >= 0 && std::isfinite(lower)) ||
             (c.quantity == Quantity::directed && c.witness.direction == Witness::Direction::target_to_source);
-    if (wrong) return "it is no lower bound of this distance";
+    if (wrong) return "it is not a lower bound of this distance";
     wrong = c.witness.source_element >= element_count(source) || c.witness.target_element >= element_count(target);
     if (wrong) return "its witness names an element that the shape does not have";
     if (lower == 0) return "holds: no distance is below 0";
@@ -191,7 +191,7 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
     if (verdict == Verdict::holds) return "holds, by its witness";
     if (verdict != Verdict::unsound) return "not checked: a pose leaves the range of doubles";
     wrong = true;
-    return fmt::format("its witness shows {:.17g} only", shown);
+    return fmt::format("its witness shows only {:.17g}", shown);
 }
 
 }  // namespace
@@ -223,8 +223,8 @@ CertificateFile read_certificate(const fs::path& file) {
     try {
         return parse(unsealed(bytes));
     } catch (const std::exception& error) {
-        throw InputError(printable(
-            fmt::format("{}: is no certificate file of version {} ({})", file.string(), format_version, error.what())));
+        throw InputError(printable(fmt::format("{}: is not a certificate file of version {} ({})", file.string(),
+                                               format_version, error.what())));
     }
 }
 
@@ -237,7 +237,8 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
     };
     for (const CertificateFile::Model* model : {&content.source, &content.target}) {
         if (!keeps_distances(model->pose))
-            refuse(fmt::format("the pose of {} is no rotation and translation", model == &content.source ? "A" : "B"));
+            refuse(
+                fmt::format("the pose of {} is not a rotation and translation", model == &content.source ? "A" : "B"));
     }
     if (!proves_its_quantity(content))
         refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"

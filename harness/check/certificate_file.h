@@ -34,7 +34,7 @@ Shape as_loaded(const PreparedShape& prepared);
 // Whole or not at all. Throws InputError where it cannot be written.
 void write_certificate(const std::filesystem::path& file, const CertificateFile& content);
 
-// Throws InputError, one line, where it cannot be read, is no certificate file, or is damaged: where any byte of it is not what was written.
+// Throws InputError, one line, where it cannot be read, is not a certificate file, or is damaged: where any byte of it is not what was written.
 CertificateFile read_certificate(const std::filesystem::path& file);
 
 // Whether what is proven is above the upper bound by at most 1e-12 of `extent`, the diagonal of the box of both shapes where they stand.

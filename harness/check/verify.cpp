@@ -139,7 +139,7 @@ private:
     // shape was found near the witness.
     std::string what_is_shown(double shown, bool forward) const {
         const char *own = forward ? "source" : "target", *other = forward ? "target" : "source";
-        if (!surfaces_) return fmt::format(" is above what its witness shows ({:.17g})", shown);
+        if (!surfaces_) return fmt::format(" is above the distance of its witness ({:.17g})", shown);
         if (shown == 0) return fmt::format(": nothing shows that the witness is near the {}", own);
         return fmt::format(": the {} has a point {:.17g} from the witness", other, shown);
     }

@@ -189,7 +189,7 @@ private:
         const auto what = [&] { return fmt::format("vertex {}: distance {:.17g}", i, distance); };
         if (!(distance >= 0) || std::isinf(distance)) throw Unsound{what() + " is no distance"};
         if (!(nearest >= 0 && nearest < target_.count() && nearest == std::floor(nearest)))
-            throw Unsound{fmt::format("vertex {}: nearest {} is no element of B", i, nearest)};
+            throw Unsound{fmt::format("vertex {}: nearest {} is not an element of B", i, nearest)};
         const Rational most = Rational(distance) + Rational(error()), least = Rational(distance) - Rational(error());
         if (squared_distance(p, target_[Index(nearest)]) > most * most)
             throw Unsound{fmt::format("{}, but element {} of B, which it names, is farther", what(), nearest)};

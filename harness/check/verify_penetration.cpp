@@ -192,7 +192,7 @@ struct PenetrationChecker::Pair {
         const Body &own = forward ? source : target, &other = forward ? target : source;
         const std::vector<Index> at = near(own, p, 2 * slack);
         if (at.empty()) {
-            reason = unsound("lower", lower, "the witness is no point of its surface");
+            reason = unsound("lower", lower, "the witness is not on its surface");
             return Verdict::unsound;
         }
         const auto inside = other.holds(p);
@@ -339,7 +339,7 @@ Check PenetrationChecker::check(const Bounds& bounds, const Witness& witness) {
     if (upper < bounds.lower) {
         refuted("it is below lower");
     } else if (upper < 0) {
-        refuted("a depth is no less than 0");
+        refuted("a depth is at least 0");
     } else if (std::isfinite(upper) && upper < pair_->shallow) {
         const auto deeper = pair_->deeper_than(upper);
         if (deeper)

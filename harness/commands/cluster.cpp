@@ -49,8 +49,8 @@ std::string ask(std::vector<std::string> words, double seconds = seconds_for_slu
     const std::string how = child.how_it_ended();
     if (child.exit_code() == 127)
         throw InputError(
-            fmt::format("{}: is not there: install Slurm's commands (slurm-client), or run parts with --shard "
-                        "i/n and join them with `hausbench merge`",
+            fmt::format("{}: not found: install Slurm's commands (slurm-client), or run parts with --shard i/n and "
+                        "join them with `hausbench merge`",
                         name));
     if (end == Child::End::interrupt) throw InputError(fmt::format("{}: interrupted", name));
     if (code && !child.signal())
@@ -230,7 +230,7 @@ private:
         std::string line = said.substr(begin == std::string::npos ? 0 : begin + 1, last - begin);
         line = line.substr(0, line.find(';'));
         if (line.empty() || line.find_first_not_of("0123456789") != std::string::npos)
-            throw InputError(fmt::format("sbatch: gave no number of a job: {}", one_line(said)));
+            throw InputError(fmt::format("sbatch: printed no job number: {}", one_line(said)));
         return line;
     }
 

@@ -57,7 +57,7 @@ ShapeOf recorded_shapes(const Experiment& experiment) {
         const auto resolved = (*models)->resolve(record.name);
         const auto* model = std::get_if<ResolvedModel>(&resolved);
         if (!model || model->content_hash != record.sha256)
-            throw InputError(fmt::format("model '{}' is not here as it was measured", record.name));
+            throw InputError(fmt::format("model '{}' is missing or has changed since it was measured", record.name));
         return read_shape(model->shape_file).shape;
     };
 }

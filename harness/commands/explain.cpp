@@ -181,11 +181,12 @@ std::string explain(const Plan& plan, const fs::path& results) {
 
 void add_explain(CLI::App& app, int&) {
     static ExperimentArguments arguments;
-    auto* verb = app.add_subcommand(
-        "explain", "show what a run would prepare, run and leave out, with reasons and an estimate of the time");
+    auto* verb = add_verb(app, "explain", "shows what a run would do and leave out, and how long it would take",
+                          "hausbench explain guthe2005_table1");
     take_experiment(verb, arguments);
     verb->add_option("--results", arguments.results,
-                     "folder with earlier results, for the estimate of the time (default: results of the project)");
+                     "folder of earlier results, which tell the time (default: results)")
+        ->type_name("FOLDER");
     take_plugins(verb);
     verb->callback([] {
         const Plan plan = plan_of(arguments, false);

@@ -371,11 +371,13 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
 void add_list(CLI::App& app, int&) {
     static bool as_json = false;
     static std::string what;
-    auto* verb = app.add_subcommand("list", "list the solvers, or what is asked for; everything with --json");
-    verb->add_option("what", what,
-                     "solvers, experiments, models, corpus, keys (of experiment files) or columns (of result files, as "
-                     "JSON); or the name of one solver, experiment or model");
-    verb->add_flag("--json", as_json, "print everything as one JSON object");
+    auto* verb = add_verb(app, "list", "lists solvers, experiments, models, keys or columns", "hausbench list cover");
+    verb->add_option(
+            "what", what,
+            "solvers, experiments, models, corpus, keys (of experiments) or columns (of results, as JSON); or the "
+            "name of a solver, experiment or model (default: solvers)")
+        ->type_name("solvers|experiments|models|corpus|keys|columns");
+    verb->add_flag("--json", as_json, "prints all lists as one JSON object (with keys: the keys)");
     take_plugins(verb);
     verb->callback([] {
         if (what == "columns")

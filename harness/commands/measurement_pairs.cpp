@@ -132,7 +132,8 @@ NamedPairs pairs_of_patterns(const std::string& a, const std::string& b) {
 NamedPairs read_pairs(const fs::path& list) {
     std::ifstream in(list);
     if (!in || fs::is_directory(list))
-        throw InputError(fmt::format("{}: cannot open it: name a list of pairs, a line for each: A, B", list.string()));
+        throw InputError(
+            fmt::format("{}: cannot be opened: name a list of pairs, with a line \"A, B\" for each", list.string()));
     NamedPairs pairs;
     std::string line;
     const auto place = [&](const std::string& name) {
@@ -157,7 +158,7 @@ NamedPairs read_pairs(const fs::path& list) {
                             list.string(), number));
         pairs.emplace_back(place(a), place(b));
     }
-    if (pairs.empty()) throw InputError(fmt::format("{}: has no pairs: write a line for each: A, B", list.string()));
+    if (pairs.empty()) throw InputError(fmt::format("{}: has no pairs: write a line \"A, B\" for each", list.string()));
     return pairs;
 }
 

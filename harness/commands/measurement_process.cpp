@@ -226,7 +226,7 @@ private:
             kind = Trouble(event.at("kind").get<int>());
             what = event.at("what");
         } catch (const std::exception&) {
-            return fail(RowStatus::failed, "its process wrote something that is no answer");
+            return fail(RowStatus::failed, "its process wrote something other than an answer");
         }
         if (kind == Trouble::input && !only_files_are_missing()) throw InputError(what);
         fail(kind == Trouble::memory ? RowStatus::out_of_memory : RowStatus::failed,

@@ -89,7 +89,8 @@ public:
         for (const char* name : {"build", "machine"}) {
             if (!any_build && next.texts.at(name) != merged_.texts.at(name)) {
                 refuse(fmt::format(
-                    "made by different {}s: times would not compare; merge with --any-build if that is meant", name));
+                    "made by different {}s, so their times are not comparable: add --any-build to merge them anyway",
+                    name));
             }
         }
         merged_.texts["shard"] = both_shards(merged_.texts["shard"], next.texts.at("shard"));
@@ -140,7 +141,7 @@ private:
         if (!was_run(a)) {
             mine = row;
         } else if (mine.asked.identity != row.asked.identity) {
-            refuse(fmt::format("they asked for different things at {}: another model, program or limit",
+            refuse(fmt::format("they differ in what they asked for at {}: another model, program or limit",
                                name_of(row.asked)));
         } else if (!same_answer(a, b)) {
             refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
@@ -223,11 +224,11 @@ void add_merge(CLI::App& app, int& code) {
     static fs::path out;
     static std::vector<fs::path> parts;
     static bool any_build = false;
-    auto* verb = app.add_subcommand(
-        "merge", "join several results of one experiment, such as shards; exit code 1 if a shard is missing");
-    verb->add_option("out", out, "result file to write (.h5)")->required();
-    verb->add_option("results", parts, "result files (.h5)")->required();
-    verb->add_flag("--any-build", any_build, "merge even if builds or machines differ");
+    auto* verb = add_verb(app, "merge", "joins results of one experiment, such as shards",
+                          "hausbench merge all.h5 part1.h5 part2.h5", "Exit code 1: a shard is missing.");
+    verb->add_option("out", out, "result file to write (.h5)")->type_name("FILE")->required();
+    verb->add_option("results", parts, "two or more result files")->type_name("FILE")->required();
+    verb->add_flag("--any-build", any_build, "joins them even if they are of different builds or machines");
     verb->callback([&code] { code = merge(out, parts, any_build); });
 }
 

@@ -125,16 +125,16 @@ Condition condition_of(const std::string& where, const std::string& option) {
     }
     if (option != "--where" && (is_checked_afterwards(name) || (name == "status" && condition.wanted == "unsound")))
         throw InputError(
-            fmt::format("{} {}: '{}' is only known once the rows are checked: choose by another column, such as "
+            fmt::format("{} {}: '{}' is known only after the rows are checked: choose by another column, such as "
                         "label=NAME or scene=NAME",
                         option, where, condition.wanted.empty() ? name : name + "=" + condition.wanted));
     if (condition.text && (condition.sign[0] == '<' || condition.sign[0] == '>'))
-        throw InputError(fmt::format("{} {}: '{}' holds texts: compare it with = or !=", option, where, name));
+        throw InputError(fmt::format("{} {}: '{}' is a text: compare it with = or !=", option, where, name));
     if (condition.value) {
         char* rest = nullptr;
         condition.number = std::strtod(condition.wanted.c_str(), &rest);
         if (condition.wanted.empty() || *rest)
-            throw InputError(fmt::format("{} {}: '{}' holds numbers", option, where, name));
+            throw InputError(fmt::format("{} {}: '{}' is a number", option, where, name));
     }
     return condition;
 }

@@ -119,7 +119,7 @@ std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::
 }
 
 std::string as_text(const ResultFile& result, const std::vector<std::size_t>& rows, const Paper& paper) {
-    if (rows.empty()) return "no row is like that\n";
+    if (rows.empty()) return "no row matches\n";
     const auto columns = columns_for(result, rows);
     std::vector<TextTable::Column> titles;
     for (const Shown& one : columns) titles.push_back(one.column);
@@ -143,13 +143,14 @@ std::string as_text(const ResultFile& result, const std::vector<std::size_t>& ro
     if (const std::string apart = apart_text(timed, Programs(result.texts)); !apart.empty())
         out += wrapped(apart, 0, paper.width);
     if (!left.empty())
-        out += wrapped(fmt::format("left out for want of room: {} (see --csv or --json)", fmt::join(left, ", ")), 0,
-                       paper.width);
+        out += wrapped(
+            fmt::format("left out because the terminal is narrow: {} (see --csv or --json)", fmt::join(left, ", ")), 0,
+            paper.width);
     return out;
 }
 
 std::string as_markdown(const ResultFile& result, const std::vector<std::size_t>& rows) {
-    if (rows.empty()) return "no row is like that\n";
+    if (rows.empty()) return "no row matches\n";
     const auto escaped = [](const std::string& raw) {
         std::string text = printable(raw);
         for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");

@@ -81,7 +81,9 @@ std::string apart_text(const std::vector<const Row*>& rows, const Programs& prog
         if (!first) first = one;
         if (std::string why = reason_apart(*first, one); !why.empty()) reasons.insert(std::move(why));
     }
-    return reasons.empty() ? "" : fmt::format("not all of these times compare: some are {}", fmt::join(reasons, ", "));
+    return reasons.empty()
+               ? ""
+               : fmt::format("not all of these times are comparable: some are {}", fmt::join(reasons, ", "));
 }
 
 std::string csv_field(const std::string& text) {

@@ -47,8 +47,7 @@ std::string describe_references(const ResultFile& result) {
         if (!widest || row.reference.gap() > widest->reference.gap()) widest = &row;
     }
     std::string text = fmt::format(
-        "reference answers: {}, {} within their tolerance, {} proven; {} of {} rows are "
-        "held against one\n",
+        "reference answers: {}, {} within their tolerance, {} proven; {} of {} rows are compared with one\n",
         result.references.size(), closed, counted(proven, "upper bound"), held, result.rows.size());
     if (widest)
         text +=

@@ -26,7 +26,7 @@ private:
 
 std::string count_statuses(const std::vector<Row>& rows);  // "24 ok, 3 timeout"
 
-// Says how many reference answers there are, how many are closed and proven, and how many rows are held against one; with the rows that are
+// Says how many reference answers there are, how many are closed and proven, and how many rows are compared with one; with the rows that are
 // narrower than their reference, which can be refuted to within its width alone. Empty if the result has none.
 std::string describe_references(const ResultFile& result);
 

@@ -30,6 +30,10 @@ void add_fetch(CLI::App& app, int& code);
 // Hidden verbs, for the program itself: a crash in a reader or a solver ends only its own process.
 void add_hidden(CLI::App& app, int& code);
 
+// Adds a verb with its help: what it does in one line (a verb in the third person, no full stop), an example, and notes such as exit codes.
+CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& meaning, const std::string& example,
+                   const std::string& notes = "");
+
 // The option --plugin. Its libraries are loaded before the verb looks for a solver.
 void take_plugins(CLI::App* verb);
 const std::vector<std::filesystem::path>& plugins_given();

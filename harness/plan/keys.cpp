@@ -154,8 +154,7 @@ const KeyTable& motion_keys(const std::string& kind) {
 const KeyTable& solver_keys() {
     static const KeyTable table = {
         "[[solver]]",
-        {{"name", "",
-          "see `hausbench list`; `external` runs another program, see [CONTRIBUTING.md](../CONTRIBUTING.md)"},
+        {{"name", "", "see `hausbench list`; `external` runs another program, see [plugins.md](plugins.md)"},
          {"label", "`name`", "name of its rows and in figures"},
          {"parameters", "",
           "table of the solver's parameters (`hausbench list NAME`); a list of values makes one case for each"},

@@ -142,7 +142,7 @@ std::vector<ScenePlan> expand_each(const ExperimentTable& table, const ScenePlan
     const toml::node& node = *table.find("each");
     for (const char* key : {"exact", "sources", "targets"}) {
         if (const toml::node* other = table.find(key))
-            table.fail(*other, fmt::format("'{}' does not go with 'each': remove one of the two", key));
+            table.fail(*other, fmt::format("'{}' cannot be combined with 'each': remove one of the two", key));
     }
     if (!has_place(scene.name)) table.fail(*table.find("name"), "'name' has no {}, the place of each model's name");
     if (!has_place(scene.source) && !has_place(scene.target))
@@ -192,8 +192,9 @@ std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const Scen
     for (const char* key :
          {"source", "target", "sources", "targets", "search", "each", "exact", "motion", "target_motion"}) {
         if (const toml::node* other = table.find(key))
-            table.fail(*other,
-                       fmt::format("'{}' does not go with 'recording', which says it: remove one of the two", key));
+            table.fail(
+                *other,
+                fmt::format("'{}' cannot be combined with 'recording', which gives it: remove one of the two", key));
     }
     Recording recording;
     try {

@@ -59,7 +59,8 @@ std::vector<ExperimentTable> by_severity(const ExperimentTable& scene) {
     const toml::node& node = *scene.find("severity");
     for (const char* key : {"each", "sources", "recording"})
         if (const toml::node* other = scene.find(key))
-            scene.fail(*other, fmt::format("'{}' does not go with a list of severities: remove one of the two", key));
+            scene.fail(*other,
+                       fmt::format("'{}' cannot be combined with a list of severities: remove one of the two", key));
     if (values->empty()) scene.fail(node, "'severity' has no value: give some, or remove it");
     if (scene.text("name").find(place_of_value) == std::string::npos)
         scene.fail(*scene.find("name"), "'name' has no {}, the place of each severity");

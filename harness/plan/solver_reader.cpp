@@ -109,9 +109,9 @@ void expect_searches(const ExperimentTable& table, const SolverPlan& solver, con
             table.fail(*table.find("scenes"),
                        fmt::format("'{}' is a pair of a search: name the whole of it, '{}'", scene.name, scene.matrix));
         if (solver.warm && (solver.scenes.empty() || names(scene.matrix)))
-            table.fail(
-                *table.find("warm"),
-                fmt::format("'warm' does not go with '{}', a search: remove it, or name other 'scenes'", scene.matrix));
+            table.fail(*table.find("warm"),
+                       fmt::format("'warm' cannot be combined with '{}', a search: remove it, or name other 'scenes'",
+                                   scene.matrix));
     }
 }
 

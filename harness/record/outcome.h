@@ -89,7 +89,7 @@ bool same_answer(const Outcome& a, const Outcome& b);  // status and bounds, bit
 // What re-checking found, see check/verify.h.
 enum class Verdict {
     holds,        // lower: proven by its witness; upper: above every verified lower bound
-    unsound,      // lower above what its witness shows, or upper below a verified lower bound
+    unsound,      // lower above the distance of its witness, or upper below a verified lower bound
     no_witness,   // the solver gives none: nothing to re-check the lower bound by
     not_checked,  // no bounds, or the shapes are not available
 };

@@ -38,7 +38,7 @@ void read_columns(const h5::File& file, const std::string& group, const Columns<
         const auto checked = [&](auto values, std::size_t width) {
             if (values.size() != whole.size() * width) {
                 throw std::runtime_error(
-                    fmt::format("{} has {} values where {} are due", name, values.size(), whole.size() * width));
+                    fmt::format("{} has {} values instead of {}", name, values.size(), whole.size() * width));
             }
             return values;
         };
@@ -90,7 +90,7 @@ std::vector<Row> read_cases(const h5::File& file) {
         const auto counts = file.read_unsigned("cases/" + child);
         if (counts.size() != rows.size())
             throw std::runtime_error(
-                fmt::format("cases/{} has {} values where {} are due", child, counts.size(), rows.size()));
+                fmt::format("cases/{} has {} values instead of {}", child, counts.size(), rows.size()));
         const std::string name = child.substr(prefix.size());
         const auto known = std::find_if(counter_fields.begin(), counter_fields.end(),
                                         [&](const CounterField& field) { return field.name == name; });
@@ -259,7 +259,7 @@ bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
         throw std::runtime_error(fmt::format("reading it takes more than {} s", limits.seconds));
     const bool is_newer = copy.exit_code() == newer;
     if (end == Child::End::memory || (copy.exit_code() != 0 && !is_newer))
-        throw std::runtime_error("it asks for more memory than its size accounts for");
+        throw std::runtime_error("it asks for more memory than its size justifies");
     if (copy.signal()) throw std::runtime_error(fmt::format("reading it ends with {}", copy.how_it_ended()));
     return is_newer;
 }

@@ -184,15 +184,14 @@ private:
                 "parameters, tolerance, motion, limits, or the program of `external`)",
                 gone_));
         if (not_replaced_ > 0)
-            lines.push_back(
-                fmt::format("{} rows were not measured again: those of the earlier run stay", not_replaced_));
+            lines.push_back(fmt::format("{} rows were not measured again: the earlier ones stay", not_replaced_));
         for (const auto& [name, rows] : changed_)
-            lines.push_back(fmt::format("{} earlier rows are left out: model '{}' has other bytes now; run them again",
-                                        rows, name));
+            lines.push_back(
+                fmt::format("{} earlier rows are left out: model '{}' has changed; run them again", rows, name));
         if (other_builds_ > 0)
-            lines.push_back(fmt::format(
-                "{} rows of an earlier run are of another build (column `build`): run them again to compare times",
-                other_builds_));
+            lines.push_back(
+                fmt::format("{} earlier rows are of another build (column `build`): run them again to compare times",
+                            other_builds_));
         return lines;
     }
 
@@ -251,7 +250,7 @@ void refuse_to_replace(const std::filesystem::path& file, const Experiment& expe
         std::filesystem::equivalent(earlier.file, experiment.file, gone))
         return;
     throw InputError(
-        fmt::format("{}: is the result of {}, another experiment of this name: name another folder with --results, or "
+        fmt::format("{}: is the result of another experiment of this name, {}: name another folder with --results, or "
                     "replace it with --fresh",
                     file.string(), printable(earlier.file)));
 }

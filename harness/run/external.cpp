@@ -119,8 +119,8 @@ public:
           folder_of_command_(options.folder()) {
         if (!lower_.told() && !upper_.told()) {
             throw InputError(
-                "solver 'external': neither 'lower' nor 'upper' is given, so the program's answer is not found: give "
-                "one, or both");
+                "solver 'external': neither 'lower' nor 'upper' is given, so its answer cannot be found: give one or "
+                "both");
         }
     }
     void prepare(const Scene& scene, const Prepared&) override {
@@ -184,8 +184,8 @@ private:
         if (lower) bounds.lower = *lower;
         if (upper) bounds.upper = *upper;
         if (std::isinf(bounds.lower) || bounds.upper < 0) {
-            result.note =
-                fmt::format("the program's bounds [{}, {}] are no interval of distances", bounds.lower, bounds.upper);
+            result.note = fmt::format("the program's bounds [{}, {}] are not an interval of distances", bounds.lower,
+                                      bounds.upper);
             return;
         }
         result.bounds = bounds;
@@ -234,8 +234,8 @@ SolverEntry external_solver() {
         place("lower",
               "regular expression (ECMAScript) with one group around the lower bound, tried on each line of the "
               "output; empty: not printed"),
-        place("upper", "likewise, for the upper bound"),
-        place("seconds", "likewise, for the time that the program reports"),
+        place("upper", "the same for the upper bound"),
+        place("seconds", "the same for the time that the program reports"),
         {.name = "seconds_unit",
          .default_value = 1.0,
          .unit = "s",

@@ -24,7 +24,7 @@ const std::filesystem::path& made_folder(const std::filesystem::path& folder) {
     if (!error && !std::filesystem::is_directory(folder, error) && !error)
         error = std::make_error_code(std::errc::not_a_directory);
     if (error)
-        throw InputError(fmt::format("{}: cannot be made a folder for results ({}): name another with --results",
+        throw InputError(fmt::format("{}: cannot make this folder for results ({}): name another with --results",
                                      folder.string(), error.message()));
     return folder;
 }

@@ -264,7 +264,7 @@ private:
             case Status::budget:
                 return "the budget of subdivisions was spent: the bounds hold";
             case Status::precision_floor:
-                return "the tolerance is below what double precision can certify: the bounds hold";
+                return "the tolerance is smaller than double precision can certify: the bounds hold";
             case Status::stalled:
                 return "the solver could not go on: the bounds hold";
             default:
@@ -388,7 +388,7 @@ int worker_main(int events) {
     WorkOrder order = unpacked({std::istreambuf_iterator<char>(std::cin), {}});
     for (const auto& [file, hash] : order.plugins) {
         if (sha256_of_file(file) != hash)
-            throw InputError(fmt::format("{}: was built again while the sweep ran: run it again", file.string()));
+            throw InputError(fmt::format("{}: was rebuilt during the run: run it again", file.string()));
         load_plugin(file);
     }
     return Worker(std::move(order), events).run();

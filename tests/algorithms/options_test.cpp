@@ -134,8 +134,8 @@ TEST(Contract, WhatIsDeclaredWrongIsSaid) {
     says("'how' twice", [](SolverInfo& info) { info.parameters[1].name = "how"; });
     says("'worse' is not one of its choices",
          [](SolverInfo& info) { info.parameters[0].default_value = std::string("worse"); });
-    says("is no text", [](SolverInfo& info) { info.parameters[1].choices = {"3"}; });
-    says("is no text", [](SolverInfo& info) { info.parameters[1].command = true; });
+    says("is not a text", [](SolverInfo& info) { info.parameters[1].choices = {"3"}; });
+    says("is not a text", [](SolverInfo& info) { info.parameters[1].command = true; });
     says("outside [1, 2]", [](SolverInfo& info) { info.parameters[1].most = 2; });
     says("outside", [](SolverInfo& info) { info.parameters[1].default_value = std::nan(""); });
 }

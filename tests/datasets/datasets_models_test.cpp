@@ -502,7 +502,7 @@ TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = '1'\nradius = 1\n",
            {"line 4", "must be a number"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1\nradius = 9007199254740993\n",
-           {"line 5", "radius", "which a double does not hold"});
+           {"line 5", "radius", "which is not a double"});
     expect("[model.'a b']\nsource = 'generated'\n", {"letters"});
     expect(package("12"), {"line 6", "64 digits"});
     expect("[model.bunny]\nsource = 'debian'\npackage = 'x'\n", {"has no 'version'"});
@@ -623,7 +623,7 @@ TEST_F(Manifest, MistakesInTheCorpusAreNamedWithTheirLine) {
     expect_of("manifest = 'ball'\n", {"corpus.toml: line 1", "list of names"});
     expect_of("\nmanifset = ['ball']\n", {"corpus.toml: line 2", "did you mean 'manifest'"});
     expect_of("manifest = ['ball', 'ball']\n", {"'ball' is listed twice"});
-    expect_of(ball, {"corpus.toml", "'ball' is one of datasets/manifest.toml too"});
+    expect_of(ball, {"corpus.toml", "'ball' is also in datasets/manifest.toml"});
     expect_of("[model.a]\nsource = 'debian'\n", {"corpus.toml: line 1", "'package'"});
     expect_of("[model.a\n", {"corpus.toml: line 1"});
 }

@@ -98,7 +98,7 @@ TEST_F(PointFiles, HeadersOfColumns) {
     refused("a.csv", "x,y,height\n1,2,3\n", {"line 1", "names only some of x, y and z"});
     refused("a.csv", "1.0.0,2,3\n4,5,6\n", {"line 1", "'1.0.0'"});  // no header
     refused("a.csv", "id,z,y,x\n7,3,2\n", {"line 2", "column 4 (x) is missing"});
-    refused("a.csv", "x,y,z\nx,y,z\n", {"line 2", "column 1 (x) is 'x', which is no number"});
+    refused("a.csv", "x,y,z\nx,y,z\n", {"line 2", "column 1 (x) is 'x', which is not a number"});
     refused("a.csv", "x,y,z\n", {"holds no vertices"});
     refused("a.csv", "x,y,z\n1,2,3\n1,5,2,0,3,0\n",
             {"line 3: 6 columns, and the header names 3", "decimals with a point"});
@@ -114,12 +114,12 @@ TEST_F(PointFiles, BadLines) {
     refused("a.xyz", "1 2 3\n1 nan 3\n", {"line 2", "not finite"});
     refused("a.xyz", "1 2 -inf\n", {"line 1", "not finite"});
     refused("a.xyz", "1 2 1e400\n", {"line 1", "not finite"});
-    refused("a.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n", {"line 2", "no number"});  // a chemist's
+    refused("a.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n", {"line 2", "not a number"});  // a chemist's
     refused("a.xyz", "1 2 0x3\n", {"line 1", "column 3 (z) is '0x3'"});
     refused("a.xyz", "1 2 +-3\n", {"line 1", "'+-3'"});
     refused("a.xyz", std::string("\xff\xfe\x31\x00\x20\x00", 6), {"UTF-16", "UTF-8"});
     refused("a.xyz", "# nothing\n", {"holds no vertices"});
-    refused("a.laz", "LASF", {"LAZ is not read", "convert it to .xyz or .ply", "las2txt"});
+    refused("a.laz", "LASF", {"LAZ cannot be read", "convert it to .xyz or .ply", "las2txt"});
 }
 
 std::string pcd(const std::string& types, const std::string& sizes, int points, const std::string& data,
@@ -210,14 +210,14 @@ TEST_F(PointFiles, BadPcdHeaders) {
         return text.replace(text.find(from), from.size(), to);
     };
     reads("a.pcd", good, {{1, 2, 3}});
-    refused("a.pcd", "hello\n1 2 3\n", {"line 1", "'hello' is no word of a PCD header"});
+    refused("a.pcd", "hello\n1 2 3\n", {"line 1", "'hello' is not a word of a PCD header"});
     refused("a.pcd", good.substr(0, good.find("DATA")), {"no DATA line"});
     refused("a.pcd", with("FIELDS x y z", "FIELDS x y w"), {"FIELDS has no 'z'"});
     refused("a.pcd", with("SIZE 4 4 4", "SIZE 4 4"), {"line 4", "SIZE has 2 values for 3 FIELDS"});
     refused("a.pcd", with("SIZE 4 4 4", "SIZE 4 4 3"), {"'z' is of type F3"});
     refused("a.pcd", with("COUNT 1 1 1", "COUNT 1 1 2"), {"'z'", "count 2"});
     refused("a.pcd", with("POINTS 1", "POINTS 2"), {"POINTS is 2, and WIDTH times HEIGHT 1"});
-    refused("a.pcd", with("POINTS 1", "POINTS -1"), {"line 10", "'-1' is no whole number"});
+    refused("a.pcd", with("POINTS 1", "POINTS -1"), {"line 10", "'-1' is not a whole number"});
     refused("a.pcd", with("WIDTH 1", "WIDTH 1099511627776"), {"WIDTH times HEIGHT"});
     refused("a.pcd", with("DATA ascii", "DATA asci"), {"unknown DATA 'asci'", "did you mean 'ascii'"});
 }

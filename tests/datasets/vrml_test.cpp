@@ -213,7 +213,7 @@ TEST_F(Vrml, GzippedFilesAreRead) {
 
 TEST_F(Vrml, WhatIsNotReadIsToldWithItsLine) {
     refused("#VRML V1.0 ascii\nSeparator { }\n", {"line 1", "VRML 1.0", "convert"});
-    refused("#X3D V3.0 utf8\n", {"line 1", "no VRML file"});
+    refused("#X3D V3.0 utf8\n", {"line 1", "not a VRML file"});
     refused("Shape {}", {"line 1", "#VRML V2.0"});
     for (const char* kind : {"Box", "Sphere", "Cylinder", "Cone", "Extrusion", "ElevationGrid", "Text"})
         refused(head + triangle + fmt::format("\nShape {{ geometry\n {} {{ size 1 1 1 }} }}", kind),
@@ -232,7 +232,7 @@ TEST_F(Vrml, MistakesAreToldWithTheirLine) {
     refused(head +
                 "\nShape { geometry IndexedFaceSet { coord Coordinate {\npoint [ 0 0 0,\n1 x 0, 0 1 0 ] } coordIndex [ "
                 "0 1 2 ] } }",
-            {"line 5", "'x' is no number"});
+            {"line 5", "'x' is not a number"});
     for (const char* bad : {"nan", "inf", "-inf", "1e999"})
         refused(
             head + shape(fmt::format("coord Coordinate {{ point [ 0 0 0 1 0 {} 0 1 0 ] }} coordIndex [ 0 1 2 ]", bad)),
@@ -257,7 +257,7 @@ TEST_F(Vrml, MistakesAreToldWithTheirLine) {
     refused(head + "Group { children [ [ ] ] }\n", {"line 2", "'['"});
     refused(head + "Group { 7 }\n", {"line 2", "'7'", "name of a field"});
     refused(head + "DEF T 7 }\n", {"line 2", "'}'", "'{'"});
-    refused(head + "Shape\n", {"line 2", "'Shape' is no node"});
+    refused(head + "Shape\n", {"line 2", "'Shape' is not a node"});
     refused(head + triangle + "}\n", {"line 3", "'}'"});
     refused(head + triangle + std::string(1, '\0') + "garbage", {"zero byte"});
     refused(head + "WorldInfo {\n title \"never ends\\\" }\n", {"line 3", "does not end"});

@@ -49,7 +49,8 @@ void read_frames(const std::filesystem::path& file) {
         for (const auto* poses : {&pair.source_poses, &pair.target_poses}) {
             for (const Pose& pose : *poses) {
                 const Eigen::Matrix3d off = pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity();
-                expect(off.cwiseAbs().maxCoeff() < 1e-14 && pose.translation.allFinite(), "a pose that is no rotation");
+                expect(off.cwiseAbs().maxCoeff() < 1e-14 && pose.translation.allFinite(),
+                       "a pose that is not a rotation");
             }
         }
     }

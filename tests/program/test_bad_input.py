@@ -58,7 +58,7 @@ def test_unknown_solver_and_parameter_name_the_nearest(hausbench: Program, tetra
 
 BAD_EXPERIMENTS = {
     'title = "a\\u0000b"\n': ("NUL", "title"),
-    "cutoff = 9007199254740993": ("'cutoff' is 9007199254740993, which a double does not hold", "write 9007199254740992"),
+    "cutoff = 9007199254740993": ("'cutoff' is 9007199254740993, which is not a double", "write 9007199254740992"),
     "repeat = 1": ("unknown key 'repeat'", "repeats"),
     "repeats = -1": ("'repeats'", "whole number"),
     "of = 'diagnoal'": ("'of'", "diagonal"),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
 
-from conftest import Program, head
+from conftest import ROOT, Program, head
 
 
 @pytest.fixture
@@ -58,7 +59,10 @@ def test_width_and_format_of_figures(hausbench: Program, experiment: Path, tmp_p
 
 
 def test_models_are_fetched_to_where_the_program_looks(hausbench: Program, tmp_path: Path) -> None:
-    done = hausbench("fetch", "--help")
-    assert done.returncode == 0 and "datasets/cache" in done.stdout
+    python = tmp_path / "python3"
+    python.write_text('#!/bin/sh\necho "$HAUSBENCH_CACHE"\n')
+    python.chmod(0o755)
+    done = subprocess.run([hausbench.path, "fetch"], env={**hausbench.environment(), "PYTHON": str(python)}, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == str(ROOT / "datasets" / "cache")
     done = hausbench("fetch", "no_such_model")
     assert done.returncode == 2 and "no_such_model" in done.stderr

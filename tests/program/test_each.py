@@ -102,7 +102,7 @@ BAD = {
     "each = ['bal']": "no model 'bal', did you mean 'ball'",
     "each = ['other']": "'other' is not of the corpus: list it under 'manifest' in datasets/corpus.toml",
     "": "'name' has {}, but the scene no 'each'",
-    "each = ['ball']\nexact = 0.5": "'exact' does not go with 'each'",
+    "each = ['ball']\nexact = 0.5": "'exact' cannot be combined with 'each'",
     "each = ['ball']\ntargets = ['ball']": "'targets'",
 }
 

@@ -193,7 +193,7 @@ def test_measure_counts_from_the_current_folder(hausbench: Program, tetrahedron:
 def test_bounds_of_no_distance_are_no_answer(sweep: Sweep) -> None:
     for deed in ("; echo h = inf; echo at most inf", "; echo at most -1"):
         rows = sweep(deed=deed, lower=r"^h = (\S+)")
-        assert rows["status"] == ["failed", "failed"] and "no interval of distances" in rows["reason"][0]
+        assert rows["status"] == ["failed", "failed"] and "not an interval of distances" in rows["reason"][0]
 
 
 def test_a_program_that_lies(sweep: Sweep) -> None:

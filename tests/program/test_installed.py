@@ -57,3 +57,9 @@ def test_its_hints_name_what_is_there(installed: Installed) -> None:
     assert installed("fetch", "--help").returncode == 0
     assert "'hausbench run smoke'" in installed("draw", "smoke.h5").stderr
     assert "run it in a checkout" in installed.fails("track")
+
+
+def test_its_manual_and_completion_are_where_they_are_looked_for(installed: Installed) -> None:
+    share = Path(installed.path).parents[1] / "share"
+    assert (share / "man" / "man1" / "hausbench.1").read_text() == installed("describe", "man").stdout
+    assert (share / "bash-completion" / "completions" / "hausbench").read_text() == installed("describe", "bash").stdout

@@ -233,4 +233,4 @@ def test_a_timeout_beside_others_is_tried_again_alone(hausbench: Program, tmp_pa
 
 @pytest.mark.parametrize("more", [("--fresh",), ("--collect",), ("--jobs", "2"), ("--shard", "1/2"), ("--leave-nothing-out",)])
 def test_what_a_cluster_cannot_be_told_is_refused(hausbench: Program, tmp_path: Path, more: tuple[str, ...]) -> None:
-    assert f"does not go with {more[0]}" in hausbench.fails("run", SMOKE, "--engine", "slurm", "--results", tmp_path, *more)
+    assert f"cannot be combined with {more[0]}" in hausbench.fails("run", SMOKE, "--engine", "slurm", "--results", tmp_path, *more)

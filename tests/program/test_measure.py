@@ -226,7 +226,7 @@ def test_a_name_that_begins_with_a_dash(hausbench: Program, tetrahedron: Path) -
 
 def test_no_answer_is_no_success(hausbench: Program, tetrahedron: Path) -> None:
     given = ("--solver", "external", "--set", "lower=(.*)", "--set")
-    for command, why in (("false {A} {B}", "exit code 1"), ("echo inf # {A} {B}", "no interval of distances"), ("echo '\xff' # {A} {B}", "no number")):
+    for command, why in (("false {A} {B}", "exit code 1"), ("echo inf # {A} {B}", "not an interval of distances"), ("echo '\xff' # {A} {B}", "no number")):
         done = hausbench("measure", tetrahedron, tetrahedron, *given, "command=" + command, "--json")
         assert done.returncode == 1 and "no answer" in done.stderr
         answer = json.loads(done.stdout)
@@ -287,7 +287,7 @@ def test_no_shape_is_written_over(hausbench: Program, tmp_path: Path, more: tupl
     b = "a.off.back.ply" if "--symmetric" in more else "b.ply"
     a = "sphere1" if "--symmetric" in more else "a.off.ply"
     assert "is the same file: choose another name" in hausbench.fails("measure", a, b, *(text.format(folder=tmp_path.name) for text in more))
-    assert "is the file that is read" in hausbench.fails("export", "a.off.ply", "link.ply")
+    assert "is the input file" in hausbench.fails("export", "a.off.ply", "link.ply")
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
 
 
@@ -304,7 +304,7 @@ def test_nor_the_file_of_a_model(hausbench: Program, tmp_path: Path, monkeypatch
     for more in (("--certificate", scan), ("--fields", scan)):
         assert "is the same file" in hausbench.fails("measure", "mine", "half", *more)
         assert "is the same file" in hausbench.fails("measure", "half", "half", *more)
-    assert "is the file that is read" in hausbench.fails("export", "half", scan)
+    assert "is the input file" in hausbench.fails("export", "half", scan)
     assert scan.read_bytes() == before and hausbench("measure", "mine", "half", "--certificate", tmp_path / "proof").returncode == 0
 
 

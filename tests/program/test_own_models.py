@@ -126,7 +126,7 @@ def test_shards_are_merged(hausbench: Program, own: Path, tmp_path: Path) -> Non
      (('sources = ["twice",', 'sources = [\n  "sphere1",\n  "sphree1",'), (":24:", "no model 'sphree1' (did you mean 'sphere1'?)")),
      (('target = "clouds/other.csv"', 'target = "clouds/othre.csv"'), (":18:", "there is no file", "clouds/othre.csv", "experiment's folder")),
      (('path = "clouds/scan.xyz"', 'path = "scan.xyz"'), ("model 'mine'", "there is no file", "own/scan.xyz")),
-     (("[model.mine]", "[model.sphere1]"), ("model 'sphere1'", "datasets/manifest.toml too", "another name")),
+     (("[model.mine]", "[model.sphere1]"), ("model 'sphere1'", "also in datasets/manifest.toml", "another name")),
      (('note = "my own"', 'nore = "my own"'), ("line 7", "model 'mine'", "unknown key 'nore'", "did you mean 'note'")),
      (('from = "mine"', 'from = "yours"'), ("model 'twice' is derived from 'yours', which does not exist",)),
      (('path = "clouds/scan.xyz"', 'path = "clouds/scan.xyz"\nsource = "npm"'), ("line 7", "packages are fetched for datasets/manifest.toml alone",)),

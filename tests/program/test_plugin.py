@@ -68,10 +68,10 @@ def test_an_installed_program_knows_its_commit(program_file: str, outside: Path,
 # What the solver `broken` does -> what is said of it, wherever it is loaded.
 DECLARED = {
     "no name": "without a name",
-    "known name": "'guthe' already",
+    "known name": "'guthe' exists already",
     "no title": "title is empty",
     "no target": "no shape as target",
-    "unknown paper": "'zhang2071' is no key of papers.bib (did you mean 'zhang2017'?)",
+    "unknown paper": "'zhang2071' is not a key of papers.bib (did you mean 'zhang2017'?)",
     "wrong and certified": "never certified",
     "parameter twice": "parameter 'how' twice",
     "default is no choice": "'well' is not one of its choices",
@@ -129,7 +129,7 @@ def test_bounds_that_no_distance_can_have_are_no_answer(
         for more, code in (((), 1), (("--symmetric",), 1), (("--cutoff", "0.5"), 3)):
             done = hausbench(*arguments, *more)
             assert done.returncode == code, (how, more, done.stdout)
-            assert "are no interval of distances" in done.stderr + done.stdout
+            assert "are not an interval of distances" in done.stderr + done.stdout
             assert "converged" not in done.stdout.replace("reports converged", "") and "below_floor" not in done.stdout.replace("reports below_floor", "")
             if code == 3:
                 assert "above 0.5? open" in done.stdout
@@ -263,8 +263,8 @@ DEEDS = {
     ("eats_memory", "bit by bit"): ("out_of_memory", "400 MB"),
     ("eats_memory", "at once"): ("out_of_memory", "refused memory"),
     ("lies", "upper below"): ("unsound", "below the verified lower bound"),
-    ("lies", "lower above"): ("unsound", "above what its witness shows"),
-    ("lies", "far witness"): ("unsound", "above what its witness shows"),
+    ("lies", "lower above"): ("unsound", "above the distance of its witness"),
+    ("lies", "far witness"): ("unsound", "above the distance of its witness"),
     ("lies", "crossed"): ("unsound", "below"),
     ("lies", "not a number"): ("unsound", "not a number"),
     ("lies", "wide"): ("failed", "reports converged, but its gap 4e+09 is above the tolerance 2"),

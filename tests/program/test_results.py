@@ -175,7 +175,7 @@ def test_a_reason_is_that_of_every_row_it_is_said_of(hausbench: Program, tmp_pat
         for i in rows:
             f["cases/lower"][i], f["cases/upper"][i] = 99.0, 100.0
     done = hausbench("verify", bad)
-    shown = [line.rsplit("(", 1)[1] for line in done.stdout.splitlines() if "above what its witness shows" in line]
+    shown = [line.rsplit("(", 1)[1] for line in done.stdout.splitlines() if "above the distance of its witness" in line]
     assert done.returncode == 1 and len(shown) >= len(rows) and not any(text.startswith("0)") for text in shown)
 
 
@@ -397,3 +397,13 @@ def test_facts_are_columns_and_survive_resume_and_merge(hausbench: Program, tmp_
             assert exact == 0.5 if scene == "balls" else np.isnan(exact)
             assert json.loads(facts) == ({"chosen": "ohd"} if (solver, status) == ("adaptive", "ok") else {}), (scene, solver)
         assert sum(status == "ok" for status in texts(file, "cases/status")) == 4
+
+
+def test_a_result_has_the_titles_of_its_solvers(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    """Tables and figures take them from there."""
+    listed = {solver["name"]: solver["title"] for solver in json.loads(hausbench("list", "--json").stdout)["solvers"]}
+    with h5py.File(run(hausbench, experiment, tmp_path)) as result:
+        titles = json.loads(result["meta"].attrs["titles"])
+        used = {name.decode() for name in result["cases/solver"][:]}
+    assert used and titles.keys() >= used
+    assert {name: titles[name] for name in used} == {name: listed[name] for name in used}

@@ -87,7 +87,7 @@ def test_verify_finds_bounds_that_do_not_hold(hausbench: Program, tmp_path: Path
     assert done.returncode == 0 and "unsound:" not in done.stdout
     solvers, status = texts(good, "cases/solver"), texts(good, "cases/status")
     row = next(i for i, s in enumerate(solvers) if s == "guthe" and status[i] == "ok" and numbers(good, "cases/lower")[i] > 0)
-    for column, wrong, said in (("lower", 1 + 1e-12, "above what its witness shows"), ("upper", 1 - 1e-3, "below")):
+    for column, wrong, said in (("lower", 1 + 1e-12, "above the distance of its witness"), ("upper", 1 - 1e-3, "below")):
         bad = tmp_path / "bad.h5"
         shutil.copy(good, bad)
         with h5py.File(bad, "r+") as f:

@@ -96,7 +96,7 @@ def test_another_experiment_of_the_same_name_does_not_replace_a_result(hausbench
     run(hausbench, experiment, tmp_path)
     other.write_text(experiment.read_text() + "# edited\n")
     said = hausbench.fails("run", other, "--results", tmp_path)
-    assert f"is the result of {experiment}, another experiment" in said and "--results" in said and "--fresh" in said
+    assert f"is the result of another experiment of this name, {experiment}:" in said and "--results" in said and "--fresh" in said
     assert file.stat().st_size == len(before)
     experiment.write_text(other.read_text() + "# edited in place\n")
     run(hausbench, experiment, tmp_path)

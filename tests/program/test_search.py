@@ -273,7 +273,7 @@ def test_far_scales_stay_one_search(hausbench: Program, tmp_path: Path) -> None:
     ({"search": "search = true"}, (":9: 'search' must be a text",)),
     ({"search": 'search = "nearest"\nmotion = { kind = "rotation", axis = [0, 0, 1], degrees = 90 }'}, (":9: 'search' is among shapes that stand still", "remove it")),
     ({"search": 'search = "nearest"\ntargets = ["a"]', "sources": ["a"]}, (":9: 'search' has no two models", "name other 'targets'")),
-    ({"solvers": '[[solver]]\nname = "cover"\nwarm = true\n'}, (":12: 'warm' does not go with 'all', a search", "remove it")),
+    ({"solvers": '[[solver]]\nname = "cover"\nwarm = true\n'}, (":12: 'warm' cannot be combined with 'all', a search", "remove it")),
     ({"solvers": '[[solver]]\nname = "cover"\nscenes = ["all: a to b"]\n'}, (":12: 'all: a to b' is a pair of a search", "name the whole of it, 'all'")),
 ])
 def test_what_is_no_search(hausbench: Program, tmp_path: Path, changed: dict[str, Any], says: tuple[str, ...]) -> None:

@@ -124,7 +124,7 @@ def test_scenes_without_severity_have_neither(hausbench: Program) -> None:
     ("[9, 9, 9]", '[9, 9, "x"]', ("'vertices' must be a number",)),
     ("severity = [0.25, 1e8]", 'severity = 1\nfamily = "f"', ("'z' must be a number: {} stands for one in a scene with a list of severities",)),
     ("n = 4", 'n = 4, tolerances = "x"', ("unknown key 'tolerances'",)),
-    ('exact = "{}"', 'exact = "{}"\neach = ["cow"]', ("'each' does not go with a list of severities",)),
+    ('exact = "{}"', 'exact = "{}"\neach = ["cow"]', ("'each' cannot be combined with a list of severities",)),
 ])
 def test_mistakes_name_the_place(hausbench: Program, before: str, after: str, said: tuple[str, ...]) -> None:
     assert before in SQUARES

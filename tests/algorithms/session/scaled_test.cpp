@@ -165,7 +165,7 @@ TEST(SessionStatus, ConvergedIsAGapWithinTheTolerance) {
     for (const Bounds& none : {Bounds{nan, 1e-9}, Bounds{0, nan}, Bounds{infinity, infinity}, Bounds{-1e-9, -1e-10}}) {
         const Result impossible = after(Status::converged, none);
         EXPECT_EQ(to_string(impossible.status), to_string(Status::stalled)) << none.lower << ", " << none.upper;
-        EXPECT_NE(impossible.note.find("are no interval of distances"), std::string::npos) << impossible.note;
+        EXPECT_NE(impossible.note.find("are not an interval of distances"), std::string::npos) << impossible.note;
         EXPECT_EQ(to_string(after(Status::above_cutoff, none, 0, 0.5).status), to_string(Status::stalled));
         EXPECT_EQ(to_string(after(Status::below_floor, none, 0.5, 0.5).status), to_string(Status::stalled));
     }

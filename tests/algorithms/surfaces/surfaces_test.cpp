@@ -273,7 +273,7 @@ TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
     EXPECT_EQ(to.bounds.upper, std::numeric_limits<double>::infinity());
     for (const Result& result : {from, to}) {
         EXPECT_EQ(result.status, Status::stalled);
-        EXPECT_NE(result.note.find("change of sign"), std::string::npos) << result.note;
+        EXPECT_NE(result.note.find("one sign at all corners"), std::string::npos) << result.note;
     }
 }
 

@@ -93,7 +93,7 @@ TEST(VerifyPenetration, BoundsAndCoordinatesThatAreHuge) {
     const double infinity = std::numeric_limits<double>::infinity();
     expect(check(cube, bar, {infinity, infinity}, from_target(end)), Verdict::unsound, Verdict::holds, "infinite");
     expect(check(cube, bar, {0.5, infinity}, from_target(end)), Verdict::holds, Verdict::holds);
-    expect(check(cube, bar, {-1, -0.5}, from_target(end)), Verdict::holds, Verdict::unsound, "no less than 0");
+    expect(check(cube, bar, {-1, -0.5}, from_target(end)), Verdict::holds, Verdict::unsound, "at least 0");
     EXPECT_EQ(check(scaled(cube, 1e200), scaled(bar, 1e200), {1, 2}, from_target(end)).lower, Verdict::not_checked);
 }
 

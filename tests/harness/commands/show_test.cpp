@@ -355,9 +355,9 @@ TEST(Show, SaysWhichTimesDoNotCompare) {
     };
     EXPECT_EQ(said(), "");
     rows[1].outcome.machine = "there", rows[2].outcome.side_by_side = true;
-    EXPECT_EQ(said(), "not all of these times compare: some are of different machines, run beside others");
+    EXPECT_EQ(said(), "not all of these times are comparable: some are of different machines, run beside others");
     rows[1].outcome.answers.clear(), rows[1].outcome.repeats.clear();
-    EXPECT_EQ(said(), "not all of these times compare: some are run beside others");
+    EXPECT_EQ(said(), "not all of these times are comparable: some are run beside others");
 }
 
 TEST(Compare, AProgramAndItsPluginsAreOneBuild) {

@@ -503,7 +503,7 @@ TEST_F(CheckFields, WhatIsNoDistanceOrElement) {
     }
     for (double bad : {-1.0, 2.0, 0.5, infinity, std::nan("")}) {
         nearest(0) = bad;
-        expect(Verdict::unsound, "no element of B");
+        expect(Verdict::unsound, "not an element of B");
     }
     fields[1].values.pop_back();
     expect(Verdict::unsound, "3 values for 4 vertices");
