@@ -63,7 +63,7 @@ std::vector<Instance> point_instances() {
     return all;
 }
 
-// --- who is asked ---------------------------------------------------------------------------------------------------
+// --- the solvers ----------------------------------------------------------------------------------------------------
 
 Ask ask_of(const SolverEntry& entry) {
     return [&entry](const Scene& scene, double tolerance, Quantity quantity) {

@@ -1,5 +1,5 @@
 // Certificates of random scenes. A valid one is accepted, and its bound is exact up to rounding. A
-// changed one is refused, or what it proves is still true.
+// changed one is refused, or its claim is still true.
 #include "harness/check/certificate_check.h"
 
 #include "tests/support/certificates.h"

@@ -120,7 +120,7 @@ TEST(MeshMotion, AllIntervalsOverlap) {
     for (const char* name : {"tang", "cover"}) EXPECT_LT(queries[name].first, queries[name].second) << name;
 }
 
-// All threads that work at a pose write what a chain carries along. Answers and counts must equal those of one thread.
+// All threads that work at a pose write to the state of the chain. Answers and counts must be the same as with one thread.
 TEST(MeshMotion, ThreadsChangeNothing) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
     QuerySet threaded = moving;

@@ -84,7 +84,7 @@ Pose stretched(const Eigen::Matrix3d& rotation, const Vec3& translation = Vec3::
 
 // --- the status follows from the bounds -------------------------------------------------------------------------------
 
-// What the solver says: a result in scaled units that the tests choose.
+// The solver's answer, in scaled units, chosen by the tests.
 Result said;
 bool samples = false;
 
