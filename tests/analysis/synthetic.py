@@ -78,7 +78,7 @@ class ResultFile:
         """Adds a case with its repeats (one per round, or spread over `rounds` rounds), its trace and its models; returns its
         row.
 
-        `prepare` holds the seconds of preparing by round, and `first` those of the first answers; by default, the median of the
+        `prepare` holds the seconds of preparing by round, and `first` the seconds of the first answers, by default the median of the
         round's repeats.
         """
         row, rounds = len(self.cases), rounds or max(1, len(seconds))

@@ -94,7 +94,7 @@ MISSING = killed("skipped", "its origin 'hand' is missing: run datasets/fetch.py
 
 
 def small() -> Sweeps:
-    """Known: every outcome. Of 22 answers of certified solvers 4 are ill; of the 13 with a reachable gap, without sampling, 8 are tight."""
+    """Known: every outcome. 4 of 22 answers of certified solvers are ill; without sampling, 8 of the 13 with a reachable gap are tight."""
     made = Sweeps()
     made.family("offset", "points", [1e4, 1e8, 1e12], {"nohd_as_printed": [GOOD, WRONG, WRONG], "naive": [GOOD, GOOD, HUNG]},
                 largest=[1.0, 1.0, 1e12])

@@ -56,7 +56,7 @@ def errors(mean: Any, pairs: int, deviation: float, trials: int = 250) -> int:
 
 @pytest.mark.parametrize("mean", [arithmetic_mean, geometric_mean])
 def test_mean_at_least_errs_as_seldom_as_it_promises(mean: Any) -> None:
-    """Of 1,500 verdicts, 5 % may err: more than 101 have a chance of 0.1 %."""
+    """5 % of 1,500 verdicts may err: more than 101 have a chance of 0.1 %."""
     found = {(pairs, deviation): errors(mean, pairs, deviation) for pairs in (5, 10, 30) for deviation in (0.8, 1.5)}
     assert sum(found.values()) <= 101, found
     assert max(found.values()) <= 25, found  # of 250
