@@ -119,7 +119,7 @@ def inverse(ratio: Estimate) -> Estimate:
 
 
 def self_test(judged: Sequence[Judged]) -> list[str]:
-    """Returns the reasons to distrust the gate: none if it detected the planted slowdown, and nothing where there is nothing."""
+    """Returns the reasons to distrust the gate: none if it detected the planted slowdown and no difference of the base from itself."""
     failures = [f"{one.name}: the base is {one.itself.value:.3f} times as slow as itself: what differs is not the builds"
                 for one in judged if one.itself.n and (alarms(one.itself) or alarms(inverse(one.itself)))]
     planted = [one for one in judged if one.planted.n]

@@ -4,7 +4,7 @@ The fit minimises the sum of |log x - level| over all values, plus a penalty for
 level is the median of its logarithms, so one odd value does not move it. Consequences:
 
 - One value far off in the middle is two steps, there and back, if it is off by more than two penalties, and nothing if it is off by less. A value
-  here is already a median of blocks, so a value far off is a slow commit that the next one mended.
+  here is already a median of blocks, so a value far off is a slow commit that the next one repaired.
 - One value far off at the very end is a step if it is off by more than one penalty; nothing shows yet whether it stays.
 - A slow drift is a staircase. Its stairs are joined until each is at least `least` high: a drift is reported in total, but without an exact place.
 - Equal values, one value, or none: no step.

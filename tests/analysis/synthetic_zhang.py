@@ -59,7 +59,7 @@ def fig8() -> ResultFile:
 
 
 def fig9() -> ResultFile:
-    """Known: no lambda is separated from 1/80, but for 1/2, which takes twice as long; seven seeds each."""
+    """Known: no lambda is separated from 1/80 except 1/2, which takes twice as long; seven seeds each."""
     file = ResultFile("zhang2017_fig9", wall=1.25, cpu=1.0)
     for value, factor in ((0.0025, 1.0), (0.01, 0.99), (0.0125, 1.0), (0.5, 2.0)):
         for seed in range(1, 8):

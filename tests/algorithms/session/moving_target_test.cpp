@@ -178,7 +178,7 @@ TEST(SessionUndo, NothingIsBuiltAgain) {
 }
 
 // A copy replaces undoing if the motion cannot be undone, undoing costs more than the tolerance
-// allows, or it would prove something else.
+// allows, or a proof would be about other shapes.
 TEST(SessionUndo, ACopyWhereItMust) {
     const Session session(sharp(), Options("sharp", {}, {}), {point({0, 0, 0}), point({0.75, 0, 0})},
                           {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});

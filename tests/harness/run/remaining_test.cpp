@@ -6,7 +6,7 @@
 namespace hausbench {
 namespace {
 
-constexpr double near = 0.01;  // a second case counts as if it had gone as expected
+constexpr double near = 0.01;  // the estimate adds one second of work that took as long as expected
 
 TEST(SecondsLeft, AreThoseExpectedBeforeAnythingEnded) {
     EXPECT_EQ(seconds_left({{"a", 2, 3}, {"b", 0.5, 4}}, 0), 8);
