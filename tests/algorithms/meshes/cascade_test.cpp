@@ -237,7 +237,7 @@ TEST(PieceBounds, HoldExactlyAgainstPoints) {
 }
 
 // Each bound is widened by 2uM per level; bounds that cut the piece also by level_of_inner_point.
-// Only this test tells, because roundings never all err in one direction.
+// No other test shows this, because roundings never all err in one direction.
 TEST(PieceBounds, AreWidenedByTheirLevel) {
     const TriangleMesh two = points_as_triangles({{0, 0, 1}, {1, 0, 1}});
     const PieceCorners v = measured({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.25, 0)}, two);

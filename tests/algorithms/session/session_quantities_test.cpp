@@ -37,7 +37,7 @@ struct Case {
     std::array<Truth, 3> directed, symmetric;  // one per pair of poses
 };
 
-// Picks scenes that posing leaves exact enough: nothing in them is near the ends of the range of doubles.
+// Picks scenes that can be posed freely: nothing in them is near the ends of the range of doubles.
 std::vector<Case> some_cases(const std::vector<TestScene>& scenes, const std::set<std::string>& names) {
     std::vector<Case> all;
     for (const TestScene& test : scenes) {

@@ -62,8 +62,8 @@ TEST(TriangleBlocks, SameBitsAsAScanFarFromTheOrigin) {
     }
 }
 
-// Distances beyond the range of single precision. The offset is along an axis, because moderate
-// distances look the same as a slant.
+// Farther than single precision is used for. The offset is along an axis, because from a slanted direction
+// triangles that are only slightly farther cannot be told apart.
 TEST(TriangleBlocks, SameBitsAsAScanFromVeryFarAway) {
     Random random(7);
     Counters counters;

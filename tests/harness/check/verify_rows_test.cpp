@@ -105,8 +105,7 @@ TEST_F(VerifyRows, ReferencesRefuteByWhatIsCheckedAlone) {
     check();
     EXPECT_EQ(rows[0].check.lower, Verdict::unsound);
     EXPECT_EQ(rows[2].check.lower, Verdict::no_witness);
-    references[0].outcome.bounds = {
-        5, 5};  // the witness does not show this: the reference is wrong itself, and refutes nothing
+    references[0].outcome.bounds = {5, 5};  // not shown by its witness: it is wrong itself, and refutes nothing
     rows[2].outcome.status = RowStatus::ok;
     check();
     EXPECT_EQ(references[0].outcome.status, RowStatus::unsound);

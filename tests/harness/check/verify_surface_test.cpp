@@ -43,8 +43,7 @@ TEST(SurfaceCheck, TakesOffHowFarTheWitnessIsBeside) {
 
 // The witness is from a coarse mesh, far from the surface: the rest of the distance is still shown.
 TEST(SurfaceCheck, AWitnessFarFromTheSurfaceShowsWhatIsLeft) {
-    EXPECT_EQ(check(ball, large, 0.3 - 1e-9, Vec3(0, 0, 0.9)),
-              Verdict::holds);  // 0.6 - 0.1, minus the loss along the axes
+    EXPECT_EQ(check(ball, large, 0.3 - 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);  // 0.6 - 0.1 - loss along axes
     EXPECT_NE(check(ball, large, 0.5 + 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);
 }
 
