@@ -48,8 +48,7 @@ Rivals rivals() {
 void compare_builds(const std::string& model, int rounds) {
     const TriangleMesh mesh = model_mesh(model);
     Rivals all = rivals();
-    std::erase_if(all,
-                  [](const auto& rival) { return rival->name() == "BVH (warm start)"; });  // it has the same structure
+    std::erase_if(all, [](const auto& rival) { return rival->name() == "BVH (warm start)"; });  // the same structure
     std::vector<Contender> contenders;
     std::vector<std::size_t> bytes(all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {

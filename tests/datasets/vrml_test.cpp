@@ -111,8 +111,7 @@ TEST_F(Vrml, TransformsPutVerticesInTheOrderOfTheStandard) {
     expect_at("translation 0.1 -2 3", {{0.1, -2, 3}, {1.1, -2, 3}, {0.1, 0, 3}});
     expect_at("scale 2 3 4", {{0, 0, 0}, {2, 0, 0}, {0, 6, 0}});
     expect_at("rotation 0 0 1 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
-    expect_at("rotation 0 0 5 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}},
-              2e-16);  // the axis may have any length
+    expect_at("rotation 0 0 5 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);  // any axis length
     expect_at("rotation 0 0 2e-162 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
     expect_at("rotation 0 0 1e-300 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
     expect_at("rotation 1 0 0 1.5707963267948966", {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}}, 2e-16);
@@ -222,8 +221,7 @@ TEST_F(Vrml, WhatIsNotReadIsToldWithItsLine) {
     refused(head + "PROTO Bolt [ field SFInt32 n 0 ] { Group {} }\n", {"line 2", "PROTO", "convert"});
     refused(head + "Group { EXTERNPROTO Bolt [ ] \"a.wrl\" }\n", {"line 2", "EXTERNPROTO"});
     refused(head + triangle + "Group {\n children Inline { url \"b.wrl\" } }", {"line 4", "Inline"});
-    EXPECT_EQ(corners(triangle + "Switch { choice Shape { geometry Sphere {} } }").size(),
-              3u);  // the choices are not visible
+    EXPECT_EQ(corners(triangle + "Switch { choice Shape { geometry Sphere {} } }").size(), 3u);  // not visible
     refused(head, {"holds no IndexedFaceSet"});
     refused(head + shape(points), {"holds no IndexedFaceSet with a face"});
     refused(head + shape("coordIndex [ 0 1 2 ]"), {"holds no IndexedFaceSet with a face"});

@@ -36,8 +36,7 @@ inline CertificateTree written(const Tree& tree) {
 // Returns empty bytes if a triangle has no node at all.
 inline Certificate written(const Proof& proof, double proven) {
     CertificateBuilder builder(static_cast<Index>(proof.size()));
-    for (std::size_t i = proof.size(); i-- > 0;)
-        builder.set(static_cast<Index>(i), written(proof[i]));  // the order does not matter
+    for (std::size_t i = proof.size(); i-- > 0;) builder.set(static_cast<Index>(i), written(proof[i]));  // in any order
     return builder.finish(proven).value_or(Certificate{});
 }
 
@@ -62,8 +61,7 @@ template <class Point> struct Children {
         };
         const auto part = [&](const CutPoint& from, const CutPoint& to) {
             std::vector<Point> corners = {at(from)};
-            for (std::size_t i = from.place + 1;;
-                 ++i) {  // stops before the corner `to`, or after the start of its edge
+            for (std::size_t i = from.place + 1;; ++i) {  // up to `to`, or to the start of its edge
                 if (to.t < 0 && i % n == to.place) break;
                 corners.push_back(whole[i % n]);
                 if (to.t >= 0 && i % n == to.place) break;

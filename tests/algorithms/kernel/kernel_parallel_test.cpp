@@ -163,8 +163,7 @@ SolverEntry asking(bool threads) {
 
 TEST(Threads, BuildStructuresOfASolverThatOffersThem) {
     const PointSet point{Points::Zero(1, 3)};
-    const int cores =
-        std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // there are never more workers than cores
+    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // the most workers
     const int three = std::min(3, cores), two = std::min(2, cores);
     for (const bool offered : {false, true}) {
         QuerySet queries;

@@ -179,8 +179,7 @@ TEST(SourceRegions, ChangeNoAnswerOfASolver) {
             const auto &without = answers[0].fields.value(), &with = answers[1].fields.value();
             ASSERT_EQ(with[1].name, "upper");
             for (std::size_t t = 0; t < with[1].values.size(); ++t) {
-                EXPECT_GE(with[1].values[t], without[0].values[t])
-                    << name << i;  // upper bound of one against lower bound of the other
+                EXPECT_GE(with[1].values[t], without[0].values[t]) << name << i;  // upper against lower bound
                 EXPECT_GE(without[1].values[t], with[0].values[t]) << name << i;
             }
         }

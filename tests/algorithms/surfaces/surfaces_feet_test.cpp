@@ -247,8 +247,7 @@ TEST(TriangleDistance, IsNoLessThanTheExactOne) {
             {a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff(), p.cwiseAbs().maxCoeff()});
         const UpwardRounding upward;
         const double most = triangle_distance_at_most(p, a, b, c, magnitude);
-        ASSERT_GE(Rational(most) * Rational(most) * length, height * height)
-            << i;  // the plane is not farther than the triangle
+        ASSERT_GE(Rational(most) * Rational(most) * length, height * height) << i;  // the plane is at least as near
         sharp += most < 1e-14 * magnitude;
     }
     EXPECT_GT(sharp, 1900);

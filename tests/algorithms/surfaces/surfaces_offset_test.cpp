@@ -96,8 +96,7 @@ TEST(SurfaceOffset, ThePolynomialIsTheSameAboutAnotherOrigin) {
             EXPECT_NEAR(about.value(at, gradient), one.inf(), 1e-9 * (1 + magnitude(one))) << text;
         }
     }
-    EXPECT_EQ(Polynomial::of(surface("x", {-1, 0, 1}, {1, 1, 2})).origin(),
-              Vec3::Zero());  // the box is near the origin
+    EXPECT_EQ(Polynomial::of(surface("x", {-1, 0, 1}, {1, 1, 2})).origin(), Vec3::Zero());  // near the origin
 }
 
 // At most 7 doubles lie between the sides of such a box; boxes that cannot be divided are kept.

@@ -272,9 +272,8 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
 TEST_F(PlanRows, InASearchAnotherOrderOrPrefixIsAnotherCase) {
     const auto last = [](const Plan& plan) { return plan.cases[plan.jobs[0].cases.back()].identity; };
     const std::string one = last(matrix_plan("", "'ball'", "'half', 'cloud'"));
-    EXPECT_EQ(
-        one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // the shape itself is not part of the search
-    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // nor is another source
+    EXPECT_EQ(one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // it excludes the source itself
+    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // and other sources
     const std::set<std::string> targets = {one, last(matrix_plan("", "'ball'", "'cloud', 'half'")),
                                            last(matrix_plan("", "'ball'", "'cloud'")),
                                            last(matrix_plan("", "'ball'", "'half'"))};

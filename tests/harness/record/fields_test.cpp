@@ -298,8 +298,7 @@ TEST(DrawnFields, WhereRoundingLeavesNoMiddleNothingIsCut) {
 
 TEST(DrawnFields, NeedlesAreNotCutByTheirLength) {
     TriangleMesh a{Points(6, 3), Triangles(2, 3)};
-    a.vertices << 0, 0, 0, 4, 0, 0, 4, 1e-9, 0, 0, 0, 1, 0, 0, 1, 4, 0,
-        1;  // the other triangle has two corners at one place
+    a.vertices << 0, 0, 0, 4, 0, 0, 4, 1e-9, 0, 0, 0, 1, 0, 0, 1, 4, 0, 1;  // the other has two equal corners
     a.triangles << 0, 1, 2, 3, 4, 5;
     TriangleMesh far = square();
     far.vertices.col(2).setConstant(3);
