@@ -99,9 +99,9 @@ TEST(Registry, NamesAreUniqueAndParametersReadable) {
         const auto& parameters = entry.info.parameters;
         if (std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.required(); })) {
             EXPECT_THROW(Options(entry.info.name, parameters, {}), InputError) << entry.info.name;
-            continue;  // an outside program: no paper of its own, nothing to make without its command
+            continue;  // an outside program: it has no paper, and needs its command to be made
         }
-        // Our own solvers come from no paper, and say so.
+        // Our own solvers come from no paper, and their titles say so.
         EXPECT_EQ(entry.info.paper.empty(), entry.info.title.ends_with("(ours)")) << entry.info.name;
         EXPECT_NO_THROW(check_contract(entry)) << entry.info.name;
     }

@@ -28,7 +28,7 @@ protected:
     LoadedShape load(const std::string& name, const std::string& bytes, const std::string& format = "") const {
         return load_file(write(name, bytes), format);
     }
-    // The message must name the file and hold every text of `parts`, in one line.
+    // The message must name the file and contain every text of `parts`, in one line.
     void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts) const {
         const std::filesystem::path file = write(name, bytes);
         try {
@@ -53,7 +53,7 @@ bool same_bits(const Points& a, const Points& b) {
            std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
-// A tetrahedron whose coordinates need all of a double.
+// A tetrahedron whose coordinates need the full precision of a double.
 TriangleMesh awkward() {
     TriangleMesh mesh;
     mesh.vertices.resize(4, 3);
@@ -137,7 +137,7 @@ TEST_F(Files, AsciiStlKeepsDoublesAndSharesVertices) {
                      "FACET NORMAL 0 0 0\nOUTER LOOP\nVERTEX -0.0 0 0\nVERTEX 1 0 0\nVERTEX 0 0.12345678901234567 1\n"
                      "ENDLOOP\nENDFACET\nENDSOLID\n");
     ASSERT_EQ(mesh_of(loaded).triangles.rows(), 2);
-    EXPECT_EQ(mesh_of(loaded).vertices.rows(), 4);  // -0 = +0
+    EXPECT_EQ(mesh_of(loaded).vertices.rows(), 4);  // -0 equals +0
     EXPECT_EQ(mesh_of(loaded).vertices(3, 1), 0.12345678901234567);
     EXPECT_EQ(loaded.report.objects, 2);
 }
@@ -165,7 +165,7 @@ TEST_F(Files, ObjTraps) {
     EXPECT_EQ(mesh_of(load("wide.obj", wide)).triangles.rows(), 1);
 }
 
-// As old Macs wrote them: until now an OBJ file of this kind was one line, and so one point.
+// Line ends of old Macs: such an OBJ file was once read as one line, and so as one point.
 TEST_F(Files, LinesMayEndWithACarriageReturnAlone) {
     const std::vector<std::pair<std::string, std::string>> files = {
         {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0 # corner\nv 0 0 1\nf 1 2 3\nf 1 \\\n2 4\n"},
@@ -230,7 +230,7 @@ TEST_F(Files, VerticesWithoutFacesAreAPointSet) {
 }
 
 TEST_F(Files, ConcavePolygonsKeepTheirOutline) {
-    // An arrow head of area 1: its fan from the first corner would cover more.
+    // An arrow head of area 1; the fan from its first corner would cover more.
     const LoadedShape loaded = load("a.obj", "v 0 2 0\nv -1 0 0\nv 0 1 0\nv 1 0 0\nf 2 3 4 1\n");
     const TriangleMesh& mesh = mesh_of(loaded);
     double area = 0;
@@ -370,7 +370,7 @@ TEST_F(Files, AssimpReadsTheRestInFloat32) {
         "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
         "bufferViews":[{"buffer":0,"byteLength":36}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}]})");
-    EXPECT_EQ(mesh_of(loaded).triangles.rows(), 2);  // both instances, the second moved
+    EXPECT_EQ(mesh_of(loaded).triangles.rows(), 2);  // both instances, the second one moved
     EXPECT_EQ(mesh_of(loaded).vertices.col(0).maxCoeff(), 11);
     EXPECT_EQ(loaded.report.precision, "float32");
     EXPECT_FALSE(loaded.report.unreferenced.has_value());
@@ -457,7 +457,7 @@ TEST_F(Files, Hdf5ColumnsComeBack) {
     EXPECT_FALSE(file.has("a/c/doubles"));
     EXPECT_FALSE(file.has_attribute("nowhere", "x"));
     EXPECT_EQ(file.children("a"), (std::vector<std::string>{"b", "integers", "none", "texts", "unsigned"}));
-    EXPECT_THROW(file.read_integers("a/unsigned"), std::runtime_error);  // would be clamped without a word
+    EXPECT_THROW(file.read_integers("a/unsigned"), std::runtime_error);  // the value would be clamped silently
     EXPECT_THROW(file.read_unsigned("a/integers"), std::runtime_error);
     EXPECT_THROW(file.read_doubles("a/texts"), std::runtime_error);
     EXPECT_THROW(file.read_doubles("absent"), std::runtime_error);

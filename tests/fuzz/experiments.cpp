@@ -1,4 +1,5 @@
-// Files that people write: experiments, the manifest, surfaces, poses and recordings. The first byte chooses which; the rest is the file.
+// Reads files that people write: experiments, the manifest, surfaces, poses and recordings. The
+// first byte chooses the kind; the rest is the file.
 #include "datasets/catalogue.h"
 #include "datasets/surface_file.h"
 #include "harness/plan/experiment.h"

@@ -1,4 +1,4 @@
-"""`hausbench draw`, from a plug-in, an experiment with claims of its own and no script to a figure and a verdict."""
+"""`hausbench draw` leads from a plug-in and an experiment with its own claims, without a script, to a figure and a verdict."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from conftest import ROOT, Program, head
 
 @pytest.fixture
 def own(plugin: Path, tmp_path: Path) -> Path:
-    """An experiment that names its plug-in by a path from its own folder."""
+    """An experiment that names its plug-in by a path relative to its folder."""
     (tmp_path / "libmine.so").symlink_to(plugin)
     file = tmp_path / "own.toml"
     text = head().replace("repeats = 1", "repeats = 1\nrounds = 6")

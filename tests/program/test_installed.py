@@ -1,4 +1,4 @@
-"""An installed hausbench, far from its sources: experiments, documents, and hints that name what is there."""
+"""An installed hausbench, far from its sources: experiments, documents, and hints that name existing files."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_its_experiments_run_in_any_folder(installed: Installed, tmp_path: Path)
     for verb in readers:
         done = installed(*verb)
         assert done.returncode == 0, done.stderr
-    # Inside of what is installed, the cache is still the user's.
+    # Inside the installed files, the cache is still the user's.
     installed.folder = Path(installed.path).parents[1] / "share" / "hausbench" / "experiments"
     assert installed("list", "smoke").returncode == installed("measure", "sphere1", "sphere2").returncode == 0
     assert not (installed.folder.parent / "datasets" / "cache").exists()

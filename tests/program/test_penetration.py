@@ -1,4 +1,4 @@
-"""The penetration depth and recorded simulations, from end to end: rows, refusals, checks, and the command line."""
+"""The penetration depth and recorded simulations, end to end: rows, refusals, checks, and the command line."""
 
 from __future__ import annotations
 

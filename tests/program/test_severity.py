@@ -1,4 +1,4 @@
-"""Scenes that are swept over a severity, and shapes that a scene describes in place."""
+"""Scenes that are swept over a severity, and shapes that a scene describes itself."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ exact = 3
         models = dict(zip(content["models"]["name"].asstr()[()], content["models"]["unreferenced"][()]))
         assert models["squares_1e8.A"] == 1  # the vertex that no face uses
         assert models["points.A"] == 0
-    checked = hausbench("verify", results / "sweep.h5")  # finds the shapes in the experiment that the result holds
+    checked = hausbench("verify", results / "sweep.h5")  # finds the shapes in the experiment that the result contains
     assert checked.returncode == 0, checked.stderr
 
 

@@ -65,7 +65,7 @@ def test_a_case_without_an_answer_is_red(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_a_case_without_a_baseline_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Else a case that somebody adds, or a baseline that somebody loses, would pass in silence."""
+    """Otherwise a new case, or a lost baseline, would pass silently."""
     found = work(monkeypatch, {"node_visits": 1}, baseline={})
     assert found.verdict is Verdict.red and "--update" in found.lines[0]
 
@@ -248,7 +248,7 @@ def test_an_instruction_that_valgrind_does_not_know_is_the_reason(tmp_path: Path
 
 
 def test_counts_of_all_processes_are_added_up_over_one_repeat(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """In place of valgrind and the program: two processes leave their counts, and the experiment says how often it repeats."""
+    """In place of valgrind and the program, two processes leave their counts; the experiment sets the number of repeats."""
     asked = []
 
     def run(command: list[str], folder: Path, good: tuple[int, ...], limit: float) -> str:

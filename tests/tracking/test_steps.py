@@ -1,4 +1,4 @@
-"""Steps in a series: planted ones are found at their place, and noise, drifts and gaps give what steps.py says."""
+"""Steps in a series: planted ones are found at their place; noise, drifts and gaps behave as steps.py describes."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def test_of_equally_good_fits_one_with_fewer_levels_is_taken() -> None:
     assert best_starts([1, 3, 1, 0, 0], 1.0) == [0, 3]  # as good as three levels, [0, 1, 2]
     assert best_starts([0, 0, 1, 2, 2], 1.1) == [0, 2]  # as good as [0, 3]: the last level is the longest
     off = math.log(1.3)
-    assert best_starts([0.0] * 3 + [off] + [0.0] * 3, off / 2 * (1 - 1e-13)) == [0]  # rounding is no reason for a step
+    assert best_starts([0.0] * 3 + [off] + [0.0] * 3, off / 2 * (1 - 1e-13)) == [0]  # rounding is not a reason for a step
 
 
 def test_the_cost_of_a_level_is_the_distance_to_its_median() -> None:
