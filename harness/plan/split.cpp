@@ -65,9 +65,8 @@ Split split(const Plan& plan, const Estimates& estimates, int of, const Split& e
     const auto parts_wanted = std::size_t(of);
     std::vector<double> taken(parts_wanted), seconds;
     std::vector<std::string> keys;
-    std::map<std::string, std::size_t>
-        // Jobs with the same cases on scenes of different names count as one, because they share answers.
-        places;
+    // Jobs with the same cases on scenes of different names count as one, because they share answers.
+    std::map<std::string, std::size_t> places;
     for (const Job& job : plan.jobs) {
         const std::string key = key_of(plan, job);
         const double takes = estimates.of(plan, job).seconds;
