@@ -166,7 +166,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
     text += "LEFT OUT, beside the structures above\n";
     const std::size_t head = text.size();
     for (const LedgerEntry& entry : plan.ledger) {
-        if (entry.kind == "prepared_again") continue;  // said above
+        if (entry.kind == "prepared_again") continue;  // shown above
         text += fmt::format("  {:<44} {} ({}): {}\n", printable(entry.subject), printable(entry.what), entry.count,
                             printable(entry.reason));
     }

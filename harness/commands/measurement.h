@@ -87,7 +87,7 @@ struct Measured {
     // One line that says why the written certificate may prove nothing; empty if its check passed.
     std::string doubt = {};
     std::vector<DrawnFile> drawn = {};  // A; with --symmetric also B
-    std::string why_not_drawn = {};     // one line: why not all were written
+    std::string why_not_drawn = {};     // one line: why not all fields were written
     std::vector<std::string> warnings = {};
 };
 

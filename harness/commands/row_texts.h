@@ -18,7 +18,8 @@ std::string bound_text(double value, bool lower);
 
 std::string bytes_text(std::int64_t bytes);     // "1.3 MB"; empty if unknown (-1)
 std::string time_text(const Outcome& outcome);  // with its interval, if there is one
-// Returns "holds", "unsound", "not checked", or nothing without bounds.
+// Returns the result of the independent re-check: "holds" (the lower bound, by its witness), "unsound" or "not
+// checked"; empty without bounds.
 std::string check_text(const Row& row);
 std::string tolerance_text(const Case& asked);  // "0.001 diagonal"
 std::string answer_of(const Row& row);          // column `answer`

@@ -39,9 +39,9 @@ struct ScenePlan {
 struct SolverPlan {
     std::string name, label;
     std::vector<ParameterMap> options;       // one for each combination of swept parameters
-    std::vector<double> tolerances;          // this solver's own, else the experiment's
+    std::vector<double> tolerances;          // this solver's own, otherwise the experiment's
     std::vector<std::string> scenes;         // runs only on these; empty: on all
-    Quantity quantity = Quantity::directed;  // this solver's own, else the experiment's
+    Quantity quantity = Quantity::directed;  // this solver's own, otherwise the experiment's
     // This solver's own, else the experiment's; 1 if the solver does not support more.
     int threads = 1;
     // Each pose starts from the state that the pose before it left, see State.

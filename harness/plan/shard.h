@@ -1,4 +1,4 @@
-// Parts of a plan, for several machines: --shard i/n.
+// Splits a plan into parts for several machines: --shard i/n.
 #pragma once
 
 #include <string>
