@@ -1,4 +1,4 @@
-// `hausbench compare`: two results, or two solvers of one result, side by side.
+// `hausbench compare`: compares two results, or two solvers of one result.
 #include "algorithms/error.h"
 #include "harness/commands/comparison.h"
 #include "harness/commands/row_choice.h"
@@ -10,7 +10,7 @@ namespace hausbench {
 
 namespace {
 
-// The rows of these scenes and of this profile; each is empty for all.
+// Chooses the rows of these scenes and of this profile; empty means all.
 struct Rows {
     std::vector<std::string> scenes;
     std::string profile;

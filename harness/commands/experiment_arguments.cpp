@@ -16,7 +16,7 @@ namespace hausbench {
 
 namespace {
 
-// The file, or the experiment of the project or the installation that has this stem.
+// Returns the file, or the experiment of the project or the installation with this stem.
 std::filesystem::path experiment_file(const std::filesystem::path& named) {
     if (named.has_parent_path() || named.has_extension() || std::filesystem::exists(named)) return named;
     std::vector<std::string> stems;

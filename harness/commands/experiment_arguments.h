@@ -15,7 +15,7 @@ struct ExperimentArguments {
     Choice choice;
 };
 
-// The file and its profile, solvers and scenes.
+// Adds the options for the file and its profile, solvers and scenes.
 inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
     verb->add_option("experiment", arguments.file, "an experiment file (.toml), or the name of one of the project")
         ->type_name("EXPERIMENT")
@@ -37,10 +37,10 @@ inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
 }
 
 Plan plan_of(const ExperimentArguments& arguments, bool quiet);
-// Reads the shapes that a result recorded from the models of the project and of the experiment. The catalogue is made when the first is
-// asked for.
+// Returns a function that reads the shapes that a result recorded, from the models of the project and of the
+// experiment. The catalogue is made at its first call.
 ShapeOf recorded_shapes(const Experiment& experiment);
-// The folder of results: the one that was given, else results_folder() of paths.h.
+// Returns the folder of results: the given one, otherwise results_folder() of paths.h.
 std::filesystem::path results_of(const ExperimentArguments& arguments);
 
 }  // namespace hausbench

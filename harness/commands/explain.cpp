@@ -1,4 +1,4 @@
-// `hausbench explain`: what a run would prepare, run and leave out, why, and about how long it would take.
+// `hausbench explain`: shows what would be prepared, run and left out, why, and about how long a run would take.
 #include "algorithms/contract.h"
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
@@ -40,7 +40,8 @@ std::size_t shapes_of(const Job& job) {
     return files.size();
 }
 
-// Which structures the solver asks for on this scene (of a matrix, on its first pair), and which it can do without.
+// Adds the structures that the solver requires on this scene (for a matrix, on its first pair), and those that it can
+// do without.
 void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     const Case& first = plan.cases[job.cases.front()];
     const SolverEntry& entry = find_solver(first.solver);
@@ -55,13 +56,13 @@ void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     }
 }
 
-// The solver as it is shown, without its seed.
+// Returns the solver as it is shown, but without its seed.
 std::string without_seed(const Case& asked) {
     static const std::regex seed("seed=[^,)]*");
     return std::regex_replace(shown(asked), seed, "seed=...");
 }
 
-// Jobs of one solver on one scene that differ in their seeds alone.
+// Groups the jobs of one solver on one scene that differ only in their seeds.
 std::vector<std::vector<const Job*>> alike(const Plan& plan) {
     std::vector<std::vector<const Job*>> groups;
     std::map<std::pair<std::string, std::size_t>, std::size_t> number;
@@ -79,7 +80,7 @@ std::vector<std::vector<const Job*>> alike(const Plan& plan) {
     return groups;
 }
 
-// Adds some lines on these jobs, and returns what all of them take together; of memory, the largest.
+// Adds some lines on these jobs, and returns their total time and the largest memory that one of them takes.
 JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs, const Estimates& estimates,
                           std::string& text) {
     const Experiment& e = plan.experiment;
@@ -116,7 +117,7 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
     return all;
 }
 
-// Times and memory are those of Estimates, from the result files in `results`.
+// Returns the whole text. Times and memory are estimated from the result files in `results`.
 std::string explain(const Plan& plan, const fs::path& results) {
     const Estimates estimates(results);
     const Experiment& e = plan.experiment;
@@ -165,7 +166,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
     text += "LEFT OUT, beside the structures above\n";
     const std::size_t head = text.size();
     for (const LedgerEntry& entry : plan.ledger) {
-        if (entry.kind == "prepared_again") continue;  // said above
+        if (entry.kind == "prepared_again") continue;  // shown above
         text += fmt::format("  {:<44} {} ({}): {}\n", printable(entry.subject), printable(entry.what), entry.count,
                             printable(entry.reason));
     }

@@ -11,7 +11,8 @@ namespace hausbench {
 
 namespace {
 
-// OFF, OBJ or PLY by the extension, with 17 digits: reading it gives the same bits. Returns a line that says what was written.
+// Writes a model as OFF, OBJ or PLY, by the extension, with 17 digits, so that reading it gives the same bits.
+// Returns a line for the user.
 std::string export_model(const std::string& model, const std::filesystem::path& to) {
     const MeshFormat format = mesh_format_of(to);  // before loading, so that a wrong extension fails at once
     if (is_same_file(to, file_behind(model)))

@@ -1,4 +1,4 @@
-// `hausbench list`: the solvers, experiments, models and columns that there are.
+// `hausbench list`: lists the available solvers, experiments, models and columns.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "datasets/catalogue.h"
@@ -111,7 +111,7 @@ json experiment_json(const std::filesystem::path& file) {
     return out;
 }
 
-// One that cannot be read is listed with the reason in place of its title.
+// Describes an experiment; if it cannot be read, the reason takes the place of its title.
 json experiment_or_error(const std::filesystem::path& file) {
     try {
         return experiment_json(file);
@@ -167,7 +167,7 @@ std::string experiments_text(const json& all, const Paper& paper) {
     return table.text(paper);
 }
 
-// Those that the manifest does not list.
+// Counts the meshes of the corpus without those that are derived.
 std::size_t meshes_of_corpus(const json& all) {
     const json& corpus = all["corpus"];
     return std::size_t(
@@ -279,7 +279,7 @@ std::string one_experiment(const json& e, const Paper& paper) {
     text += wrapped("solvers: " + joined(e["solvers"]), 2, paper.width);
     TextTable table(
         {{"scene"}, {"A", false, 0, true}, {"B", false, 0, true}, {"profiles", false, 1}, {"note", false, 2, true}});
-    std::map<std::string, std::size_t> of_each;  // how many scenes
+    std::map<std::string, std::size_t> of_each;  // how many scenes each has
     for (const json& s : e["scenes"]) ++of_each[each_of(s)];
     for (const json& s : e["scenes"]) {
         const std::string each = each_of(s);
@@ -314,7 +314,7 @@ std::string screen(const json& all, const Paper& paper) {
     return text;
 }
 
-// Outside a project there are solvers, the models that were installed with the program, and no experiments.
+// Lists everything. Outside a project there are only solvers and the models that were installed with the program.
 json list_as_json() {
     json out = {{"solvers", json::array()},
                 {"not_built", json::array()},
@@ -348,7 +348,7 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
                               {"experiments", "stem", one_experiment},
                               {"models", "name", one_model},
                               {"corpus", "name", one_model}};
-    std::string text;  // a name may be that of a solver and of a model
+    std::string text;  // a solver and a model may have the same name
     std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "keys", "columns"};
     for (const Kind& kind : kinds) {
         for (const json& one : all[kind.group]) {

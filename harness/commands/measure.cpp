@@ -1,4 +1,4 @@
-// `hausbench measure`: the distance between any two files.
+// `hausbench measure`: bounds the distance between any two files.
 #include "harness/commands/measurement.h"
 
 #include "algorithms/error.h"
@@ -82,7 +82,7 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
     verb->add_flag("--json", json, "prints one JSON object");
 }
 
-// Refuses options that are for a single pair.
+// Refuses options that only make sense for a single pair.
 void check_batch(const MeasureRequest& request, const std::filesystem::path& pairs, bool json) {
     if (!pairs.empty() && !request.source.empty())
         throw InputError("--pairs: the list names the shapes: leave out A and B");

@@ -23,7 +23,7 @@ namespace {
 
 const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
 
-// What can be done where a solver does not take the pair.
+// Returns the remedy if a solver does not take the pair.
 std::string solvers_for(ShapeKind source, ShapeKind target, Quantity quantity) {
     std::string names;
     for (const SolverEntry& entry : solvers()) {
@@ -99,7 +99,8 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
             mesh ? connected_parts(*mesh) : std::vector<Index>()};
 }
 
-// As a length, or as a fraction of the lower bound. A tolerance that nobody gave has to mean something for every legal input.
+// Returns the tolerance as a length, or as a fraction of the lower bound. The default must be meaningful for every
+// legal input.
 Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, Measured& measured) {
     measured.tolerance_of = request.of;
     if (request.of == "lower") {
@@ -129,7 +130,7 @@ std::string default_solver(ShapeKind source, ShapeKind target) {
     return source == ShapeKind::points ? "scan" : source == ShapeKind::surface ? "surface_enclosure" : "cover";
 }
 
-// Where the file's own numbers are coarser than the answer.
+// Warns if the spacing of a file's float32 coordinates is larger than the tolerance.
 void warn_of_float32(const MeasureRequest& request, Measured& measured) {
     const bool relative = request.of == "lower";
     const double gap = relative ? request.tolerance * measured.result.bounds.lower : measured.tolerance_absolute;
@@ -142,7 +143,7 @@ void warn_of_float32(const MeasureRequest& request, Measured& measured) {
     }
 }
 
-// A usual mistake is one file in millimetres and the other in metres.
+// Warns about the usual mistake of one file in millimetres and the other in metres.
 void warn_of_units(Measured& measured) {
     const double a = measured.source.diagonal, b = measured.target.diagonal;
     const double ratio = std::max(a, b) / std::min(a, b);
@@ -151,7 +152,7 @@ void warn_of_units(Measured& measured) {
                                                 a > b ? "A" : "B", ratio));
 }
 
-// Catches files that were cut short after their vertices.
+// Warns about files that were cut short after their vertices.
 void warn_of_unreferenced(Measured& measured) {
     for (const auto& [name, shape] : {std::pair{"A", &measured.source}, std::pair{"B", &measured.target}}) {
         const std::int64_t dropped = shape->report.unreferenced.value_or(0);
@@ -167,7 +168,7 @@ void warn_of_unreferenced(Measured& measured) {
 Measured measure(const MeasureRequest& asked) {
     check(asked);
     MeasureRequest request = asked;
-    // Next to the distance itself no bound tells, and nothing else would end the search.
+    // A cutoff very close to the distance may never be decided, so the search needs a time limit.
     if (request.cutoff && std::isinf(request.time_limit)) request.time_limit = question_seconds;
     LoadedShape source = load_named(request.source.string());
     LoadedShape target = load_named(request.target.string());

@@ -16,7 +16,7 @@ using nlohmann::json;
 
 namespace {
 
-// What programs get, with all digits; its names, in this order, are also those of the columns of CSV.
+// Returns a row for programs, with all digits. The keys, in this order, are also the names of the CSV columns.
 nlohmann::ordered_json row_object(const Row& row) {
     const Case& c = row.asked;
     const Outcome& o = row.outcome;
@@ -82,7 +82,8 @@ struct Shown {
     std::function<std::string(const Row&)> cell;
 };
 
-// Columns that would hold the same in every row say nothing, so some are shown only where their rows differ.
+// Returns the columns to show. A column that is the same in every row says nothing, so some columns are shown only if
+// their rows differ.
 std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::size_t>& rows) {
     const auto differ = [&](auto value) {
         return std::any_of(rows.begin(), rows.end(), [&](std::size_t row) {

@@ -36,7 +36,7 @@ void take_shard(Plan& plan, const Shard& shard, const std::filesystem::path& spl
     take_shard(plan, shard, parts.of_jobs(plan));
 }
 
-// What --engine slurm cannot hand on to its tasks.
+// Refuses options that --engine slurm cannot pass on to its tasks.
 void refuse_with_slurm(const RunArguments& arguments) {
     const std::pair<bool, const char*> others[] = {
         {arguments.fresh, "--fresh (remove the journals of its shards instead)"},
@@ -53,7 +53,7 @@ void refuse_with_slurm(const RunArguments& arguments) {
     }
 }
 
-// Of the cases that were run; what was left out has its reason.
+// Returns whether a case that was run failed. Cases that were left out have their reasons.
 bool any_failed(const std::vector<Row>& rows) {
     return std::any_of(rows.begin(), rows.end(), [](const Row& row) {
         const RowStatus status = row.outcome.status;
@@ -79,7 +79,7 @@ int run(RunArguments& arguments) {
     const Shard shard = parse_shard(arguments.shard);
     if (!shard.whole() || !arguments.split.empty()) take_shard(plan, shard, arguments.split);
     std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
-    if (arguments.choice.planted_slowdown > 0) suffix += ".planted";  // no times of a solver: never among other results
+    if (arguments.choice.planted_slowdown > 0) suffix += ".planted";  // distorted times, kept apart from other results
     if (!shard.whole() || !arguments.split.empty())
         suffix += shard_suffix(plan.experiment, shard, !arguments.split.empty());
     const std::filesystem::path results = results_of(arguments);

@@ -1,4 +1,4 @@
-// `hausbench draw`, `fetch` and `track`: verbs that are Python programs of the project.
+// `hausbench draw`, `fetch` and `track`: verbs implemented by Python programs of the project.
 #include "algorithms/error.h"
 #include "datasets/paths.h"
 #include "harness/commands/verb.h"
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Options of a script, as its argparse has them; tests compare the two.
+// Number of values of an option. Scripts parse their options themselves; a test checks that they have the same ones.
 enum class Takes { nothing, value, values };
 
 void take(CLI::App* verb, const std::string& name, Takes takes, const std::string& value, const std::string& meaning) {
@@ -57,9 +57,10 @@ std::vector<std::string> words_of(const CLI::App& verb) {
     return positionals;
 }
 
-// Replaces this program by `python3 -P -m MODULE GIVEN...`, or by the script MODULE if it ends in .py, so that Ctrl-C and the exit code
-// are those of what runs. `folder` has the module's package and comes first in PYTHONPATH. Python is PYTHON or /usr/bin/python3;
-// HAUSBENCH_PROGRAM is this program. Returns only by InputError.
+// Replaces this process by `python3 -P -m MODULE GIVEN...`, or by the script MODULE if it ends in .py, so that Ctrl-C
+// and the exit code work as if it had been called directly. `folder` has the module's package and comes first in
+// PYTHONPATH. Python is PYTHON or /usr/bin/python3; HAUSBENCH_PROGRAM is set to this program. Never returns; throws
+// InputError on failure.
 [[noreturn]] void become_python(const std::string& verb, const fs::path& folder, const std::string& module,
                                 const std::vector<std::string>& given) {
     const char* chosen = std::getenv("PYTHON");
@@ -68,7 +69,7 @@ std::vector<std::string> words_of(const CLI::App& verb) {
     if (module.ends_with(".py"))
         words.push_back(module);
     else
-        words.insert(words.end(), {"-P", "-m", module});  // -P: no modules of the current folder
+        words.insert(words.end(), {"-P", "-m", module});  // -P: no modules from the current folder
     words.insert(words.end(), given.begin(), given.end());
     const fs::path program = program_path();
     const char* paths = std::getenv("PYTHONPATH");
@@ -85,7 +86,8 @@ std::vector<std::string> words_of(const CLI::App& verb) {
                     verb, python, std::strerror(errno)));
 }
 
-// The checkout, or share/hausbench of the installation, whichever has this file. Throws InputError if neither has.
+// Returns the checkout or share/hausbench of the installation, whichever has this file. Throws InputError if neither
+// does.
 fs::path folder_with(const std::string& verb, const fs::path& file) {
     if (const auto root = find_project_root(); root && fs::exists(*root / file)) return *root;
     if (fs::exists(installed_folder() / file)) return installed_folder();
@@ -95,7 +97,7 @@ fs::path folder_with(const std::string& verb, const fs::path& file) {
 
 }  // namespace
 
-// Tables and figures of any result. analysis/draw.py does it.
+// Adds `draw`, which makes tables and figures of any result with analysis/draw.py.
 void add_draw(CLI::App& app, int&) {
     auto* verb = add_verb(app, "draw", "draws tables and figures of a result, for papers",
                           "hausbench draw results/zhang2017_table3.h5 --as table");
@@ -109,12 +111,12 @@ void add_draw(CLI::App& app, int&) {
     take(verb, "--out", Takes::value, "FOLDER", "parent of tables/ and figures/ (default: the folder of the result)");
     verb->get_option("result")->required()->expected(1);
     verb->callback([verb] {
-        ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);  // where its shapes are
+        ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);  // the folder of its shapes
         become_python("draw", folder_with("draw", "analysis/draw.py"), "analysis.draw", words_of(*verb));
     });
 }
 
-// Real meshes from packages, into the cache where the program looks for them. datasets/fetch.py does it.
+// Adds `fetch`, which gets real meshes from packages into the cache with datasets/fetch.py.
 void add_fetch(CLI::App& app, int&) {
     auto* verb =
         add_verb(app, "fetch", "fetches models from the Debian packages that have them", "hausbench fetch bunny");
@@ -132,7 +134,8 @@ void add_fetch(CLI::App& app, int&) {
     });
 }
 
-// Whether the solvers of a checkout have become slower. bench/tracking does it, where scipy is.
+// Adds `track`, which tells whether the solvers of a checkout have become slower. bench/tracking does it in Python,
+// which has scipy.
 void add_track(CLI::App& app, int&) {
     auto* verb = add_verb(
         app, "track", "tells whether solvers have become slower", "hausbench track --base main --tiers counters,time",

@@ -1,4 +1,4 @@
-// `hausbench show`: the rows of a result.
+// `hausbench show`: shows the rows of a result.
 #include "harness/commands/row_choice.h"
 #include "harness/commands/row_table.h"
 #include "harness/commands/row_texts.h"
@@ -15,7 +15,7 @@ namespace hausbench {
 
 namespace {
 
-// What the file says of the whole: how, with what and where it was measured.
+// Shows the metadata of a result: how, with which program and where it was measured.
 std::string show_meta(const ResultFile& result, Form form) {
     nlohmann::ordered_json all;
     for (const auto& [name, value] : result.texts) all[name] = value;

@@ -1,4 +1,4 @@
-// `hausbench status`: how far the run of an experiment is, here or on a cluster.
+// `hausbench status`: shows how many cases of an experiment are finished, here or on a cluster.
 #include "harness/commands/cluster.h"
 
 namespace hausbench {

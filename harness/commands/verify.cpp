@@ -1,4 +1,4 @@
-// `hausbench verify`: the rows of a result, or a certificate, checked independently of the solvers.
+// `hausbench verify`: checks the rows of a result, or a certificate, independently of the solvers.
 #include "harness/commands/verify_result.h"
 
 #include "algorithms/error.h"

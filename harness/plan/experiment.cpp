@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Keys of `over` replace those of `base`; tables are merged key by key. The nodes are moved, because a copy forgets its line.
+// Merges `over` into `base`: its keys replace keys of `base`, and tables are merged key by key. Moves the nodes,
+// because a copy forgets its line.
 void merge(toml::table& base, toml::table& over) {
     for (auto&& [key, node] : over) {
         toml::table* into = base[key].as_table();
@@ -38,7 +39,7 @@ void merge(toml::table& base, toml::table& over) {
     }
 }
 
-// All that there are: the two that every experiment has, and its own.
+// Returns the names of all profiles: the two that every experiment has, and its own.
 std::vector<std::string> profiles_of(const toml::table& table) {
     std::set<std::string> known = {"quick", "paper"};
     if (const toml::table* profiles = table["profile"].as_table()) {
@@ -56,7 +57,7 @@ bool wanted(const ExperimentTable& reader, const std::string& profile, const std
     return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
 }
 
-// Labels of all solvers of the file count, whatever their profile.
+// Accepts the labels of all solvers of the file, whatever their profile.
 std::vector<std::string> read_expected_unsound(const ExperimentTable& root, const std::vector<std::string>& labels) {
     const auto expected = root.texts("expected_unsound");
     for (const std::string& label : expected) {
@@ -82,7 +83,7 @@ std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const KeyTab
     return tables;
 }
 
-// Those that were not given on the command line already.
+// Loads the plug-ins that were not given on the command line already.
 void load_plugins(const ExperimentTable& root, const fs::path& folder) {
     for (const std::string& name : root.texts("plugins")) {
         const fs::path library = fs::absolute(folder / name).lexically_normal();
@@ -96,7 +97,7 @@ void load_plugins(const ExperimentTable& root, const fs::path& folder) {
     }
 }
 
-// Claims are judged by `hausbench draw`; here only what they name is checked.
+// Checks the names and values in claims. `hausbench draw` judges the claims themselves.
 void check_claims(const ExperimentTable& root, const std::vector<std::string>& labels) {
     if (!root.find("claim")) return;
     for (const ExperimentTable& claim : tables_of(root, claim_keys())) {
@@ -176,7 +177,7 @@ std::vector<ModelInfo> own_models(const ExperimentTable& root, const std::string
     return models;
 }
 
-// All but the scenes and the solvers.
+// Reads everything except the scenes and the solvers.
 void read_top(const ExperimentTable& root, Experiment& experiment) {
     experiment.models = own_models(root, experiment.profile);
     experiment.title = root.text("title");
@@ -201,7 +202,7 @@ void read_top(const ExperimentTable& root, Experiment& experiment) {
     read_limits(root, experiment);
 }
 
-// Names of scenes, of matrices and of what `each` makes: in this profile, and in any.
+// Names of scenes, of matrices and of the scenes that `each` makes: in this profile, and in any.
 struct SceneNames {
     std::set<std::string> wanted, all;
 };
@@ -230,7 +231,7 @@ SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::strin
                     fmt::format("two scenes named '{}' in profile {}: rename one", scene.name, experiment.profile));
         }
     }
-    names.wanted.insert(swept.begin(), swept.end());  // a sweep, too, can be named as a whole
+    names.wanted.insert(swept.begin(), swept.end());  // a sweep can also be named as a whole
     return names;
 }
 
@@ -250,7 +251,8 @@ std::vector<std::string> read_solvers(const ExperimentTable& root, const std::ve
                 fmt::format("unknown scene '{}'{}", scene, nearest_hint(scene, {names.all.begin(), names.all.end()})));
         }
         expect_searches(table, solver, experiment.scenes);
-        // None where all its scenes belong to other profiles; of an empty list, it would run on every scene.
+        // Leaves out a solver whose scenes all belong to other profiles: with an empty list it would run on every
+        // scene.
         if (!solver.scenes.empty() && std::none_of(solver.scenes.begin(), solver.scenes.end(),
                                                    [&](const auto& s) { return names.wanted.contains(s); }))
             continue;
@@ -305,7 +307,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile, Plu
 }
 
 Experiment read_experiment_with(const fs::path& file, const std::string& solver, const std::string& profile) {
-    static_cast<void>(read_experiment(file, profile));  // loads its plug-ins; its mistakes are named by its own lines
+    static_cast<void>(read_experiment(file, profile));  // loads its plug-ins; reports mistakes by line
     const auto& parameters = find_solver(solver).info.parameters;
     if (std::any_of(parameters.begin(), parameters.end(), [](const ParameterSpec& one) { return one.required(); }))
         throw InputError(fmt::format("--with {}: needs parameters: write a [[solver]] with them in a copy of {}",

@@ -21,7 +21,7 @@ public:
 
     double limit(std::string_view key, double otherwise) const;  // seconds or megabytes
     Vec3 vector(std::string_view key) const;
-    std::vector<double> tolerances(std::string_view key) const;  // empty where it is missing
+    std::vector<double> tolerances(std::string_view key) const;  // empty if the key is missing
 };
 
 inline int line_of(const toml::node& node) { return int(node.source().begin.line); }

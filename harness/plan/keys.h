@@ -1,5 +1,6 @@
-// The keys of experiment files. The reader allows these and no others; `hausbench list keys` prints them, and docs/experiments.md is
-// written from them (`python3 -m analysis.schema`). A new key is a line in keys.cpp, and code that reads it.
+// The keys of experiment files. The reader allows these and no others; `hausbench list keys` prints them, and
+// `python3 -m analysis.schema` writes them into docs/experiments.md. To add a key, add a line to keys.cpp and the
+// code that reads it.
 #pragma once
 
 #include <string>
@@ -9,12 +10,12 @@ namespace hausbench {
 
 struct Key {
     std::string name;
-    std::string fallback;  // value if the key is missing, as it would be written; empty: there is none
+    std::string fallback;  // value of a missing key, as it would be written; empty: none
     std::string meaning;   // Markdown, one line
 };
 
 struct KeyTable {
-    std::string title;  // as messages name the table, such as "[[scene]]"; empty: the top level
+    std::string title;  // name of the table in messages, such as "[[scene]]"; empty: the top level
     std::vector<Key> keys;
 
     std::vector<std::string> names() const;
@@ -23,13 +24,13 @@ struct KeyTable {
 const KeyTable& top_keys();
 const KeyTable& limit_keys();
 const KeyTable& scene_keys();
-const KeyTable& motion_keys(const std::string& kind);  // of one of motion_kinds()
+const KeyTable& motion_keys(const std::string& kind);  // `kind`: one of motion_kinds()
 const KeyTable& solver_keys();
 const KeyTable& claim_keys();
 
 const std::vector<std::string>& motion_kinds();
 
-// All of the above, in the order in which documents list them.
+// Returns all of these tables, in the order in which documents list them.
 std::vector<KeyTable> key_tables();
 
 }  // namespace hausbench

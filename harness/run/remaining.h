@@ -1,4 +1,5 @@
-// How long a run still takes, from what its parts were expected to take and from what those took that have ended.
+// Estimates how long a run still takes, from the expected times of its parts and the actual times of those that have
+// ended.
 #pragma once
 
 #include <cstddef>
@@ -7,18 +8,19 @@
 
 namespace hausbench {
 
-// Cases of one solver that are expected to take as long each.
+// Cases of one solver that are expected to take equally long.
 struct OpenWork {
-    // The solver; if a case takes twice as long as expected, its others will, too.
+    // The solver. If one of its cases takes twice as long as expected, its other cases are expected to do so, too.
     std::string kind;
-    double expected = 0;  // seconds of a case
+    double expected = 0;  // seconds per case
     std::size_t open = 0, ended = 0;
-    double took = 0;  // seconds of those that ended, together
+    double took = 0;  // total seconds of the cases that have ended
 };
 
-// Seconds by the clock, when so many have gone by. Work that is open takes longer than expected by as much as that of its kind did that
-// ended; where little of it ended, as that of all did; where little ended at all, as expected. As much runs side by side as did so far.
-// 0 where nothing is open. O(parts).
+// Returns the wall-clock seconds left after `gone_by` seconds. The expected time of open work is multiplied by actual
+// time / expected time of the ended work of its kind; if little of that has ended, by the ratio for all ended work;
+// if little has ended at all, by 1. As much work is assumed to run side by side as did so far. Returns 0 if nothing
+// is open. O(parts).
 double seconds_left(const std::vector<OpenWork>& parts, double gone_by);
 
 }  // namespace hausbench
