@@ -4,8 +4,8 @@
 #include "datasets/corpus.h"
 #include "datasets/derive.h"
 #include "datasets/hash.h"
-#include "datasets/isolated.h"
 #include "datasets/model_table.h"
+#include "datasets/separate_process.h"
 #include "datasets/shape_file.h"
 #include "datasets/surface_file.h"
 #include "datasets/toml_reader.h"
@@ -205,9 +205,9 @@ LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
     }
     if (model.source == "generated")
         return {model.written ? *model.written : generate(model.recipe, model.numbers), {"generated"}};
-    if (model.source != "derived") return load_isolated(program_, input.file, model.format);
+    if (model.source != "derived") return load_separately(program_, input.file, model.format);
     if (made_in_a_process(model.recipe) && !program_.empty())
-        return derive_isolated(program_, model.recipe, model.numbers, input.file);
+        return derive_separately(program_, model.recipe, model.numbers, input.file);
     return derive(model.recipe, model.numbers, read_shape(input.file));
 }
 

@@ -47,7 +47,7 @@ struct MissingModel {
 
 class Catalogue {
 public:
-    // An empty path: no models. A corpus.toml beside the manifest is read as well (corpus.h). `program` is the hausbench executable that reads foreign files (isolated.h). Throws InputError for an unparsable
+    // An empty path: no models. A corpus.toml beside the manifest is read as well (corpus.h). `program` is the hausbench executable that reads foreign files (separate_process.h). Throws InputError for an unparsable
     // manifest, an unknown key (names the nearest), a derived model whose origin does not exist or depends on itself.
     Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program);
 

@@ -21,7 +21,7 @@ Shape with_points(const Given& g, const Points& points);
 // 0 .. count - 1 in a random order, by the numbers from `first` on.
 std::vector<Index> random_order(Eigen::Index count, const Random& random, std::uint64_t first);
 
-// Whether the operation is CGAL's, which may crash on a mesh that it cannot process, or take very long: see isolated.h.
+// Whether the operation is CGAL's, which may crash on a mesh that it cannot process, or take very long: see separate_process.h.
 bool made_in_a_process(const std::string& operation);
 
 // Throws InputError if the operation does not take this shape, or fails on it (simplify and remesh need a soup that can be

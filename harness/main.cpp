@@ -62,7 +62,7 @@ int run_verb(int argc, char** argv) {
     app.set_version_flag("--version", version_text);  // hashes the program, so only where it is asked for
     int code = 0;
     for (const auto add : {add_measure, add_run, add_explain, add_status, add_show, add_compare, add_verify, add_draw,
-                           add_merge, add_list, add_fetch, add_export, add_track, add_hidden})
+                           add_merge, add_list, add_fetch, add_export, add_track, add_internal_verbs})
         add(app, code);
     try {
         app.parse(argc, argv);

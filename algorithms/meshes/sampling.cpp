@@ -22,10 +22,10 @@
 // triangles of A and m of B; only samples at vertices and on edges are stored.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/search/bounds.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
+#include "algorithms/search/source_vertices.h"
 #include "algorithms/search/stages.h"
-#include "algorithms/search/vertices.h"
 #include "algorithms/structures/octree.h"
 
 #include <algorithm>

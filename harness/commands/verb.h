@@ -28,7 +28,7 @@ void add_draw(CLI::App& app, int& code);
 void add_fetch(CLI::App& app, int& code);
 
 // Adds hidden verbs for the program's own use: a crash in a reader or a solver ends only its own process.
-void add_hidden(CLI::App& app, int& code);
+void add_internal_verbs(CLI::App& app, int& code);
 
 // Adds a verb with its help: what it does in one line (a verb in the third person, no full stop), an example, and notes such as exit codes.
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& meaning, const std::string& example,

@@ -2,8 +2,8 @@
 #include "algorithms/error.h"
 #include "datasets/hash.h"
 #include "datasets/hdf5.h"
-#include "datasets/isolated.h"
 #include "datasets/load.h"
+#include "datasets/separate_process.h"
 #include "datasets/shape_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -482,7 +482,7 @@ protected:
     }
     std::string message(const std::string& body, double seconds = 60, std::int64_t bytes = 0) const {
         try {
-            load_isolated(script(body), "mesh.obj", "", seconds, bytes);
+            load_separately(script(body), "mesh.obj", "", seconds, bytes);
         } catch (const InputError& error) {
             return error.what();
         }
@@ -494,7 +494,7 @@ TEST_F(Isolated, TheChildsShapeComesBack) {
     write_shape(folder_.path() / "shape.h5", {awkward(), {}});
     const auto program = script(fmt::format(
         "[ \"$1 $2 $3 $4 $5\" = 'load --format obj -- mesh.obj' ] && cp {}/shape.h5 \"$6\"", folder_.path().string()));
-    EXPECT_TRUE(same_bits(points_of(load_isolated(program, "mesh.obj", "obj").shape), awkward().vertices));
+    EXPECT_TRUE(same_bits(points_of(load_separately(program, "mesh.obj", "obj").shape), awkward().vertices));
 }
 
 TEST_F(Isolated, TheChildsFailuresAreTold) {
@@ -508,15 +508,15 @@ TEST_F(Isolated, TheChildsFailuresAreTold) {
     EXPECT_NE(message("echo oh >&2; exit 3").find("exit code 3: oh"), std::string::npos);
     EXPECT_NE(message("echo 'hausbench: out of memory' >&2; exit 4").find("ran out of memory"), std::string::npos);
     EXPECT_NE(message("exit 0").find("shape.h5"), std::string::npos);
-    EXPECT_THROW(load_isolated(folder_.path() / "absent", "mesh.obj"), InputError);
+    EXPECT_THROW(load_separately(folder_.path() / "absent", "mesh.obj"), InputError);
 }
 
 TEST_F(Isolated, TheProgramItselfReads) {
     const char* program = std::getenv("HAUSBENCH_PROGRAM");
     if (!program || !std::filesystem::exists(program)) GTEST_SKIP() << "the program is not built";
-    EXPECT_TRUE(same_bits(points_of(load_isolated(program, write("a.ply", ply_text())).shape), awkward().vertices));
+    EXPECT_TRUE(same_bits(points_of(load_separately(program, write("a.ply", ply_text())).shape), awkward().vertices));
     try {
-        load_isolated(program, write("bad.obj", "v 0 0 0\nv 1 nan 0\n"));
+        load_separately(program, write("bad.obj", "v 0 0 0\nv 1 nan 0\n"));
         FAIL();
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("line 2: vertex 1 (from 0)"), std::string::npos) << error.what();

@@ -176,7 +176,7 @@ def test_measure(hausbench: Program, tmp_path: Path) -> None:
     assert hausbench("measure", a, b, "--penetration", "--cutoff", "0.4").returncode == 1
     assert hausbench("measure", a, b, "--penetration", "--cutoff", "0.6").returncode == 0
     for options, error in ((["--penetration", "--symmetric"], "are different quantities"), (["--solver", "penetration"], "computes the penetration depth only, not h(A,B)"),
-                           (["--penetration", "--solver", "cover"], "choose one that does with --solver: penetration"), (["--penetration", "--fields", str(tmp_path / "f.ply")], "has none")):
+                           (["--penetration", "--solver", "cover"], "choose one that does with --solver: penetration"), (["--penetration", "--fields", str(tmp_path / "f.ply")], "has no fields")):
         done = hausbench("measure", a, b, *options)
         assert done.returncode == 2 and error in done.stderr, done.stderr
     opened = box(tmp_path / "open.off", (0, 0, 0), (1, 1, 1), faces=11)

@@ -27,7 +27,7 @@ struct Cascade {
     Split split = Split::midpoint;
     // The most triangles and pieces per triangle of A.
     double max_factor = std::numeric_limits<double>::infinity();
-    bool regions = false;  // search/regions.h
+    bool regions = false;  // search/source_regions.h
     bool grid = false;     // closest points of B are found by a uniform grid, not by a BVH
 };
 

@@ -30,7 +30,7 @@
 #include "algorithms/meshes/cover/groups.h"
 #include "algorithms/meshes/cover/worker.h"
 #include "algorithms/search/bounds.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
 #include "algorithms/search/stages.h"
 #include "algorithms/search/warm_start.h"

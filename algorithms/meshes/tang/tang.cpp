@@ -30,7 +30,7 @@
 #include "algorithms/meshes/tang/source_culling.h"
 #include "algorithms/meshes/tang/target_culling.h"
 #include "algorithms/search/bounds.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
 #include "algorithms/search/stages.h"
 #include "algorithms/search/warm_start.h"

@@ -107,7 +107,7 @@ TEST(VerifyPenetration, ALowerBoundThatIsTooLarge) {
 
 TEST(VerifyPenetration, AWitnessThatIsNone) {
     expect(check(cube, bar, {0.5, 0.5}, from_target({0.4, 0.5, 0.5})), Verdict::unsound, Verdict::holds,
-           "no point of its surface");
+           "is not on its surface");
     expect(check(cube, bar, {0.5, 0.5}, from_target({2, 0.5, 0.5})), Verdict::unsound, Verdict::holds,
            "does not lie in the other solid");
     expect(check(cube, bar, {0.5, 0.5}, from_source(Vec3::Constant(unknown))), Verdict::no_witness, Verdict::holds);

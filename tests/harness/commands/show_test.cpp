@@ -347,7 +347,7 @@ TEST(Show, SaysWhichTimesDoNotCompare) {
         const ResultFile result = result_of(rows);
         const std::string table = show_rows(result, {0, 1, 2}, Form::text, {}), summary = show_summary(result, {});
         const auto line = [](const std::string& text) {
-            const auto at = text.find("not all of these times compare");
+            const auto at = text.find("not all of these times are comparable");
             return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
         };
         EXPECT_EQ(line(table), line(summary));

@@ -1,5 +1,5 @@
 // The remaining time of a run: cases that have ended show how wrong the expectations for their kind are.
-#include "harness/run/remaining.h"
+#include "harness/run/time_left.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "harness/run/lanes.h"
+#include "harness/run/side_by_side.h"
 
 #include "algorithms/error.h"
 

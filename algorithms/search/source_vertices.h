@@ -3,7 +3,7 @@
 
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/piece_proofs.h"
-#include "algorithms/search/regions.h"
+#include "algorithms/search/source_regions.h"
 #include "algorithms/search/warm_start.h"
 
 #include <array>

@@ -48,7 +48,7 @@ std::string described(const CLI::App& program, const std::string& what) {
 
 }  // namespace
 
-void add_hidden(CLI::App& app, int& code) {
+void add_internal_verbs(CLI::App& app, int& code) {
     static fs::path in, out;
     static std::string format, operation;
     static std::vector<std::string> numbers;

@@ -1,4 +1,4 @@
-#include "datasets/isolated.h"
+#include "datasets/separate_process.h"
 
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
@@ -57,8 +57,8 @@ void run(const Task& task, std::vector<std::string> words, double seconds_limit,
 
 }  // namespace
 
-LoadedShape load_isolated(const std::filesystem::path& program, const std::filesystem::path& file,
-                          const std::string& format, double seconds_limit, std::int64_t bytes_limit) {
+LoadedShape load_separately(const std::filesystem::path& program, const std::filesystem::path& file,
+                            const std::string& format, double seconds_limit, std::int64_t bytes_limit) {
     const HoldInterrupts hold;  // destroyed after the folder
     const ScratchFolder folder("load");
     const std::filesystem::path out = folder.path() / "shape.h5";
@@ -69,8 +69,9 @@ LoadedShape load_isolated(const std::filesystem::path& program, const std::files
     return read_shape(out);
 }
 
-LoadedShape derive_isolated(const std::filesystem::path& program, const std::string& operation, const Numbers& numbers,
-                            const std::filesystem::path& origin, double seconds_limit, std::int64_t bytes_limit) {
+LoadedShape derive_separately(const std::filesystem::path& program, const std::string& operation,
+                              const Numbers& numbers, const std::filesystem::path& origin, double seconds_limit,
+                              std::int64_t bytes_limit) {
     const HoldInterrupts hold;
     const ScratchFolder folder("derive");
     const std::filesystem::path out = folder.path() / "shape.h5";

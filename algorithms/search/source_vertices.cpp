@@ -1,4 +1,4 @@
-#include "algorithms/search/vertices.h"
+#include "algorithms/search/source_vertices.h"
 
 namespace hausbench {
 

@@ -1,6 +1,6 @@
 // Work side by side: what fits at a time, how it is distributed, and that children of several
 // threads do not end each other.
-#include "harness/run/lanes.h"
+#include "harness/run/side_by_side.h"
 #include "algorithms/error.h"
 #include "harness/plan/split.h"
 #include "process/child.h"

@@ -1,6 +1,6 @@
-// Groups of triangles of A (search/regions.h): their bounds against the exact distance of every
+// Groups of triangles of A (search/source_regions.h): their bounds against the exact distance of every
 // triangle in them, and the solvers that use them.
-#include "algorithms/search/regions.h"
+#include "algorithms/search/source_regions.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "algorithms/structures/bvh.h"

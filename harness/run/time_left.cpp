@@ -1,4 +1,4 @@
-#include "harness/run/remaining.h"
+#include "harness/run/time_left.h"
 
 #include <algorithm>
 #include <map>
