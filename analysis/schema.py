@@ -58,7 +58,7 @@ def columns() -> Groups:
 
 
 def module(groups: Groups) -> str:
-    """A dataclass a group, and what a file that lacks a column has in its place."""
+    """Returns a dataclass for each group, and the defaults of columns that a file lacks."""
     text = HEAD
     for group, known in groups.items():
         text += f"\n\n@dataclass(frozen=True)\nclass {group.capitalize()}:\n"

@@ -49,8 +49,8 @@ double derived(const ModelInfo& model, double origin) {
     return 2 * origin + 4;  // two_clusters; the others add an element at most
 }
 
-// Estimates how many points and triangles together the model has, given those of its origin (of a file: its bytes). An upper bound,
-// except for `triangulate` and `remesh`, whose size depends on the shape.
+// Estimates the number of points and triangles of the model, given that of its origin (of a file: its bytes). An
+// upper bound, except for `triangulate` and `remesh`, whose size depends on the shape.
 double estimated_elements(const ModelInfo& model, double origin) {
     if (model.source == "generated") return generated(model);
     if (model.source == "derived") return derived(model, origin);

@@ -16,7 +16,7 @@ namespace hausbench {
 struct ModelInfo {
     std::string name;
     std::string source;  // "generated", "debian", "npm", "file", "derived"
-    std::string note;    // what it is, what it stands in for
+    std::string note;    // description, and which model of a paper it stands in for
     std::string licence;
     // debian, npm, file
     std::string package, version, path, sha256, format;
@@ -77,7 +77,7 @@ public:
     std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) const;
 
 private:
-    // What a model is made from: of a derived one the shape of its origin, else the file that is read, if there is one.
+    // The input of a model: for a derived one the shape of its origin, otherwise the file that is read, if any.
     struct Input {
         std::filesystem::path file;
         std::string sha256;    // of a file that is read

@@ -1,4 +1,4 @@
-// Cosines and sines that are the same bits on every machine: those of the C library depend on its version and on the processor.
+// Cosines and sines with the same bits on every machine; the C library's depend on its version and on the processor.
 #pragma once
 
 namespace hausbench {

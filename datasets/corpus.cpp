@@ -12,7 +12,7 @@
 namespace hausbench {
 namespace {
 
-// Of the corpus, and of the whole corpus besides: the tables, and the list of models of manifest.toml.
+// Tables of corpus.toml for the corpus and for the whole corpus, and the list of models of manifest.toml.
 struct Part {
     const char *models, *manifest;
 };

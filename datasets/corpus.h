@@ -10,9 +10,9 @@
 namespace hausbench {
 
 struct Corpus {
-    std::vector<std::string> names;  // of its meshes, sorted
-    std::vector<std::string> whole;  // of those of the whole corpus, sorted: `names` too
-    // Models that the manifest does not have, and what the rules derive from all.
+    std::vector<std::string> names;  // meshes of the corpus, sorted
+    std::vector<std::string> whole;  // meshes of the whole corpus, `names` included, sorted
+    // Models that the manifest does not have, and the models that the rules derive from all.
     std::vector<ModelInfo> models;
 };
 

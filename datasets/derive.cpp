@@ -44,7 +44,7 @@ PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t see
     const auto corner = [&](Eigen::Index t, int k) -> Vec3 {
         return mesh.vertices.row(mesh.triangles(t, k)).transpose();
     };
-    // In a unit of a power of two in which no area underflows beside that of the whole: the norm takes its square.
+    // Works in a power-of-two unit in which no area underflows next to the total, because the norm squares it.
     const double extent = longest_side(mesh.vertices);
     const int exponent = extent > 0 && std::isfinite(extent) ? -std::ilogb(extent) : 0;
     const auto edge = [&](Eigen::Index t, int k) -> Vec3 {

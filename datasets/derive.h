@@ -15,7 +15,7 @@ std::vector<Recipe> exact_operations();
 // As check_numbers(); also checks that simplify has exactly one of its two numbers.
 void check_operation(const std::string& where, const Recipe& operation, const Numbers& numbers);
 
-// What an operation gives where it only moves points.
+// The result of an operation that only moves points.
 Shape with_points(const Given& g, const Points& points);
 
 // 0 .. count - 1 in a random order, by the numbers from `first` on.

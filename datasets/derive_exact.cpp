@@ -27,7 +27,7 @@ Shape nudged(const Given& g) {
     return with_points(g, points);
 }
 
-// The vertices of a mesh come with the copies, or are those of the first: then the faces alone are there several times.
+// Copies the vertices with the faces, or the faces alone, which then share the first vertices.
 Shape repeated(const Given& g) {
     const Points& points = g.points();
     const Index count = g.whole("count");

@@ -27,7 +27,7 @@ inline NumberSpec seed_number(const char* name = "seed") { return whole_number(n
 inline NumberSpec coordinate(const char* name) { return {name, false, -1e100, 1e100}; }
 inline NumberSpec length(const char* name, double least = 1e-100) { return {name, false, least, 1e100}; }
 
-// What a recipe makes a shape from: its numbers; those of derive.h also from a shape.
+// A recipe makes a shape from numbers; an operation of derive.h makes it from a shape as well.
 struct Given {
     const Numbers& numbers;
     const Shape* origin = nullptr;
@@ -56,10 +56,10 @@ const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& na
 
 // `hausbench list keys` explains them.
 const std::vector<Recipe>& recipes();
-std::vector<Recipe> point_recipes();  // those of them that make points; point_recipes.cpp
+std::vector<Recipe> point_recipes();  // the recipes for points; point_recipes.cpp
 
-// `where` begins every message. Throws InputError for an unknown name (names the nearest), a missing one, a fraction
-// where a whole number is required, or a number out of range.
+// Throws InputError, whose message begins with `where`, for an unknown number (suggests the nearest), a missing one,
+// a fraction in place of an integer, or a number out of range.
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers);
 
 // The numbers must have passed check_numbers(). Throws InputError for an unknown recipe.

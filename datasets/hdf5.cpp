@@ -49,7 +49,7 @@ std::string library_message() {
     return text.empty() ? "HDF5 gave no reason" : printable(text);  // it may quote the file
 }
 
-// What is read or written, in messages: a file, or an object in it.
+// The name of a file or of an object in it, for messages.
 struct Place {
     const std::filesystem::path& file;
     std::string object = "";
@@ -135,7 +135,7 @@ std::string file_of(hid_t object) {
     return name;
 }
 
-// A link may lead into another file; what is there is not read.
+// A link may lead into another file, which is not read.
 void expect_in(hid_t file, hid_t object, const Place& at) {
     if (file_of(object) != file_of(file)) at.fail("is in another file, which is not read");
 }
@@ -158,8 +158,8 @@ void write_attribute(hid_t file, const Place& at, const std::string& group, cons
     at.check(H5Awrite(attribute, type, value));
 }
 
-// What a dataset or an attribute holds. What a file says of it is not to be trusted: only values stored in this file itself, and no more
-// of them than it has room for, are read.
+// The content of a dataset or attribute. Its description is not trusted: only values that are stored in this file are
+// read, and no more of them than it has room for.
 class Values {
 public:
     static Values of_dataset(hid_t file, const Place& at) {
@@ -225,7 +225,7 @@ private:
         return values;
     }
 
-    // Of an attribute more values than one would be written past what is meant for them.
+    // If an attribute had more values than one, they would be written past the end of the variable.
     std::size_t one() const {
         const Id space(at_, H5Aget_space(object_), H5Sclose);
         if (H5Sget_simple_extent_type(space) == H5S_NULL || H5Sget_simple_extent_npoints(space) != 1)

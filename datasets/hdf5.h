@@ -18,8 +18,8 @@ public:
     File(const File&) = delete;
     File& operator=(const File&) = delete;
 
-    // Writes what was created, in one go, and flushes it to disk (fsync); without this call nothing is written. The file
-    // is made in memory, so writing takes twice its size there.
+    // Writes everything that was created, at once, and flushes it to disk (fsync); without this call nothing is
+    // written. The file is built in memory, so writing takes twice its size there.
     void close();
 
     // Datasets: name may contain groups ("cases/lower"), which are created as needed. `columns` > 1 makes a matrix,

@@ -73,7 +73,7 @@ private:
         model_.path = required("path");
         model_.sha256 = package ? required("sha256") : table_.text("sha256", "");
         model_.format = table_.text("format", "");
-        table_.allow({"triangles"});  // for people who read the manifest
+        table_.allow({"triangles"});  // for readers of the manifest
         if (!model_.sha256.empty() &&
             (model_.sha256.size() != 64 || model_.sha256.find_first_not_of("0123456789abcdef") != std::string::npos))
             table_.fail(*content_.get("sha256"), "sha256 must be 64 digits of 0-9 and a-f");

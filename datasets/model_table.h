@@ -12,8 +12,8 @@
 
 namespace hausbench {
 
-// Where the tables stand. In an experiment `source` may be left out (`path`: file, `from`: derived, else generated), and nothing is
-// fetched.
+// The file of the tables. In an experiment `source` may be left out (`path` means file, `from` derived, otherwise
+// generated), and nothing is fetched.
 enum class ModelsOf { manifest, experiment };
 
 // One table, which stands in the file of `in` and is filled as that one is. A model may list its coordinates, `vertices` and `triangles`

@@ -33,7 +33,7 @@ std::string next_statement(std::string_view& bytes, std::uint32_t& number) {
     return statement;
 }
 
-// Of a corner only the vertex counts: neither texture nor normal, which follow slashes.
+// Only the vertex of a corner counts; texture and normal, which follow slashes, are ignored.
 std::vector<std::size_t> face_of(const std::string& name, std::string_view line, std::uint32_t number,
                                  std::size_t points) {
     std::vector<std::size_t> face;

@@ -23,7 +23,7 @@ struct OffHeader {
     std::size_t points = 0, faces = 0, lines = 0;
 };
 
-// Some files write whole numbers with a decimal point.
+// Some files write integers with a decimal point.
 std::optional<std::size_t> number_below(std::size_t end, std::string_view word) {
     const auto value = decimal(word);
     if (!value || !(*value >= 0 && *value < static_cast<double>(end)) || std::floor(*value) != *value)

@@ -26,10 +26,11 @@ std::string_view next_word(std::string_view& line);
 // Removes the first line, up to \n, \r\n or \r (old Macs), from `bytes` and returns it without these.
 std::string_view next_line(std::string_view& bytes);
 
-// The nearest number of this precision to a decimal one; infinite beyond the largest. None where the text is no number.
+// Returns the nearest number of this precision to a decimal one; infinity beyond the largest; nothing if the text is
+// not a number.
 template <class Real = double> std::optional<Real> decimal(std::string_view text);
 
-// None where the text is no whole number, or one that does not fit.
+// Returns nothing if the text is not an integer, or one that does not fit.
 template <class Integer> std::optional<Integer> whole(std::string_view text) {
     Integer value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -18,7 +18,8 @@ std::filesystem::path project_root();  // throws InputError if there is none
 // share/hausbench beside the folder of the program, whether or not it exists.
 std::filesystem::path installed_folder();
 
-// Of the project, else the one that was installed with the program; empty if there is neither: then no model has a name.
+// Returns the manifest of the project, otherwise the one that was installed with the program; empty if there is
+// neither, and then no model has a name.
 std::filesystem::path manifest_file();
 
 // Likewise, whether or not it exists.

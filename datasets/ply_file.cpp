@@ -106,7 +106,7 @@ private:
         return type->second;
     }
 
-    // Refuses what is no mesh; returns how many bytes it takes at least.
+    // Refuses a header without a mesh; returns the least number of bytes of its data.
     std::uint64_t checked(const Element& element) {
         if (element.name == "tristrips" && element.count > 0)
             refuse_file("triangle strips are not supported: convert the file to faces");
@@ -177,7 +177,7 @@ private:
         return type.value(bytes.data());
     }
 
-    // Below 0 it is what a negative vertex number becomes, which finish() refuses.
+    // A negative vertex number ends below 0, which finish() refuses.
     std::size_t whole_number(Stored type) {
         const double value = number(type);
         if (std::floor(value) != value || std::abs(value) > 0x1p53) end_early();

@@ -1,10 +1,11 @@
 // Point clouds as lines of decimal numbers: .xyz, .pts, .csv, and the points of a text PCD file (pcd_file.cpp).
 //
-// A line holds x, y and z and then whatever else (intensity, colours, normals), which is ignored. Its separator is ';' where it has one,
-// else ',' where it has one, else white space. '#' begins a comment, and "//" at the beginning of a line begins one too. A line of one whole number
-// gives the number of points (.pts, some .xyz). The first line may be a header: columns named x, y and z in any order and any case; in a
-// .csv file a header without these names is passed over. In a .csv file no line has more columns than the header: decimal commas, or a
-// separator within quotes, would move the numbers.
+// A line has x, y and z, then other fields (intensity, colours, normals), which are ignored. The separator is ';' if
+// the line has one, otherwise ',' if it has one, otherwise white space. '#' begins a comment, and so does "//" at the
+// beginning of a line. A line with one integer gives the number of points (.pts, some .xyz). The first line may be a
+// header: columns named x, y and z in any order and case; in a .csv file a header without these names is skipped. In
+// a .csv file no line has more columns than the header, because decimal commas, or a separator within quotes, would
+// shift the numbers.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/point_lines.h"

@@ -23,10 +23,12 @@ struct Soup {
     bool float32 = false;  // a coordinate is stored in that precision
 };
 
-// Adds the point that the first three words of a line are. Throws InputError for a word that is no number, and for fewer.
+// Adds the point given by the first three words of a line. Throws InputError if a word is not a number, or there are
+// fewer than three.
 void add_point(const std::string& name, std::string_view line, std::uint32_t number, Soup& soup);
 
-// `name` begins every message of the InputErrors that they throw; finish() checks what they read. Each is in a file of its name.
+// `name` begins the message of every InputError that they throw; finish() checks what they read. Each reader is in
+// the file of its name.
 Soup read_obj(const std::string& name, std::string_view bytes);
 Soup read_off(const std::string& name, std::string_view bytes);
 Soup read_stl(const std::string& name, std::string_view bytes);  // repeats equal points

@@ -23,7 +23,7 @@ std::string last_line(std::string text) {
     return printable(text.starts_with(prefix) ? text.substr(prefix.size()) : text);  // it may quote the file
 }
 
-// What is done in the process, in the words of errors.
+// The task of the process, in the words of errors.
 struct Task {
     std::string subject, doer, cause;  // "a.obj", "the reader", "the file is damaged"
 };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t header = 84, facet = 50;  // bytes
 
-// Of a binary file, if it is one.
+// Returns the number of facets of a binary file, if it is one.
 std::size_t facets_of(std::string_view bytes) {
     std::uint32_t facets = 0;
     if (bytes.size() >= header) std::memcpy(&facets, bytes.data() + 80, sizeof facets);

@@ -22,7 +22,8 @@ struct Filling {
     std::size_t index = 0;  // in the list of all
 };
 
-// All but find() and where() throw InputError for a value that is not as asked for. `otherwise` is what a missing key stands for.
+// All but find() and where() throw InputError for a value of the wrong kind. `otherwise` is the value of a missing
+// key.
 class TomlReader {
 public:
     // `name` is the table's in messages, such as "[[scene]]"; `before_line` stands between file and line there.

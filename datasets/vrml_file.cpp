@@ -1,5 +1,6 @@
-// Reads VRML 2.0 (VRML97), text: the faces of every IndexedFaceSet, where the Transforms around it put them; USE repeats what DEF named. Skips
-// what has no surface (colours, lights, scripts, lines, points). Refuses, where they would be seen, the shapes that are no IndexedFaceSet.
+// Reads VRML 2.0 (VRML97), text: the faces of every IndexedFaceSet, placed by the Transforms around it; USE repeats
+// the node that DEF named. Skips nodes without a surface (colours, lights, scripts, lines, points). Refuses visible
+// shapes other than IndexedFaceSet.
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
 #include "datasets/circle.h"
@@ -182,7 +183,7 @@ private:
     std::map<std::string_view, const Node*> defined_;
 };
 
-// Where the Transforms above a node put its points: matrix * p + shift.
+// The map of the Transforms above a node: matrix * p + shift.
 struct Placement {
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
     Vec3 shift = Vec3::Zero();
@@ -240,7 +241,7 @@ private:
         return values;
     }
 
-    // Of an axis and an angle, by the right-hand rule.
+    // Returns the rotation about an axis by an angle, by the right-hand rule.
     Eigen::Matrix3d rotation(const Node& node, std::string_view name) const {
         const auto values = vector<4>(node, name, 0);
         if (values[3] == 0) return Eigen::Matrix3d::Identity();

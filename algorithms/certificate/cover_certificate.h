@@ -31,8 +31,8 @@ inline constexpr std::size_t most_certificate_corners = 64;  // of a polygon
 // Nodes waiting for their second child.
 inline constexpr std::size_t most_certificate_pending = 4096;
 
-// Where a cut meets the boundary of a polygon: at a corner, or at t of the way along an edge. On an edge it is always a new corner
-// of both children, even where t is 0 or 1: the shape of the children does not depend on t.
+// A point at which a cut meets the boundary of a polygon: a corner, or the place t along an edge. A point on an edge
+// is always a new corner of both children, even if t is 0 or 1, so the shape of the children does not depend on t.
 struct CutPoint {
     static CutPoint corner(std::size_t i) { return {i, -1, false}; }
     // From corner `edge` on.
@@ -60,7 +60,7 @@ public:
     void centre(Index k);
     void vertex(Index v, Index k);
 
-    // To take back what was written after a mark.
+    // Takes back the bytes written after a mark.
     std::size_t mark() const { return bytes_.size(); }
     void back_to(std::size_t mark) { bytes_.resize(mark); }
     void clear() { bytes_.clear(); }

@@ -1,4 +1,4 @@
-// Closest point queries: what is asked, what is answered, and the plain scan that every structure must equal to the bit.
+// Closest point queries: the question, the answer, and the plain scan that every structure must equal to the bit.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -14,7 +14,7 @@ struct ClosestPoint {
     Index triangle = -1;        // of several at the same squared distance, the one of lowest index
 };
 
-// What a query may be told beforehand. Neither hint changes an answer but as said.
+// Hints for a query. Neither changes an answer except as described.
 struct ClosestHints {
     // Only triangles with squared distance <= this are looked for; `triangle` stays -1 if there is none.
     double squared_radius = std::numeric_limits<double>::infinity();
@@ -39,13 +39,13 @@ inline void offer(ClosestPoint& best, const TrianglePoint& candidate, Index tria
 ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints,
                              Counters& counters);
 
-// A lower bound of the distance from `point` to the exact mesh, that holds under rounding: the least of the
-// distance_certainly_at_least (point_triangle.h) of the triangles whose box is no farther than the closest one's computed
-// distance, and that distance (rounded down) for the others. O(n).
+// Returns a lower bound of the distance from `point` to the exact mesh that holds under rounding: the least over all
+// triangles of distance_certainly_at_least (point_triangle.h), if the triangle's box is no farther than the closest
+// triangle's computed distance, and of that distance (rounded down) otherwise. O(n).
 double certified_distance_by_scan(const TriangleMesh& mesh, const Vec3& point, Counters& counters);
 
-// The part of one triangle in it: lowers `least` to what is certain of this triangle, where its box is no farther than
-// `nearest` (squared).
+// The part of one triangle in it: lowers `least` to the certain distance of this triangle if its box is no farther
+// than `nearest` (squared).
 void certify(const Vec3& point, const Triangle& triangle, double nearest, double& least, Counters& counters);
 
 }  // namespace hausbench

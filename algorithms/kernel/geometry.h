@@ -1,4 +1,4 @@
-// Vectors, points, what a shape is made of, and poses: below kernel/, structures/ and search/, which know no scene.
+// Vectors, points, the data of shapes, and poses: below kernel/, structures/ and search/, which know no scene.
 //
 // Lengths are in the unit of the input files; nothing here rescales them (see session.h).
 #pragma once

@@ -96,8 +96,9 @@ void FormEvaluator::add(const Polynomial::Term& term) {
     if (term.powers[0] + term.powers[1] + term.powers[2] > kept) add_beyond(x, y, z);
 }
 
-// The monomials of one term beyond `kept`. Those whose powers are all even have the same sign, and u^i v^j w^k lies in
-// [0, 1]: together they lie between 0 and the sum of their coefficients. Of all others only the absolute values count.
+// Bounds the monomials of one term beyond `kept`. Those with even powers only have one sign, and u^i v^j w^k lies in
+// [0, 1]: together they lie between 0 and the sum of their coefficients. For all others only the absolute values
+// count.
 void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
     constexpr int n = kept + 2, half = kept / 2 + 2;  // places by degree, and by half the degree; the last: beyond
     const Power* of[3] = {&x, &y, &z};

@@ -98,7 +98,8 @@ template <Curve curve> std::uint32_t key_along(const MortonFrame& frame, const d
     return curve == Curve::hilbert ? hilbert_key(key) : key;
 }
 
-// Sorts each run of one key by the keys of a smaller frame, which splits it but for rounding; what is not split is left as it is.
+// Sorts each run of equal keys by the keys of a smaller frame, which splits it except for rounding; runs that do not
+// split stay as they are.
 template <Curve curve>
 void refine_runs(const Points& points, std::span<Item> items, const MortonFrame& outer, std::vector<Item>& room) {
     for (std::size_t begin = 0; begin < items.size();) {

@@ -23,8 +23,9 @@ public:
     // Whether the first comes before the second in the order of the keys that 52 halvings would give.
     bool before(const double* first, const double* second) const;
 
-    // For the points of one cell, whose box this is: the smallest frame that halving the cube leads to and that still tells
-    // some of them apart, so that sorting by it continues the order of this one. Where none does: the frame of their own box.
+    // Returns a frame for the points of one cell with this box: the smallest frame that halving the cube leads to and
+    // that still tells some of them apart, so that sorting by it continues the order of this one. If there is none,
+    // the frame of their own box.
     MortonFrame inside(const Box& box) const;
 
 private:
@@ -47,7 +48,8 @@ std::vector<Index> morton_order(const Points& points, const std::vector<Index>* 
 // Source: Hamilton and Rau-Chaplin, Compact Hilbert indices, 2008: the same curve, as a table of 24 states.
 std::uint32_t hilbert_key(std::uint32_t morton_key);
 
-// All rows by the Hilbert keys of their cells. Where points share a cell, as morton_order: a curve through each, O(n) likewise.
+// Orders all rows by the Hilbert keys of their cells. Points that share a cell are ordered as in morton_order, by a
+// curve through each, again in O(n).
 std::vector<Index> hilbert_order(const Points& points, const MortonFrame& frame, const Threads& threads = Threads());
 
 }  // namespace hausbench

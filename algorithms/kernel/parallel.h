@@ -44,15 +44,17 @@ public:
 
     int most() const { return most_; }
 
-    // Calls body(block), or body(block, worker), once for each block below `count`; returns when all have returned. At most most()
-    // calls run at a time, one of them in the calling thread. Which blocks run at the same time, in which order, and by which worker
-    // is not determined. 0 <= worker < most(): two calls at the same time have different workers, so that each may have memory of
-    // its own to work in; what a block leaves there must not change what another block computes.
+    // Calls body(block), or body(block, worker), once for each block below `count`; returns when all calls have
+    // returned. At most most() calls run at a time, one of them in the calling thread. It is not determined which
+    // blocks run at the same time, in which order, and by which worker. 0 <= worker < most(), and two calls at the
+    // same time have different workers, so each may have its own memory to work in; the contents that a block leaves
+    // there must not change the result of another block.
     //
-    // The threads are those of oneTBB, in an arena of their own: the number that others asked for elsewhere does not matter, and
-    // there are no more than the machine has cores. Starting them takes some ten microseconds. Each works in the floating-point
-    // environment of the caller. An exception of a body ends the loop, once the blocks that have begun are done, and is thrown on;
-    // other blocks may then not have run. Do not fork() after this a process that goes on without exec(): the threads are not copied.
+    // The threads are those of oneTBB, in an arena of their own: numbers of threads that others asked for elsewhere
+    // do not matter, and there are no more threads than the machine has cores. Starting them takes some ten
+    // microseconds. Each works in the floating-point environment of the caller. An exception of a body ends the loop
+    // once the blocks that have begun are done, and is rethrown; other blocks may then not have run. Do not fork() a
+    // process after this that goes on without exec(): the threads are not copied.
     template <class Body> void for_each(std::size_t count, const Body& body) const {
         if (most_ <= 1 || count <= 1) {
             for (std::size_t block = 0; block < count; ++block) call(body, block, 0);
@@ -77,9 +79,10 @@ private:
             body(block);
     }
 
-    // The thread sanitizer does not see how the library, which is not compiled with it, hands work from thread to thread. So where it
-    // is on, the same order is told to it once more: what came before the loop is seen by each block, what a block did by what comes
-    // after the loop. Nothing is told of two blocks, so a race between them is reported.
+    // The thread sanitizer does not see how the library, which is not compiled with it, hands work from thread to
+    // thread. So, if it is on, this tells it the same order once more: each block sees everything before the loop,
+    // and the code after the loop sees everything that the blocks did. It tells nothing about two blocks, so a race
+    // between them is reported.
     template <class Body> struct Job {
         const Body& body;
 #ifdef __SANITIZE_THREAD__

@@ -11,8 +11,8 @@ Vec3 cross(const Vec3& x, const Vec3& y) {
     return {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
 }
 
-// Written so that comparisons with NaN, which a triangle without area brings about, are false. The order of operations is
-// that of point_triangle-inl.h.
+// Comparisons are written to be false for NaN, which a triangle without area brings about. The operations have the
+// order of point_triangle-inl.h.
 Vec3 closest_on_edge(const Vec3& from, const Vec3& to, double along, double length, double inverse) {
     double t = along < length ? std::min(along * inverse, 1.0) : 1.0;
     t = along > 0 ? t : 0.0;

@@ -31,14 +31,14 @@ public:
     // Sets the rounding mode for itself.
     explicit Polynomial(std::string_view text, const Vec3& origin = Vec3::Zero());
 
-    // The polynomial of a surface for search in its box. Far from 0 it is expanded about the middle of the box: x^2 would cancel
-    // there, and lose what the surface is. Each variable is replaced in the text, before anything is multiplied out, so factors such
-    // as (x - 1000000)^2 lose nothing; a text that is multiplied out already keeps what its coefficients lost. Values beyond 2^100 in the
-    // box, or all below 2^-100, are scaled by a power of two, so that their squares neither overflow nor underflow: the zeros stay.
-    // Throws like the constructor.
+    // Returns the polynomial of a surface for a search in its box. Far from 0 it is expanded about the middle of the
+    // box: x^2 would cancel there and lose the surface. Each variable is replaced in the text before anything is
+    // multiplied out, so factors such as (x - 1000000)^2 lose nothing; a text that is already multiplied out has lost
+    // it in its coefficients. Values beyond 2^100 in the box, or all below 2^-100, are scaled by a power of two, so
+    // that their squares neither overflow nor underflow; the zeros stay. Throws like the constructor.
     static Polynomial of(const AlgebraicSurface& surface);
 
-    // The powers are those of x - origin(), y - ..., but every function takes points as they are.
+    // The powers are those of x - origin(), y - ..., but every function takes points in plain coordinates.
     const Vec3& origin() const { return origin_; }
 
     // In the order of powers; no term's coefficient is exactly 0.
@@ -47,7 +47,7 @@ public:
 
     Polynomial derivative(int axis) const;  // sets the rounding mode for itself, too
 
-    // In double arithmetic, for what is proven otherwise. O(terms).
+    // Evaluates in double arithmetic, for uses that are proven otherwise. O(terms).
     double value(const Vec3& at) const;
     double value(const Vec3& at, Vec3& gradient) const;
 
@@ -65,8 +65,8 @@ private:
     std::array<int, 3> degrees_{};
 };
 
-// What keeps this from being a surface, empty where it is one: text that is no polynomial, corners of the box that are not
-// finite, a box without volume, a polynomial whose values overflow in its box.
+// Returns the reason why this is not a surface, empty if it is one: text that is not a polynomial, corners of the box
+// that are not finite, a box without volume, or a polynomial whose values overflow in its box.
 std::string surface_problem(const AlgebraicSurface& surface);
 
 }  // namespace hausbench

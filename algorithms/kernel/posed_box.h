@@ -1,8 +1,8 @@
 // Bounds of computed distances between boxes, points and posed boxes, with no slack for rounding.
 //
-// All distances between points here are fl(((ax-bx)^2 + (ay-by)^2) + (az-bz)^2), rounded after each operation. Rounding is
-// monotone: x <= y implies fl(x) <= fl(y). So the same operations, done on the ends of intervals that hold the coordinates,
-// bound what they give for any coordinates inside, to the bit.
+// All distances between points here are fl(((ax-bx)^2 + (ay-by)^2) + (az-bz)^2), rounded after each operation.
+// Rounding is monotone: x <= y implies fl(x) <= fl(y). So the same operations on the ends of intervals that contain
+// the coordinates bound the results for all coordinates inside, to the bit.
 #pragma once
 
 #include "algorithms/kernel/box.h"

@@ -89,9 +89,10 @@ inline constexpr int level_of_closest_point = 4;
 // the sums a + b and + c err by 2uM and 3uM, a third of that and uM for the division make less than 3uM; sqrt(3) 3 < 6.
 inline constexpr int level_of_inner_point = 3;
 
-// A point of the edge ab, 0 <= t <= 1. b - a errs by u |b - a| in each coordinate, its product with t by as much again, the sum by uM:
-// uM + 2.01u e in all, e the largest |coordinate| of b - a. That is at most 5.1uM, as e <= 2M, and sqrt(3) 5.1 < 10: like a vertex
-// after five halvings. Where e <= M / 16 it is 1.13uM, and sqrt(3) 1.13 < 2: like one after one halving. M = 0: nothing errs.
+// A point of the edge ab, 0 <= t <= 1. b - a errs by u |b - a| in each coordinate, its product with t by the same
+// amount, the sum by uM: uM + 2.01u e together, where e is the largest |coordinate| of b - a. That is at most 5.1uM,
+// because e <= 2M, and sqrt(3) 5.1 < 10: like a vertex after five halvings. If e <= M / 16 it is 1.13uM, and sqrt(3)
+// 1.13 < 2: like a vertex after one halving. M = 0: nothing errs.
 inline Vec3 point_of_edge(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
 
 inline constexpr int level_of_long_edge = 5;
@@ -101,10 +102,10 @@ inline int level_of_point_of_edge(double longest, double magnitude) {
     return longest <= magnitude / 16 ? 1 : level_of_long_edge;
 }
 
-// `sum` = fl(f + g): f is the distance of a point of A to B as closest_point computes it, or the largest of some, and g a length
-// between points of A, computed in the same way, or more than that length. f and g err by 3.5u, their sum rounds by u: 1 + 5u
-// makes up for these. The point of B is off it by 7uM, and underflow is far below the eighth uM. Each next_up gives back what the
-// product or the sum before it rounds by.
+// `sum` = fl(f + g). f is the distance of a point of A to B as closest_point computes it, or the largest of several,
+// and g is a length between points of A, computed in the same way, or an upper bound of it. f and g err by 3.5u and
+// their sum rounds by u; 1 + 5u makes up for these. The point of B is off it by 7uM, and underflow is far below the
+// eighth uM. Each next_up gives back the rounding of the product or sum before it.
 inline double surface_sum_at_most(double sum, double magnitude, int level) {
     if (magnitude == 0) return 0;
     return next_up(next_up(sum * (1 + 5 * unit_roundoff)) + (8 + 2 * level) * unit_roundoff * magnitude);
@@ -118,8 +119,8 @@ inline double surface_distance_at_least(double certified, double magnitude, int 
 
 // --- samples of a triangle -------------------------------------------------------------------------------------------
 //
-// The grid of n steps on a triangle: the points (i a + j b + k c) / n with whole numbers i, j, k >= 0 and i + j + k = n. It cuts the
-// triangle into n^2 small ones, each with edges of 1/n the length of its own.
+// The grid of n steps on a triangle: the points (i a + j b + k c) / n with integers i, j, k >= 0 and i + j + k = n.
+// It cuts the triangle into n^2 small ones, whose edges are 1/n as long.
 //
 // Computed as below, a point of the grid is within 7uM of the exact one, for n < 2^53: products cost u (i + j + k) M = u n M in all,
 // either sum as much, the quotient uM: 4uM in each coordinate and terms of order u^2, and sqrt(3) 4 < 7. Underflow costs far less.
@@ -131,12 +132,12 @@ inline Vec3 grid_point(const Vec3& a, const Vec3& b, const Vec3& c, std::int64_t
 // Closer to A than a vertex after four halvings.
 inline constexpr int level_of_grid_point = 4;
 
-// Covering radius: every point p of a triangle is within L / sqrt(3) of a corner, L its longest edge. Let p = sum w_i c_i, with
-// weights w_i >= 0 that add up to 1. As sum w_i (c_i - p) = 0,
-//     min |c_i - p|^2 <= sum w_i |c_i - p|^2 = sum_{i<j} w_i w_j |c_i - c_j|^2 <= L^2 (1 - sum w_i^2) / 2 <= L^2 / 3.
-// Nothing is asked of its shape: a needle or a point will do; a regular triangle attains it at its centre. Of a grid of n steps,
-// every point of the triangle is within r = L / (n sqrt(3)). The distance to B changes no more than the point moves, so it is at
-// most r larger than at a sample.
+// Covering radius: every point p of a triangle is within L / sqrt(3) of a corner, where L is its longest edge. Let p
+// = sum w_i c_i, with weights w_i >= 0 that add up to 1. Since sum w_i (c_i - p) = 0, min |c_i - p|^2 <= sum w_i |c_i
+// - p|^2 = sum_{i<j} w_i w_j |c_i - c_j|^2 <= L^2 (1 - sum w_i^2) / 2 <= L^2 / 3. The shape does not matter: a needle
+// or a point will do; a regular triangle attains the bound at its centre. So every point of the triangle is within r
+// = L / (n sqrt(3)) of a grid of n steps. The distance to B changes by no more than the point moves, so it is at most
+// r larger than at a sample.
 //
 // `at_samples` is the largest surface_distance_at_most of the samples, so 0 only where M is 0; `squared_edge` is L^2 as computed.
 // fl(sqrt(L^2)) errs by 3.5u (see point to point), fl(sqrt(3)) by 0.6u, product and quotient by u each: r is at most (1 + 6.1u)
@@ -149,8 +150,8 @@ inline double grid_distance_at_most(double at_samples, double squared_edge, std:
     return next_up(at_samples + radius * (1 + 8 * unit_roundoff));
 }
 
-// The upper bound for one scene; `certify` off leaves the widening out, to measure what it costs and to show what goes
-// wrong without it.
+// The upper bound for one scene. Switching `certify` off leaves the widening out, to measure its cost and to show the
+// errors without it.
 struct SurfaceRounding {
     double magnitude;
     bool certify = true;

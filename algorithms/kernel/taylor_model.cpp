@@ -93,9 +93,9 @@ TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most) {
     return out;
 }
 
-// What is left out: products of degrees that sum to more than the order, and of the errors. A coefficient is the sum of at
-// most 25 products (of degree 4 by degree 4), each rounded, as is each sum: 1.01 * 26 epsilon of the sum of the absolute
-// values at most, over all coefficients together.
+// The terms that are left out: products whose degrees sum to more than the order, and products of the errors. A
+// coefficient is the sum of at most 25 products (of degree 4 by degree 4), each rounded, as is each sum: at most 1.01
+// * 26 epsilon of the sum of the absolute values, over all coefficients together.
 TaylorModel operator*(const TaylorModel& a, const TaylorModel& b) {
     TaylorModel out;
     multiply(a, b, TaylorModel::order, out);

@@ -60,8 +60,9 @@ HWY_INLINE Corners longest_edge_first(const CornerRows& corners, std::size_t lan
             choose(qr_longest, p, choose(rp_longest, q, r))};
 }
 
-// The axis h in the plane: that of g, made orthogonal to e again once its length is 1, as rounding has left a part along e that may be
-// large beside it. Flat: any direction across e; the axis that is not near e, less its part along e.
+// The axis h in the plane: the direction of g, made orthogonal to e once more after its length is 1, because rounding
+// has left a part along e that may be large beside it. For a flat triangle: any direction across e, such as an axis
+// that is not near e, less its part along e.
 HWY_INLINE Vector direction_across(const Vector& e, const Vector& g, hn::Mask<D> is_flat) {
     const D d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);

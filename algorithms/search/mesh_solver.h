@@ -71,7 +71,7 @@ public:
 protected:
     explicit MeshSolver(bool textbook = false, bool regions = false) : textbook_(textbook), regions_(regions) {}
 
-    // Applies even if a tree over A was built needlessly: answers must not depend on what was left out.
+    // Applies even if a tree over A was built needlessly, because answers must not depend on what was left out.
     bool has_regions(const Scene& scene) const { return regions_ && element_count(scene.source) > scan_at_most; }
 
     const TriangleMesh& source() const { return *source_; }

@@ -8,15 +8,15 @@ namespace {
 
 double largest_squared(const PieceCorners& v) { return std::max({v[0].squared, v[1].squared, v[2].squared}); }
 
-// Of the edge opposite to each corner.
+// Squared length of the edge opposite to each corner.
 std::array<double, 3> squared_edges(const std::array<Vec3, 3>& v) {
     return {squared_length(v[2] - v[1]), squared_length(v[0] - v[2]), squared_length(v[1] - v[0])};
 }
 
 std::array<Vec3, 3> points_of(const PieceCorners& v) { return {v[0].point, v[1].point, v[2].point}; }
 
-// Where a function that is linear along the edge, and has these values at its ends, is zero; they are of different sign, so
-// that t is in [0, 1] as computed, too.
+// Returns the t at which a function that is linear along the edge is zero, given its values at the ends; they differ
+// in sign, so the computed t is in [0, 1], too.
 Vec3 zero_on_edge(const Vec3& a, const Vec3& b, double at_a, double at_b) {
     const double t = at_a / (at_a - at_b);
     return (1 - t) * a + t * b;
@@ -162,9 +162,9 @@ BlockFeet PieceBounds::distances(const std::array<Vec3, 7>& points, std::size_t 
     return feet;
 }
 
-// Squared, of T cut by the plane that halves the angle of the two triangles of B: one part has the corner `alone`, the other part
-// the two others; each counts against its triangle. Where the plane does not cut both edges, their midpoints do. Infinite where
-// the two triangles share no edge.
+// Returns the squared bound for T cut by the plane that halves the angle of the two triangles of B: one part has the
+// corner `alone`, the other part the other two, and each counts against its triangle. If the plane does not cut both
+// edges, their midpoints are used. Infinite if the two triangles share no edge.
 double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
     const MeasuredPoint &one = v[alone], &two = v[(alone + 1) % 3], &three = v[(alone + 2) % 3];
     const auto side = bisector(target_.triangle(one.triangle), target_.triangle(two.triangle));

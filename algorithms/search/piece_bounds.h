@@ -71,7 +71,7 @@ public:
     // Pairs of the corners' closest points (Eq. 19).
     double u4(const PieceCorners& corners, int level);
 
-    // Of the bound that was computed last, unless that was infinite.
+    // The argument of the bound that was computed last, unless that bound was infinite.
     const PieceArgument& argument() const { return argument_; }
     void restore(const PieceArgument& argument) { argument_ = argument; }
 

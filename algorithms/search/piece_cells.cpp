@@ -19,7 +19,7 @@ struct Chord {
     double into_at, out_of_at;
 };
 
-// Where a function with these values at the corners changes its sign; none where it does not.
+// Returns the place where a function with these values at the corners changes its sign, if it does.
 std::optional<Chord> chord_of(const std::vector<double>& values) {
     std::optional<std::size_t> into, out_of;
     const auto next = [&](std::size_t i) { return (i + 1) % values.size(); };

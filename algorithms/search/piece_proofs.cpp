@@ -8,12 +8,13 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// Beyond this many cuts that the search did not take there is no certificate.
+// With more cuts than this beyond the search's own, there is no certificate.
 constexpr std::uint64_t most_more_cuts = 1'000'000;
 
-// `proven` is above the upper bound by what the check may lose (cover_certificate.h), (14 L + 100) u D below L cuts, and by what
-// chords of cells are off (piece_cells.h), less than 100 u D. L <= 156: three cuts for each of 50 levels, or one for each of 102, and
-// at most six for the cells. Where a piece was looked at once more, `slack` is added. All of it is less than 1e-12 D = 9007 u D.
+// `proven` is above the upper bound by the possible loss of the check (cover_certificate.h), (14 L + 100) u D below L
+// cuts, and by the error of chords of cells (piece_cells.h), less than 100 u D. L <= 156: three cuts for each of 50
+// levels, or one for each of 102, and at most six for the cells. If a piece was examined again, `slack` is added.
+// Together this is less than 1e-12 D = 9007 u D.
 constexpr double loss_of_check = 200, loss_of_cut = 14, slack = 4096;
 
 // The cuts that make the parts of a piece, told to a tree. One of four is left over from three cuts; `next` writes what stands between.
@@ -25,8 +26,8 @@ void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t 
         next(1);
         return;
     }
-    // Corner 0 is cut off from the middle of the edge to it, 4, to that of the edge from it, 5. What is left is 5, 1, 2, 4, then 3, 2, 4, 5,
-    // then 4, 5, 3; 3 is opposite to corner 0.
+    // Corner 0 is cut off, from the middle 4 of the edge to it to the middle 5 of the edge from it. The rest is 5, 1,
+    // 2, 4, then 3, 2, 4, 5, then 4, 5, 3; 3 is opposite to corner 0.
     tree.cut(CutPoint::along(turn.place(2), 0.5), CutPoint::along(turn.place(0), 0.5));
     next(0);
     tree.cut(CutPoint::corner(0), CutPoint::along(1, 0.5));
@@ -128,7 +129,7 @@ public:
         return piece(static_cast<Node>(i), {points.row(v[0]), points.row(v[1]), points.row(v[2])}, 0, tree);
     }
 
-    // That the check, after what it may lose, finds no more than this above the upper bound.
+    // So that the check, with its own loss, finds no more than this above the upper bound.
     double loss() const { return (loss_of_cut * depth_ + loss_of_check) * unit_ + (looked_again_ > 0 ? slack_ : 0); }
 
     std::uint64_t looked_again() const { return looked_again_; }
@@ -162,7 +163,7 @@ private:
         return true;
     }
 
-    // The bound of a piece that it is part of may have been the exact one, and that of a part has more of rounding in it.
+    // The bound of the larger piece may have been the exact one, and a part's bound has more rounding in it.
     bool look_again(const More& more, CertificateTree& tree) {
         PieceCorners corners;
         Index near = more.near;

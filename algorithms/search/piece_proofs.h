@@ -11,7 +11,7 @@
 // of piece_bounds.h, and is cut further until one of these suffices for the final upper bound, but for rounding (`slack`). That is
 // the one step of the proof that the search did not take; where it takes too many cuts there is no certificate.
 //
-// Nothing here changes what the search does; it is called only where a certificate is wanted.
+// Nothing here changes the search; it is called only if a certificate is wanted.
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"
@@ -39,20 +39,21 @@ public:
     // References in `pair` are kept.
     PieceProofs(const MeshPair& pair, Split split);
 
-    // A piece is cut; `opposite`: the corner opposite to the longest edge, where that is what is cut. Returns the node of the first
-    // part; the others follow it. At most 2^32 nodes.
+    // Records that a piece is cut; `opposite` is the corner opposite to the longest edge if only that edge is cut.
+    // Returns the node of the first part; the others follow it. At most 2^32 nodes.
     Node cut(Node piece, std::size_t opposite = 0);
 
     // The least upper bound that was told so far.
     double upper(Node piece) const { return nodes_[piece].upper; }
 
-    // No point of the piece is farther than `upper` from triangle `near` of B. Kept if this is less than what was told before.
+    // Records that no point of the piece is farther than `upper` from triangle `near` of B, if this is less than the
+    // bound recorded before.
     void one(Node piece, double upper, Index near);
 
     // Likewise, with the argument of a bound of piece_bounds.h.
     void prove(Node piece, double upper, const PieceArgument& argument, const PieceCorners& corners);
 
-    // Where time is out before each triangle of A has a bound: `near` will do for all of A.
+    // For a search that ends before each triangle of A has a bound: `near` serves all of A.
     void one_for_all(Index near);
 
     // Gives `result` its certificate, or the reason why there is none. O(nodes), and closest point queries where cells were inherited.

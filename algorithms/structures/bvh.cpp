@@ -89,7 +89,7 @@ private:
         return {builder_.range(range.begin, left), builder_.range(left, range.end)};
     }
 
-    // Where all centres are the same.
+    // Halves a range whose centres are all equal.
     std::pair<Range, Range> halves_by_number(const Range& range) const {
         const std::int32_t middle = range.begin + (range.size() + 1) / 2;
         return {builder_.range(range.begin, middle), builder_.range(middle, range.end)};

@@ -45,8 +45,8 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 }
 #endif
 
-// Offers what is nearest among some lanes; triangle[k] is that of lane k. Seldom more than one is offered, so that branches
-// are foreseen.
+// Offers the nearest among some lanes; triangle[k] is the triangle of lane k. Usually one at most is offered, so that
+// branches are predicted well.
 HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
     const Doubles d;
     const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};

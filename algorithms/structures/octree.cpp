@@ -54,7 +54,7 @@ private:
         return count;
     }
 
-    // One part for each occupied octant, but those of together at most eight elements share a leaf.
+    // One part for each occupied octant, but octants with at most eight elements together share a leaf.
     int split_at(Float4 middle, const Range& whole, std::array<Range, tree_width>& parts) {
         std::array<std::int32_t, 8> sizes{};
         FloatBox* elements = builder_.elements.data();

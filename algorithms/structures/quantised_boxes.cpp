@@ -11,9 +11,9 @@ namespace hausbench {
 // right side of x, or plane(q - 1) of a lower and plane(q + 1) of an upper coordinate is. In real numbers: a lower q has
 // q step <= r, an upper one r <= q step, and |r - d| <= u r < 2^-45 step.
 //
-// No q exceeds 255: `step` is a power of two that is more than the rounded quotient of the longest rounded extent by 255. If
-// 255 step were not more than the rounded extent, the quotient would be at least `step`, rounding being monotone. Where the
-// product with the inverse underflows, the largest q is 0, as it should be.
+// No q exceeds 255: `step` is a power of two above the rounded quotient of the longest rounded extent by 255. If 255
+// step were not above the rounded extent, the quotient would be at least `step`, because rounding is monotone. If the
+// product with the inverse underflows, the largest q is 0, which is right.
 Box QuantisedBoxes::set(std::span<const Box> boxes) {
     Box whole = boxes.front();
     for (const Box& box : boxes.subspan(1)) whole.add(box);

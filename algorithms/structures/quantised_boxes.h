@@ -1,8 +1,8 @@
 // The boxes of a node's children, a byte a plane.
 //
-// A node knows its own box in double precision, and those of its children by one byte a plane, in steps of a power of two
-// from its own lower corner, rounded outward. So every level has a precision of its own: a stray triangle far away makes
-// the boxes beside it coarse, and none below them.
+// A node knows its own box in double precision, and the boxes of its children by one byte for each plane, in steps of
+// a power of two from its own lower corner, rounded outward. So every level has its own precision: a stray triangle
+// far away makes the boxes beside it coarse, but none below them.
 //
 // The distance to a box never exceeds the computed squared distance to a point of its content, so that no slack is needed
 // elsewhere. Near a node, distances are integers, in parts of its step, rounded down (measure_near_boxes and measure_far_boxes in wide_walk-inl.h). Far
@@ -33,15 +33,15 @@ struct QuantisedBoxes {
     // As computed: q step is exact, the sum is rounded.
     double plane(int k, std::uint8_t q) const { return origin[k] + q * step; }
 
-    // That of child i, by its planes as computed: it holds the content of the child.
+    // The box of child i by its planes as computed: it contains the content of the child.
     Box box(int i) const {
         return {{plane(0, low_xy[i][0]), plane(1, low_xy[i][1]), plane(2, low_z[i])},
                 {plane(0, high_xy[i][0]), plane(1, high_xy[i][1]), plane(2, high_z[i])}};
     }
 
-    // plane(k, low(k, i)) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high(k, i)). Not as computed but in real
-    // numbers, origin + (q -+ 2^-45) step is no farther inside either. What is not in use repeats the first. One to eight
-    // boxes; coordinates up to 2^400. Returns the box around all of them, exactly.
+    // Guarantees plane(k, low(k, i)) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high(k, i)). In real numbers
+    // instead of computed ones, origin + (q -+ 2^-45) step is no farther inside either. Unused entries repeat the
+    // first. Takes one to eight boxes, with coordinates up to 2^400. Returns the box around all of them, exactly.
     Box set(std::span<const Box> boxes);
 };
 

@@ -1,8 +1,8 @@
-// What the builders of trees share: elements with their boxes, ranges of them, and how nodes are made of ranges. Not for
-// use elsewhere.
+// Shared by the builders of trees: elements with their boxes, ranges of them, and nodes made of ranges. Not for use
+// elsewhere.
 //
-// Builders decide by boxes in single precision, in a frame that becomes finer as they go down (Builder::localise): what they
-// decide by may be inexact, as the boxes of the tree are set afterwards, from exact ones.
+// Builders decide by boxes in single precision, in a frame that becomes finer on the way down (Builder::localise).
+// These boxes may be inexact, because the boxes of the tree are set afterwards from exact ones.
 #pragma once
 
 #include "algorithms/structures/wide_tree.h"
@@ -14,7 +14,7 @@
 
 namespace hausbench::builder {
 
-// Four numbers at once, on every x86-64 processor and where there are no vectors too.
+// Four numbers at once, on every x86-64 processor, and also without vectors.
 using Float4 [[gnu::vector_size(16)]] = float;
 
 // A box in single precision; the fourth numbers are for the builder.
@@ -39,7 +39,7 @@ struct LocalFrame {
 
     static LocalFrame of(const Box& box);
 
-    // What is far outside is taken to be at 2^40, so that areas do not overflow.
+    // Anything far outside counts as being at 2^40, so that areas do not overflow.
     Float4 local(const Vec3& p) const {
         Float4 result{};
         for (int k = 0; k < 3; ++k) {
@@ -73,7 +73,7 @@ struct Range {
 
     std::int32_t size() const { return end - begin; }
 
-    // Of the centres, along the longest axis.
+    // Half of the longest extent of the centres.
     float spread() const {
         const Float4 d = centres.high - centres.low;
         return 0.5F * std::max(std::max(d[0], d[1]), d[2]);
@@ -98,8 +98,9 @@ struct Builder {
         return result;
     }
 
-    // Where the centres lie so close together that single precision can hardly tell them apart, gives the elements
-    // coordinates in a frame around their centres. O(size), and the frame shrinks by a factor of 2^12 or more each time.
+    // If the centres lie so close together that single precision can hardly tell them apart, gives the elements
+    // coordinates in a frame around their centres. O(size), and the frame shrinks by a factor of 2^12 or more each
+    // time.
     void localise(Range& range);
 
     // Puts elements before and after `middle` that lie on either side of it along the longest axis. At most 64 of them.

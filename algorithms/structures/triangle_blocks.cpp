@@ -10,7 +10,7 @@ namespace hausbench {
 
 namespace {
 
-// Where the largest |coordinate| of the mesh is M, no unit is smaller than this part of it.
+// If the largest |coordinate| of the mesh is M, no unit is smaller than this fraction of it.
 constexpr double least_unit_of_magnitude = 0x1p-100;
 
 constexpr std::size_t least_of_block = 4096;  // triangles that a thread takes at a time
@@ -72,7 +72,7 @@ struct Run {
 
 double longest_side(const Box& box) { return (box.high - box.low).maxCoeff(); }
 
-// What one side is at most of the whole, if a run is cut there.
+// Largest fraction of the whole that one side may have if a run is cut there.
 constexpr double small_part = 0x1p-6;
 
 Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
@@ -81,8 +81,9 @@ Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_
     return box;
 }
 
-// Where to cut a run that has triangles far away from others beside each other, so that they share no coordinates: after as many as lie
-// close together at its beginning, else before those at its end; `end` where there is nothing to cut.
+// Returns where to cut a run that has triangles far from others, so that they share no coordinates: after the
+// triangles that lie close together at its beginning, otherwise before those at its end; `end` if there is nothing to
+// cut.
 std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
     const double small = small_part * longest_side(box_of(mesh, order, begin, end));
     if (!(small > 0)) return end;
@@ -120,7 +121,8 @@ Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::
     return all;
 }
 
-// Runs of sixteen. Of a run that mixes scales each scale becomes a run of its own, while that makes no more than a sixteenth more.
+// Makes runs of sixteen. In a run that mixes scales, each scale becomes a run of its own, unless that makes more than
+// a sixteenth more runs.
 std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& order, const Threads& threads) {
     std::vector<Sixteen> all((order.size() + frames_width - 1) / frames_width);
     const std::size_t blocks = blocks_of(all.size(), least_of_block / frames_width);
@@ -213,7 +215,7 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
 
 namespace {
 
-// Of triangles begin to end - 1 of the list, in coordinates of the place; what is not in use is as the last.
+// Frames of triangles begin to end - 1 of the list, in coordinates of the place; unused entries repeat the last.
 void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, std::size_t begin, std::size_t end,
                NearTriangles<double>& near) {
     CornerRows corners;

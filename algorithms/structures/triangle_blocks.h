@@ -1,8 +1,8 @@
 // Triangles along a Hilbert curve, sixteen a leaf, under an implicit tree of boxes with sixteen children a node.
 //
-// Quick to build (a radix sort, then one pass) and quick to search: a leaf keeps its triangles as frames in single precision
-// (kernel/triangle_frames.h), in coordinates of its own. These only filter. What they leave is measured in double precision, so
-// answers have the bits of a plain scan (kernel/closest.h).
+// Quick to build (a radix sort, then one pass) and quick to search: a leaf keeps its triangles as frames in single
+// precision (kernel/triangle_frames.h), in its own coordinates. These only filter. The triangles that remain are
+// measured in double precision, so answers have the bits of a plain scan (kernel/closest.h).
 //
 // Each leaf and each node has an origin and a unit, a power of two: coordinates of its content are at most 1 there. So precision
 // follows the content: one stray triangle far away makes the boxes beside it coarse, and none below them. A run of triangles that
@@ -34,7 +34,8 @@ struct LocalUnits {
     double unit, inverse;
     double magnitude;  // no |coordinate| of the content is larger
 
-    // For the content of a box: it is in [-1, 1]. `least`: of the unit, so that what is a point has one too.
+    // Coordinates for the content of a box, which is then in [-1, 1]. `least`: lower limit of the unit, so that a
+    // point has one too.
     void set(const Box& box, double least);
 };
 
@@ -55,7 +56,7 @@ struct alignas(64) BoxNode {
 inline constexpr float plane_error = 0x1p-21F;
 inline constexpr double box_error = 0x1p-20;
 
-// Triangles near a place, for those who measure many points there: frames in coordinates of the place. No more than fit.
+// Triangles near a place at which many points are measured: frames in coordinates of the place, no more than fit.
 template <class T> class NearTriangles {
 public:
     static constexpr std::size_t most_triangles = 256;
@@ -86,11 +87,12 @@ private:
 inline constexpr std::size_t near_rows = frame_row::count + 1;
 // As frame_error, for frames that were moved to another place: no distance errs by more than near_error u (|p| + the last row).
 //
-// Let W be the distance of the place from the origin of the leaf and twice its unit, so no less than the shift there. Moving takes, in each
-// coordinate: u W each for rounding an axis, the way and the shift, and 3u W for products and sums: sqrt(3) 6u W < 11u W. What
-// comes then errs as kernel/triangle_frames.h says, where R <= |a| + L is that of the triangle itself: 64u (|p| + R) + 12u W
-// <= 80u (|p| + 0.8 R + 0.15 W). Frames that were made at the place have R as their last row. No input is known that needs 0.8 R beside
-// 0.15 W, as frames err by far less than 64u (|p| + R): so no test can need it, but the proof does.
+// Let W be the distance of the place from the origin of the leaf plus twice its unit, so at least the shift there.
+// Moving costs, in each coordinate, u W each for rounding an axis, the way and the shift, and 3u W for products and
+// sums: sqrt(3) 6u W < 11u W. The rest errs as kernel/triangle_frames.h says, where R <= |a| + L is the triangle's
+// own: 64u (|p| + R) + 12u W <= 80u (|p| + 0.8 R + 0.15 W). Frames that were made at the place have R as their last
+// row. No known input needs 0.8 R beside 0.15 W, because frames err by far less than 64u (|p| + R); so no test can
+// need it, but the proof does.
 template <class T> inline constexpr double near_error = frame_error<T> + 16;
 
 class TriangleBlocks {

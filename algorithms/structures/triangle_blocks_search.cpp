@@ -32,9 +32,10 @@ public:
           counters_(counters),
           radius_(std::sqrt(best.squared_distance), point) {}
 
-    // Frames shorten the radius by what is certain of exact distances. The computed distance of a nearest triangle may be larger, where
-    // a mesh is small beside its coordinates; then what was left out is searched too. No input is known where that finds another
-    // triangle, as computed distances are closer to exact ones than is proven: so no test can need it, but the proof does.
+    // Frames shorten the radius by certain bounds of exact distances. The computed distance of a nearest triangle may
+    // be larger if a mesh is small beside its coordinates; then the rest is searched, too. No known input finds
+    // another triangle there, because computed distances are closer to exact ones than is proven; so no test can need
+    // it, but the proof does.
     HWY_INLINE void run() {
         walk<true>();
         if (done_) return;
@@ -83,7 +84,7 @@ private:
         if (!by_frames || leaves_ == most_seen || radius_.distance * radius_.distance <= early_out_) measure();
     }
 
-    // What the radius leaves of the triangles seen.
+    // Measures, in double precision, the triangles seen that lie within the radius.
     void measure() {
         std::size_t count = 0;
         for (const Seen& seen : std::span(seen_, leaves_)) {
@@ -116,7 +117,7 @@ void blocks_closest(const TriangleBlocks::Tree& tree, const Vec3& point, double 
     ClosestSearch(tree, point, early_out, best, counters).run();
 }
 
-// Sixteen where there are: those who gather do not wait for a leaf before they go on.
+// Takes sixteen if there are so many, so that gathering does not wait for a leaf before it goes on.
 using Wide = FrameLanes<float>;
 
 // The triangles of a leaf that may be within `radius`.

@@ -21,14 +21,14 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// Eight: a search waits for what it looked at before it knows what to look at next, and wider vectors take longer.
+// Eight: a search must wait for its last result before it knows the next place, and wider vectors take longer.
 using F = hn::CappedTag<float, 8>;
 using VF = hn::Vec<F>;
 using Keys = hn::RebindToSigned<F>;
 
-// From the origin of a leaf or node, in its units. Nearer, single precision tells what is near: it errs by 2^-9 units for boxes, and by 2^-4
-// for triangles. Farther, boxes are measured in double precision, as all triangles of a leaf are then; farther still that tells nothing either, and
-// there is no filter.
+// Distances from the origin of a leaf or node, in its units. Nearer than this, single precision is enough to filter:
+// it errs by 2^-9 units for boxes, and by 2^-4 for triangles. Farther, boxes are measured in double precision, and so
+// are all triangles of a leaf; still farther even that tells nothing, and there is no filter.
 constexpr double farthest_in_float = 0x1p13, farthest_filtered = 0x1p60;
 constexpr std::size_t most_levels = 9;  // 16^9 leaves are more than an Index counts
 
@@ -55,17 +55,17 @@ struct LocalPoint {
         return std::sqrt(squared) * (1 - 0x1p-50) - 2;
     }
 
-    // Where it is too far for a filter: no part of the content is nearer.
+    // Too far for a filter: no part of the content is nearer.
     HWY_INLINE bool beyond(const LocalUnits& units, double radius) const {
         return most < 0x1p900 && (most - 2) * units.unit > radius;
     }
 };
 
-// How far away something may be and still matter. Rounding may add to a distance what is far below the errors of single precision, but
-// where a place is small beside its coordinates. M is the largest |coordinate| of the point and the place, u = 2^-53: a triangle at computed
-// distance f is within f (1 + 4u) + 8uM (kernel/rounding.h), f < 4M: 24uM; a coordinate of the point in units of the place errs by u of at
-// most 2M: sqrt(3) 2uM < 4uM; and a distance to a box from far away, computed in double precision, by 4u of at most 4M. Together less than
-// the 64uM that are used.
+// The largest distance that still matters. Rounding adds far less to a distance than the errors of single precision,
+// unless a place is small beside its coordinates. M is the largest |coordinate| of the point and the place, u =
+// 2^-53: a triangle at computed distance f is within f (1 + 4u) + 8uM (kernel/rounding.h), f < 4M: 24uM; a coordinate
+// of the point in units of the place errs by u of at most 2M: sqrt(3) 2uM < 4uM; and a distance to a box from far
+// away, computed in double precision, by 4u of at most 4M. Together this is less than the 64uM that are used.
 class SearchRadius {
 public:
     double distance;
@@ -88,8 +88,8 @@ HWY_INLINE float limit_of(double x) { return x < 0x1p126 ? static_cast<float>(x)
 
 HWY_INLINE unsigned in_use(std::int32_t count) { return (1U << count) - 1; }
 
-// Calls use(lane, squares) with the squared distances to the boxes of the children, as computed. Those of what is not in use are
-// infinite.
+// Calls use(lane, squares) with the computed squared distances to the boxes of the children. Those of unused children
+// are infinite.
 template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const LocalPoint& point, const Use& use) {
     const F d;
     const VF at[3] = {hn::Set(d, point.at[0]), hn::Set(d, point.at[1]), hn::Set(d, point.at[2])};
@@ -104,8 +104,9 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
     }
 }
 
-// The same from far away, where single precision would tell nothing: what the distances to the boxes are above `base`. A larger number
-// is never rounded to a smaller one than what far_limit is rounded to; how much a distance errs itself is counted in SearchRadius.
+// The same from far away, where single precision would tell nothing: the excess of the distances to the boxes over
+// `base`. Rounding is monotone, so a larger excess is never rounded below the rounded far_limit; SearchRadius
+// accounts for the error of a distance itself.
 template <class Use>
 HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& point, double base, const Use& use) {
     alignas(64) float above[frames_width];
@@ -127,14 +128,15 @@ inline float far_limit(const BoxNode& node, double base, const SearchRadius& rad
     return limit_of(radius.at(node.units) * node.units.inverse - base);
 }
 
-// What the square of something within `radius` is at most in measure_children.
+// Returns the largest computed square of anything within `radius` in measure_children.
 HWY_INLINE float box_limit(const BoxNode& node, const SearchRadius& radius) {
     const double in_units = radius.at(node.units) * node.units.inverse;
     return limit_of(in_units * in_units * (1 + box_error));
 }
 
-// The children of a node in the order of their distance: squares in its units, or what a distance is above a base, rounded down to a multiple
-// of 16 in the last place, as integers, which are in the same order; the last four bits tell the child.
+// The children of a node in the order of their distance: squares in its units, or the excess of a distance over a
+// base, rounded down to a multiple of 16 in the last place, as integers, which have the same order; the last four
+// bits name the child.
 struct alignas(64) OrderedChildren {
     std::int32_t key[frames_width];
 
@@ -172,7 +174,7 @@ struct alignas(64) OrderedChildren {
         });
         return hn::GetLane(hn::MinOfLanes(d, all));
     }
-    // Bit c: that of child c is at most `most`. What is none is no number.
+    // Sets bit c if child c is at most `most` away. Unused children are NaN.
     HWY_INLINE unsigned within(float most) const {
         const F d;
         const Keys di;
@@ -183,7 +185,7 @@ struct alignas(64) OrderedChildren {
         }
         return mask;
     }
-    // Where nothing is known of distances.
+    // Takes all children, in their own order, because their distances are unknown.
     HWY_INLINE std::int32_t set_unknown(std::int32_t count) {
         for (std::int32_t c = 0; c <= child_bits; ++c) key[c] = c < count ? c : none;
         return 0;

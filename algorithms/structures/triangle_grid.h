@@ -1,8 +1,9 @@
 // A uniform grid over the triangles of a mesh, for closest point queries near its surface: as Kang et al. 2018 find them.
 //
-// A triangle belongs to every cell that its box touches. A query looks into the cells around the point, shell by shell, until a shell
-// is farther than what was found. Good where triangles are of one size and the point is near; far away a query looks at most
-// cells, and where sizes differ much a few cells hold most triangles. Trees (triangle_tree.h) know neither weakness.
+// A triangle belongs to every cell that its box touches. A query examines the cells around the point, shell by shell,
+// until a shell is farther than the triangle found. Good for triangles of one size and points near them; from far
+// away a query examines most cells, and if sizes differ much, a few cells have most triangles. Trees
+// (triangle_tree.h) have neither weakness.
 //
 // No slack for rounding: cells are numbered by a function that is monotone in each coordinate, as computed, and distances to cells
 // are those to planes beyond which it gives another number. So each cell is left out only where no computed distance to a point in

@@ -31,7 +31,7 @@ struct alignas(64) TriangleLeaf {
 };
 static_assert(sizeof(TriangleLeaf) == 128);
 
-// The leaves of a tree, and what they refer to.
+// The leaves of a tree, and the mesh that they refer to.
 struct TriangleLeaves {
     const TriangleLeaf* leaf;
     const double* vertices;

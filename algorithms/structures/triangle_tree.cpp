@@ -15,11 +15,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// Offers the triangles of a leaf that are near enough to matter. Which are counted is decided by what was known before the
-// leaf, so that counters are the same whatever the width of a vector.
+// Offers the triangles of a leaf that are near enough to matter. The radius before the leaf decides which are
+// counted, so that counters are the same whatever the width of a vector.
 //
-// Lanes stay where they are in the leaf: what is loaded then does not wait for the boxes to be measured. Not inlined: the walk
-// keeps its registers, and the code is there once.
+// Lanes stay at their places in the leaf, so that loading does not wait for the boxes to be measured. Not inlined:
+// the walk keeps its registers, and the code exists once.
 static HWY_NOINLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
                                     Counters& counters) {
     const Doubles d;
@@ -66,9 +66,9 @@ unsigned tree_leaf_distances(const TriangleLeaves& leaves, std::size_t i, const 
     return mask;
 }
 
-// `first_leaf`: that of the hint, or negative. A hint that turns out farther than the size of a triangle is as good as
-// none: searching with such a radius takes longer than finding a better leaf. Where one corner is farther than twice that,
-// the leaf is not even looked at.
+// `first_leaf`: the leaf of the hint, or negative. A hint that turns out farther than the size of a triangle is as
+// good as none: searching with such a radius takes longer than finding a better leaf. If one corner is farther than
+// twice that, the leaf is not even examined.
 void tree_closest(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double early_out_squared,
                   std::int32_t first_leaf, ClosestPoint& best, Counters& counters) {
     const auto early_out = [&] { return best.triangle >= 0 && best.squared_distance <= early_out_squared; };

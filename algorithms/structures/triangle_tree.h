@@ -21,16 +21,16 @@ public:
     // O(log n) on well-behaved meshes, O(n) at worst (the centre of a sphere).
     ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
 
-    // The same with textbook_closest_point (textbook.h), triangle by triangle: what a program without care would answer.
-    // Distances that are NaN are passed over; `triangle` is -1 where all are.
+    // The same with textbook_closest_point (textbook.h), triangle by triangle: the answer of a careless program.
+    // Distances that are NaN are skipped; `triangle` is -1 if all are.
     ClosestPoint textbook_closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
 
-    // As certified_distance_by_scan, to the bit. O(log n) and what is equally near.
+    // Equals certified_distance_by_scan, to the bit. O(log n + the number of equally near triangles).
     double certified_distance(const Vec3& point, Counters& counters) const;
 
-    // Squared distances of three points to the triangles of a leaf, as closest_point: squared[k][i] is that of points[k] to triangle
-    // i, where bit i of the answer is set, and undefined otherwise. It is set unless the triangle's box is farther from `centre`
-    // than `squared_radius`, squared.
+    // Returns squared distances of three points to the triangles of a leaf, as closest_point computes them:
+    // squared[k][i] is the distance of points[k] to triangle i if bit i of the answer is set, and undefined
+    // otherwise. It is set unless the triangle's box is farther from `centre` than `squared_radius`, squared.
     unsigned leaf_distances(std::size_t leaf, const std::array<Vec3, 3>& points, const Vec3& centre,
                             double squared_radius, double (&squared)[3][leaf_capacity]) const;
 

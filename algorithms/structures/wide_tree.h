@@ -1,5 +1,5 @@
-// A tree of boxes with up to eight children a node: what the BVH and the octree have in common. Nodes keep the boxes of their children
-// quantised (quantised_boxes.h).
+// A tree of boxes with up to eight children per node, shared by the BVH and the octree. Nodes keep the boxes of their
+// children quantised (quantised_boxes.h).
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -36,8 +36,8 @@ struct WideTree {
                order.capacity() * sizeof(Index);
     }
 
-    // Sets the boxes of all nodes from those of the leaves, which are exact. Also after elements have moved; the shape of
-    // the tree stays. O(n).
+    // Sets the boxes of all nodes from the boxes of the leaves, which are exact. Can be called again after elements
+    // have moved; the shape of the tree stays. O(n).
     void fit(std::span<const Box> leaf_boxes);
 };
 
@@ -48,10 +48,10 @@ struct WideTree {
 // opening the child of largest area that is not far smaller than the node. O(n log n) time, O(n) memory.
 WideTree build_bvh(const TriangleMesh& mesh);
 
-// An octree: each element belongs to the cell that the centre of its box falls into. Cells with one child are passed over. A
-// cell of up to eight elements is a leaf, or shares one with small cells beside it. One of up to 64 is cut into as many
-// leaves as it fills, in halves across the longest axis. Where all centres of a cell lie in a
-// 2^-12th of the root's cube, another octree begins, in the cube around them. Elements whose centres cannot be told apart,
+// Builds an octree: each element belongs to the cell that contains the centre of its box. Cells with one child are
+// skipped. A cell of up to eight elements is a leaf, or shares one with small cells beside it. A cell of up to 64 is
+// cut into as many leaves as it fills, in halves across the longest axis. If all centres of a cell lie in a 2^-12th
+// of the root's cube, another octree begins, in the cube around them. Elements whose centres cannot be told apart,
 // and those at level 48 of the tree, are cut into as many leaves as they fill.
 WideTree build_octree(const TriangleMesh& mesh);
 

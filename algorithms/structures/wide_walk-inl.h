@@ -71,13 +71,13 @@ inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Ve
 // From near the boxes: calls use(lane, squares) with squared distances to some of them, in units of the square of a
 // sixteenth of a step, until all boxes have had their turn. False: the point is far away, and nothing was done.
 //
-// All is in sixteenths of a step from the origin, and integers. Along an axis, let q be the coordinate of the point in
-// steps, |q| <= 2^10; the double difference errs by 2^-42 at most, planes by 2^-45. The last bits of q + 1.5 2^48 tell n,
-// which is 16 q to nearest; so n + 1 is 16 q + 1/2 or more and n - 1 is 16 q - 1/2 or less. Hence a positive low - 1 - n or
-// n - (high + 1), at most 20463, is less than the exact distance to the content by 1/4 and more, which is a factor of
-// 1 + 2^-17 or more: far more than what is lost in double precision (rounding.h; what underflows is nothing beside a step
-// of 2^-440). All of them are numbers of 16 bits. Three squares sum up to less than 2^31, and the product with the square
-// of a sixteenth of a step, a power of two, is exact.
+// All numbers are integers, in sixteenths of a step from the origin. Along an axis, let q be the coordinate of the
+// point in steps, |q| <= 2^10; the double difference errs by at most 2^-42, planes by 2^-45. The last bits of q + 1.5
+// 2^48 give n, which is 16 q to nearest; so n + 1 is 16 q + 1/2 or more and n - 1 is 16 q - 1/2 or less. Hence a
+// positive low - 1 - n or n - (high + 1), at most 20463, is less than the exact distance to the content by 1/4 or
+// more, a factor of 1 + 2^-17 or more: far more than the loss of double precision (rounding.h; underflow vanishes
+// beside a step of 2^-440). All of them are numbers of 16 bits. Three squares sum up to less than 2^31, and the
+// product with the square of a sixteenth of a step, a power of two, is exact.
 #if HWY_TARGET == HWY_SCALAR
 template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& boxes, const Vec3& p, Use&& use) {
     std::int32_t squares[tree_width] = {};
@@ -107,7 +107,7 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
     const auto z = hn::Mul(hn::Sub(hn::Set(d, p[2]), hn::Set(d, boxes.origin[2])), inverse);
     const auto near = hn::And(hn::Le(hn::Abs(xy), most), hn::Le(hn::Abs(z), most));
     if (HWY_UNLIKELY(!hn::AllTrue(d, near))) return false;
-    // The last 16 bits of x and y, again and again, and those of z and zeros.
+    // The last 16 bits of x and y, repeated, and of z and zeros.
     alignas(16) static constexpr std::uint8_t from_xy[16] = {0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9};
     alignas(16) static constexpr std::uint8_t from_z[16] = {0, 1, 255, 255, 0, 1, 255, 255,
                                                             0, 1, 255, 255, 0, 1, 255, 255};
@@ -170,7 +170,7 @@ inline unsigned near_from_far(const BoxDistances& distances, double squared) {
     return mask;
 }
 
-// The distances to all boxes; the bits that are set tell those of the first `count` at most `squared` >= 0 away.
+// Computes the distances to all boxes; the set bits tell which of the first `count` are at most `squared` >= 0 away.
 HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, const Vec3& p, double squared,
                                BoxDistances& distances) {
     const hn::CappedTag<std::int32_t, tree_width> d;
@@ -221,7 +221,7 @@ HWY_INLINE std::uint32_t nearest_box(const QuantisedBoxes& boxes, const Vec3& p,
 // A walk over the leaves near one point.
 class Walk {
 public:
-    // `leaves`: what the caller keeps of each leaf, to be loaded early.
+    // `leaves`: data that the caller keeps of each leaf, to be loaded early.
     template <class Leaf>
     HWY_INLINE Walk(const WideTree& tree, const Leaf* leaves, const Vec3& point, std::uint64_t& visits)
         : tree_(tree),
@@ -252,7 +252,7 @@ public:
     // first; it may lower `squared`, and ends the walk by returning false.
     template <class Leaf> HWY_INLINE void visit_leaves(double squared, Leaf&& leaf) {
         std::int32_t child = 0;
-        // What the descent has passed by; without one, the root.
+        // The nodes that the descent has passed; without a descent, the root.
         for (std::size_t i = 0; i < depth_; ++i) {
             const Step& step = path_[i];
             const unsigned mask = near_again(step.node->boxes, step.distances, squared);

@@ -22,13 +22,14 @@ struct Pose {
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();
 };
 
-// A closed mesh, and the frame in which Bullet sees it: the origin is the centre of mass, the axes are those of inertia.
+// A closed mesh, and the frame in which Bullet sees it: the origin is the centre of mass, and the axes are the
+// principal axes of inertia.
 struct Model {
     std::string name;
     Mesh mesh;
     double volume = 0;
-    Pose frame;               // from Bullet's frame to that of the mesh
-    Eigen::Vector3d inertia;  // of density 1
+    Pose frame;               // from Bullet's frame to the mesh's
+    Eigen::Vector3d inertia;  // at density 1
     // Bullet's copy, which `shape` points into.
     std::vector<double> coordinates;
     std::vector<int> corners;
@@ -38,7 +39,7 @@ struct Model {
 
 inline Eigen::Vector3d to_eigen(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
 
-// Reads FOLDER/NAME.off. Throws std::runtime_error if it is no closed mesh.
+// Reads FOLDER/NAME.off. Throws std::runtime_error if it is not a closed mesh.
 std::unique_ptr<Model> read_model(const std::string& folder, const std::string& name);
 
 // Lengths are in units of the models.
@@ -47,8 +48,8 @@ struct Settings {
     int iterations = 10;      // of Bullet's solver; its default
     double gravity = 9.81;
     double density = 20;  // a bunny and a letter then have a mass of about 1
-    // Of the spring and the damper at each point where a body touches the ground. Where two bodies touch, the springs
-    // are in series: half the stiffness; Bullet adds up the damping.
+    // Of the spring and the damper at each point at which a body touches the ground. Between two bodies the springs are
+    // in series, with half the stiffness; Bullet adds up the damping.
     // Stiffness 0: contacts are rigid.
     double stiffness = 0, damping = 0;
     double friction = 0;

@@ -102,7 +102,8 @@ private:
     }
 
     Weights foot(const Vec3& p) const {
-        // First the height, from what is left beside the longest edge; then the place along that edge, for this height.
+        // First the height, from the remainder beside the longest edge; then the place along that edge, at this
+        // height.
         const double y = slope(p - slope(p, along_) * along_, height_), x = slope(p - y * side_, along_);
         if (x >= 0 && y >= 0 && x + y <= 1) return weights(x, y);
         const double last = slope(p - along_, third_);
@@ -171,7 +172,8 @@ public:
     std::string place() const { return fmt::format("triangle {}, node {}", triangle_, node_); }
 
 private:
-    // Of the triangle with this number: every leaf below its root. A child that is not looked at yet is pending.
+    // Checks the triangle with this number: every leaf below its root. A child that has not been visited yet is
+    // pending.
     double tree() {
         const Corners corners = source_.triangle(triangle_);
         a_ = corners[0];

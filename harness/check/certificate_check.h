@@ -26,8 +26,8 @@ struct CertificateCheck {
     std::uint64_t leaves() const { return one + centre + vertex; }
 };
 
-// Both shapes are points or meshes. Where the certificate is one of h(B,A), A and B change places. Never throws for what the
-// certificate says. O(bytes) time; O(|A| + |B|) memory, whatever the bytes say.
+// Both shapes are points or meshes. For a certificate of h(B,A), A and B change places. Never throws because of the
+// certificate's content. O(bytes) time; O(|A| + |B|) memory, whatever the bytes.
 CertificateCheck check_certificate(const Shape& source, const Pose& source_pose, const Shape& target,
                                    const Pose& target_pose, const Certificate& certificate);
 

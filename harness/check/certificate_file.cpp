@@ -42,7 +42,7 @@ std::string seal_of(std::string_view bytes) {
     return std::string(seal_begin) + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
 }
 
-// What the seal is of. Whole or not at all, so that no byte of the file can change unseen.
+// The bytes under the seal. The file is read whole or not at all, so that no changed byte goes unseen.
 std::string_view unsealed(std::string_view file) {
     const std::size_t length = file.size() < seal_length ? 0 : file.size() - seal_length;
     const std::string_view content = file.substr(0, length);
@@ -54,7 +54,7 @@ std::string_view unsealed(std::string_view file) {
 
 json model_json(const CertificateFile::Model& m) { return {{"file", m.file}, {"sha256", m.sha256}, {"pose", m.pose}}; }
 
-// Of so many numbers and no other.
+// Reads exactly so many numbers.
 const json& numbers(const json& j, std::size_t count) {
     if (!j.is_array() || j.size() != count) throw std::runtime_error(fmt::format("not {} numbers", count));
     return j;
@@ -166,7 +166,7 @@ bool keeps_distances(const Pose& pose) {
     return (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite();
 }
 
-// Of H both directions, of h its own.
+// For H both directions, for h its own.
 bool proves_its_quantity(const CertificateFile& c) {
     using Direction = Witness::Direction;
     std::vector<Direction> wanted = {Direction::source_to_target};

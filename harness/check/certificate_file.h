@@ -34,10 +34,11 @@ Shape as_loaded(const PreparedShape& prepared);
 // Whole or not at all. Throws InputError where it cannot be written.
 void write_certificate(const std::filesystem::path& file, const CertificateFile& content);
 
-// Throws InputError, one line, where it cannot be read, is not a certificate file, or is damaged: where any byte of it is not what was written.
+// Throws InputError, one line, if the file cannot be read, is not a certificate file, or has any changed byte.
 CertificateFile read_certificate(const std::filesystem::path& file);
 
-// Whether what is proven is above the upper bound by at most 1e-12 of `extent`, the diagonal of the box of both shapes where they stand.
+// Whether the proven bound is above the upper bound by at most 1e-12 of `extent`, the diagonal of the box of both
+// shapes in their poses.
 bool proves_the_bound(double proven, double upper, double extent);
 
 struct CertificateVerdict {
@@ -49,8 +50,9 @@ struct CertificateVerdict {
     std::string refusal;  // one line; empty: accepted
 };
 
-// Checks each certificate; that what they prove is above the upper bound of the answer by at most 1e-12 of the diagonal of the box of both
-// shapes where they stand; and the lower bound by its witness. Throws InputError where the shapes are others than those of the file.
+// Checks each certificate; that the bound it proves is above the upper bound of the answer by at most 1e-12 of the
+// diagonal of the box of both shapes in their poses; and the lower bound by its witness. Throws InputError if the
+// shapes differ from the file's.
 CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target);
 
 // For a person; ends in a newline.

@@ -25,7 +25,7 @@ using Interval = CGAL::Interval_nt<false>;
 
 inline constexpr std::size_t most_corners = 64, most_pending = 4096;
 
-// What is wrong with a certificate; its text goes into the refusal.
+// An error in a certificate; its text goes into the refusal.
 struct Refused : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -94,7 +94,7 @@ struct Polygon {
     }
 };
 
-// Where a cut meets the boundary, on a circle of 2n places: corner i is 2i, edge i is 2i + 1.
+// The place at which a cut meets the boundary, on a circle of 2n places: corner i is 2i, edge i is 2i + 1.
 struct Meeting {
     std::size_t place = 0;
     bool backward = false;

@@ -1,4 +1,5 @@
-// Checks what the rows of a result say of themselves: a forged or damaged file may contradict itself where its bounds are right.
+// Checks that the rows of a result do not contradict themselves: a forged or damaged file may do so although its
+// bounds are right.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -10,9 +11,10 @@
 
 namespace hausbench {
 
-// Returns what the row says that its own columns rule out: an `ok` whose gap is above the tolerance, an answer whose bounds are NaN,
-// an identity that does not fit the case, a cutoff of a search that it is not in, a status that its solver did not end with, or a model with an answer that the result does not list (`source_hash` is empty).
-// Empty if there is nothing.
+// Returns a contradiction between the columns of a row: an `ok` whose gap is above the tolerance, an answer whose
+// bounds are NaN, an identity that does not fit the case, a cutoff of a search that the case is not in, a status that
+// its solver did not end with, or an answer about a model that the result does not list (`source_hash` is empty).
+// Empty if there is none.
 std::string contradiction_in(const Row& row);
 
 // Likewise for the size of A that the row's tolerance is a fraction of. A `source_longest` of 0 is of an older file.

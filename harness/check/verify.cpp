@@ -89,7 +89,7 @@ private:
         return rows_[m.row].asked.quantity == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
     }
 
-    // Of the first shape and of the second; all members have the same.
+    // Of the first shape and of the second; all members have the same kind.
     std::pair<Pose, Pose> poses() const {
         const Case& asked = rows_[members_.front().row].asked;
         return members_.front().turned ? std::pair(asked.target_pose, asked.pose)
@@ -135,8 +135,8 @@ private:
         row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
     }
 
-    // Says what refutes a lower bound: what its witness, on the source if `forward`, shows instead. Of surfaces, 0 means that no point of the
-    // shape was found near the witness.
+    // Returns the reason that refutes a lower bound: the distance that its witness shows instead; `forward` if it is
+    // on the source. For surfaces, 0 means that no point of the shape was found near the witness.
     std::string what_is_shown(double shown, bool forward) const {
         const char *own = forward ? "source" : "target", *other = forward ? "target" : "source";
         if (!surfaces_) return fmt::format(" is above the distance of its witness ({:.17g})", shown);
@@ -144,8 +144,8 @@ private:
         return fmt::format(": the {} has a point {:.17g} from the witness", other, shown);
     }
 
-    // A witness that is farther away than its own row's upper bound refutes that bound, whatever lower bound the row claims. Of surfaces, whose
-    // check is a search, this is looked at only if the row claims no lower bound.
+    // A witness that is farther away than its own row's upper bound refutes that bound, whatever lower bound the row
+    // claims. For surfaces, whose check is a search, this is tested only if the row claims no lower bound.
     void look_beyond_upper(const Member& m) {
         const Row& row = rows_[m.row];
         const Witness& witness = row.outcome.witness;
@@ -255,7 +255,7 @@ void check_fields_of(Row& row, const std::function<const Shape*(const std::strin
     if (row.check.fields == Verdict::unsound) row.check.reason += (row.check.reason.empty() ? "" : "; ") + reason;
 }
 
-// Of one pair of meshes in one pose.
+// Checks the rows of one pair of meshes in one pose.
 void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& members, std::size_t checked,
                   const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
     const auto is_checked = [&](std::size_t i) { return i >= checked && rows[i].check.lower != Verdict::not_checked; };

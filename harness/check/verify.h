@@ -1,5 +1,5 @@
-// Re-checks what solvers report. For points and meshes it shares no kernel, no tree and no rounding rule with the solvers; for
-// surfaces, verify_surface.h says what is shared.
+// Checks the bounds that solvers report. For points and meshes it shares no kernel, no tree and no rounding rule with
+// the solvers; verify_surface.h lists the code that is shared for surfaces.
 //
 // Lower bound, from its witness p: with e = distance from p to A posed, h(A posed, B posed) >= d(p, B posed) - e, so `lower`
 // holds if every element of B posed is at least lower + e away from p. A lower bound of H may have its witness on B instead
@@ -32,7 +32,7 @@
 
 namespace hausbench {
 
-// Asked now and then; once true, what is not checked yet stays `not checked`.
+// Called now and then; once it returns true, the remaining rows stay `not checked`.
 using Stop = std::function<bool()>;
 
 // Two shapes (points or meshes, which must outlive it), to re-check several witnesses on.
@@ -40,8 +40,8 @@ class Checker {
 public:
     Checker(const Shape& source, const Shape& target, Stop stop = {});
 
-    // Whether `lower` (finite) is proven by the witness, see above; if not, `shown` is what the witness does show (rounded
-    // down). `not_checked` where a pose takes a shape out of the range of doubles.
+    // Returns whether the witness proves `lower` (finite), see above; if not, `shown` is the distance that it does
+    // show (rounded down). `not_checked` if a pose takes a shape out of the range of doubles.
     Verdict lower(double lower, const Witness& witness, const Pose& source_pose, const Pose& target_pose,
                   double& shown) const;
 

@@ -23,8 +23,9 @@ public:
     bool finite() const { return points_->allFinite(); }
     Element operator[](Index i) const;
 
-    // Whether some coordinate of all corners of an element is more than r away from that of p, on one side: then every point of it
-    // is. A proof in round-to-nearest, as a difference of at most r is not rounded to more than r.
+    // Whether some coordinate of all corners of an element is more than r away from p's, on one side: then every
+    // point of it is. This is a proof in round-to-nearest, because a difference of at most r is not rounded to more
+    // than r.
     bool beyond(Index i, const Vec3& p, double r) const;
 
 private:

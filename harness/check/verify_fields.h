@@ -19,7 +19,8 @@
 
 namespace hausbench {
 
-// `slack`: how far the solver's bounds may be off, see slack_for_rounding(). `not_checked` where a pose takes a shape out of the range of doubles, or where it was stopped; `reason` says what is unsound.
+// `slack`: the largest rounding error of the solver's bounds, see slack_for_rounding(). `not_checked` if a pose takes
+// a shape out of the range of doubles, or if it was stopped; `reason` names the unsound value.
 Verdict check_fields(const Fields& fields, const Shape& source, const Pose& source_pose, const Shape& target,
                      const Pose& target_pose, double slack, const Stop& stop, std::string& reason);
 

@@ -30,7 +30,7 @@ Triangle exact(const Element& e) { return {exact(e[0]), exact(e[1]), exact(e[2])
 
 enum class Crossing { none, clean, doubtful };
 
-// Of a segment and a triangle; doubtful where it meets an edge, a corner or the plane in one of its ends.
+// Whether a segment meets a triangle; doubtful if it meets an edge or a corner, or the plane in one of its ends.
 Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, const Element& e) {
     const auto a = point(e[0]), b = point(e[1]), c = point(e[2]);
     const auto of_p = CGAL::orientation(a, b, c, p), of_q = CGAL::orientation(a, b, c, q);
@@ -45,7 +45,8 @@ Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, co
     return touches ? Crossing::doubtful : Crossing::clean;
 }
 
-// A solid in its pose. Triangles with two equal corners, and triangles that are there twice, do not count, as they do not for who cuts it.
+// A solid in its pose. Triangles with two equal corners, and triangles that occur twice, do not count, as in the
+// solver.
 struct Body {
     Body(const Shape& shape, const Pose& pose) : surface(shape, pose) {
         if (!surface.finite()) return;
@@ -265,8 +266,9 @@ struct PenetrationChecker::Pair {
         return found;
     }
 
-    // All nearer points of the other surface lie outside of the witness's solid. Where the other surface bounds the witness's part of the volume
-    // elsewhere, that is a proof. Where it does nowhere, the part is enclosed, and its depth is the distance to the whole of the other surface.
+    // All nearer points of the other surface lie outside the witness's solid. If the other surface bounds the
+    // witness's part of the volume elsewhere, that is a proof. If it does so nowhere, the part is enclosed, and its
+    // depth is the distance to the whole other surface.
     Verdict beside(double lower, const Vec3& p, Index at, const Body& own, const Body& other,
                    const std::vector<Vec3>& outside, std::string& reason) const {
         if (own.connected_surface_meets(at, other)) return Verdict::holds;

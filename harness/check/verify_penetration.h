@@ -8,7 +8,8 @@
 //
 // Upper bound: a vertex of one mesh inside of the other one bounds the volume, so that the depth is at least its distance to that other surface. That can refute, not prove.
 //
-// Nobody certifies a depth, since cut points are rounded, by more where triangles are nearly parallel: bounds may be off by 1e-10 of the largest |coordinate|.
+// No depth is certified, because cut points are rounded, by more if triangles are nearly parallel: bounds may be off
+// by 1e-10 of the largest |coordinate|.
 #pragma once
 
 #include "harness/check/verify.h"
@@ -16,7 +17,7 @@
 
 namespace hausbench {
 
-// Of closed meshes, each in its pose. Rows of the same pair share what the vertices say.
+// For closed meshes, each in its pose. Rows of the same pair share the results of the vertices.
 class PenetrationChecker {
 public:
     PenetrationChecker(const Shape& source, const Pose& source_pose, const Shape& target, const Pose& target_pose,

@@ -39,8 +39,9 @@ double bracketed(const Polynomial& f, const Vec3& p, Vec3 low, Vec3 high, int k)
     return std::max(high[k] - p[k], p[k] - low[k]);
 }
 
-// How far p may be from a proven point of the surface; empty: none found in the box. A witness of a coarse mesh may be far. Where the surface
-// crosses no axis through p, as at the apex of a cone, signs at the ends of two axes may differ: the segment between them is within e of p, too.
+// Returns the largest possible distance of p from a proven point of the surface; empty if none was found in the box.
+// A witness of a coarse mesh may be far. If the surface crosses no axis through p, as at the apex of a cone, signs at
+// the ends of two axes may differ: the segment between them is within e of p, too.
 std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec3& p) {
     if ((p.array() < box.low.array()).any() || (p.array() > box.high.array()).any()) return std::nullopt;
     const Interval here = value_at(f, p);
@@ -70,7 +71,7 @@ std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec
 
 enum class Found { nothing, near, open };
 
-// What is in one box: no point of B within r of p, surely one, or neither is known.
+// The content of one box: no point of B within r of p, surely one, or unknown.
 Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double lower, double& shown) {
     Interval gap(0.0), far(0.0);
     for (int k = 0; k < 3; ++k) {

@@ -14,8 +14,8 @@
 
 namespace hausbench {
 
-// `holds`; `unsound` where p is no proven point of A or B has a proven point nearer than `lower`, which `shown` is then (0 in
-// the first case); `not_checked` where a million boxes do not settle it.
+// `holds`; `unsound` if p is not a proven point of A, or if B has a proven point nearer than `lower`, whose distance
+// is then `shown` (0 in the first case); `not_checked` if a million boxes do not settle it.
 Verdict check_surface_lower(const AlgebraicSurface& source, const AlgebraicSurface& target, double lower, const Vec3& p,
                             double& shown);
 

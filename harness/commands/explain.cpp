@@ -106,12 +106,12 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
     std::set<int> poses;
     for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
     if (job.pairs.front().queries.target_copied)
-        text += "      over a target that moves, what is prepared is built again for each pose\n";
+        text += "      the target moves, so structures are built again for each pose\n";
     else if (job.exponent && job.pairs.size() > 1)
         text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n", shapes_of(job),
                             job.pairs.size());
     else if (poses.size() > 1)
-        text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
+        text += fmt::format("      structures are built once and used for all {} poses\n", poses.size());
     if (e.scenes[job.scene].search)
         text += "      a search: the cutoff of each target is the least upper bound of those before it\n";
     return all;
@@ -160,7 +160,7 @@ std::string explain(const Plan& plan, const fs::path& results) {
         for (const Job& job : plan.references->jobs) seconds += estimates.of(*plan.references, job).seconds;
         text += fmt::format("REFERENCE\n  {}, certified and not timed, at most {} s each: about {}; {}\n",
                             counted(plan.references->cases.size(), "answer"), e.reference_seconds, clock_text(seconds),
-                            rows_are_held);
+                            rows_are_compared);
         total += seconds;
     }
     text += "LEFT OUT, beside the structures above\n";

@@ -9,7 +9,7 @@
 
 namespace hausbench {
 
-inline constexpr const char* rows_are_held = "the rows are held against them";
+inline constexpr const char* rows_are_compared = "the rows are compared with them";
 
 // Returns the experiment that asks for the reference answers of a plan: its scenes, with `scan` for two point sets,
 // `surface_enclosure` for two surfaces and `cover` for everything else. Returns nothing if the plan's experiment says

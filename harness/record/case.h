@@ -1,4 +1,4 @@
-// A case: what was asked for. Everything that can change its answer goes into its identity.
+// A case is a question to a solver. Everything that can change its answer goes into its identity.
 #pragma once
 
 #include "algorithms/options.h"
@@ -22,20 +22,20 @@ struct Limits {
     std::int64_t memory_bytes = std::int64_t(8) << 30;  // resident set of a worker
 };
 
-// What a tolerance is a fraction of: the diagonal or the longest side of A's box, or the lower bound; or a length.
+// The unit of a tolerance: the diagonal or the longest side of A's box, the lower bound, or a length.
 inline const std::vector<std::string> tolerance_units = {"diagonal", "longest", "absolute", "lower"};
 
-// The length that 1 stands for, where A's box has this diagonal and this longest side. Both are those of A as loaded, for
-// every pose and for both directions of H.
+// Returns the length that 1 stands for if A's box has this diagonal and this longest side. Both belong to A as
+// loaded, for every pose and for both directions of H.
 double unit_of(const std::string& of, double diagonal, double longest_side);
 
-// Of the box that holds both.
+// Diagonal of the box that contains both.
 double diagonal_of_both(const Points& a, const Points& b);
 
 // This fraction of a unit, as a length that is above 0 and finite.
 double tolerance_as_length(double tolerance, double unit);
 
-// What was asked for. Everything that can change the answer goes into `identity`.
+// A question. Everything that can change the answer goes into `identity`.
 struct Case {
     std::string identity;  // SHA-256, see identify()
     std::string solver, label;
@@ -58,8 +58,9 @@ struct Case {
     // See command_files.h; empty: the solver runs no command, or no file of it was found.
     std::string program_sha256;
     Limits limits;
-    // A warm case starts from what the solver kept of the pose before it, whose identity is `chain`; empty at the chain's head. In a
-    // search the cutoff comes from the targets before, and `chain` is the identity of the last of them.
+    // A warm case starts from the state that the solver kept of the pose before, whose identity is `chain`; empty at
+    // the head of the chain. In a search the cutoff comes from the targets before, and `chain` is the identity of the
+    // last of them.
     bool warm = false;
     std::string chain;
     double exact = unknown;     // the true distance, where the experiment gives it
@@ -77,7 +78,7 @@ std::string identify(const Case& asked);
 // The solver as it is shown: "guthe", or "guthe(samples=8)" where the experiment sweeps a parameter.
 std::string shown(const Case& asked);
 
-// "samples=8, seed=1": those of `one` that are not the same in all of `swept`.
+// Returns "samples=8, seed=1": the parameters of `one` that are not the same in all of `swept`.
 std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
 
 // What follows a scene's name where the quantity is not h(A,B): ", H" or ", depth".

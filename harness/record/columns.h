@@ -1,7 +1,8 @@
-// The one table of what a result file holds: the columns of each group, with name, meaning, where the value is, and whether it
-// is part of a case's identity. The writer and the reader of result files, the journal and identify() are made from it, and so are the
-// tables in results/README.md and analysis/shared/columns.py (`python3 -m analysis.schema` writes both). A new column is a member
-// in case.h, outcome.h or row.h and a line in column_tables.cpp.
+// The one table of the content of result files: the columns of each group, with name, meaning, place of the value,
+// and whether it is part of a case's identity. The writer and the reader of result files, the journal and identify()
+// follow from it, and so do the tables in results/README.md and analysis/shared/columns.py (`python3 -m
+// analysis.schema` writes both). A new column is a member in case.h, outcome.h or row.h and a line in
+// column_tables.cpp.
 //
 // A file may lack a column, which then holds the default of its member, and may hold columns that this program does not know.
 #pragma once

@@ -326,10 +326,9 @@ void add_own(Fields& fields, Fields own) {
     }
 }
 
-// Places of vertices that cuts add. The midpoint of two vertices is rounded by sqrt(3) uM and is off its triangle by that and the mean of
-// what they are off. A piece is
-// cut only if its longest edge is longer than the resolution, which is at least 1280uM: some 44 cuts lie behind a vertex, 77uM.
-// A witness is off by at most field_error(M), 320uM.
+// Places of vertices that cuts add. The midpoint of two vertices is rounded by sqrt(3) uM and is off its triangle by
+// that and the mean error of the two. A piece is cut only if its longest edge is longer than the resolution, which is
+// at least 1280uM: some 44 cuts lie behind a vertex, 77uM. A witness is off by at most field_error(M), 320uM.
 //
 // Distances. Both shapes are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow are off by 2^-1075, next to uM nothing,
 // and the distance by as much when it is scaled back.

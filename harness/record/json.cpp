@@ -85,7 +85,7 @@ const json& whole(const json& value) {
 
 Outcome outcome_from_json(const json& j) {
     Outcome o;
-    j.at("status");  // whatever has none is no outcome
+    j.at("status");  // required: without it this is not an outcome
     read_row(outcome_columns(), j, o);
     for (const CounterField& field : counter_fields)
         o.counters.*field.member = whole(j.at("counters").at(std::string(field.name)));

@@ -1,5 +1,5 @@
-// The outcome of a case, and the result of its check. Result (solver.h) is what a solver returns; an Outcome is what a row of the
-// result file keeps of it, with times, memory and how its process ended.
+// The outcome of a case, and the result of its check. A solver returns a Result (solver.h); an Outcome is the part of
+// it that a row of the result file keeps, with times, memory and the end of its process.
 #pragma once
 
 #include "harness/record/case.h"
@@ -34,7 +34,8 @@ struct Repeat {
     std::int64_t iterations = 1;
 };
 
-// The first answer to a case in a round's process, which nothing has warmed up: what a user waits for who asks once.
+// The first answer to a case in a round's process, which nothing has warmed up: the waiting time for a single
+// question.
 struct FirstAnswer {
     int round = 0;
     double wall_seconds = 0, cpu_seconds = 0;

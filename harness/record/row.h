@@ -35,7 +35,7 @@ struct FieldRecord {
 
 inline constexpr std::array<double, 6> no_box{unknown, unknown, unknown, unknown, unknown, unknown};
 
-// One row of /models. The polynomial and the box are those of an algebraic surface.
+// One row of /models. Only algebraic surfaces have a polynomial and a box.
 struct ModelRecord {
     std::string name, sha256, kind, precision, source, licence, note, polynomial;
     std::int64_t elements = 0, vertices = 0, unreferenced = -1;
@@ -44,7 +44,7 @@ struct ModelRecord {
     std::string path = {}, file_sha256 = {};
 };
 
-// What was left out, and why.
+// Work that was left out, and the reason.
 struct LedgerEntry {
     std::string kind;  // not_built | not_prepared | not_run | prepared_again
     std::string subject, what, reason;

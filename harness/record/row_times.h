@@ -20,7 +20,7 @@ ByRound first_by_round(const Outcome& outcome, bool cpu);
 ByRound again_by_round(const Outcome& outcome, bool cpu);
 ByRound total_by_round(const Outcome& outcome, bool cpu);
 
-// Everything about a row that decides whether its times compare with those of another row.
+// Everything that decides whether the times of a row are comparable with another row's.
 struct Origin {
     bool beside;  // --jobs or a cluster may have run other cases at the same time
     std::string machine, program, clock;
@@ -33,11 +33,12 @@ Origin origin_of(const Outcome& outcome, const std::string& program);
 // analysis/shared/comparable.py.
 std::string reason_apart(const Origin& a, const Origin& b);
 
-// Time to solve, by the clock of the row: over rounds of again_by_round(), or of the first answers where nothing was repeated.
-// Of a single round the median and the extremes of its repeats. n = 0 if nothing was timed.
+// Returns the time to solve, by the clock of the row: over rounds of again_by_round(), or of the first answers if
+// nothing was repeated. For a single round it is the median and the extremes of its repeats. n = 0 if nothing was
+// timed.
 Estimate time_of(const Outcome& outcome);
 
-// Of what stands in both, `candidate` / `base` round by round; n = 0 if nothing does.
+// Returns `candidate` / `base` round by round, over the rounds that both have; n = 0 if they share none.
 Estimate ratio_by_round(const ByRound& base, const ByRound& candidate);
 
 }  // namespace hausbench

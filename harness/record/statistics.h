@@ -11,8 +11,9 @@ struct Estimate {
     std::size_t n = 0;
 };
 
-// Median, with the narrowest pair of order statistics x(k), x(n+1-k) that covers the true median with at least 95 %
-// (binomial); if n is too small for that, [min, max] with its confidence 1 - 2^(1-n). Throws if there are no values.
+// Returns the median, with the narrowest pair of order statistics x(k), x(n+1-k) that covers the true median with at
+// least 95 % (binomial); if n is too small for that, [min, max] with its confidence 1 - 2^(1-n). Throws if there are
+// no values.
 Estimate median(std::vector<double> values);
 
 // exp(median) of the logarithms of candidate[i] / base[i], paired by position; the end of the longer list is ignored.

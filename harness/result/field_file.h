@@ -1,7 +1,7 @@
 // Fields in files: of a run beside its journal, and for other programs as PLY or VTK.
 //
-// Of a run: one line of JSON, {"hausbench_fields": 1, "fields": [{"name", "of", "meaning", "count"}, ...]}, then the values of all
-// fields one after the other, float64, little-endian.
+// Format of a run's file: one line of JSON, {"hausbench_fields": 1, "fields": [{"name", "of", "meaning", "count"},
+// ...]}, then the values of all fields one after the other, float64, little-endian.
 #pragma once
 
 #include "harness/record/fields.h"
@@ -18,10 +18,10 @@ std::string write_fields(const std::filesystem::path& file, const Fields& fields
 // None where the file is missing, or is not the one with this SHA-256.
 std::optional<Fields> read_fields(const std::filesystem::path& file, const std::string& sha256);
 
-// Throws InputError where the name ends in neither .ply nor .vtk, or its folder is no place to write.
+// Throws InputError if the name ends in neither .ply nor .vtk, or its folder cannot be written to.
 void check_export_place(const std::filesystem::path& file);
 
-// Where the fields of B go if those of A go to `file`: x.back.ply for x.ply.
+// Returns the file for the fields of B if A's go to `file`: x.back.ply for x.ply.
 std::filesystem::path file_of_way_back(const std::filesystem::path& file);
 
 // Writes a drawn shape as PLY or VTK, by the extension, with `distance` (double) and `nearest` (int) of each vertex. `own` are the

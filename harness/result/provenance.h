@@ -28,8 +28,8 @@ const Build& this_build();
 std::string version_text();  // one line: version, commit, build type, compiler
 const Machine& this_machine();
 
-// The build of this solver: that of the program, or of program and plug-in together if a plug-in contains it. Resuming and
-// the column `build` use it.
+// Returns the build of this solver: the program's, or one of program and plug-in together if a plug-in contains it.
+// Resuming and the column `build` use it.
 const std::string& build_of(const std::string& solver);
 
 // SHA-256 of each plug-in, by file, computed at the first call.

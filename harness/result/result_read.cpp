@@ -27,8 +27,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Reads the columns that the file has, of a group of so many rows; `part` finds in `whole` what is filled in. A column that is
-// missing leaves the default: the file is older. Which columns may be missing, see `needed` in read_trusting().
+// Reads the columns that the file has, of a group with so many rows; `part` finds the member of `whole` that is
+// filled in. A missing column leaves the default, because the file is older. `needed` in read_trusting() lists the
+// columns that must not be missing.
 template <class Row, class Whole, class Part>
 void read_columns(const h5::File& file, const std::string& group, const Columns<Row>& columns,
                   std::vector<Whole>& whole, Part part) {
@@ -245,7 +246,7 @@ bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
             return out_of_memory;
         } catch (const std::length_error&) {
             return out_of_memory;
-        } catch (...) {  // said again by the one who reads next
+        } catch (...) {  // the next read reports it
         }
         return 0;
     };

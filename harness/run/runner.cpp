@@ -117,7 +117,7 @@ private:
         const auto begin = std::chrono::steady_clock::now();
         references_ = Runner(*plan_.references, options, Proofs::wanted).answers();
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        ledger_.push_back({"reference", "reference answers", "one for each scene, pose and quantity", rows_are_held,
+        ledger_.push_back({"reference", "reference answers", "one for each scene, pose and quantity", rows_are_compared,
                            std::int64_t(references_.size()), -seconds});
     }
 
