@@ -26,8 +26,8 @@
 // Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest piece. They
 // are as tight as the search needed; triangles that cannot attain the maximum are not refined.
 //
-// Certificate: the search's own pieces, each with the triangle S of its bound (search/piece_proofs.h). The distances from the corners to S
-// prove it, also if the search used the box of a group and one point of S, which are no nearer.
+// Certificate: the search's own pieces, each with the triangle S of its bound (search/piece_proofs.h). The distances
+// from the corners to S prove it, even if the search used the box of a group and one point of S, which are no nearer.
 //
 // Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on tame data. Memory: O(n + m), and 168
 // bytes per piece in the queue.

@@ -61,7 +61,8 @@ Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
     return y;
 }
 
-// The point nearest to p of the plane that is tangent at y. Where that is outside the box, about the nearest one inside.
+// Returns the point nearest to p on the plane that is tangent at y. If that is outside the box, about the nearest one
+// inside.
 Vec3 SurfaceDescent::tangent_foot(const Vec3& p, const Vec3& y) const {
     Vec3 g;
     const double f = polynomial_.value(y, g);

@@ -9,10 +9,10 @@
 
 namespace hausbench {
 
-// Of a grid of `cells` an axis, each cell cut into the six tetrahedra around its diagonal. Vertices lie on their edges
-// where bisection finds the change of sign; + - * / alone, so the bits are the same everywhere. Triangles of no area, and
-// parts of the surface that the corners of the grid do not see, are left out. Throws InputError where nothing is seen.
-// O(cells^3).
+// Triangulates on a grid of `cells` along each axis, each cell cut into the six tetrahedra around its diagonal.
+// Vertices lie on their edges where bisection finds the change of sign; only + - * / are used, so the bits are the
+// same everywhere. Triangles without area, and parts of the surface that no corner of the grid sees, are left out.
+// Throws InputError if no corner sees any part. O(cells^3).
 TriangleMesh triangulate(const AlgebraicSurface& surface, int cells);
 
 struct MeshDeviation {

@@ -1,5 +1,5 @@
-// An algebraic surface as a tree of boxes that is refined where it is asked, with what the bounds of surface_enclosure.cpp
-// need: linear enclosures of its pieces, and points that are proven to lie on it.
+// An algebraic surface as a tree of boxes that is refined on demand, with the ingredients of the bounds of
+// surface_enclosure.cpp: linear enclosures of its pieces, and points that are proven to lie on it.
 //
 // All functions want UpwardRounding (kernel/interval.h).
 #pragma once

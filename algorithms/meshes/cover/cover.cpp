@@ -13,18 +13,18 @@
 //    apart at the place of a piece, that piece gets a bound that is above tau by as much.
 // There is no queue, and no bound is ever made better: a triangle is covered once. Most are by step 2, with no query of their own.
 //
-// Upper bound: the largest of the distances that the covers and the groups have shown, not tau. Lower bound and witness: as in
-// guthe.cpp. Rounding: meshes/cover/offset_cover.h in coordinates of the place, so that it errs by parts of the place's size; kernel/rounding.h
-// for groups, and for the pieces of triangles that are too large beside those of B and are halved first.
+// Upper bound: the largest distance that the covers and the groups have proven, not tau. Lower bound and witness: as
+// in guthe.cpp. Rounding: meshes/cover/offset_cover.h works in coordinates of the place, so that it errs by parts of
+// the place's size; kernel/rounding.h covers groups, and the pieces of triangles that are too large beside those of B
+// and are halved first.
 //
-// Rounds: the work is cut into parts, and a few parts make a round. All parts of a round begin from the lower bound at its beginning, and what
-// they find is merged in their order, so the answer is the same whatever the number of threads. Rounds grow, so that an early l is
-// known to nearly all.
+// Rounds: the work is cut into parts, and a few parts make a round. All parts of a round start from the lower bound
+// at its beginning, and their results are merged in their order, so the answer is the same whatever the number of
+// threads. Rounds grow, so that nearly all parts start from a good l.
 //
-// Two sides, and a chain of poses (ours as well): the triangle of B that was nearest to a group at the pose before, or that lay near one
-// of its triangles in the other direction, often settles it without a query; the point that was farthest before is measured first.
-// Fields: those of guthe.cpp.
-// Budget: cuts; with a budget each round has one part.
+// Two sides, and a chain of poses (ours as well): the triangle of B that was nearest to a group at the pose before,
+// or that lay near one of its triangles in the other direction, often settles it without a query; the point that was
+// farthest before is measured first. Fields: as in guthe.cpp. Budget: cuts; with a budget each round has one part.
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/meshes/cover/groups.h"
@@ -125,7 +125,8 @@ private:
     std::optional<Status> stop_;
 };
 
-// The outcomes of one round are merged in the order of its parts. `upper_of_rest(i)`: of what is left from item i on, for the trace.
+// Merges the outcomes of one round in the order of its parts. `upper_of_rest(i)` bounds the work from item i on, for
+// the trace.
 template <class Item, class UpperOfRest>
 void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
                             const UpperOfRest& upper_of_rest) {
@@ -167,7 +168,7 @@ void CoverSearch::merge(CoverOutcome outcome) {
     std::move(outcome.undecided.begin(), outcome.undecided.end(), std::back_inserter(undecided_));
 }
 
-// What was farthest at the pose before is likely to be so again.
+// The farthest point of the pose before is likely to be the farthest again.
 void CoverSearch::measure_previous() {
     if (!warm_start_ || warm_start_->source < 0) return;
     const auto v = pair_.source.triangles.row(warm_start_->source);
@@ -287,7 +288,7 @@ private:
 SolverEntry cover_solver() {
     SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
     info.abilities.insert({Ability::warm, Ability::shared_pairs, Ability::threads, Ability::certificates});
-    info.abilities.erase(Ability::coarser_answers);  // tau, which decides what is done, depends on the tolerance
+    info.abilities.erase(Ability::coarser_answers);  // tau depends on the tolerance
     info.may_need.push_back(need<TriangleOrder>(Side::source));
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Cover>(); }};
 }

@@ -11,7 +11,8 @@ namespace hausbench {
 
 inline constexpr std::size_t cluster_triangles = 16;  // of the smallest groups
 
-// The boxes of all groups, before A is posed. Level 0 has those of clusters, each further level a quarter as many, down to 64 or fewer.
+// The boxes of all groups, before A is posed. Level 0 has the boxes of clusters, each further level a quarter as
+// many, down to 64 or fewer.
 class GroupBoxes {
 public:
     GroupBoxes() = default;
@@ -27,8 +28,9 @@ private:
     std::vector<std::vector<Box>> boxes_;
 };
 
-// Those of A posed, each made when it is asked for. That of a cluster is as tight as can be; that of a larger group holds its box before,
-// turned (kernel/posed_box.h). So where most groups are settled at once, nothing is done for each triangle.
+// The boxes of groups of A posed, each made on demand. The box of a cluster is as tight as possible; the box of a
+// larger group contains its unposed box, turned (kernel/posed_box.h). So if most groups are settled at once, no work
+// is done for single triangles.
 class PosedGroupBoxes {
 public:
     // References are kept. `points`: the vertices of A, posed. O(n), for their box.

@@ -1,10 +1,11 @@
 // Whether a piece of A lies within a distance of B, shown by covering it with offsets of triangles of B.
 //
-// The tau-offset of a triangle S, all points within tau of it, is convex, as S is. So a polygon whose corners are all within tau of one
-// S is within tau of it altogether. Where no S does for all corners, one that does for a run of neighbouring corners is taken, and
-// what it covers is cut off ("peeled"): the chord goes from where the edge before the run leaves the offset to where the edge after it
-// does. If a second triangle is near all other corners, and both reach a sample of either edge, the two cover the polygon, cut there. Where
-// peeling gets nowhere, the polygon is cut in two.
+// The tau-offset of a triangle S, all points within tau of it, is convex, because S is. So a polygon whose corners
+// are all within tau of one S is entirely within tau of it. If no S serves all corners, one that serves a run of
+// neighbouring corners is taken, and the part that it covers is cut off ("peeled"): the chord goes from the point at
+// which the edge before the run leaves the offset to the point at which the edge after it does. If a second triangle
+// is near all other corners, and both reach a sample of either edge, the two cover the polygon, cut there. If peeling
+// makes no progress, the polygon is cut in two.
 //
 // A piece may be covered by any triangles, so it does not matter for a proof which are looked at, or where it is cut: only that
 // the polygons that are covered make up the piece, and that a distance is never taken for less than it is.
@@ -76,7 +77,7 @@ template <class T> struct CoverPoints {
     T x[most_shared_points], y[most_shared_points], z[most_shared_points];
 };
 
-// Who searches: asked where double precision is used.
+// The search that uses the cover, which asks it in double precision.
 class CoverHost {
 public:
     // The exact distance of a point of the piece is wanted. The host may increase its threshold. Returns a triangle of B that is nearest.
@@ -98,7 +99,7 @@ protected:
 // Covers pieces at one place. Reused from place to place, so that room is made once.
 template <class T> struct OffsetCover {
     NearTriangles<T> near;
-    double extent = 1.75;  // |p| of all points, in units of the place, is at most this
+    double extent = 1.75;  // upper bound of |p| for all points, in units of the place
     double threshold = 0;  // in units of the place
     double early_out = 0;  // likewise: an upper bound that is no larger need not be any smaller
     // Largest computed square that proves distance <= threshold, of each triangle; -1: none.
@@ -112,7 +113,7 @@ template <class T> struct OffsetCover {
 
     static constexpr float most_slack = sizeof(T) == 4 ? 64 : 4096;
 
-    NearTriangles<T> few;  // those of `near` that are near a part of a piece, and their limits
+    NearTriangles<T> few;  // triangles of `near` that are near a part of a piece, and their limits
     std::vector<T> few_limit;
 
     T* squares(std::size_t point) { return squared.data() + point * NearTriangles<T>::stride; }
@@ -123,7 +124,8 @@ template <class T> struct OffsetCover {
         return frame_roundoff<T> * (near_error<T> * (extent + size) + most_slack) + frame_underflow<T>;
     }
 
-    // After `near` has changed, or to change the threshold. What is in `within` is not looked at again.
+    // Call it after `near` has changed, or to change the threshold. Triangles that are `within` are not examined
+    // again.
     void set_threshold(double tau);
     void make_rows(std::size_t points);
 };
@@ -136,8 +138,8 @@ struct CoverResult {
 // Rows 0 to count - 1, of points that several pieces share, and their sets. At most most_shared_points. O(points triangles).
 void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points);
 
-// Whether the triangles near cover a piece whose corners are these shared points, after most_work cuts at most; that they do not is
-// no proof of anything.
+// Returns whether the near triangles cover a piece with these shared points as corners, after at most most_work cuts.
+// False proves nothing.
 CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work);
 

@@ -51,8 +51,9 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     // Too small to be cut: rounding is as large.
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
                       slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
-    // The centre only tells whether its triangle, which the host may have just found, is near all of the polygon. What is proven is the bound by the
-    // corners: in exact arithmetic it is never larger than the distance of the centre and the radius, but as computed it may be.
+    // The centre only tells whether its triangle, which the host may have just found, is near the whole polygon. The
+    // proof is the bound by the corners: in exact arithmetic it is never larger than the distance of the centre plus
+    // the radius, but as computed it may be.
     const double by_corners = at_most(largest_square(k), k);
     if ((distance() + radius_ <= c_.threshold && by_corners <= c_.threshold) || (exact && tiny)) {
         covered_by(k, by_corners);
@@ -117,8 +118,8 @@ template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_co
     side[b] = (1 - t) * longest;
 }
 
-// Cuts where the sides change, twice: a run of corners on the positive side, and the rest. That a side may be wrong by rounding, or that
-// there are more changes, does no harm: what is cut off is what lies beyond the chord between two points of the rim.
+// Cuts twice where the sides change: a run of corners on the positive side, and the rest. A side that is wrong by
+// rounding, or further changes, do no harm: the part cut off lies beyond the chord between two points of the rim.
 template <class T> void Engine<T>::cut() {
     ++c_.cuts;
     T side[most_polygon_corners];

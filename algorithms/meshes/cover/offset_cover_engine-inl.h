@@ -1,6 +1,6 @@
-// The engine of offset_cover.h: the polygons of one piece and what they are measured against. How one is peeled is in
-// offset_cover_peel-inl.h, how it is cut in two in offset_cover_cut-inl.h. Compiled once for every target: include it after
-// hwy/foreach_target.h.
+// The engine of offset_cover.h: the polygons of one piece, and the triangles that they are measured against.
+// offset_cover_peel-inl.h peels one, offset_cover_cut-inl.h cuts it in two. Compiled once for every target: include
+// it after hwy/foreach_target.h.
 #include "algorithms/kernel/triangle_frames-inl.h"
 #include "algorithms/meshes/cover/offset_cover.h"
 
@@ -29,7 +29,7 @@ template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 
 
 constexpr std::size_t tried_triangles = 3;  // for a peel, by their true exits
 
-// The triangles that are looked at now: all that are near, or few of them.
+// The triangles under examination: all near ones, or few of them.
 template <class T> struct Candidates {
     const NearTriangles<T>* frames;
     const T* limit;
@@ -46,7 +46,7 @@ template <class T> NearSet compare(const Candidates<T>& candidates, const T* squ
         const auto near = hn::Le(hn::LoadU(d, squares + k), hn::LoadU(d, candidates.limit + k));
         within.word[k / 64] |= std::uint64_t{mask_bits<T>(near)} << (k % 64);
     }
-    return within;  // the limit of what is not in use is -1
+    return within;  // the limit of unused entries is -1
 }
 
 template <class T> HWY_INLINE void measure_all(const Candidates<T>& candidates, T x, T y, T z, T* squares) {
@@ -116,7 +116,7 @@ private:
     static constexpr std::size_t half = samples<T> / 2, none = static_cast<std::size_t>(-1);
     struct Exits {
         std::size_t triangle = 0;
-        // Where the edges beside the run leave its offset: 0 at the run, 1 at the other end.
+        // Places at which the edges beside the run leave its offset: 0 at the run, 1 at the other end.
         T before = 0, after = 0;
         std::size_t second = none;  // a triangle that covers the rest, if they are left there
         double upper = 0;           // by both
@@ -159,7 +159,8 @@ private:
     std::size_t end_of(const Run& run) const { return (run.begin + run.length - 1) % piece_.count; }
     std::size_t last(std::size_t i) const { return i == 0 ? piece_.count - 1 : i - 1; }
     T square(std::size_t corner, std::size_t k) const { return c_.squares(row_[corner])[k]; }
-    // Of a corner at t of the way from one to the other (offset_cover.h); the factors make up for rounding here.
+    // Slack of a corner at t of the way from one to the other (offset_cover.h); the factors make up for rounding
+    // here.
     float slack_of_cut(std::size_t from, std::size_t to, T t) const {
         const T length = std::abs(piece_.x[to] - piece_.x[from]) + std::abs(piece_.y[to] - piece_.y[from]) +
                          std::abs(piece_.z[to] - piece_.z[from]);
@@ -243,7 +244,7 @@ template <class T> CoverResult Engine<T>::cover(const CoverPolygon<T>& piece, co
         if (!every_corner_near()) {
             if (!exact) return {};
             if (full_) return {};
-            settle();  // rounding is more than what is left
+            settle();  // rounding exceeds the remainder
             if (!pop()) return {true, upper_};
             continue;
         }
@@ -278,7 +279,8 @@ template <class T> bool Engine<T>::pop() {
     return true;
 }
 
-// The distance to a triangle is convex, so the largest of the corners bounds that of the polygon; for the triangle for which it is least.
+// The distance to a triangle is convex, so the largest distance of a corner bounds the polygon's; for the triangle
+// for which this is least.
 template <class T> void Engine<T>::settle() {
     double least = std::numeric_limits<double>::infinity();
     std::size_t best = 0;

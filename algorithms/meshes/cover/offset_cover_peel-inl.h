@@ -1,5 +1,5 @@
-// What one triangle covers of a polygon is cut off, see offset_cover.h. Compiled once for every target: include it after
-// hwy/foreach_target.h.
+// Cuts off the part of a polygon that one triangle covers, see offset_cover.h. Compiled once for every target:
+// include it after hwy/foreach_target.h.
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
 #if defined(HAUSBENCH_OFFSET_COVER_PEEL_INL) == defined(HWY_TARGET_TOGGLE)
@@ -33,8 +33,8 @@ template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
     return best;
 }
 
-// How far along both edges each triangle seems to reach, from 0 to 2: the distance is convex along an edge, so the exit is no farther than
-// where the chord between the distances of its ends meets the threshold.
+// Estimates how far along both edges each triangle reaches, from 0 to 2: the distance is convex along an edge, so the
+// exit is no farther than the point at which the chord between the distances of its ends meets the threshold.
 template <class T>
 void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
                                T (&estimate)[NearTriangles<T>::most_triangles]) {
@@ -128,7 +128,7 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
     return out.second != none;
 }
 
-// Where one of the two edges leaves the offset of a triangle.
+// Finds where one of the two edges leaves the offset of a triangle.
 template <class T>
 T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points) {
     const std::size_t end = end_of(run);
@@ -248,7 +248,8 @@ template <class T> void Engine<T>::keep_few() {
     }
 }
 
-// Cuts off what one triangle covers: the run's corners and both exits are within its offset, so all between them is.
+// Cuts off the part that one triangle covers: the run's corners and both exits are within its offset, so everything
+// between them is.
 template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return Peel::stuck;
     const Run run = longest_run();

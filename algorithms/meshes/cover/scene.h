@@ -54,9 +54,9 @@ struct CoverScene {
     double magnitude;  // as in kernel/rounding.h
     double least_gap;  // of tau above the lower bound
     ElementBounds* elements;
-    // Of a certificate; null: none is wanted. With one, or with elements, workers work one after another.
+    // The proofs of a certificate; null if none is wanted. With proofs or elements, workers run one after another.
     CoverProofs* proofs;
-    // As in WarmStart, of each triangle of A; null: there is none. Each is read and written by one worker alone.
+    // As in WarmStart, for each triangle of A; null if there is none. Each is read and written by one worker only.
     Index* partner;
 };
 
@@ -79,10 +79,10 @@ inline constexpr double least_place = 0x1p-100;
 // From so many halvings of a triangle on, a piece is covered by some of the triangles of B near it, if there are too many.
 inline constexpr int halvings_for_all_near = 8;
 
-// Of one part of the work.
+// The findings of one part of the work.
 struct CoverOutcome {
     Farthest farthest;
-    double settled = 0;  // the largest upper bound of what was settled
+    double settled = 0;  // the largest upper bound of a settled piece or group
     std::vector<Cluster> groups;
     std::vector<CoverPiece> undecided;
     Counters counters;

@@ -153,7 +153,7 @@ std::array<CoverPiece, 2> CoverWorker::halve(const CoverPiece& piece) {
              {second, piece.source, proofs[1], piece.upper, landmark, level}}};
 }
 
-// Whether the distances of its corners to what is nearest to the midpoint do not settle a half.
+// Whether the distances of its corners to the triangle nearest to the midpoint leave a half unsettled.
 bool CoverWorker::is_open(CoverPiece& half) {
     const Index near = half.landmark.near;
     const CornerBound bound = by_corners(half, near);
@@ -180,9 +180,10 @@ void CoverWorker::count() {
 
 // Returns how far from B a cover may show a piece of this level to be, so that its upper bound, once widened, is no more than tau.
 //
-// Covers are widened as measured distances are (surface_sum_at_most): by 8uM, and by 2uM for each level. They need only what the level stands for. The
-// bound of a cover counts all its own roundings, and moving A and B to the place is one of these (meshes/cover/offset_cover.h). The 8uM stay
-// because they are below every tolerance that can be met, and without them the last bits of all answers would change.
+// Covers are widened as measured distances are (surface_sum_at_most): by 8uM, and by 2uM for each level. They need
+// only the part for the level: the bound of a cover counts all its own roundings, and moving A and B to the place is
+// one of these (meshes/cover/offset_cover.h). The 8uM stay because they are below every tolerance that can be met,
+// and without them the last bits of all answers would change.
 double CoverWorker::covered_within(int level) const {
     return std::max(tau_ * (1 - 8 * unit_roundoff) - (10 + 2 * level) * unit_roundoff * scene_.magnitude, 0.0);
 }
@@ -192,8 +193,8 @@ double CoverWorker::around(const Vec3& at, double distance, const Box& box) cons
     return surface_sum_at_most(distance + std::sqrt(squared_distance_at_most(at, box)), scene_.magnitude, 0);
 }
 
-// A corner of one of a group's triangles that has a partner, and its distance to that: to B it is no larger. Those in the middle are
-// looked at first: their corners are measured where nothing is known.
+// A corner of one of a group's triangles that has a partner, and its distance to that partner: its distance to B is
+// no larger. The triangles in the middle are examined first: their corners are measured if nothing is known.
 bool CoverWorker::from_partner(const Cluster& group, const Box& box, Landmark& landmark) {
     if (!scene_.partner) return false;
     const std::size_t middle = group.begin + group.count / 2, end = group.begin + group.count;

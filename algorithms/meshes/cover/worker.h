@@ -1,9 +1,9 @@
 // Covers parts of A for threshold cover (meshes/cover/cover.cpp): clusters of triangles in single precision, and pieces that this left
 // undecided in double precision.
 //
-// A worker begins from a lower bound that is given and keeps what it finds in a CoverOutcome. So what it finds depends on nothing
-// but its part and that bound: several may work at once, and outcomes merged in the order of the parts are the same for any
-// number of threads.
+// A worker starts from a given lower bound and keeps its findings in a CoverOutcome. These depend on nothing but its
+// part and that bound: several workers may run at once, and outcomes merged in the order of the parts are the same
+// for any number of threads.
 #pragma once
 
 #include "algorithms/kernel/box.h"

@@ -1,4 +1,5 @@
-// How a worker covers: a few triangles at a time in single precision, then what is left in double precision, which always ends.
+// Covering by a worker: a few triangles at a time in single precision, then the rest in double precision, which
+// always ends.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/cover/batch.h"
 #include "algorithms/meshes/cover/worker.h"
@@ -72,8 +73,8 @@ void CoverWorker::cover(std::span<const CoverPiece> pieces, const Landmark& land
     cover_from_own(pieces.subspan(half), landmark);
 }
 
-// Where too many triangles of B are near, the pieces get a landmark of their own. Far from B it settles most: what is nearest to one of
-// them is near all.
+// If too many triangles of B are near, the pieces get a landmark of their own. Far from B it settles most: the
+// triangle nearest to one of them is near all.
 void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark) {
     const CoverPiece& middle = pieces[pieces.size() / 2];
     const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
@@ -145,8 +146,9 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
     return measure(global, near, source_, own).triangle;
 }
 
-// At least so far above the lower bound that what is nearest to a point that was measured is near enough, as computed: else a cover would not
-// end. The error grows with the triangles that are near, not with the meshes, so what is far away spoils nothing here.
+// So far above the lower bound that the triangle nearest to a measured point is near enough, as computed; otherwise a
+// cover would not end. The error grows with the near triangles, not with the meshes, so distant parts spoil nothing
+// here.
 double CoverWorker::threshold() const {
     const double covered = covered_within(level_) * exact_.near.units.inverse;
     if (scene_.query.floor >= scene_.query.cutoff) return covered;
@@ -173,7 +175,8 @@ bool CoverWorker::go_on() {
 void CoverWorker::decide(const CoverPiece& piece) {
     ++outcome_.counters.bound_tests;
     if (piece.upper.value <= tau_ || stop_) return settle(piece);
-    // A corner first: it may update the lower bound, and tau with it, and what is nearest to it may be near all of the piece.
+    // A corner comes first: it may update the lower bound, and tau with it, and the triangle nearest to it may be
+    // near the whole piece.
     CoverPiece measured = piece;
     const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source, piece.level);
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};

@@ -18,8 +18,9 @@ struct SweptSphere {
     double radius = 0;
 };
 
-// Returns a volume around these points, and so around their convex hull: the smallest by volume of a sphere, and of those of a segment and
-// a rectangle along the principal axes. The radius is rounded up. O(n). At least one point; coordinates up to 2^400.
+// Returns a volume around these points, and so around their convex hull: the smallest by volume of a sphere, a swept
+// segment and a swept rectangle along the principal axes. The radius is rounded up. O(n). At least one point;
+// coordinates up to 2^400.
 SweptSphere swept_sphere_around(std::span<const Vec3> points);
 
 // Lower and upper bounds of the distance from q to any point inside; valid under rounding (swept_sphere.cpp).

@@ -53,7 +53,7 @@ void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double&
     });
 }
 
-// Of a ball around its barycentre that holds it.
+// Returns the radius of a ball around its barycentre that contains it, rounded up.
 template <class Tree> double TargetCulling<Tree>::radius_at_most(const ListedPiece& piece) const {
     const Vec3 centre = barycentre(piece.corners);
     double most = 0;
@@ -120,7 +120,7 @@ template <class Tree> void TargetCulling<Tree>::list(ListedPiece& piece) {
     piece.list = lists_.store(std::span(kept).first(count));
 }
 
-// Its list; without one, what is nearest to the vertices.
+// Candidates are its list; without one, the triangles nearest to the vertices.
 template <class Tree>
 void TargetCulling<Tree>::find_candidates(const ListedPiece& piece, const Cut<MeasuredPoint>& cut) {
     candidates_.count = 0;

@@ -56,8 +56,8 @@ public:
     // Lowers the upper bound by h(T, S) of one triangle S of B.
     void bound_by(ListedPiece& piece, Index triangle);
 
-    // Finds what is not known yet of its corners, its upper bound, and what its list is made of: group traversal, where the three
-    // corners go through B together, and a leaf is measured against all of them.
+    // Finds the unknown distances of its corners, its upper bound, and its list. In group traversal the three corners
+    // go through B together, and a leaf is measured against all of them.
     void cull(ListedPiece& piece);
 
     // Its corners and its upper bound, each corner by itself: a closest point query, which looks at triangle `warm` first.
@@ -66,8 +66,8 @@ public:
     // Gives the piece the list of what may be nearest to one of its points; none if that is too much. After cull() or part() of it.
     void list(ListedPiece& piece);
 
-    // Measures the vertices of a cut of the piece against its list, which is given back, or without one against what is nearest to
-    // them. New vertices that were not measured yet are nearest to one of the list.
+    // Measures the vertices of a cut of the piece against its list, which is returned, or without a list against the
+    // triangles nearest to them. New vertices that were not measured yet are nearest to one of the list.
     void measure(const ListedPiece& piece, Cut<MeasuredPoint>& cut);
 
     // Part c of the piece that was measured last, bounded by the same triangles.

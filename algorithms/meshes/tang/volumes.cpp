@@ -62,11 +62,12 @@ double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, c
     return distance_at_least(squared_distance_to_box(q, box), true);
 }
 
-// |R x|^2 = x.R^T R x is at most the largest sum of a row of |R^T R| (Gershgorin) times |x|^2. An entry as computed errs by
-// 3.01u |column i||column j|, at most that of the largest column, whose square is in one of the sums: a sum errs by 9.1u of the
-// largest, and 2u more when it is added up. A root, 8u for 5.6u, and next_up for the product. R is scaled by a power of two first, which is
-// exact, so that no square underflows beside the largest. Where the stretch itself is subnormal, it stretches no radius to 2^-600, which is far
-// below the uM that a bound is widened by (kernel/rounding.h).
+// |R x|^2 = x.R^T R x is at most the largest sum of a row of |R^T R| (Gershgorin) times |x|^2. An entry as computed
+// errs by 3.01u |column i||column j|, at most the same for the largest column, whose square is in one of the sums: a
+// sum errs by 9.1u of the largest, and by 2u more when it is added up. A root, 8u for 5.6u, and next_up for the
+// product. R is scaled by a power of two first, which is exact, so that no square underflows beside the largest. If
+// the stretch itself is subnormal, it stretches no radius to 2^-600, which is far below the uM that a bound is
+// widened by (kernel/rounding.h).
 VolumePose::VolumePose(const Pose& pose) : pose_(pose), identity_(pose.is_identity()) {
     if (identity_) return;
     const double largest = pose.rotation.cwiseAbs().maxCoeff();
@@ -78,10 +79,11 @@ VolumePose::VolumePose(const Pose& pose) : pose_(pose), identity_(pose.is_identi
     rows_ = pose.rotation.cwiseAbs().rowwise().sum().maxCoeff();
 }
 
-// A point inside is sum w_i c_i + e with |e| <= radius and weights w_i >= 0 that add up to 1, and R e is at most `stretch` times as
-// long. What remains is rounding. Let m be the largest |coordinate| of a corner + radius, and G = rows m + |t|: no |coordinate| that
-// occurs is larger. fl(R x + t) errs by 4.01u G in each coordinate, less than 7u G in length, for a corner as for the point inside:
-// 14u G, and G as computed is at most 4u of itself too small. Where G overflows, nothing is known.
+// A point inside is sum w_i c_i + e with |e| <= radius and weights w_i >= 0 that add up to 1, and R e is at most
+// `stretch` times as long. What remains is rounding. Let m be the largest |coordinate| of a corner + radius, and G =
+// rows m + |t|: no |coordinate| that occurs is larger. fl(R x + t) errs by 4.01u G in each coordinate, less than 7u G
+// in length, for a corner as for the point inside: 14u G, and G as computed is at most 4u of itself too small. If G
+// overflows, nothing is known.
 CornerVolume VolumePose::operator()(const CornerVolume& volume) const {
     if (identity_) return volume;
     CornerVolume result;

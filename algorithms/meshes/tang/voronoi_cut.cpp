@@ -5,8 +5,8 @@
 
 namespace hausbench {
 
-// Of the two planes that halve the angle between those of the triangles, on the one that has the triangles on either side, as seen
-// from their centres.
+// Of the two planes that halve the angle between the planes of the triangles, returns the one with the triangles on
+// either side, as seen from their centres.
 double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, const Triangle& two, double least_part) {
     const auto normal = [](const Triangle& t) { return Vec3((t.b - t.a).cross(t.c - t.a).normalized()); };
     const auto centre = [](const Triangle& t) { return Vec3((t.a + t.b + t.c) / 3.0); };

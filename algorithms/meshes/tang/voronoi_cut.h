@@ -1,11 +1,12 @@
-// Voronoi subdivision (Tang et al. 2009, section 5.2): an edge whose ends have different nearest triangles of B is cut where it is as
-// far from the plane of the one as from that of the other; any other one, and where there is no such place, at its midpoint.
+// Voronoi subdivision (Tang et al. 2009, section 5.2): an edge whose ends have different nearest triangles of B is
+// cut where it is equally far from the planes of both; any other edge, and one without such a place, is cut at its
+// midpoint.
 //
-// Ours: a cut leaves at least `least_part` of the edge on either side, so that pieces shrink; and below `voronoi_depth` subdivisions
-// midpoints take over. `least_part` of 0.25 keeps pieces more compact than 0.05: it took 0.78 to 0.96 times as many subdivisions on
-// six pairs of real meshes at 1e-6 of the diagonal (bunny to its half: 212,807 for 248,679; midpoints: 304,169).
-// Where neighbours in B lie in one plane, as in a mesh that was subdivided, cuts do not find their common edge: `midpoint` does there
-// if B was cut at midpoints (elephant to its refinement: 12,448 for 20,708).
+// Ours: a cut leaves at least `least_part` of the edge on either side, so that pieces shrink; and below
+// `voronoi_depth` subdivisions midpoints take over. `least_part` of 0.25 keeps pieces more compact than 0.05: it took
+// 0.78 to 0.96 times as many subdivisions on six pairs of real meshes at 1e-6 of the diagonal (bunny to its half:
+// 212,807 for 248,679; midpoints: 304,169). If neighbours in B lie in one plane, as in a subdivided mesh, cuts do not
+// find their common edge; `midpoint` does if B was cut at midpoints (elephant to its refinement: 12,448 for 20,708).
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -35,7 +36,7 @@ public:
     // Whether the parts, which are `depth` subdivisions down, are cut at the Voronoi boundary.
     bool is_voronoi(int depth) const { return cutting_ == Cutting::voronoi && depth <= voronoi_depth; }
 
-    // Of rounding, of the parts of a piece.
+    // Largest level of rounding of the parts of a piece.
     int level_of_parts(const PieceCorners& corners, int level, int depth) const;
 
     // `measure` as in subdivision.h.
