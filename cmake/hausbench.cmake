@@ -1,4 +1,4 @@
-# What the CMakeLists of the folders call.
+# Functions for the CMakeLists of the folders.
 
 # Sources of a target. A unity build compiles those of one group together: a solver and what it alone uses, or what a folder shares, so that
 # a new file elsewhere does not change how a solver is compiled. Without a group (-) each is compiled alone.

