@@ -68,7 +68,7 @@ public:
     void centre(Index k);
     void vertex(Index v, Index k);
 
-    // A mark, and a way to take back everything written after it.
+    // mark() returns a position in the tree; back_to() takes back everything written after it.
     std::size_t mark() const { return bytes_.size(); }
     void back_to(std::size_t mark) { bytes_.resize(mark); }
     void clear() { bytes_.clear(); }

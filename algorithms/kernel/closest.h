@@ -39,13 +39,13 @@ inline void offer(ClosestPoint& best, const TrianglePoint& candidate, Index tria
 ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints,
                              Counters& counters);
 
-// Returns a lower bound of the distance from `point` to the exact mesh; valid under rounding. A triangle whose box
-// is no farther than the computed distance of the closest triangle contributes its distance_certainly_at_least
-// (point_triangle.h); all other triangles contribute that computed distance, rounded down. O(n).
+// Returns a lower bound of the distance from `point` to the exact mesh, valid under rounding: the least of one
+// number per triangle. That is distance_certainly_at_least (point_triangle.h) for a triangle whose box is within
+// the computed distance of the closest triangle, and this computed distance, rounded down, for all others. O(n).
 double certified_distance_by_scan(const TriangleMesh& mesh, const Vec3& point, Counters& counters);
 
-// Adds one triangle to that minimum: lowers `least` to the certified distance of `triangle` if its box is within
-// `nearest` (squared).
+// Adds one triangle to that: lowers `least` to the certified distance of `triangle` if its box is within `nearest`
+// (squared).
 void certify(const Vec3& point, const Triangle& triangle, double nearest, double& least, Counters& counters);
 
 }  // namespace hausbench

@@ -48,7 +48,7 @@ double longest_side(const Points& points);
 // Returns the largest |coordinate|.
 double magnitude(const Points& points);
 
-// A rigid or any other affine motion, as stored in result files.
+// A rigid motion or any other affine map, as stored in result files.
 struct Pose {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 translation = Vec3::Zero();

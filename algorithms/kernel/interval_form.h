@@ -20,8 +20,9 @@ enum class Form { natural, centred, affine, modified_affine };
 // Indexed by Form.
 inline constexpr std::string_view form_names[] = {"natural", "centred", "affine", "modified_affine"};
 
-// A linear form of f over the box with middle c and half widths r: at every point c + r u (componentwise, |u| <=
-// 1), f = slope.u + e for some e in `rest`. The part of `rest` beyond f(c) shrinks with the square of the box.
+// A linear form of f over the box with middle c and half widths r: at every point c + r u (componentwise,
+// |u| <= 1), f = slope.u + e for some e in `rest`. The part of `rest` beyond f(c) shrinks with the square of the
+// box.
 struct LinearForm {
     Vec3 middle, half;  // half widths rounded up
     Vec3 slope;

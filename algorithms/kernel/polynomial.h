@@ -33,10 +33,10 @@ public:
 
     // Returns the polynomial of a surface, prepared for a search in its box. If the box is far from 0, the
     // polynomial is expanded about the middle of the box, because x^2 would cancel there and lose the shape of the
-    // surface. Each variable is replaced in the text before anything is multiplied out, so factors such as (x -
-    // 1000000)^2 lose nothing; a text that is already multiplied out has lost precision in its coefficients. If
-    // values in the box exceed 2^100, or all are below 2^-100, they are scaled by a power of two, which keeps the
-    // zeros, so that their squares neither overflow nor underflow. Throws like the constructor.
+    // surface. Each variable is replaced in the text before anything is multiplied out, so factors such as
+    // (x - 1000000)^2 lose nothing; a text that is already multiplied out has lost precision in its coefficients.
+    // If values in the box exceed 2^100, or all are below 2^-100, they are scaled by a power of two, which keeps
+    // the zeros, so that their squares neither overflow nor underflow. Throws like the constructor.
     static Polynomial of(const AlgebraicSurface& surface);
 
     // The powers are powers of (point - origin()), but all functions take points in the original coordinates.

@@ -4,7 +4,7 @@
 
 namespace hausbench {
 
-// Subtracting some uM from the computed distance would not be a proof, because it is only measured that computed
+// Subtracting some uM from the computed distance would not be a proof, because only tests show that computed
 // distances are not too large (kernel/point_triangle.h). Support planes prove a bound for the point, which is
 // within 2 level uM of A (kernel/rounding.h).
 double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {

@@ -79,21 +79,21 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
 
 }  // namespace
 
-// Let x be the longest edge and X the angle opposite to it, so cos X = (y^2 + z^2 - x^2) / 2yz. T is acute if cos
-// X > 0. Its circumradius is then x / (2 sin X), which is well conditioned because X is in [60, 90] degrees.
+// Let x be the longest edge and X the angle opposite to it, so cos X = (y^2 + z^2 - x^2) / 2yz. T is acute if
+// cos X > 0. Its circumradius is then x / (2 sin X), which is well conditioned because X is in [60, 90] degrees.
 //
 // Rounding: s_x = fl(x^2) is within 5.01u x^2 of x^2. fl(fl(s_y + s_z) - s_x) errs by 5.01u (x^2 + y^2 + z^2), by
 // 2.1u x^2 for the sum and by 1.1u x^2 for the difference: by less than 19u x^2 in total. 24u s_x is added. Then
-// `cosine` is at least cos X up to 9u of itself, and its square is up to 19u. The square is capped at 1/4, so
-// 1 - square errs by (19/4 + 2)u / (3/4) = 9u, its root by 5u, sqrt(s_x) by 3.5u and the division by u: less than
-// 10u in total. The cap is right because X is the largest angle. If rounding took another edge for the longest,
-// that edge is shorter by at most 5.1u, and so is sin X; 3.5u, 2u and 5.1u are less than 11u. The 16u used covers
-// this and the rounding of its own product. In a triangle that is not acute, no sum is added, and half of the
-// longest edge errs by 3.5u and 5.1u.
+// cos X is at most 1 + 9u times `cosine`, and its square at most 1 + 19u times the computed square. The square is
+// capped at 1/4, so 1 - square errs by (19/4 + 2)u / (3/4) = 9u, its root by 5u, sqrt(s_x) by 3.5u and the division
+// by u: less than 10u in total. The cap is right because X is the largest angle. If rounding took another edge for
+// the longest, that edge is shorter by at most 5.1u, and so is sin X; 3.5u, 2u and 5.1u are less than 11u. The 16u
+// used covers this and the rounding of its own product. In a triangle that is not acute, no sum is added, and half
+// of the longest edge errs by 3.5u and 5.1u.
 // Underflow: if x < 2^-459, g errs by at most 2^-459, a sixty-fourth of the uM that surface_sum_at_most has to
 // spare, as M >= 2^-400. Otherwise squares that underflow are off by 2^-155 s_x. If z is so short that its own
-// square is subnormal, the cap applies: `twice` is at least 5u s_x, so the cosine is infinite or at least 2.4u
-// sqrt(s_x) / sqrt(s_z) >= 2.4u 2^-459 / 2^-511 > 1.
+// square is subnormal, the cap applies: `twice` is at least 5u s_x, so the cosine is infinite or at least
+// 2.4u sqrt(s_x) / sqrt(s_z) >= 2.4u 2^-459 / 2^-511 > 1.
 double covering_radius_at_most(const std::array<Vec3, 3>& corners) {
     std::array<double, 3> edges = squared_edges(corners);
     std::sort(edges.begin(), edges.end());

@@ -6,8 +6,8 @@
 // - Corners of cells of the points nearest to a corner of the piece (u2). Places are relative to the first corner
 //   of the piece, so every rounded number is at most its longest edge e. A chord is where
 //   f(x) = |b - a|^2 / 2 - (x - a)(b - a) is 0. f errs by less than 10 u e |b - a| at either end of an edge, so by
-//   less than 20 u e |b - a| at the chord's ends. There |x - a| and |x - b| differ by 2
-//   |f| / (|x - a| + |x - b|) < 40 u e, as that sum is at least |b - a|. So a point of the cell of a corner is at
+//   less than 20 u e |b - a| at the chord's ends. There |x - a| and |x - b| differ by
+//   2 |f| / (|x - a| + |x - b|) < 40 u e, as that sum is at least |b - a|. So a point of the cell of a corner is at
 //   most 40 u e farther from that corner than from the nearest one.
 // - The barycentre, which is a third of the way along the median: the double 1/3 is off by less than u, and the
 //   point by less than u e.

@@ -197,7 +197,7 @@ private:
                suffices(bounds_.u4(corners, more.level));
     }
 
-    // Takes note of a leaf of this level.
+    // Records the depth of a leaf at this level.
     void reach(int level) { depth_ = std::max(depth_, (proofs_.split_ == Split::midpoint ? 3 : 1) * level + 6); }
 
     const PieceProofs& proofs_;

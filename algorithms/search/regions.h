@@ -30,9 +30,9 @@ public:
           bounds_(bounds),
           counters_(counters) {}
 
-    // Calls one of the two functions once for every triangle of A: `settle` with its upper bound, which is at most
-    // bounds.purged_at_most(0), and a triangle of B that all of it is within that bound of; or `look` with a
-    // triangle of B that is near, or -1. `look` may offer points to the bounds. Returns false if time runs out.
+    // Calls one of the two functions once for every triangle of A: `settle` with its upper bound (at most
+    // bounds.purged_at_most(0)) and a triangle of B that is within this bound of every point of it, or `look` with
+    // a triangle of B that is near, or -1. `look` may offer points to the bounds. Returns false if time runs out.
     bool walk(const std::function<void(Index triangle, Index near)>& look,
               const std::function<void(Index triangle, double upper, Index shown)>& settle);
 

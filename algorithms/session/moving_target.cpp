@@ -22,10 +22,10 @@ double largest(const auto& entries) { return entries.cwiseAbs().maxCoeff(); }
 // measures B at rest against A posed by q(x) = Q x + w, where Q = fl(R^T P) and w = fl(R^T (s - t)), so q is about
 // p followed by the inverse of g.
 //
-// Stretch. |g(x) - g(y)|^2 = (x - y)^T R^T R (x - y), so g changes no distance by more than a factor of 1 -+ |R^T
-// R - I|, in the Frobenius norm.
-// Wider. g(q(x)) - p(x) = (R Q - P) x + (R w + t - s). With M_A the largest |coordinate| of A, this is at most 3
-// max|R Q - P| M_A + max|R w + t - s| in each coordinate, and sqrt 3 < 1.74 times that in length. Faces move no
+// Stretch. |g(x) - g(y)|^2 = (x - y)^T R^T R (x - y), so g changes no distance by more than a factor of
+// 1 -+ |R^T R - I|, in the Frobenius norm.
+// Wider. g(q(x)) - p(x) = (R Q - P) x + (R w + t - s). With M_A the largest |coordinate| of A, this is at most
+// 3 max|R Q - P| M_A + max|R w + t - s| in each coordinate, and sqrt 3 < 1.74 times that in length. Faces move no
 // farther than their corners.
 // Rounding. S_p, S_q, S_g are the largest |coordinate| in any step of posing A by p, A by q, B by g. In each
 // coordinate, with u = 2^-53:

@@ -37,7 +37,7 @@ struct LocalUnits {
     double unit, inverse;
     double magnitude;  // no |coordinate| of the content is larger
 
-    // Chooses them for the content of a box, which then lies in [-1, 1]. The unit is at least `least`, so that a
+    // Sets them for the content of a box, which then lies in [-1, 1]. The unit is at least `least`, so that a
     // single point has one, too.
     void set(const Box& box, double least);
 };

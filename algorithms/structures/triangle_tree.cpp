@@ -15,8 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// Offers the triangles of a leaf that are near enough to matter. Their number depends only on what was known before
-// the leaf, so that counters are the same for every vector width.
+// Offers the triangles of a leaf that are near enough to matter. The choice depends only on the distance known
+// before the leaf, so counters are the same for every vector width.
 //
 // Lanes stay where they are in the leaf, so that loading them does not wait for the measuring of boxes. Not
 // inlined, so that the walk keeps its registers and the code exists only once.
