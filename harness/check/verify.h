@@ -1,8 +1,8 @@
 // Re-checks the answers of solvers. For points and meshes it shares no kernel, no tree and no rounding rule with
 // the solvers; verify_surface.h says which code is shared for surfaces.
 //
-// Lower bound, from its witness p: let e be the distance from p to A posed. As h(A posed, B posed) >= d(p, B posed)
-// - e, `lower` holds if every element of B posed is at least lower + e away from p. A lower bound of H may have its
+// Lower bound, from its witness p: let e be the distance from p to A posed. As h(A posed, B posed) >=
+// d(p, B posed) - e, `lower` holds if every element of B posed is at least lower + e away from p. A lower bound of H may have its
 // witness on B instead (Witness::direction); A and B then swap roles. If the box of an element is nearer than that,
 // the element is tried with a separating plane in interval arithmetic (for any n, a convex set T is at least the
 // minimum over its corners v of n.(p - v)/|n| away), then, if that is not enough, in exact rationals. e is computed

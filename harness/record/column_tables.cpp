@@ -7,7 +7,7 @@ namespace hausbench {
 using namespace columns;
 
 const Columns<Case>& case_columns() {
-    // Those of the identity stand first, in the order in which they are hashed.
+    // Columns of the identity come first, in the order in which they are hashed.
     using Entry = Case;
     static const Columns<Entry> all = {
         COLUMN(solver, "registry name", Identity::always),
