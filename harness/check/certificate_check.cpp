@@ -251,7 +251,7 @@ private:
         return most;
     }
 
-    // Returns the mean of the corners, but for rounding: any point gives a valid bound.
+    // Returns the rounded mean of the corners. Any point gives a valid bound.
     IntervalVector centre(const Polygon& polygon) const {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = 0; i < polygon.count; ++i) sum += middle(from_a(polygon.corners[i]));

@@ -52,7 +52,7 @@ struct Case {
     double tolerance = 0;
     std::string tolerance_of;
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
-    std::int64_t budget = -1;                                            // likewise; -1: none
+    std::int64_t budget = -1;                                            // see Query; -1: none
     int threads = 1;                                                     // the most that the solver may use
     // Hash of the files that the solver's command names, see command_files.h; empty: it runs no
     // command, or no file was found.
