@@ -97,7 +97,7 @@ void add_face(const std::string& name, Line line, Soup& soup) {
 
 Soup read_off(const std::string& name, std::string_view bytes) {
     if (bytes.find('\0') != std::string_view::npos)
-        throw InputError(name + ": a binary OFF file is not read: convert it to text");
+        throw InputError(name + ": binary OFF is not supported: convert it to text");
     std::vector<Line> lines;  // except empty ones
     std::string_view rest = bytes;
     for (std::uint32_t number = 1; !rest.empty(); ++number) {

@@ -156,7 +156,7 @@ std::string inflated(const std::string& name, std::string_view body) {
         throw InputError(fmt::format("{}: is truncated: {} compressed bytes are announced, and {} are there", name,
                                      packed, body.size() < 8 ? 0 : body.size() - 8));
     // LZF writes at most 264 bytes for each 3 that it reads. A larger number means damage and would only take memory.
-    if (full / 88 > packed) throw InputError(name + ": is damaged: its bytes cannot inflate to what it announces");
+    if (full / 88 > packed) throw InputError(name + ": is damaged: its bytes cannot inflate to the announced size");
     std::string out(full, '\0');
     if (lzf_decompress(body.data() + 8, packed, out.data(), full) != full)
         throw InputError(name + ": is damaged: its compressed bytes cannot be inflated");

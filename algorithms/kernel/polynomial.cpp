@@ -134,8 +134,8 @@ private:
         int n = 0;
         while (at_ < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at_])) && n <= most_power)
             n = 10 * n + (text_[at_++] - '0');
-        if (at_ == from) fail_at(from, "a whole number from 0 must stand after '^', such as x^2");
-        if (n > most_power) fail_at(from, fmt::format("powers above {} are too many", most_power));
+        if (at_ == from) fail_at(from, "write a whole number from 0 after '^', such as x^2");
+        if (n > most_power) fail_at(from, fmt::format("powers above {} are not supported", most_power));
         if (base.size() == 1) {  // sharp, both for (-2)^2 and for x^2
             const auto& [powers, x] = *base.begin();
             Sum all{{{powers[0] * n, powers[1] * n, powers[2] * n}, power(x, n)}};
