@@ -48,7 +48,7 @@ struct MissingModel {
 class Catalogue {
 public:
     // An empty path means no models. Also reads corpus.toml beside the manifest, if there is one (corpus.h). `program`
-    // is the hausbench executable that reads foreign files (isolated.h). Throws InputError for an unparsable manifest,
+    // is the hausbench executable that reads foreign files (separate_process.h). Throws InputError for an unparsable manifest,
     // an unknown key (names the nearest), or a derived model whose origin does not exist or depends on itself.
     Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program);
 

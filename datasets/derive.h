@@ -22,7 +22,7 @@ Shape with_points(const Given& g, const Points& points);
 std::vector<Index> random_order(Eigen::Index count, const Random& random, std::uint64_t first);
 
 // Returns whether the operation runs in CGAL, which may crash on a mesh that it cannot process,
-// or take very long: see isolated.h.
+// or take very long: see separate_process.h.
 bool made_in_a_process(const std::string& operation);
 
 // Throws InputError if the operation does not take this kind of shape, or fails on it. simplify

@@ -33,7 +33,7 @@ bool names_a_file(const std::string& text);
 // through assimp. A file with vertices and no faces is a point set; NAME.surface.toml is an algebraic surface
 // (surface_file.h). `format` ("obj", ...) overrides the file's extension. Throws InputError, one line with the file,
 // the place and the remedy, for a missing, empty or unparsable file, no vertices, a NaN or infinite coordinate
-// (names the vertex), or an index out of range. A hostile file may still crash the reader: see isolated.h.
+// (names the vertex), or an index out of range. A hostile file may still crash the reader: see separate_process.h.
 LoadedShape load_file(const std::filesystem::path& file, const std::string& format = "");
 
 }  // namespace hausbench
