@@ -1,5 +1,4 @@
-"""Checks bounds and counted work of a run here against results/reference/counts: `python3 -m analysis.check_reference
-STEM...`
+"""Checks bounds and counted work of a run here against results/reference/counts: `python3 -m analysis.check_reference STEM...`
 
 Bounds and counters are the same on every machine, so each row must match to the last digit. The file of a stem has one
 line for each row with status `ok`: the identity of the case (a hash of the shapes, the solver and its parameters), a
@@ -57,8 +56,7 @@ def words(row: Mapping[str, str]) -> tuple[str, ...]:
 def same_words(here: Rows, there: Rows) -> Rows:
     """Returns rows under the identities of the kept rows that match in words: solver, scene, pose and tolerance.
 
-    Other limits change the identity but not the words. A scene in which no row is equal has other shapes and is left
-    out.
+    Other limits change the identity but not the words. A scene in which no row is equal has other shapes and is left out.
     """
     identity_of = {words(row): identity for identity, row in there.items()}
     found = {identity_of[words(row)]: row for row in here.values() if words(row) in identity_of}

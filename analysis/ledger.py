@@ -1,5 +1,4 @@
-"""Summarises the ledgers of results/*.h5, which list skipped work: one figure and one table with the reasons and the
-time saved.
+"""Summarises the ledgers of results/*.h5, which list skipped work: one figure and one table with the reasons and the time saved.
 
     python3 -m analysis.ledger         writes results/figures/ledger.pdf and .png, results/tables/ledger.csv, .md and
     .tex; prints the totals
@@ -59,7 +58,10 @@ class Stem:
 
 
 def seconds_run(results: Results) -> float:
-    """Returns the wall time of structures, first answers and repeats. A structure counts once per process, however many poses use it."""
+    """Returns the wall time of structures, first answers and repeats.
+
+    A structure counts once per process, however many poses use it.
+    """
     cases, prepared = results.cases, results.preparation
     built = {(cases.label[case], cases.scene[case], number, name, seconds)
              for case, number, name, seconds, shared in zip(prepared.case, prepared.round, prepared.name, prepared.seconds, prepared.shared) if not shared}

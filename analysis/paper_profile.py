@@ -10,8 +10,7 @@ The verdicts go to NAME.verdicts.json beside the file, and the times for README'
 Stems without a result here keep their tables, verdicts and times, so that a long group can be measured in parts. The
 section `What it says`, before the tables, is written by hand and stays as it is.
 
-Afterwards this rewrites README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of
-all claims.
+Afterwards this rewrites README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""Shows which certified solver is the fastest, and by what factor: scene by tolerance, for point sets, meshes and
-surfaces.
+"""Shows which certified solver is the fastest, and by what factor: scene by tolerance, for point sets, meshes and surfaces.
 
     python3 -m analysis.which_solver   writes results/figures/which_solver.pdf and .png,
     results/tables/which_solver.csv, .md and .tex
@@ -61,8 +60,7 @@ class Cell:
 def cells_of(results: Results) -> list[Cell]:
     """Returns one cell for each scene in its first pose and each tolerance that some certified solver reached.
 
-    A tolerance gives no cell if the answer of some solver was read off the trace of a finer run, because it has no time
-    of its own.
+    A tolerance gives no cell if the answer of some solver was read off the trace of a finer run, because it has no time of its own.
     """
     cases, kinds, found = results.cases, dict(zip(results.models.name, results.models.kind)), list[Cell]()
     asked: dict[tuple[str, float], dict[str, int]] = {}

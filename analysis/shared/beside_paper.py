@@ -27,8 +27,7 @@ def row_title(grid: Grid, scene: str) -> str:
 def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[Grid, str], str] = row_title) -> Any:
     """Draws the figure. `title` names a scene.
 
-    `papers` holds the seconds that the paper prints, by scene and label; they are drawn only beside times at the
-    paper's sizes.
+    `papers` holds the seconds that the paper prints, by scene and label; they are drawn only beside times at the paper's sizes.
     """
     here = "here, the paper's sizes" if tests_claims(grid.results) else "here, smaller sizes"
     if not tests_claims(grid.results):

@@ -1,4 +1,7 @@
-"""Makes text safe to draw: names from results must not be read as formulas or vanish, and letters that the font lacks must stay visible."""
+"""Makes text safe to draw.
+
+Names from results must not be read as formulas or vanish, and letters that the font lacks must stay visible.
+"""
 
 from __future__ import annotations
 

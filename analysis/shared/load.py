@@ -137,8 +137,7 @@ def _of_profile(results: Results, profile: str) -> Results:
 
 
 def load(path: Path, profile: str = "") -> Results:
-    """Reads a whole result file, read-only, and returns its rows of one profile: `profile`, or else the profile of the
-    latest run.
+    """Reads a whole result file, read-only, and returns its rows of one profile: `profile`, or else the profile of the latest run.
 
     Raises ResultError if the file is missing, damaged or foreign, or has a newer schema.
     """

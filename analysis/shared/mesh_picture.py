@@ -33,8 +33,7 @@ def view(eye: tuple[float, float, float], up: tuple[float, float, float] = (0.0,
 
 
 def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: float = 0.0, both_sides: bool = False, shade: float = 0.4) -> None:
-    """Draws triangles in their colours (n x 4; default: grey), darker by up to `shade` the more they turn away from the
-    eye.
+    """Draws triangles in their colours (n x 4; default: grey), darker by up to `shade` the more they turn away from the eye.
 
     `edges` is the width of their outlines; 0: none. Triangles that face away are left out, unless `both_sides` is set:
     a surface with holes shows its inside.
@@ -111,8 +110,7 @@ def _facing(shown: Mesh, of: View, point: Floats) -> float:
 
 
 def showing(shown: Mesh, of: View, point: Floats) -> View:
-    """Returns the view turned about the vertical, and raised or lowered, by the least angles that show the point and
-    not edge-on.
+    """Returns the view turned about the vertical, and raised or lowered, by the least angles that show the point and not edge-on.
 
     Returns the view itself if no angles do.
     """

@@ -55,9 +55,7 @@ def measured_on(results: Results) -> str:
 
 
 def stand_in(note: str) -> str:
-    """Returns the shapes that stand in for the paper's, from the note of a scene: 'an orange sampled twice'; empty if
-    it names none.
-    """
+    """Returns the shapes that stand in for the paper's, from the note of a scene: 'an orange sampled twice'; empty if it names none."""
     found = re.fullmatch(r"(?:.+, and )?(.+?)(?: that)? stands? in(?: for .*)?", note)
     return found[1] if found else ""
 

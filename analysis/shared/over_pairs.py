@@ -1,9 +1,7 @@
-"""Means and wins over many pairs of shapes, and verdicts on them. The unit is the pair: it gives one ratio or one
-winner.
+"""Means and wins over many pairs of shapes, and verdicts on them. The unit is the pair: it gives one ratio or one winner.
 
 The pairs are treated as a sample of all pairs that could have been chosen, so an interval says how far the choice of
-pairs may have moved a mean. It does not say how precise one time is: with one round per pair, noise widens the spread
-between pairs.
+pairs may have moved a mean. It does not say how precise one time is: with one round per pair, noise widens the spread between pairs.
 """
 
 from __future__ import annotations
@@ -47,8 +45,7 @@ def _lognormal(x: Floats) -> tuple[float, float]:
 
     It keeps its 95 % with few values too. Let m be the mean of the logarithms and v their variance. If v were known,
     the log of the mean would be normal about m + v/2, with variance v/n; v itself follows from the variance of the
-    sample by a chi-square. The interval runs between the quantiles of this mixture, which are computed, not drawn at
-    random.
+    sample by a chi-square. The interval runs between the quantiles of this mixture, which are computed, not drawn at random.
     """
     logs, n = np.log(x), len(x)
     variance = np.var(logs, ddof=1) * (n - 1) / _chi_square(n - 1)

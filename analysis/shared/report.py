@@ -48,12 +48,10 @@ class Report:
         return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
 
     def save(self, results: Results, out: Path, stem: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
-        """Writes tables, verdicts, figures and caption, and returns their paths. `stem` defaults to the stem of the
-        results.
+        """Writes tables, verdicts, figures and caption, and returns their paths. `stem` defaults to the stem of the results.
 
         The files are <out>/tables/<stem>.csv, .md and .tex, <stem>.verdicts.json, <out>/figures/<stem>.pdf and .png (or
-        the chosen formats), and <stem>.txt if the figure has a caption of its own. An old figure is deleted if there is
-        none now.
+        the chosen formats), and <stem>.txt if the figure has a caption of its own. An old figure is deleted if there is none now.
         """
         stem = stem or results.stem
         table, paths = self.printed(results, stem), list[Path]()
@@ -121,8 +119,7 @@ def _whole(figure: Any) -> Any:
 
 
 def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
-    """Writes <out>/figures/<stem>.pdf and .png, or the chosen formats. A footnote goes below everything and makes the
-    figure higher.
+    """Writes <out>/figures/<stem>.pdf and .png, or the chosen formats. A footnote goes below everything and makes the figure higher.
 
     The files contain no dates, so that the same numbers give the same bytes.
     """

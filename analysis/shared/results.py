@@ -155,8 +155,7 @@ class Results:
     def solve_by_round(self, case: int, clock: str = "") -> dict[int, float]:
         """Returns the time of solving once more, by round, by the clock of the case or by `clock`.
 
-        It is the median over the repeats of a round, which is a fresh process. Without repeats it is the time of the
-        first answer.
+        It is the median over the repeats of a round, which is a fresh process. Without repeats it is the time of the first answer.
         """
         rows = self.repeats_of(case)
         seconds = self.repeats.cpu_seconds if (clock or self.clock_of(case)) == "cpu" else self.repeats.wall_seconds
@@ -199,8 +198,7 @@ class Results:
         return Trace(self.trace.seconds[part], self.trace.lower[part], self.trace.upper[part])
 
     def fields_of(self, case: int) -> dict[str, Floats]:
-        """Returns the values of each field of a case, by name: a number for each vertex, element or piece of A. Empty
-        if it has none.
+        """Returns the values of each field of a case, by name: a number for each vertex, element or piece of A. Empty if it has none.
         """
         return {str(self.fields.name[row]): self.field_values[int(self.fields.begin[row]):int(self.fields.end[row])]
                 for row in np.flatnonzero(self.fields.case == case)}
@@ -228,8 +226,7 @@ class Results:
         return self.cases.quantity[case], self.cases.source[case], self.cases.target[case], poses.tobytes()
 
     def reference_of(self, case: int) -> Interval:
-        """Returns the interval in which the true distance of this case, h or H, is proven to lie; NaN if nothing is
-        proven.
+        """Returns the interval in which the true distance of this case, h or H, is proven to lie; NaN if nothing is proven.
 
         It is [greatest lower, least upper] over the reference answer and all rows of certified solvers with bounds, for
         the same shapes in the same poses. Bounds that contradict each other (which `verify` reports) give the interval
@@ -247,8 +244,7 @@ class Results:
         return self.reference_of(rows[0]) if rows else Interval(np.nan, np.nan)
 
     def error(self, case: int, lower: float | None = None) -> float:
-        """Returns how far the answer may be from the true distance: the largest |lower - h| over all h in the
-        reference.
+        """Returns how far the answer may be from the true distance: the largest |lower - h| over all h in the reference.
 
         NaN if no certified solver has an answer. The answer is the lower bound, because a witness shows it and programs
         report it; the gap says how good the upper bound is. So the gap measures the proof, and the error measures the

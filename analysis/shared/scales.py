@@ -12,8 +12,7 @@ import numpy.typing as npt
 class LogAxis:
     """A logarithmic vertical axis on which exact zeros stay visible, in a separate band below a break.
 
-    Give it every value that will be drawn, then map the values through `place`. Values below 1e-250 are drawn at
-    1e-250.
+    Give it every value that will be drawn, then map the values through `place`. Values below 1e-250 are drawn at 1e-250.
     """
 
     LEAST: Final = 1e-250

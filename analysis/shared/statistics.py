@@ -79,8 +79,7 @@ def coverage_of_rank(n: int, k: int) -> float:
 def median(values: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
     """Returns the sample median and its order-statistic interval. O(n log n).
 
-    The values must be independent: one per round, or one per seed that has processes of its own. Raises ValueError for
-    NaN.
+    The values must be independent: one per round, or one per seed that has processes of its own. Raises ValueError for NaN.
     """
     x = np.sort(np.asarray(values, dtype=np.float64).ravel())
     n = len(x)

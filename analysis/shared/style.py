@@ -1,5 +1,4 @@
-"""The look of figures: one fixed colour, marker and line per solver (LOOKS), words and letters for failures, legends,
-widths.
+"""The look of figures: one fixed colour, marker and line per solver (LOOKS), words and letters for failures, legends, widths.
 
 Colours are from Okabe and Ito (2008), with a few from Paul Tol's muted set; both can be told apart with every common
 kind of colour blindness. There are more solvers than such colours, so a colour is used once more in the other family
@@ -121,8 +120,7 @@ _behind: dict[str, int] = {}  # number of each label that is drawn in grey
 
 
 def introduce(results: Results) -> None:
-    """Gives a look to solvers that are not in LOOKS, to external programs and to the variants of a solver, in the order
-    of the file.
+    """Gives a look to solvers that are not in LOOKS, to external programs and to the variants of a solver, in the order of the file.
 
     Solvers (also of plug-ins) and programs get a title and a colour; variants get a shade, a marker and a line.
     """

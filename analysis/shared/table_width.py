@@ -1,6 +1,7 @@
-"""Chooses how a LaTeX table fits a page: its font size, the columns that wrap, upright or sideways, one block of columns or several, one page or many.
+"""Chooses how a LaTeX table fits a page.
 
-Widths are estimated from the letter widths of Computer Modern, so writing a table does not need LaTeX.
+It chooses the font size, the columns that wrap, upright or sideways, one block of columns or several, and one page or
+many. Widths are estimated from the letter widths of Computer Modern, so writing a table does not need LaTeX.
 """
 
 from __future__ import annotations

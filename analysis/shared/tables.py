@@ -24,9 +24,7 @@ Record = dict[str, object]
 
 @dataclass
 class Table:
-    """A printed table: texts, and verdicts, which are printed apart from the notes. A thin line is drawn before each
-    row in `rules`.
-    """
+    """A printed table: texts, and verdicts, which are printed apart from the notes. A thin line is drawn before each row in `rules`."""
 
     caption: str
     header: Sequence[str]

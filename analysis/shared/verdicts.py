@@ -1,10 +1,8 @@
-"""Judges a paper's claims by the data: 'holds', 'does not hold', 'not separated' or 'not judged'. No verdict is written
-by hand.
+"""Judges a paper's claims by the data: 'holds', 'does not hold', 'not separated' or 'not judged'. No verdict is written by hand.
 
 'Not separated' comes from few or noisy times: both answers remain possible. Every verdict errs with at most 5 %; if a
 verdict looks at many ratios, its docstring says how it keeps to that. Each claim about time is judged in counted work
-as well: counts are the same on every machine, but a unit of work takes another time on a current machine than on the
-paper's.
+as well: counts are the same on every machine, but a unit of work takes another time on a current machine than on the paper's.
 """
 
 from __future__ import annotations
@@ -239,8 +237,7 @@ def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Ve
 
 
 def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str) -> Verdict:
-    """Judges a claim that a quantity is greatest at one place. `ratios` are its value there over its value at every
-    other place.
+    """Judges a claim that a quantity is greatest at one place. `ratios` are its value there over its value at every other place.
 
     It holds if all ratios are known and separated above 1 (an intersection-union test, as in `everywhere`). It does not
     hold if `rival`, the ratio to one place that was chosen without looking at the compared values, is separated below
@@ -255,8 +252,7 @@ def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str)
 
 
 def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], best: str, among: Sequence[str]) -> Verdict:
-    """Judges a claim that the least time is at one of the settings `among`. `best` is the setting with the least time
-    here.
+    """Judges a claim that the least time is at one of the settings `among`. `best` is the setting with the least time here.
 
     Each rival comes with its ratios to all of `among`, above 1 if the rival is slower. The claim holds if all rivals
     are separated from the same one of `among` (an intersection-union test for each of them, one-sided at 2.5 %, so two

@@ -1,4 +1,4 @@
-"""Kind `performance-profile` (Dolan and Moré 2002): for each solver, the share of cases that it answers within a factor of the fastest."""
+"""Kind `performance-profile` (Dolan and Moré 2002): the share of cases that each solver answers within a factor of the fastest."""
 
 from __future__ import annotations
 

@@ -73,8 +73,7 @@ def wrong(results: Results, rows: Sequence[int]) -> list[int]:
 def printed_rate(results: Results, label: str) -> float:
     """Returns the share of blocks in which the printed variant of a mended solver goes wrong; NaN if it never does.
 
-    Takes only scenes, poses and seeds that the mended solver answered, so a mended solver that goes wrong as often
-    would show it.
+    Takes only scenes, poses and seeds that the mended solver answered, so a mended solver that goes wrong as often would show it.
     """
     def question(row: int) -> tuple[str, int, object]:
         return results.cases.scene[row], int(results.cases.pose_index[row]), results.options(row).get("seed")
@@ -161,9 +160,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
-    """Draws one column per scene, by the shift between the clouds: above the share of wrong seeds, below by how much
-    they are wrong.
-    """
+    """Draws one column per scene, by the shift between the clouds: above the share of wrong seeds, below by how much they are wrong."""
     figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.0), sharex="col", sharey="row",
                                 squeeze=False)
     labels = [label for label in LOOKS if label.endswith("as_printed")]

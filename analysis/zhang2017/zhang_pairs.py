@@ -37,8 +37,7 @@ class Spec:
 class Pair:
     """One scene. Both variants are prepared with the same structure, which is built once for each.
 
-    Both get the shorter of these two times. If both have several seeds, their medians even out the accidents of
-    preparation.
+    Both get the shorter of these two times. If both have several seeds, their medians even out the accidents of preparation.
     """
 
     def __init__(self, results: Results, spec: Spec, scene: str) -> None:
