@@ -198,8 +198,7 @@ class Results:
         return Trace(self.trace.seconds[part], self.trace.lower[part], self.trace.upper[part])
 
     def fields_of(self, case: int) -> dict[str, Floats]:
-        """Returns the values of each field of a case, by name: a number for each vertex, element or piece of A. Empty if it has none.
-        """
+        """Returns the values of each field of a case by name: a number per vertex, element or piece of A. Empty if it has none."""
         return {str(self.fields.name[row]): self.field_values[int(self.fields.begin[row]):int(self.fields.end[row])]
                 for row in np.flatnonzero(self.fields.case == case)}
 

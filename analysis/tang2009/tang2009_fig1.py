@@ -1,5 +1,4 @@
-"""Figure 1 of Tang et al. 2009: pairs and the points that attain their distance; frames of two dynamic scenes and the deepest points.
-"""
+"""Figure 1 of Tang et al. 2009: pairs, frames of two dynamic scenes, and the points that attain the distance or the depth."""
 
 from __future__ import annotations
 
