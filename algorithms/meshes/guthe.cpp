@@ -24,11 +24,12 @@
 // enough. Queries of vertices start at the triangle that was nearest before.
 //
 // Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest piece. They
-// are as tight as the search needed; triangles that cannot attain the maximum are not refined.
-//
+// Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest
+// piece. They are as tight as the search needed; triangles that cannot attain the maximum are not refined.
 // Certificate: the search's own pieces, each with the triangle S of its bound (search/piece_proofs.h). The distances from the corners to S
-// prove it, also if the search used the box of a group and one point of S, which are no nearer.
-//
+// Certificate: the search's own pieces, each with the triangle S of its bound (search/piece_proofs.h). The distances
+// from the corners to S prove the bound even if the search used the box of a group and one point of S, because these
+// distances are no larger.
 // Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on tame data. Memory: O(n + m), and 168
 // bytes per piece in the queue.
 #include "algorithms/search/bounds.h"
@@ -62,7 +63,7 @@ struct GutheChoices {
     Split split = Split::midpoint;
 };
 
-// One query.
+// The search of one query.
 class GutheSearch {
 public:
     GutheSearch(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace,
@@ -124,7 +125,7 @@ void GutheSearch::push(const GuthePiece& piece) {
     queue_.push(piece);
 }
 
-// Queues the triangles of A, each bounded by the least over the triangles of B nearest to its corners.
+// Queues the triangles of A, each with the least bound over the triangles of B nearest to its corners.
 void GutheSearch::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
@@ -143,7 +144,7 @@ void GutheSearch::push_triangles() {
     }
 }
 
-// Returns the largest squared distance from a corner to a triangle of B that is nearest to one of the corners.
+// Returns the largest squared distance from a corner of the piece to a triangle of B.
 double GutheSearch::squared_to_farthest(const GuthePiece& piece, Index triangle) {
     const Triangle near = target_.triangle(triangle);
     double most = 0;
