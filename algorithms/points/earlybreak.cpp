@@ -2,8 +2,8 @@
 //
 // Source: Taha, Hanbury: An efficient algorithm for calculating the exact Hausdorff distance, IEEE TPAMI 37, 2015, as
 // given by Zhang et al. 2017, Algorithm 2, with cmin <- 0 before the break (the first print omits it and may return a
-// stale minimum). Common points are excluded from A only: h(A, B) = h(A \ B, B). O(|A|) to O(|A| |B|) time, O(|A| +
-// |B|) memory. Budget: points of A.
+// stale minimum). Common points are excluded from A only: h(A, B) = h(A \ B, B).
+// O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
 #include "algorithms/points/early_break.h"
 #include "algorithms/points/point_solver.h"
 

@@ -4,14 +4,15 @@
 // The piece with the largest upper bound is split first; the lower bound is the largest distance of a point of A
 // measured so far. A piece whose corners share a nearest triangle is exact. For any other piece the bounds of `order`
 // are computed in turn until one is at most the lower bound; otherwise the piece is queued with the least of its own
-// bounds and its parent's. Ours: before a piece is queued, a second test checks whether ties hide a nearest triangle
-// shared by its corners. Identical meshes need this test, because the nearest triangle of a vertex may be any
-// triangle at that vertex.
+// bounds and its parent's.
+// Ours: before a piece is queued, a second test checks whether ties hide a nearest triangle shared by its corners.
+// Identical meshes need this test, because the nearest triangle of a vertex may be any triangle at that vertex.
 //
 // Certified: bounds are widened as in piece_bounds.h and kernel/rounding.h; the lower bound is computed as in
 // bounds.h. Certificate: the search's own pieces, each with the argument of its least bound (search/piece_cells.h). A
-// piece settled by the bound of a larger piece is bounded again after the search (search/piece_proofs.h). Vertices
-// that no triangle of A uses never count. An empty queue ends the search; the bounds of removed pieces are kept.
+// piece settled by the bound of a larger piece is bounded again after the search (search/piece_proofs.h).
+// Vertices that no triangle of A uses never count. An empty queue ends the search; the bounds of removed pieces are
+// kept.
 #pragma once
 
 #include "algorithms/search/mesh_solver.h"

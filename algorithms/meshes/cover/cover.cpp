@@ -17,9 +17,10 @@
 // query.
 //
 // Upper bound: the largest distance that the covers and the groups have shown, not tau. Lower bound and witness: as
-// in guthe.cpp. Rounding: covers follow meshes/cover/offset_cover.h, in coordinates of a place, so that errors scale
-// with the size of the place; groups, and the pieces of triangles that are halved first because they are large
-// compared with those of B, follow kernel/rounding.h.
+// in guthe.cpp.
+// Rounding: covers follow meshes/cover/offset_cover.h, in coordinates of a place, so that errors scale with the size
+// of the place; groups, and the pieces of triangles that are halved first because they are large compared with those
+// of B, follow kernel/rounding.h.
 //
 // Rounds: the work is cut into parts, and a few parts make a round. All parts of a round start from the lower bound
 // at its beginning, and their results are merged in order, so the answer does not depend on the number of threads.
@@ -27,8 +28,8 @@
 //
 // Both directions, and chains of poses (ours as well): a triangle of B that was nearest to a group at the previous
 // pose, or close to one of its triangles in the other direction, often settles the group without a query. The
-// previous farthest point is measured first. Fields: as in guthe.cpp. Budget: cuts; with a budget each round has one
-// part.
+// previous farthest point is measured first. Fields: as in guthe.cpp.
+// Budget: cuts; with a budget each round has one part.
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/meshes/cover/groups.h"

@@ -1,11 +1,12 @@
 // Lemma 4 of Tang et al. 2009, corrected: bounds a piece T of A by a translation D of T, if B is closed.
 //
 // As printed: if B encloses T + D, then no point of T is farther from B than |D|. This is wrong if part of T is
-// inside B, because a point inside may stay inside without meeting B. Here: let every edge of B belong to an even
-// number of its triangles, and let neither T nor T + D touch B. If the segment from one point p of T to p + D crosses
-// B an odd number of times, then so does the segment of every other point of T: when p moves to that point, neither
-// end of the segment meets B, so the number of crossings changes by two at a time, because B is closed modulo 2. So
-// each segment meets B, and no point of T is farther from B than |D|. T may also be inside and T + D outside.
+// inside B, because a point inside may stay inside without meeting B.
+// Here: let every edge of B belong to an even number of its triangles, and let neither T nor T + D touch B. If the
+// segment from one point p of T to p + D crosses B an odd number of times, then so does the segment of every other
+// point of T: when p moves to that point, neither end of the segment meets B, so the number of crossings changes by
+// two at a time, because B is closed modulo 2. So each segment meets B, and no point of T is farther from B than |D|.
+// T may also be inside and T + D outside.
 //
 // Certified: an axis separates T and T + D from each triangle of B, and orientations count the crossings. Both are
 // proven under rounding; if either is in doubt, there is no bound.

@@ -11,14 +11,15 @@
 // Voronoi subdivision, and the end of work on a piece whose corners share a nearest triangle: then for some S in L,
 // h(T, S) equals the largest distance of a corner, and u settles the piece. Ties are harmless, because L contains
 // every tied triangle. Ours: changes named in the headers of the parts, and leaves of up to eight triangles instead
-// of four, for the vector kernels, because all solvers share the trees. Penetration depth is a separate solver. The
-// paper's option for closed B, Lemma 4, is `lemma4`: corrected, certified (enclosed_move.h), and off by default.
+// of four, for the vector kernels, because all solvers share the trees. Penetration depth is a separate solver.
+// The paper's option for closed B, Lemma 4, is `lemma4`: corrected, certified (enclosed_move.h), and off by default.
 //
 // Certified: upper bounds are widened as in kernel/rounding.h, volumes as in volumes.cpp; the lower bound is computed
-// as in search/bounds.h. If A moves, its volumes move with it. Both directions (section 6): the triangle of B that
-// bounded a triangle of A is tried first with it in the second direction. In a chain of poses (if the caller gives a
-// State), hints come from the previous pose: these triangles, the triangles near the nodes of A, and the farthest
-// point (ours).
+// as in search/bounds.h. If A moves, its volumes move with it.
+//
+// Both directions (section 6): the triangle of B that bounded a triangle of A is tried first with it in the second
+// direction. In a chain of poses (if the caller gives a State), hints come from the previous pose: these triangles,
+// the triangles near the nodes of A, and the farthest point (ours).
 //
 // Fields: as in guthe.cpp; triangles that were culled with a node have the bound of this node.
 // Reports: "culled on A", the share of A's triangles settled before culling on B; "culled on B", the share of B's triangles that were

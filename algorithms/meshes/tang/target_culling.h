@@ -4,14 +4,16 @@
 // well (Lemma 3).
 //
 // L: a piece T with corners v_i keeps S only if d(v_i, S) <= u + e_i for all i, where e_i is the longest edge at v_i.
-// Let S be nearest to some p of T. Then d(p, S) <= h(T, B) <= u and |v_i - p| <= e_i, so S stays. Rounding: T stands
-// for an exact piece within 2k uM of it, where k is its level (kernel/rounding.h), so e_i may be 6k uM too small; a
-// computed distance may be too large by 10uM, as measured, and by 4u of itself. So (32 + 8k) uM is added, and 8u of
-// the sum. No bound rests on this: h(T, S) is an upper bound for any S, and the farthest point is measured again
-// against all of B. If S were missing, the search might end with `precision_floor`. A list of more than `most_listed`
-// triangles is not kept: such a piece is measured by closest point queries, and its parts get another chance once
-// they are so small that a list is likely. So the memory per piece does not depend on B, even if B has duplicates or
-// a corner is at the centre of a sphere.
+// Let S be nearest to some p of T. Then d(p, S) <= h(T, B) <= u and |v_i - p| <= e_i, so S stays.
+//
+// Rounding: T stands for an exact piece within 2k uM of it, where k is its level (kernel/rounding.h), so e_i may be
+// 6k uM too small; a computed distance may be too large by 10uM, as measured, and by 4u of itself. So (32 + 8k) uM is
+// added, and 8u of the sum. No bound rests on this: h(T, S) is an upper bound for any S, and the farthest point is
+// measured again against all of B. If S were missing, the search might end with `precision_floor`.
+//
+// A list of more than `most_listed` triangles is not kept: such a piece is measured by closest point queries, and its
+// parts get another chance once they are so small that a list is likely. So the memory per piece does not depend on
+// B, even if B has duplicates or a corner is at the centre of a sphere.
 #pragma once
 
 #include "algorithms/meshes/tang/short_lists.h"

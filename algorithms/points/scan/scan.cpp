@@ -24,9 +24,9 @@
 //
 // Exact and certified: only computed squared distances to points of B decide, in the order of operations of
 // squared_distance. Boxes are compared with the same monotone operations (kernel/box.h), and cells are rounded
-// outward. So the answer has the same bits as the answer of `naive`. Time: O(|A| + |B|) if an outlier decides,
-// otherwise about O(|A| log |B| + |B|). Memory: O(|A| + |B|). Budget: searches for closest points, checked between
-// batches.
+// outward. So the answer has the same bits as the answer of `naive`.
+// Time: O(|A| + |B|) if an outlier decides, otherwise about O(|A| log |B| + |B|). Memory: O(|A| + |B|). Budget:
+// searches for closest points, checked between batches.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/scan/near.h"

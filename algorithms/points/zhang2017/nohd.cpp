@@ -14,8 +14,8 @@
 // The octree is built once in A's frame, down to single points, so that solvers can share it; `depth` cuts through
 // it. With `build = "to_depth"` it is built only to `depth`, as in the paper: cells and bounds are the same, but the
 // points of a cell are in another order. Under motion a cell becomes the box around the posed cell. O(|A| |B|) time
-// in the worst case; O(cells |B|), far fewer, if A and B are apart. O(|A| + |B|) memory. Budget: cells taken from the
-// queue.
+// in the worst case; O(cells |B|), far fewer, if A and B are apart. O(|A| + |B|) memory.
+// Budget: cells taken from the queue.
 #include "algorithms/points/zhang2017/nohd.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
