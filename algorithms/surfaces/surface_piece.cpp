@@ -56,7 +56,7 @@ Vec3 seed_on(const SurfacePiece& piece, const Vec3& p) {
 
 double distance_at_least(const SurfacePiece& piece, const Vec3& p) {
     std::array<Interval, 3> gap;
-    for (int k = 0; k < 3; ++k) {  // rounded down, by negating what was rounded up
+    for (int k = 0; k < 3; ++k) {  // rounded down: negates values that were rounded up
         const double before = -(p[k] - piece.box.low[k]), after = -(piece.box.high[k] - p[k]);
         gap[std::size_t(k)] = Interval(std::max(std::max(before, after), 0.0));
     }
