@@ -18,12 +18,12 @@ std::string parameter_error(const ParameterSpec& spec) {
     const auto* integer = std::get_if<std::int64_t>(&spec.default_value);
     const auto* real = std::get_if<double>(&spec.default_value);
     if (!spec.choices.empty()) {
-        if (!text) return "has choices, but is no text: give its default as a text, or least and most";
+        if (!text) return "has choices but is not a text: make its default a text, or give least and most";
         if (std::find(spec.choices.begin(), spec.choices.end(), *text) == spec.choices.end())
             return fmt::format("the default '{}' is not one of its choices{}", *text,
                                nearest_hint(*text, spec.choices));
     }
-    if (spec.command && !text) return "is declared a command line, but is no text: give its default as a text";
+    if (spec.command && !text) return "is declared a command line but is not a text: make its default a text";
     if (!integer && !real) return "";
     const double value = integer ? static_cast<double>(*integer) : *real;
     if (!(spec.least <= value && value <= spec.most))
@@ -35,7 +35,7 @@ std::string parameter_error(const ParameterSpec& spec) {
 
 std::string declaration_error(const SolverInfo& info) {
     const auto any = [](const ShapeSet& shapes) { return shapes.points || shapes.mesh || shapes.surface; };
-    if (info.name.empty()) return "its name is empty: give it one";
+    if (info.name.empty()) return "its name is empty: name it";
     if (info.title.empty()) return "its title is empty: give the name that tables and legends show";
     if (!any(info.source) || !any(info.target))
         return fmt::format("takes no shape as {}: set points, mesh or surface there",
@@ -44,8 +44,8 @@ std::string declaration_error(const SolverInfo& info) {
         return "is certified, and declares `known_wrong`: bounds that may not hold are never certified";
     const std::vector<std::string> papers(std::begin(paper_keys), std::end(paper_keys));
     if (!info.paper.empty() && std::find(papers.begin(), papers.end(), info.paper) == papers.end())
-        return fmt::format("its paper '{}' is no key of papers.bib{}: leave it empty for any other paper", info.paper,
-                           nearest_hint(info.paper, papers));
+        return fmt::format("its paper '{}' is not a key of papers.bib{}: leave it empty for any other paper",
+                           info.paper, nearest_hint(info.paper, papers));
     std::set<std::string> names;
     for (const ParameterSpec& spec : info.parameters) {
         if (spec.name.empty()) return "has a parameter without a name: give it one";

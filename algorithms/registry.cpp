@@ -6,7 +6,8 @@
 
 namespace hausbench {
 
-// Calls each solver's function, NAME_solver(), that its own file defines; the lists come from the lines hausbench_solver(...) in CMake.
+// Declares NAME_solver() of each solver, which the solver's own file defines. The lists come from the lines
+// hausbench_solver(...) in CMake.
 #define SOLVER(name) SolverEntry name##_solver();
 #include "solvers.inc"
 #undef SOLVER
@@ -34,8 +35,8 @@ void add_solvers(const std::vector<SolverEntry>& more, const std::string& origin
         if (entry.info.name.empty() || !entry.make)
             throw InputError(origin + ": offers a solver without a name or without a function that makes it");
         if (!names.insert(entry.info.name).second) {
-            throw InputError(origin + ": there is a solver '" + entry.info.name +
-                             "' already: give this one another name");
+            throw InputError(origin + ": a solver '" + entry.info.name +
+                             "' exists already: give this one another name");
         }
     }
     list_of_solvers().insert(list_of_solvers().end(), more.begin(), more.end());
@@ -62,7 +63,7 @@ const SolverEntry& find_solver(std::string_view name) {
         }
     }
     throw InputError("unknown solver '" + std::string(name) + "'" + nearest_hint(name, names) +
-                     "; one of a plug-in needs --plugin FILE");
+                     "; a solver of a plug-in needs --plugin FILE");
 }
 
 }  // namespace hausbench

@@ -1,5 +1,5 @@
-"""Draws figures and tables: `python3 -m analysis STEM ... [--results DIR] [--out DIR]`. Each reads <results>/STEM.h5 by the script that
-stems.module_of finds. With a stem come all that draw its results; such a one by itself reads the results that it names.
+"""Draws figures and tables: `python3 -m analysis STEM ... [--results DIR] [--out DIR]`. Each stem reads <results>/STEM.h5 with the script
+that stems.module_of finds. A stem also draws the stems that use its results; such a stem named alone reads the results that it names.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Whether a run here gave the bounds and counted the work that are kept in results/reference/counts: `python3 -m analysis.check_reference STEM...`
 
-Bounds and counters are the same on every machine, so each row must have them to the last digit. A stem's file has a line for each row that
-ended by itself: the identity of the case (which holds the shapes, the solver and its parameters), then what it is in words, its bounds and its
-counters. `--keep` adds the rows of results/STEM.h5 to the file and replaces rows of the same cases.
+Bounds and counters are the same on every machine, so each row must equal the kept one to the last digit. A stem's file has a line for each
+row that ended by itself: the identity of the case (of shapes, solver and parameters), a description, bounds and counters. `--keep` adds the
+rows of results/STEM.h5 to the file and replaces rows of the same cases.
 """
 
 from __future__ import annotations

@@ -92,7 +92,9 @@ def too_wide(log: str, allowed: float = 5.0) -> list[str]:
 
 
 def compiled(source: Path, out: Path) -> tuple[Path, list[str]]:
-    """Runs pdflatex until references and columns are settled. Returns the PDF and what is larger than its page. Raises OSError if LaTeX fails."""
+    """Runs pdflatex until references and columns are settled. Returns the PDF and the boxes that are larger than its page. Raises OSError
+    if LaTeX fails.
+    """
     out.mkdir(parents=True, exist_ok=True)
     command = ["pdflatex", "-halt-on-error", "-interaction=nonstopmode", f"-output-directory={out.resolve()}", source.name]
     for _ in range(3):

@@ -107,7 +107,7 @@ SKETCHES: Final = {"tang2009": (("Figs. 2 to 6, Table 1", "the steps of the algo
 
 
 def items(paper: str, folder: Path = ROOT / "experiments") -> list[list[str]]:
-    """The paper's tables and figures that have a stem, and what the stem measures."""
+    """Returns the paper's tables and figures that have a stem, each with a description of the stem's measurement."""
     rows = []
     for file in sorted((folder / paper).glob("*.toml"), key=lambda file: (file.stem.rstrip("0123456789"), len(file.stem), file.stem)):
         with file.open("rb") as text:

@@ -2,12 +2,12 @@
 
     make zhang2017 PROFILE=paper && python3 -m analysis.paper_profile zhang2017
 
-writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, results/reference/points_speed.md. The group
-`corpus` has no paper: its whole profile is `corpus`, and its file results/reference/corpus.md.
-Their verdicts are kept beside it, in NAME.verdicts.json, and the times that README's table of winners needs, in NAME.times.json.
-Stems of the group without a result here keep the tables, verdicts and times that the files have, so that a long group may be measured in parts.
-A section `What it says`, before the tables, is written by hand and kept.
-README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims are written again from these files.
+writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, writes results/reference/points_speed.md. The
+group `corpus` has no paper: its full profile is `corpus`, and its file results/reference/corpus.md. Verdicts are kept beside the file in
+NAME.verdicts.json, and the times for README's table of winners in NAME.times.json. Stems of the group without a result here keep the
+tables, verdicts and times of the files, so that a long group can be measured in parts. The section `What it says` before the tables is
+written by hand and kept. README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims are
+written again from these files.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ SAYS: Final = "What it says"  # the section that is written by hand
 
 @dataclass
 class Kept:
-    """What a file has."""
+    """The content of a kept file."""
 
     machines: list[str] = field(default_factory=list)
     rows: dict[str, str] = field(default_factory=dict)  # by stem, of the table at its head
@@ -92,7 +92,7 @@ def check(results: Results) -> Results:
 
 
 def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Record], list[tables.Record]]:
-    """The whole file, all verdicts, and the times of winners: of each stem what was measured, or else what was kept."""
+    """Returns the whole file, all verdicts, and the times of winners: newly measured stems, and the kept values of the others."""
     stems, whole = stems_of(group, folder), whole_profile(group)
     if not stems:
         raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE={whole}'")

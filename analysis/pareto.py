@@ -1,7 +1,8 @@
 """Whether a solver is on the Pareto front of gap against time: `python3 -m analysis.pareto STEM [--solver cover] [--results DIR]`.
 
-A cell is a scene of meshes, a pose and a tolerance. In it the solver is beaten by a certified solver that is faster and gives a gap no larger.
-Only times that are separated tell: where a rival's gap is no larger and neither is clearly faster, or their times do not compare, the cell is open.
+A cell is a scene of meshes, a pose and a tolerance. The solver is beaten in a cell by a certified solver that is faster and gives a gap no
+larger. Only separated times count: if a rival's gap is no larger and neither solver is clearly faster, or if their times are not
+comparable, the cell is open.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ class Cell:
 
 
 def cells(results: Results, solver: str) -> list[Cell]:
-    """Of the rows of the solver that are ok, in the order of the file."""
+    """Returns the cells of the solver's rows that are ok, in the order of the file."""
     cases, kinds = results.cases, dict(zip(results.models.name, results.models.kind))
     found = []
     for own in results.rows(solver=solver, status="ok"):

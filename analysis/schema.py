@@ -1,8 +1,8 @@
-"""What follows in Python and in prose from the program's columns: analysis/shared/columns.py and the tables of results/README.md.
+"""Writes what follows from the program's own tables: analysis/shared/columns.py, the tables of results/README.md and of docs/experiments.md.
 
     python3 -m analysis.schema
 
-asks the program (`hausbench list columns`) and writes both; a test fails where they differ from it.
+asks the program (`hausbench list columns`, `list keys`) and writes all three; a test fails if they differ from it.
 Nothing else in analysis/ starts the program: stems read result files, and shapes from the cache.
 """
 
@@ -19,6 +19,7 @@ from typing import Any, Final
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 README: Final = ROOT / "results" / "README.md"
+EXPERIMENTS: Final = ROOT / "docs" / "experiments.md"
 MODULE: Final = ROOT / "analysis" / "shared" / "columns.py"
 TYPES: Final = {"text": "Texts", "real": "Floats", "integer": "Ints"}
 HEAD: Final = '''"""The columns of result files, as analysis/shared/load.py reads them. Written by `python3 -m analysis.schema`: do not edit."""
@@ -45,9 +46,9 @@ def program() -> Path:
     return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench"))
 
 
-def listed(what: str) -> Any:
-    """What `hausbench list` says, as JSON."""
-    done = subprocess.run([program(), "list", what], cwd=ROOT, capture_output=True, text=True, check=True)
+def listed(*what: str) -> Any:
+    """Returns the JSON that `hausbench list` prints."""
+    done = subprocess.run([program(), "list", *what], cwd=ROOT, capture_output=True, text=True, check=True)
     return json.loads(done.stdout)
 
 
@@ -57,7 +58,7 @@ def columns() -> Groups:
 
 
 def module(groups: Groups) -> str:
-    """A dataclass a group, and what a file that lacks a column has in its place."""
+    """Returns a dataclass for each group, and the defaults of columns that a file lacks."""
     text = HEAD
     for group, known in groups.items():
         text += f"\n\n@dataclass(frozen=True)\nclass {group.capitalize()}:\n"
@@ -95,18 +96,49 @@ def table(known: list[dict[str, Any]]) -> str:
 def readme(text: str, groups: Groups) -> str:
     """With the table of each group between its marks."""
     for group, known in groups.items():
-        begin, end = f"<!-- columns of {group}: begin -->", f"<!-- columns of {group}: end -->"
-        if text.count(begin) != 1 or text.count(end) != 1:
-            raise ValueError(f"results/README.md: the marks '{begin}' and '{end}' are missing: put them where the table belongs")
-        text = re.sub(f"{begin}.*?{end}", lambda _: f"{begin}\n{table(known)}\n{end}", text, flags=re.DOTALL)
+        text = between_marks(text, f"columns of {group}", table(known))
     return text
+
+
+def between_marks(page: str, name: str, text: str) -> str:
+    """Returns the page with the text between the comments "NAME: begin" and "NAME: end"."""
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    if page.count(begin) != 1 or page.count(end) != 1:
+        raise ValueError(f"the marks '{begin}' and '{end}' are missing: put them where the table belongs")
+    return re.sub(f"{re.escape(begin)}.*?{re.escape(end)}", lambda _: f"{begin}\n{text}\n{end}", page, flags=re.DOTALL)
+
+
+def key_table(keys: list[dict[str, str]]) -> str:
+    lines = ["| key | default | meaning |", "| --- | --- | --- |"]
+    for key in keys:
+        fallback = key["default"]
+        code = f"`{fallback}`" if re.fullmatch(r'[\w.+-]+|"[^"]*"', fallback) and fallback != "all" else fallback
+        lines.append(f"| `{key['name']}` | {code} | {key['meaning']} |")
+    return "\n".join(lines)
+
+
+def recipe_table(recipes: list[dict[str, Any]], what: str) -> str:
+    lines = [f"| `{what}` | numbers | shape |", "| --- | --- | --- |"]
+    for recipe in recipes:
+        numbers = ", ".join(f"`{number['name']}`" for number in recipe["numbers"])
+        lines.append(f"| `{recipe['name']}` | {numbers} | {recipe['meaning']} |")
+    return "\n".join(lines)
+
+
+def experiments(page: str, keys: dict[str, Any]) -> str:
+    """Returns docs/experiments.md with the tables of keys, recipes and operations."""
+    for one in keys["tables"]:
+        page = between_marks(page, f"keys of {one['table'] or 'the top level'}", key_table(one["keys"]))
+    page = between_marks(page, "recipes", recipe_table(keys["recipes"], "recipe"))
+    return between_marks(page, "operations", recipe_table(keys["operations"], "operation"))
 
 
 def main() -> int:
     groups = columns()
     MODULE.write_text(module(groups), encoding="utf-8")
     README.write_text(readme(README.read_text(encoding="utf-8"), groups), encoding="utf-8")
-    for path in (MODULE, README):
+    EXPERIMENTS.write_text(experiments(EXPERIMENTS.read_text(encoding="utf-8"), listed("keys", "--json")), encoding="utf-8")
+    for path in (MODULE, README, EXPERIMENTS):
         print(path.relative_to(ROOT))
     return 0
 

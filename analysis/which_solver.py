@@ -83,14 +83,14 @@ def cells_of(results: Results) -> list[Cell]:
 
 
 def takes_part(results: Results, row: int) -> bool:
-    """Of several seeds the first, and no other sweep over a parameter: which of its values should stand for the solver?"""
+    """Takes the first of several seeds, and no other sweep over a parameter, because no one value could stand for the solver."""
     variant = str(results.cases.variant[row])
     return not variant or (variant.startswith("seed=") and row == min(results.rows(scene=results.cases.scene[row], label=results.cases.label[row],
                                                                                   tolerance=results.cases.tolerance[row])))
 
 
 def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], domain: str) -> Cell:
-    """The fastest is the one that no other beats, by the ratios that are shown; where each is beaten by some other, nobody has a number."""
+    """The fastest is the solver that no other beats, by the ratios that are shown; if each is beaten by some other, none gets a number."""
     times = {label: results.total_by_round(row) for label, row in rows.items()}
     by_median = sorted(times, key=lambda label: float(np.median(list(times[label].values()))))
 

@@ -1,8 +1,8 @@
 """README's table of where solvers win, from the times kept beside the tables in results/reference/. `python3 -m analysis.winners`
 writes it between two marks in README.md; analysis.paper_profile does so whenever it writes those tables.
 
-A solver wins a scene if its interval lies below the interval of every other. Nobody wins if a solver has a single time, which has
-no interval, or an interval of less than 95 %, or if the times do not compare; a line below the table says how many scenes that are.
+A solver wins a scene if its interval lies below the interval of every other. There is no winner if a solver has a single time, which has no
+interval, or an interval of less than 95 %, or if the times are not comparable; a line below the table says how many scenes that concerns.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Race:
     """The scenes of a table."""
 
     scenes: int
-    won: dict[str, list[float]] = field(default_factory=dict)  # by winner: of each scene how many times over the next best
+    won: dict[str, list[float]] = field(default_factory=dict)  # by winner: how many times over the next best, for each scene
     unjudged: int = 0  # scenes in which nobody can win
     single: dict[str, None] = field(default_factory=dict)  # titles of the solvers with single times in them
     doubts: dict[str, None] = field(default_factory=dict)  # other reasons

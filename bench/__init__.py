@@ -1,1 +1,1 @@
-"""Reports of the benchmarks of the kernels; what is measured is in the C++ files here."""
+"""Reports of the kernel benchmarks, which the C++ files here measure."""

@@ -1,6 +1,6 @@
-// Kernels against Embree and CGAL, and `guthe` with certification against without, as ratios within one run.
+// Compares kernels with Embree and CGAL, and `guthe` with and without certification, as ratios within one run.
 //
-// Writes CSV to standard output, and what goes on to standard error; bench/report.py makes the table of it.
+// Writes CSV to standard output and progress to standard error; bench/report.py makes the table.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -21,11 +21,11 @@ namespace {
 
 struct Row {
     std::string part, scene, contender;
-    Index elements;             // what `nanoseconds` is divided by
-    double nanoseconds;         // median of a round
-    Estimate ratio;             // to the first contender of its part and scene, by rounds
+    Index elements;             // the divisor of `nanoseconds`
+    double nanoseconds;         // per element, median over rounds
+    Estimate ratio;             // to the first contender of this part and scene, over rounds
     std::size_t bytes;          // 0: not known
-    double largest_difference;  // to the distances of the first, in diagonals of the target
+    double largest_difference;  // from the distances of the first contender, in diagonals of the target
 };
 
 void print(const Row& row) {
@@ -87,7 +87,7 @@ void compare_queries(const std::string& near, const std::string& model, int roun
     }
 }
 
-// Preparing is the same with and without, and not in it.
+// Preparing is the same in both variants and is not timed.
 void compare_certification(const std::string& source, const std::string& target, int rounds) {
     const Scene scene{model_mesh(source), model_mesh(target)};
     const SolverEntry& guthe = find_solver("guthe");
@@ -137,7 +137,7 @@ int run(int rounds, const std::vector<std::string>& parts) {
         try {
             f();
             ++made;
-        } catch (const InputError& error) {  // a model that was not fetched
+        } catch (const InputError& error) {  // a model was not fetched
             fmt::print(stderr, "skipped: {}\n", error.what());
         }
     };

@@ -1,4 +1,4 @@
-// Several contenders timed in turn, so that what disturbs the machine disturbs all of them.
+// Times several contenders in turn, so that a disturbance of the machine affects all of them.
 #pragma once
 
 #include "harness/record/statistics.h"
@@ -9,7 +9,7 @@
 
 namespace hausbench {
 
-// Of this process, all threads: a program that hands work to a thread of its own gains nothing by it.
+// Returns the CPU time of all threads of this process, so that moving work to another thread gains nothing.
 inline double cpu_seconds() {
     timespec time{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -20,7 +20,7 @@ struct Contender {
     std::function<void()> before, timed, after;
 };
 
-// seconds[c][r]: of contender c in round r. Rounds go forth and back (ABBA); one round before them is not kept.
+// Returns seconds[c][r], the time of contender c in round r. Rounds go forth and back (ABBA); the first one is not kept.
 inline std::vector<std::vector<double>> interleave(const std::vector<Contender>& contenders, int rounds) {
     std::vector<std::vector<double>> seconds(contenders.size());
     for (int round = -1; round < rounds; ++round) {

@@ -1,11 +1,11 @@
-// The kernels one by one, under Google Benchmark.
+// Benchmarks of single kernels, with Google Benchmark.
 //
 //   kernel_bench --meshes=torus:187,bunny,dragon [--benchmark_filter=closest ...]
 //
-// A mesh is torus:N (2 N^2 triangles, made on the spot) or a model of datasets/manifest.toml. With +R behind its name, as in
-// bunny+1e6, it has a stray triangle R diagonals away; queries stay where they are. `each` is the time of one
-// pair, one triangle built, one query; `bytes` what the structure takes. What runs one after the other meets different
-// neighbours: for a comparison, compare.cpp times contenders in turn.
+// A mesh is torus:N (2 N^2 triangles, generated) or a model of datasets/manifest.toml. With the suffix +R, as in
+// bunny+1e6, it gets a stray triangle R diagonals away; the queries stay the same. `each` is the time of one
+// pair, of one triangle built or of one query; `bytes` is the size of the structure. Benchmarks that run one
+// after the other meet different disturbances; for a comparison, use compare.cpp, which times contenders in turn.
 #include "algorithms/error.h"
 #include "algorithms/kernel/textbook.h"
 #include "algorithms/kernel/triangle_block.h"
@@ -50,7 +50,7 @@ struct Pairs {
     std::vector<TriangleBlock> blocks;
 };
 
-// Points as near as the triangles are large, so that corners, edges and insides all occur.
+// Points about as near as the triangles are large, so that corners, edges and insides all occur.
 const Pairs& random_pairs() {
     static const Pairs made = [] {
         Pairs all;
@@ -113,8 +113,7 @@ void register_pairs() {
 
 // --- structures ------------------------------------------------------------------------------------------------------
 
-// A mesh and what is asked about it: points off its vertices by up to 1 % of the diagonal. Trees are built when first
-// used.
+// A mesh and its query points, which are off its vertices by up to 1 % of the diagonal. Trees are built on first use.
 struct Subject {
     std::string name;
     TriangleMesh mesh;
@@ -159,7 +158,7 @@ std::unique_ptr<Subject> subject(const std::string& name) {
     return made;
 }
 
-// Not inlined: `hausbench track` counts its instructions by its name.
+// Not inlined, because `hausbench track` finds the instructions by this name.
 template <class Built, class Input> [[gnu::noinline]] std::unique_ptr<Built> make_structure(const Input& input) {
     return std::make_unique<Built>(input);
 }
@@ -200,7 +199,7 @@ template <class Tree> void closest(benchmark::State& state, Subject& subject, As
     }
     const auto queries = static_cast<std::size_t>(subject.queries.rows());
     count(state, queries);
-    for (const CounterField& field : counter_fields) {  // of one query
+    for (const CounterField& field : counter_fields) {  // per query
         const std::uint64_t value = counters.*field.member;
         if (value == 0 || field.member == &Counters::closest_point_queries) continue;
         state.counters[std::string(field.name)] =
@@ -208,7 +207,7 @@ template <class Tree> void closest(benchmark::State& state, Subject& subject, As
     }
 }
 
-// Of a structure that knows no hints of its own.
+// Times queries of a structure that keeps no hints.
 template <class Built> void closest_cold(benchmark::State& state, const Subject& subject) {
     const Built built(subject.mesh);
     Counters counters;
@@ -219,7 +218,7 @@ template <class Built> void closest_cold(benchmark::State& state, const Subject&
     count(state, static_cast<std::size_t>(subject.queries.rows()));
 }
 
-// Both bounds of the distance to each volume, from one point.
+// Times both bounds of the distance from one point to each volume.
 void swept_bounds(benchmark::State& state, Subject& subject) {
     const SweptSphereBvh& tree = subject.tree(subject.swept);
     const Vec3 point = subject.queries.row(0);
@@ -255,7 +254,7 @@ void register_subject(Subject& s) {
         add(fmt::format("closest/octree/{}", name),
             [&s, how = ask](auto& state) { closest<TriangleOctree>(state, s, how); });
     }
-    if (s.name.find('+') != std::string::npos) return;  // the stray triangle is for the trees over triangles
+    if (s.name.find('+') != std::string::npos) return;  // the stray triangle only matters to trees over triangles
     add("build/swept_bvh", [&s, triangles](auto& state) { build<SweptSphereBvh>(state, s.mesh, triangles); });
     add("build/triangle_blocks", [&s, triangles](auto& state) { build<TriangleBlocks>(state, s.mesh, triangles); });
     add("build/triangle_grid", [&s, triangles](auto& state) { build<TriangleGrid>(state, s.mesh, triangles); });
@@ -290,7 +289,7 @@ int main(int argc, char** argv) {
         try {
             subjects.push_back(subject(meshes.substr(begin, end - begin)));
             register_subject(*subjects.back());
-        } catch (const InputError& error) {  // a model that was not fetched
+        } catch (const InputError& error) {  // a model was not fetched
             fmt::print(stderr, "skipped: {}\n", error.what());
         }
         begin = end + 1;

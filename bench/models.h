@@ -1,4 +1,4 @@
-// Meshes for benchmarks: models of datasets/manifest.toml, and one that is made on the spot.
+// Meshes for benchmarks: models of datasets/manifest.toml, and a generated one.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -7,11 +7,12 @@
 
 namespace hausbench {
 
-// A mesh by its name in the manifest. `make datasets` fetches what must be fetched. Throws InputError for one that is
-// not there or is no mesh.
+// Returns a mesh by its name in the manifest. `make datasets` fetches the models. Throws
+// InputError if the model is missing or not a mesh.
 TriangleMesh model_mesh(const std::string& name);
 
-// A bumpy torus of 2 n^2 triangles, needing no file: neighbouring vertices stand off by up to a tenth of an edge.
+// Returns a bumpy torus of 2 n^2 triangles without reading a file; neighbouring vertices stand off
+// by up to a tenth of an edge.
 TriangleMesh bumpy_torus(Index n);
 
 }  // namespace hausbench

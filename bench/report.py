@@ -1,4 +1,4 @@
-"""The table of the kernels' comparisons, from the CSV of kernel_compare and of bench/tracking/versions.py.
+"""Writes the table of kernel comparisons from the CSV of kernel_compare and of bench/tracking/versions.py.
 
     python3 -m bench.report FILE.csv ... > results/reference/kernels.md
 """
@@ -17,7 +17,7 @@ from analysis.shared.tables import NOTHING, Table, markdown, number
 COLUMNS = ["part", "scene", "contender", "elements", "nanoseconds", "ratio", "low", "high", "rounds", "bytes",
            "largest_difference"]
 
-# Part: what it shows, the unit of its times and how many nanoseconds that is, what one element is.
+# Part: title, unit of its times, nanoseconds in that unit, name of an element.
 PARTS = {
     "build": ("Building", "ns a triangle", 1.0, "triangles"),
     "query": ("Closest point queries from each vertex of a near mesh, but for the warm start each from nothing",
@@ -42,7 +42,8 @@ difference to the first contender's distances, in diagonals of the target.
 """
 
 
-# What is asked of the kernels: part, contender (how its name begins), the least or most that each of its ratios may be.
+# Claims about the kernels: text, part, contender (prefix of its name), limit, and whether each
+# ratio must be at least or below the limit.
 CLAIMS = [
     ("building the BVH takes no longer than Embree's", "build", "Embree", 1.0, True),
     ("a query takes no longer than Embree's", "query", "Embree", 1.0, True),
@@ -54,7 +55,7 @@ CLAIMS = [
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the CSV: times in nanoseconds an element; the ratio is to the first contender of the part and scene."""
+    """A line of the CSV: times in nanoseconds per element; the ratio is to the first contender of the part and scene."""
 
     part: str
     scene: str
@@ -67,7 +68,7 @@ class Row:
 
 
 def read(lines: Iterable[str]) -> tuple[list[str], list[Row]]:
-    """Remarks (lines with #, without it) and rows. ValueError or KeyError for anything else."""
+    """Returns the remarks (lines with #, without the #) and the rows. Raises ValueError or KeyError for anything else."""
     lines = list(lines)
     remarks = [line[1:].strip() for line in lines if line.startswith("#")]
     rows = []
@@ -104,7 +105,7 @@ def table(part: str, rows: list[Row]) -> Table:
 
 
 def verdict(rows: list[Row], what: str, part: str, contender: str, limit: float, at_least: bool) -> str:
-    """Whether a claim holds on every scene, by the less favourable end of each interval."""
+    """Returns whether a claim holds on every scene, judged by the less favourable end of each interval."""
     ratios = [row.ratio for row in rows if row.part == part and row.contender.startswith(contender)]
     if not ratios:
         return f"- {what}: not measured"

@@ -1,6 +1,6 @@
-// Intel Embree 3: one thread, its default build quality (medium) and its default scene flags (compact and robust off).
-// Everything in it is single precision; the callback is the one of its tutorial closest_point: Ericson, Real-Time
-// Collision Detection, 2005, section 5.1.5, in float.
+// Intel Embree 3: one thread, the default build quality (medium) and the default scene flags
+// (compact and robust off). Everything is in single precision. The callback comes from Embree's
+// closest_point tutorial: Ericson, Real-Time Collision Detection, 2005, section 5.1.5, in float.
 #include "bench/closest_rival.h"
 
 #include "algorithms/error.h"
@@ -59,7 +59,7 @@ public:
 
     void take(const TriangleMesh& mesh) override {
         vertices_.assign(static_cast<std::size_t>(mesh.vertices.rows()) + 1,
-                         {});  // Embree reads 16 bytes at the last one
+                         {});  // Embree reads 16 bytes at the last vertex
         for (Index i = 0; i < mesh.vertices.rows(); ++i) {
             const auto row = mesh.vertices.row(i).cast<float>();
             vertices_[static_cast<std::size_t>(i)] = {row[0], row[1], row[2]};

@@ -4,8 +4,8 @@
 #include "datasets/corpus.h"
 #include "datasets/derive.h"
 #include "datasets/hash.h"
-#include "datasets/isolated.h"
 #include "datasets/model_table.h"
+#include "datasets/separate_process.h"
 #include "datasets/shape_file.h"
 #include "datasets/surface_file.h"
 #include "datasets/toml_reader.h"
@@ -40,27 +40,27 @@ double generated(const ModelInfo& model) {
 double derived(const ModelInfo& model, double origin) {
     const auto number = [&](const char* name) { return model.numbers.at(name); };
     const std::string& operation = model.recipe;
-    // From V vertices and T triangles, 4^n T triangles and at most V + 4^n T vertices: a mesh has at most 3 T edges to split.
+    // V vertices and T triangles become 4^n T triangles and at most V + 4^n T vertices, as a mesh
+    // has at most 3 T edges to split.
     if (operation == "subdivide") return 2 * std::pow(4, number("levels")) * origin;
     if (operation == "repeat") return number("count") * origin;
     if (operation == "sample") return 2 * number("count");
     if (operation == "triangulate") return 36 * number("cells") * number("cells");
     if (operation == "remesh") return 10 / (number("edge") * number("edge"));
-    return 2 * origin + 4;  // two_clusters; the others add an element at most
+    return 2 * origin + 4;  // two_clusters; all others add at most one element
 }
 
-// Estimates how many points and triangles together the model has, given those of its origin (of a file: its bytes). An upper bound,
-// except for `triangulate` and `remesh`, whose size depends on the shape.
+// Estimates the number of points plus triangles of a model. `origin` is the same number for its origin, or the
+// bytes of its file. An upper bound, except for `triangulate` and `remesh`, whose size depends on the shape.
 double estimated_elements(const ModelInfo& model, double origin) {
     if (model.source == "generated") return generated(model);
     if (model.source == "derived") return derived(model, origin);
-    return origin / 4;  // a file in the densest format has four bytes for each
+    return origin / 4;  // the densest format takes four bytes for each
 }
 
-constexpr int most_derivations = 100;  // from one file or recipe
+constexpr int most_derivations = 100;  // in a chain from one file or recipe
 
-// Part of every key of the shape cache. Increase it whenever the output of a reader, a recipe or an operation
-// changes.
+// Part of every key of the shape cache. Increase it whenever a reader, a recipe or an operation changes its output.
 constexpr std::string_view shapes_version = "2";
 
 std::string key_of(const ModelInfo& model, const std::string& input) {
@@ -101,11 +101,10 @@ void Catalogue::add(const std::filesystem::path& file, std::vector<ModelInfo> mo
             continue;
         }
         if (has(model.name))
-            throw InputError(
-                one_line(fmt::format("{}: model '{}' is one of datasets/manifest.toml too, or of another scene (a "
-                                     "shape described in a scene has the "
-                                     "scene's name, with '_' for what is no letter or digit): give it another name",
-                                     file.string(), model.name)));
+            throw InputError(one_line(fmt::format(
+                "{}: model '{}' is also in datasets/manifest.toml or in another scene: give it another name (a shape "
+                "described in a scene has the scene's name, with '_' for characters other than letters and digits)",
+                file.string(), model.name)));
         index_[model.name] = models_.size();
         models_.push_back(std::move(model));
     }
@@ -146,7 +145,7 @@ void Catalogue::keep_apart(std::filesystem::path folder, double most_bytes) {
     most_bytes_ = most_bytes;
 }
 
-// The one that is there, else the one to write.
+// Returns the existing file, or else the file to write.
 std::filesystem::path Catalogue::shape_file(const std::string& key) const {
     const std::filesystem::path cached = cache_ / "shapes" / (key + ".h5");
     return apart_.empty() || std::filesystem::exists(cached) ? cached : apart_ / (key + ".h5");
@@ -154,15 +153,15 @@ std::filesystem::path Catalogue::shape_file(const std::string& key) const {
 
 void Catalogue::expect_room(const ModelInfo& model, const Input& input) const {
     if (apart_.empty()) return;
-    constexpr double bytes_an_element = 24;  // a point; three indices take half of it
+    constexpr double bytes_an_element = 24;  // for a point; the three indices of a triangle take half
     const double bytes = bytes_an_element * estimated_elements(model, input.size);
     double taken = 0;
     for (const auto& file : std::filesystem::directory_iterator(apart_)) taken += double(file.file_size());
     if (bytes + taken <= most_bytes_) return;
-    throw InputError(fmt::format(
-        "model '{}' would take about {:.3g} MB, with which the models of this file exceed {:.3g} MB: if you "
-        "trust it, make them first with `hausbench explain` of its experiment",
-        model.name, bytes / 1e6, most_bytes_ / 1e6));
+    throw InputError(
+        fmt::format("model '{}' would take about {:.3g} MB, and the models of this file more than {:.3g} MB together: "
+                    "if you trust the file, make them first with `hausbench explain` of its experiment",
+                    model.name, bytes / 1e6, most_bytes_ / 1e6));
 }
 
 std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo& model) const {
@@ -184,7 +183,7 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
     if (!std::filesystem::is_regular_file(file))
         throw InputError(fmt::format("model '{}': {} is not a regular file: name a file that holds a shape", model.name,
                                      file.string()));
-    if (std::filesystem::file_size(file) == 0)  // also the files of the kernel, some of which never end
+    if (std::filesystem::file_size(file) == 0)  // includes files of the kernel, some of which never end
         throw InputError(
             fmt::format("model '{}': {} is empty: name a file that holds a shape", model.name, file.string()));
     const std::string found = sha256_of_file(file);
@@ -199,16 +198,16 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
 
 LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
     if (const auto* mesh = model.written ? std::get_if<TriangleMesh>(&*model.written) : nullptr) {
-        LoadReport report{"generated"};  // as the readers of files do
+        LoadReport report{"generated"};  // drops unused vertices, as the readers of files do
         TriangleMesh used = without_unused(mesh->vertices, mesh->triangles);
         report.unreferenced = mesh->vertices.rows() - used.vertices.rows();
         return {std::move(used), report};
     }
     if (model.source == "generated")
         return {model.written ? *model.written : generate(model.recipe, model.numbers), {"generated"}};
-    if (model.source != "derived") return load_isolated(program_, input.file, model.format);
+    if (model.source != "derived") return load_separately(program_, input.file, model.format);
     if (made_in_a_process(model.recipe) && !program_.empty())
-        return derive_isolated(program_, model.recipe, model.numbers, input.file);
+        return derive_separately(program_, model.recipe, model.numbers, input.file);
     return derive(model.recipe, model.numbers, read_shape(input.file));
 }
 

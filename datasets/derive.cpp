@@ -44,7 +44,7 @@ PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t see
     const auto corner = [&](Eigen::Index t, int k) -> Vec3 {
         return mesh.vertices.row(mesh.triangles(t, k)).transpose();
     };
-    // In a unit of a power of two in which no area underflows beside that of the whole: the norm takes its square.
+    // Scales by a power of two, so that no area underflows next to the whole area: the norm squares it.
     const double extent = longest_side(mesh.vertices);
     const int exponent = extent > 0 && std::isfinite(extent) ? -std::ilogb(extent) : 0;
     const auto edge = [&](Eigen::Index t, int k) -> Vec3 {
@@ -92,7 +92,7 @@ Shape normalised(const Given& g) {
     return with_points(g, points);
 }
 
-// The number `distance` along (2, 1, 2) / 3, a unit vector: the box grows along every axis.
+// Returns `distance` times (2, 1, 2) / 3, a unit vector: the box grows along every axis.
 Eigen::RowVector3d away(const Given& g) { return g.real("distance") * Eigen::RowVector3d(2, 1, 2) / 3; }
 
 Points stacked(const Points& above, const Points& below) {
@@ -101,7 +101,7 @@ Points stacked(const Points& above, const Points& below) {
     return all;
 }
 
-// The last element once more, elsewhere, with vertices of its own.
+// Adds a shifted copy of the last element, with its own vertices.
 Shape with_stray(const Given& g) {
     const auto* mesh = std::get_if<TriangleMesh>(g.origin);
     const Points& points = g.points();
@@ -115,7 +115,7 @@ Shape with_stray(const Given& g) {
     return TriangleMesh{stacked(points, corners), triangles};
 }
 
-// All elements once more, elsewhere, with vertices of their own.
+// Adds a shifted copy of all elements, with its own vertices.
 Shape with_copy(const Given& g) {
     const Points& points = g.points();
     const Points all = stacked(points, points.rowwise() + away(g));
@@ -126,7 +126,7 @@ Shape with_copy(const Given& g) {
     return TriangleMesh{all, triangles};
 }
 
-// From the unit quaternion (1, t axis / |axis|) / sqrt(1 + t^2).
+// Rotates by the unit quaternion (1, t axis / |axis|) / sqrt(1 + t^2).
 Shape rotated(const Given& g) {
     const Vec3 axis = at_unit_scale(g.xyz());
     const double t = g.real("t");
@@ -207,7 +207,7 @@ std::vector<Index> first_equal(const Points& points) {
     const auto count = static_cast<std::size_t>(points.rows());
     std::unordered_map<Coordinates, Index, decltype(hash)> first(count, hash);
     std::vector<Index> firsts(count);
-    for (Index v = 0; v < points.rows(); ++v) {  // + 0.0 makes +0 of -0
+    for (Index v = 0; v < points.rows(); ++v) {  // + 0.0 turns -0 into +0
         const Coordinates p{points(v, 0) + 0.0, points(v, 1) + 0.0, points(v, 2) + 0.0};
         firsts[static_cast<std::size_t>(v)] = first.try_emplace(p, v).first->second;
     }
@@ -271,7 +271,7 @@ TriangleMesh subdivide(const TriangleMesh& mesh) {
     }
     fine.vertices.resize(mesh.vertices.rows() + static_cast<Eigen::Index>(edges.size()), 3);
     fine.vertices.topRows(old_count) = mesh.vertices;
-    for (std::size_t e = 0; e < edges.size(); ++e)  // halves first: no overflow, and exact except for subnormal numbers
+    for (std::size_t e = 0; e < edges.size(); ++e)  // halving first avoids overflow; exact except for subnormal numbers
         fine.vertices.row(old_count + static_cast<Eigen::Index>(e)) =
             mesh.vertices.row(edges[e][0]) / 2 + mesh.vertices.row(edges[e][1]) / 2;
     return fine;
@@ -282,30 +282,63 @@ const std::vector<Recipe>& operations() {
                      distance = length("distance", 0);
     static const std::vector<Recipe> list = [&] {
         std::vector<Recipe> all = {
-            {"vertices", {}, [](const Given& g) { return PointSet{g.points()}; }},
-            {"weld", {}, welded},
-            {"quantise", {whole_number("cells", 1, 0x1p53)}, quantised},
+            {"vertices",
+             "a mesh becomes the set of its vertices",
+             {},
+             [](const Given& g) { return PointSet{g.points()}; }},
+            {"weld", "vertices or points with equal coordinates become one", {}, welded},
+            {"quantise",
+             "each coordinate becomes the nearest multiple of 1 / `cells`, as in voxel data; equal points all stay",
+             {whole_number("cells", 1, 0x1p53)},
+             quantised},
             {"triangulate",
+             "an algebraic surface becomes a mesh by marching tetrahedra; no other operation takes a surface",
              {whole_number("cells", 1, 512)},
              [](const Given& g) { return triangulate(surface_of(*g.origin), g.whole("cells")); }},
-            {"sample", {whole_number("count", 1, 1e8), seed}, sampled},
-            {"simplify", {{"ratio", false, 1e-6, 1, false}, {"triangles", true, 4, 1e9, false}}, simplified},
+            {"sample",
+             "random points on the surface, uniform in area; of a point set, `count` of its points",
+             {whole_number("count", 1, 1e8), seed},
+             sampled},
+            {"simplify",
+             "edge collapse (CGAL, Lindstrom and Turk 1998) down to a share or a number of triangles: give one of the "
+             "two",
+             {{"ratio", false, 1e-6, 1, false}, {"triangles", true, 4, 1e9, false}},
+             simplified},
             {"remesh",
+             "edges of even length `edge`, a fraction of the diagonal (CGAL, isotropic remeshing, 3 rounds)",
              {{"edge", false, 1e-4, 1}},
              [](const Given& g) { return remesh(mesh_of(g, "remesh"), g.real("edge") * diagonal(g.points())); }},
-            {"noise", {{"amplitude", false, 0, 1e6}, seed}, with_noise},
-            {"subdivide", {whole_number("levels", 0, 8)}, subdivided},
-            {"scale", {length("factor")}, [](const Given& g) { return with_points(g, g.points() * g.real("factor")); }},
-            {"normalise", {}, normalised},
-            {"outlier", {x, y, z}, with_outlier},
+            {"noise",
+             "each vertex moves within a cube of half-edge `amplitude`, a fraction of the diagonal",
+             {{"amplitude", false, 0, 1e6}, seed},
+             with_noise},
+            {"subdivide",
+             "splits each triangle in four at the midpoints of its edges; the surface changes by rounding only",
+             {whole_number("levels", 0, 8)},
+             subdivided},
+            {"scale",
+             "about the origin",
+             {length("factor")},
+             [](const Given& g) { return with_points(g, g.points() * g.real("factor")); }},
+            {"normalise", "box centred at the origin, diagonal 1", {}, normalised},
+            {"outlier", "adds one point to a point set, as the last", {x, y, z}, with_outlier},
             {"translate",
+             "by fractions of the diagonal",
              {x, y, z},
              [](const Given& g) {
                  return with_points(g, g.points().rowwise() + diagonal(g.points()) * g.xyz().transpose());
              }},
-            {"rotate", {x, y, z, {"t", false, -1e9, 1e9}}, rotated},
-            {"stray", {distance}, with_stray},
-            {"two_clusters", {distance}, with_copy}};
+            {"rotate",
+             "about the axis (`x`, `y`, `z`) through the origin; `t` is the tangent of half the angle (rational, so "
+             "that no libm is needed)",
+             {x, y, z, {"t", false, -1e9, 1e9}},
+             rotated},
+            {"stray",
+             "adds the last element once more, `distance` away along (2, 1, 2): a scan with one stray triangle or "
+             "point",
+             {distance},
+             with_stray},
+            {"two_clusters", "the shape, and a copy of it `distance` away along (2, 1, 2)", {distance}, with_copy}};
         const std::vector<Recipe> exact = exact_operations();
         all.insert(all.end(), exact.begin(), exact.end());
         return all;

@@ -36,10 +36,10 @@ SurfaceMesh manifold(const TriangleMesh& soup, const char* operation) {
             faces.push_back({corner(0), corner(1), corner(2)});
     }
     PMP::merge_duplicate_polygons_in_polygon_soup(points, faces);
-    PMP::orient_polygon_soup(points, faces);  // doubles vertices where no one surface goes through them
+    PMP::orient_polygon_soup(points, faces);  // duplicates vertices that several surfaces share
     PMP::remove_isolated_points_in_polygon_soup(points, faces);
     if (faces.empty() || !PMP::is_polygon_soup_a_polygon_mesh(faces))
-        throw InputError(std::string(operation) + ": no manifold can be made of the mesh");
+        throw InputError(std::string(operation) + ": the mesh cannot be made a manifold");
     SurfaceMesh result;
     PMP::polygon_soup_to_polygon_mesh(points, faces, result);
     return result;
@@ -61,7 +61,7 @@ TriangleMesh soup(const SurfaceMesh& mesh) {
     return result;
 }
 
-// CGAL 5.5 counts edges only.
+// A stop condition on triangles: CGAL 5.5 can only count edges.
 struct FewEnoughTriangles {
     std::size_t triangles;
 
@@ -80,8 +80,8 @@ TriangleMesh simplify(const TriangleMesh& mesh, Index triangles) {
     surface.collect_garbage();
     const std::size_t reached = surface.number_of_faces();
     if (reached == 0 || static_cast<double>(reached) > 1.1 * static_cast<double>(wanted))
-        throw InputError(
-            fmt::format("simplify: came to {} triangles, not {}: no further edge can be collapsed", reached, wanted));
+        throw InputError(fmt::format(
+            "simplify: {} triangles are left, not {}, because no further edge can be collapsed", reached, wanted));
     return soup(surface);
 }
 

@@ -1,4 +1,4 @@
-// Operations for cases whose distance is known: of short coordinates the results are exact.
+// Operations for cases whose distance is known: for coordinates with few bits the results are exact.
 #include "datasets/derive.h"
 
 #include "algorithms/error.h"
@@ -27,7 +27,7 @@ Shape nudged(const Given& g) {
     return with_points(g, points);
 }
 
-// The vertices of a mesh come with the copies, or are those of the first: then the faces alone are there several times.
+// Repeats all elements. A mesh copies its vertices too, or else repeats its faces over the same vertices.
 Shape repeated(const Given& g) {
     const Points& points = g.points();
     const Index count = g.whole("count");
@@ -81,23 +81,31 @@ Shape shuffled(const Given& g) {
 std::vector<Recipe> exact_operations() {
     const NumberSpec x = coordinate("x"), y = coordinate("y"), z = coordinate("z");
     const NumberSpec fx{"x"}, fy{"y"}, fz{"z"};  // factors
-    return {
-        {"move", {x, y, z}, [](const Given& g) { return with_points(g, g.points().rowwise() + g.xyz().transpose()); }},
-        {"stretch", {fx, fy, fz}, stretched},
-        {"power",
-         {whole_number("exponent", -1100, 1100)},
-         [](const Given& g) {
-             const int exponent = g.whole("exponent");
-             return with_points(g, g.points().unaryExpr([&](double c) { return std::ldexp(c, exponent); }));
-         }},
-        {"nudge", {whole_number("ulps", 0, 1e6)}, nudged},
-        {"repeat",
-         {whole_number("count", 1, 1e7), whole_number("vertices", 0, 1), x, y, z, coordinate("grow")},
-         repeated},
-        {"shuffle", {seed_number()}, shuffled},
-        {"float32", {}, [](const Given& g) {
-             return with_points(g, g.points().unaryExpr([](double c) { return double(float(c)); }));
-         }}};
+    return {{"move",
+             "by lengths",
+             {x, y, z},
+             [](const Given& g) { return with_points(g, g.points().rowwise() + g.xyz().transpose()); }},
+            {"stretch", "a factor for each coordinate; flattens a mesh into needles and caps", {fx, fy, fz}, stretched},
+            {"power",
+             "multiplies all coordinates by that power of two; they are rounded only if they become subnormal",
+             {whole_number("exponent", -1100, 1100)},
+             [](const Given& g) {
+                 const int exponent = g.whole("exponent");
+                 return with_points(g, g.points().unaryExpr([&](double c) { return std::ldexp(c, exponent); }));
+             }},
+            {"nudge", "each x becomes the double that many steps above it", {whole_number("ulps", 0, 1e6)}, nudged},
+            {"repeat",
+             "copies of all elements, each moved on by (`x`, `y`, `z`), and copy i larger by the factor 1 + i `grow`; "
+             "with `vertices` 0, only faces are copied",
+             {whole_number("count", 1, 1e7), whole_number("vertices", 0, 1), x, y, z, coordinate("grow")},
+             repeated},
+            {"shuffle",
+             "another order of vertices and of faces, and another first corner of each face",
+             {seed_number()},
+             shuffled},
+            {"float32", "each coordinate becomes the nearest float", {}, [](const Given& g) {
+                 return with_points(g, g.points().unaryExpr([](double c) { return double(float(c)); }));
+             }}};
 }
 
 }  // namespace hausbench

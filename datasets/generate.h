@@ -1,5 +1,5 @@
-// Shapes made by recipe, with + - x / and sqrt only, so that the result is the same bit for bit on every x86-64; a test
-// checks the hashes.
+// Shapes made by recipes that use only + - x / and sqrt, so that the result has the same bits on
+// every x86-64; a test checks the hashes.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -19,7 +19,7 @@ struct NumberSpec {
     std::string name;
     bool whole = false;
     double least = -1e300, most = 1e300;  // the allowed range, ends included
-    bool required = true;                 // else absent from Numbers if not given
+    bool required = true;                 // if not required and not given, it is absent from Numbers
 };
 
 inline NumberSpec whole_number(const char* name, double least, double most) { return {name, true, least, most}; }
@@ -27,7 +27,7 @@ inline NumberSpec seed_number(const char* name = "seed") { return whole_number(n
 inline NumberSpec coordinate(const char* name) { return {name, false, -1e100, 1e100}; }
 inline NumberSpec length(const char* name, double least = 1e-100) { return {name, false, least, 1e100}; }
 
-// What a recipe makes a shape from: its numbers; those of derive.h also from a shape.
+// The input of a recipe: its numbers, and for the operations of derive.h also a shape.
 struct Given {
     const Numbers& numbers;
     const Shape* origin = nullptr;
@@ -40,7 +40,7 @@ struct Given {
 };
 
 struct Recipe {
-    std::string name;
+    std::string name, meaning;
     std::vector<NumberSpec> numbers;
     std::function<Shape(const Given&)> make;
 };
@@ -51,36 +51,18 @@ template <class List> std::vector<std::string> names_of(const List& list) {
     return names;
 }
 
-// Throws InputError for an unknown name, which begins with `what` ("unknown recipe") and names the nearest.
+// Throws InputError for an unknown name; the message begins with `what` ("unknown recipe") and names the nearest.
 const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& name, const std::string& what);
 
-// icosphere        level, radius: an icosahedron, each triangle split in four `level` times, vertices moved to the sphere;
-//                  20 * 4^level triangles
-// cube             subdivisions n: edge 1 around the origin, n x n squares a side; 12 n^2 triangles
-// torus            rings, sides, major, minor: around the z axis; 2 rings sides triangles
-// gear             teeth, steps, rings, layers, outer, root, bore, height: a spur gear around the z axis with a bore, `steps`
-//                  vertices along a tooth, `rings` from bore to rim, `layers` along the height; closed,
-//                  4 teeth steps (rings + layers) triangles
-// plane            n, z: edge 1 around the z axis at height z, n x n squares; 2 n^2 triangles
-// needle           ratio: one triangle with a base of length 1 along x and a height of 1 / ratio along y
-// fan              triangles, height: around one vertex at that height over the centre of a circle of radius 1
-// gaussian_points  count, seed, sigma, x, y, z: each coordinate is the centre's plus sigma times (the sum of 12
-//                  uniform numbers less 6), which has variance 1 and is close to normal but never beyond 6 sigma
-// uniform_points   count, seed: in the cube [0, 1)^3
-// box_points       count, seed, x, y, z: uniform in [0, x) x [0, y) x [0, z); a line, ribbon or sheet where some are small or 0
-// curve_points     count, seed: (t, t^2, t^3) for uniform t in [0, 1)
-// shell_points     count, seed, radius, x, y, z: on a sphere around a centre
-// cluster_points   count, seed, clusters, layout, spread, sigma, shrink: centres uniform in [0, spread)^3, by the seed `layout`;
-//                  point i belongs to cluster i mod `clusters`, the c-th of standard deviation sigma shrink^c, as in
-//                  gaussian_points (sigma 0: duplicates; spread 0: all scales around one point)
+// `hausbench list keys` explains them.
 const std::vector<Recipe>& recipes();
-std::vector<Recipe> point_recipes();  // those of them that make points; point_recipes.cpp
+std::vector<Recipe> point_recipes();  // the recipes for points, in point_recipes.cpp
 
-// `where` begins every message. Throws InputError for an unknown name (names the nearest), a missing one, a fraction
-// where a whole number is required, or a number out of range.
+// Throws InputError for an unknown name (names the nearest), a missing one, a fraction where an
+// integer is required, or a number out of range. `where` begins every message.
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers);
 
-// The numbers must have passed check_numbers(). Throws InputError for an unknown recipe.
+// Requires numbers that passed check_numbers(). Throws InputError for an unknown recipe.
 Shape generate(const std::string& recipe, const Numbers& numbers);
 
 }  // namespace hausbench

@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Whether the place belongs to this user, to root or to the owner of the program, and no other user may write to it. A group of which
-// this user is the only member, as `adduser` makes it, may.
+// Returns whether the place belongs to this user, to root or to the owner of the program, and no
+// other user may write to it. A group may, if the owner is its only member, as `adduser` creates it.
 bool is_ours(const fs::path& place) {
     struct stat state {
     }, program{};
@@ -32,7 +32,8 @@ bool is_ours(const fs::path& place) {
     return user && members && user->pw_gid == state.st_gid && std::string_view(user->pw_name) == members->gr_name;
 }
 
-// share/hausbench of an installation, which is not a project: results and the cache do not belong there.
+// Returns whether a folder is share/hausbench of an installation. That is not a project: results
+// and the cache do not belong there.
 bool is_installed(const fs::path& folder) {
     return folder.filename() == "hausbench" && folder.parent_path().filename() == "share";
 }
@@ -44,7 +45,7 @@ bool is_root(const fs::path& folder) {
     for (const fs::path& place : {folder, folder / "datasets", folder / "datasets" / "manifest.toml"}) {
         if (is_ours(place)) continue;
         throw InputError(
-            fmt::format("{}: another user can write to it, so the models of {} are not taken: set HAUSBENCH_ROOT to a "
+            fmt::format("{}: another user can write to it, so the models of {} are not used: set HAUSBENCH_ROOT to a "
                         "checkout that you trust",
                         place.string(), (folder / "datasets" / "manifest.toml").string()));
     }
@@ -104,7 +105,7 @@ fs::path cache_folder() {
         return fs::path(cache) / "hausbench";
     if (const char* home = std::getenv("HOME"); home && fs::path(home).is_absolute())
         return fs::path(home) / ".cache" / "hausbench";
-    throw InputError("there is no folder for models that are read or made: set HAUSBENCH_CACHE to one");
+    throw InputError("no folder for prepared models: set HAUSBENCH_CACHE to one");
 }
 
 }  // namespace hausbench

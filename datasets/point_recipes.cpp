@@ -6,7 +6,8 @@
 namespace hausbench {
 namespace {
 
-// Close to normal, variance 1: the sum of 12 uniform numbers less 6. Takes 36 numbers for a vector.
+// Returns a vector whose coordinates are close to normal, with variance 1: the sum of 12 uniform
+// numbers less 6. Takes 36 random numbers.
 Vec3 normal(const Random& random, std::uint64_t which) {
     Vec3 vector;
     std::uint64_t counter = 36 * which;
@@ -22,7 +23,7 @@ Vec3 uniform(const Random& random, std::uint64_t which) {
     return {random.uniform(3 * which), random.uniform(3 * which + 1), random.uniform(3 * which + 2)};
 }
 
-// point(random, i) for each i below `count`.
+// Returns the set of point(random, i) for each i below `count`.
 template <class F> PointSet each(const Given& g, F&& point) {
     const Random random(g.seed());
     PointSet set{Points(g.whole("count"), 3)};
@@ -80,14 +81,25 @@ PointSet cluster_points(const Given& g) {
 std::vector<Recipe> point_recipes() {
     const NumberSpec count = whole_number("count", 1, 1e8), seed = seed_number(), x = coordinate("x"),
                      y = coordinate("y"), z = coordinate("z");
-    return {{"gaussian_points", {count, seed, length("sigma", 0), x, y, z}, gaussian_points},
-            {"uniform_points", {count, seed}, [](const Given& g) { return box_points(g, Vec3::Ones()); }},
+    return {{"gaussian_points",
+             "each coordinate is the centre's plus `sigma` times (the sum of 12 uniform numbers, less 6): variance 1, "
+             "close to normal, but never beyond 6 `sigma`",
+             {count, seed, length("sigma", 0), x, y, z},
+             gaussian_points},
+            {"uniform_points",
+             "uniform in the cube [0, 1)^3",
+             {count, seed},
+             [](const Given& g) { return box_points(g, Vec3::Ones()); }},
             {"box_points",
+             "uniform in [0, `x`) x [0, `y`) x [0, `z`): a line, ribbon or sheet if some are small or 0",
              {count, seed, length("x", 0), length("y", 0), length("z", 0)},
              [](const Given& g) { return box_points(g, g.xyz()); }},
-            {"curve_points", {count, seed}, curve_points},
-            {"shell_points", {count, seed, length("radius", 0), x, y, z}, shell_points},
+            {"curve_points", "(t, t^2, t^3) for uniform t in [0, 1)", {count, seed}, curve_points},
+            {"shell_points", "on a sphere around a centre", {count, seed, length("radius", 0), x, y, z}, shell_points},
             {"cluster_points",
+             "centres uniform in [0, `spread`)^3, by the seed `layout`; point i belongs to cluster i mod `clusters`, "
+             "and cluster c has standard deviation `sigma` `shrink`^c, as in gaussian_points (`sigma` 0: duplicates; "
+             "`spread` 0: all scales around one point)",
              {count, seed, whole_number("clusters", 1, 1e8), seed_number("layout"), length("spread", 0),
               length("sigma", 0), NumberSpec{"shrink", false, 0, 1}},
              cluster_points}};

@@ -1,7 +1,8 @@
-// The program. `hausbench VERB --help` says what each verb takes.
+// The program. `hausbench VERB --help` describes each verb.
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
 #include "algorithms/registry.h"
+#include "harness/commands/help.h"
 #include "harness/commands/verb.h"
 #include "harness/result/provenance.h"
 #include "harness/run/external.h"
@@ -14,6 +15,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <string_view>
 
@@ -21,7 +23,7 @@ namespace {
 
 using namespace hausbench;
 
-// The error in a command line, with the nearest known name for an unknown one.
+// Returns the error in a command line, with the nearest known name for an unknown one.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     const auto verbs = app.get_subcommands();
     const auto unknown = app.remaining(true);
@@ -50,13 +52,17 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
 int run_verb(int argc, char** argv) {
     add_solvers({external_solver()}, "hausbench");
     CLI::App app(
-        "Certified benchmark harness for Hausdorff distances: h(A,B) = max over A of the distance to B (one-sided, "
-        "Pompeiu-Hausdorff).");
+        "hausbench computes certified bounds of Hausdorff distances between meshes, point sets and algebraic surfaces, "
+        "and compares programs that compute them.");
+    app.footer(
+        "`hausbench VERB --help` describes a verb, and `man hausbench` all of them. `hausbench --version` names the "
+        "build.");
+    app.formatter(std::make_shared<Help>());
     app.require_subcommand(1);
-    app.set_version_flag("--version", version_text);  // hashes the program, so only where it is asked for
+    app.set_version_flag("--version", version_text);  // hashes the program, so it runs only on demand
     int code = 0;
-    for (const auto add : {add_run, add_explain, add_list, add_measure, add_export, add_verify, add_merge, add_compare,
-                           add_show, add_status, add_draw, add_fetch, add_track, add_hidden})
+    for (const auto add : {add_measure, add_run, add_explain, add_status, add_show, add_compare, add_verify, add_draw,
+                           add_merge, add_list, add_fetch, add_export, add_track, add_internal_verbs})
         add(app, code);
     try {
         app.parse(argc, argv);
@@ -69,7 +75,7 @@ int run_verb(int argc, char** argv) {
     return code;
 }
 
-// Says what went wrong on standard error, and with --json as an object on standard output too. Returns the exit code.
+// Prints the error on standard error and, with --json, also as an object on standard output. Returns the exit code.
 int give_up(int argc, char** argv, int code, const std::string& what) {
     if (std::find(argv + 1, argv + argc, std::string_view("--json")) != argv + argc)
         fmt::print("{}\n", nlohmann::json{{"error", what}, {"exit_code", code}}.dump(
@@ -81,7 +87,7 @@ int give_up(int argc, char** argv, int code, const std::string& what) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    std::signal(SIGXFSZ, SIG_IGN);  // a file size limit gives a write error, as a full disk does, instead of a signal
+    std::signal(SIGXFSZ, SIG_IGN);  // at a file size limit, writing fails as on a full disk, without a signal
     try {
         return run_verb(argc, argv);
     } catch (const InputError& error) {

@@ -41,8 +41,8 @@ using std::chrono::milliseconds;
 constexpr std::size_t longest_line = std::size_t(1) << 28;  // a longer line means that the process is broken
 constexpr milliseconds between_looks_at_memory(20);
 
-// Writes as much as the pipe takes now; returns how much, -1 if nobody will read it. SIGPIPE is held back meanwhile, of this thread,
-// and only then: the program's own output may still end it, as in `show | head`.
+// Writes as much as the pipe takes now. Returns the number of bytes, or -1 if the reader is gone. Blocks SIGPIPE only
+// meanwhile and only in this thread, so that the program's own output can still end it, as in `show | head`.
 ssize_t write_some(int descriptor, std::string_view text) {
     sigset_t pipe, before;
     sigemptyset(&pipe);
@@ -51,17 +51,17 @@ ssize_t write_some(int descriptor, std::string_view text) {
     ssize_t done = ::write(descriptor, text.data(), text.size());
     if (done < 0 && (errno == EINTR || errno == EAGAIN)) done = 0;
     const timespec none{};
-    if (!sigismember(&before, SIGPIPE)) ::sigtimedwait(&pipe, nullptr, &none);  // one that came is gone with that
+    if (!sigismember(&before, SIGPIPE)) ::sigtimedwait(&pipe, nullptr, &none);  // removes one that came
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
     return done;
 }
 
-// Children of all threads that live. Who starts one, or ends what a child left behind, holds the lock: else a child that was
-// just started could be taken for an orphan.
+// The living children of all threads. The lock is held while a child is started and while leftovers of a child are
+// killed; otherwise a child that was just started could be taken for an orphan.
 std::mutex living_lock;
 std::vector<pid_t> living;
 
-// In a child between fork and exec.
+// Restricts a child to these cores; called between fork and exec.
 void run_on(const std::vector<int>& cores) {
     if (cores.empty()) return;
     cpu_set_t set;
@@ -70,7 +70,7 @@ void run_on(const std::vector<int>& cores) {
     ::sched_setaffinity(0, sizeof set, &set);
 }
 
-// The environment of this process, with another TMPDIR.
+// Returns the environment of this process with another TMPDIR.
 std::vector<std::string> environment_with(const std::string& temporary) {
     std::vector<std::string> all{"TMPDIR=" + temporary};
     for (char** entry = environ; *entry; ++entry) {
@@ -79,7 +79,7 @@ std::vector<std::string> environment_with(const std::string& temporary) {
     return all;
 }
 
-// As execve() takes it.
+// Returns an array for execve(), which ends with a null pointer.
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
     std::vector<char*> all;
     for (std::string& text : texts) all.push_back(text.data());
@@ -98,22 +98,23 @@ struct Child::Pipes {
     }
 };
 
-// `child` does not return. In it only calls that are safe after the fork of a program with threads, unless it is a copy that works.
+// Starts a process that calls `child`, which does not return. It may make only calls that are safe after the fork of
+// a program with threads, unless the process is a copy that works (Launch::work).
 void Child::start(Pipes& pipes, const std::function<void()>& child) {
     ::prctl(PR_SET_CHILD_SUBREAPER, 1);
-    if (launch_.dies_with_parent) watch_group(0);  // it starts before `before_` is looked up, and is spared
+    if (launch_.dies_with_parent) watch_group(0);  // starts the watch before `before_` is read, so it is spared
     own_bytes_ = resident_of(::getpid());
     const pid_t parent = ::getpid();
     std::unique_lock lock(living_lock);
     before_ = family_of(parent);
     pid_ = ::fork();
     if (pid_ > 0) living.push_back(pid_);
-    lock.unlock();  // in the child too: a copy that works may have children of its own
+    lock.unlock();  // in the child, too: a copy that works may have children of its own
     if (pid_ == 0) {
         ::setpgid(0, 0);
         run_on(launch_.cores);
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // its orphans become its children, and count as its own
+        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // its orphans become its children and count as its own
         if (::getppid() != parent) ::_exit(127);
         ::dup2(pipes.feed[0], STDIN_FILENO);
         child();
@@ -143,7 +144,7 @@ Child::Child(Launch launch) : launch_(std::move(launch)) {
     const std::string temporary = folder_ ? folder_->path().string() : "";
     Pipes pipes;
     if (launch_.work) {
-        std::fflush(nullptr);  // or the copy would write it once more
+        std::fflush(nullptr);  // otherwise the copy would write it again
         start(pipes, [&] {
             for (const int end : {pipes.feed[1], pipes.events[0], pipes.output[0]}) ::close(end);
             ::dup2(launch_.silent ? pipes.output[1] : STDERR_FILENO, STDOUT_FILENO);
@@ -166,14 +167,14 @@ Child::Child(Launch launch) : launch_(std::move(launch)) {
         ::dup2(pipes.output[1], STDERR_FILENO);
         if (launch_.events) ::fcntl(pipes.events[1], F_SETFD, 0);  // inherited
         ::signal(SIGPIPE, SIG_DFL);
-        sigset_t none;  // a worker blocks the signal by which it learns that its parent has ended
+        sigset_t none;  // a worker blocks the signal that tells it of its parent's end
         sigemptyset(&none);
         ::sigprocmask(SIG_SETMASK, &none, nullptr);
         ::execve(arguments[0], arguments.data(), variables);
     });
 }
 
-// Goes on writing its input, and closes it at its end.
+// Writes more of the child's input, and closes the pipe after the last byte.
 void Child::feed() {
     while (input_ >= 0) {
         const std::string_view rest = std::string_view(launch_.input).substr(fed_);
@@ -183,7 +184,7 @@ void Child::feed() {
             fed_ += std::size_t(written);
             continue;
         }
-        ::close(input_);  // all is written, or the child reads no more: listen() and wait() report that it ended
+        ::close(input_);  // finished, or the child reads no more: listen() and wait() report its end
         input_ = -1;
     }
 }
@@ -196,7 +197,8 @@ Child::~Child() {
     if (output_ >= 0) ::close(output_);
 }
 
-// Reads all output, so that the child never blocks, and keeps only the end. `output_` becomes -1 at the end of the pipe.
+// Reads all available output, so that the child never blocks, and keeps only the end. Sets `output_` to -1 at the end
+// of the pipe.
 void Child::read_output() {
     char bytes[1 << 16];
     while (output_ >= 0) {
@@ -237,8 +239,8 @@ Child::Heard Child::listen(milliseconds wait, std::string& line) {
         if (!on[0].revents) {
             if (ready > 0 && left.count() > 0) continue;
             if (status_) return Heard::closed;
-            look_for_end(
-                WNOHANG);  // a descendant may hold the pipe open: it is ended with the child, and the pipe with it
+            // A descendant may hold the pipe open: this kills it once the child has ended, which closes the pipe.
+            look_for_end(WNOHANG);
             return Heard::nothing;  // the caller checks for interrupts
         }
         char bytes[1 << 16];
@@ -269,7 +271,7 @@ Child::End Child::wait(const ChildLimits& limits) {
     return end;
 }
 
-// Notices its end within a millisecond, or at once if its output ends with it.
+// Notices the end of the child within a millisecond, or at once if its output ends with it.
 bool Child::ended_within(milliseconds wait) {
     const auto deadline = Clock::now() + wait;
     for (;;) {
@@ -296,13 +298,13 @@ void Child::look_for_end(int flags) {
     if (launch_.dies_with_parent) watch_group(0);
     ::kill(-pid_, SIGKILL);  // the rest of its group
     {
-        const std::lock_guard lock(living_lock);  // and processes that left the group
+        const std::lock_guard lock(living_lock);  // then the processes that left the group
         std::erase(living, pid_);
         std::vector<pid_t> spared = before_;
         spared.insert(spared.end(), living.begin(), living.end());
         end_family(spared);
     }
-    read_output();  // its last; the pipe may have no end yet
+    read_output();  // the last output; the pipe may still be open
 }
 
 void Child::kill() {
@@ -331,7 +333,8 @@ bool Child::takes_more_than(std::int64_t bytes) const {
         for (const pid_t member : family) all += of(member);
         return all;
     };
-    // Resident sets are cheap to read, and never less: only several processes above the limit are looked at closely.
+    // Resident sets are cheap to read and never smaller, so only several processes whose sum exceeds the limit need
+    // the exact sum.
     return sum(resident_of) > bytes && (family.size() == 1 || sum(proportional_bytes_of) > bytes);
 }
 
@@ -342,7 +345,7 @@ std::string Child::last_words(std::size_t characters) {
         if (c == '\n')
             c = ' ';
         else if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126)
-            c = '?';  // a byte that is no text
+            c = '?';  // not printable ASCII
     }
     const auto begin = text.find_first_not_of(' ');
     const auto last = text.find_last_not_of(' ');

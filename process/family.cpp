@@ -29,14 +29,14 @@ std::vector<pid_t> family_of(pid_t process, const std::vector<pid_t>& spared) {
 }
 
 void end_family(const std::vector<pid_t>& spared) {
-    // For a second; a process blocked in the kernel dies when its call returns.
+    // Tries for a second; a process blocked in the kernel dies when its call returns.
     for (int tries = 0; tries < 1000; ++tries) {
         bool any = false;
         for (const pid_t member : family_of(::getpid(), spared)) {
             if (member == ::getpid()) continue;
             any = true;
             ::kill(member, SIGKILL);
-            ::waitpid(member, nullptr, WNOHANG);  // if it is a child of this process and has ended
+            ::waitpid(member, nullptr, WNOHANG);  // reaps it if it is a child of this process and has ended
         }
         if (!any) return;
         ::usleep(1000);

@@ -22,7 +22,7 @@ HoldInterrupts::HoldInterrupts() {
     signal_that_came = 0;
     for (std::size_t i = 0; i < held_signals.size(); ++i) {
         ::sigaction(held_signals[i], nullptr, &actions_before[i]);
-        if (actions_before[i].sa_handler != SIG_DFL) continue;  // ignored, or somebody else's
+        if (actions_before[i].sa_handler != SIG_DFL) continue;  // ignored, or it has another handler
         struct sigaction action {};
         action.sa_handler = [](int number) { signal_that_came = number; };
         ::sigaction(held_signals[i], &action, nullptr);
@@ -45,7 +45,7 @@ void HoldInterrupts::deliver() {
     const int number = signal_that_came.load();
     ::signal(number, SIG_DFL);
     ::raise(number);
-    std::abort();  // only if no signal came, or it is blocked
+    std::abort();  // reached only if no signal came, or if it is blocked
 }
 
 }  // namespace hausbench

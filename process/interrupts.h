@@ -4,7 +4,8 @@
 namespace hausbench {
 
 // While an instance exists, SIGINT (Ctrl-C) and SIGTERM are deferred; poll came() and stop. The last instance to be
-// destroyed delivers the signal, unless somebody said that it is handled. For one thread; came() for all of them.
+// destroyed delivers the signal, unless handled() was called. Create instances on one thread only; any thread may
+// call came().
 class HoldInterrupts {
 public:
     HoldInterrupts();
@@ -13,8 +14,8 @@ public:
     HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 
     static bool came();
-    static void handled();  // it came and was acted on: it is not delivered
-    // Ends this process by the signal that came, however many instances there are.
+    static void handled();  // call it after acting on the signal; it is then not delivered
+    // Ends this process by the signal that came, even if other instances exist.
     [[noreturn]] static void deliver();
 };
 

@@ -15,7 +15,7 @@ namespace hausbench {
 
 namespace {
 
-// A size in bytes of a file of /proc that gives it in kB; -1 if the kernel does not say.
+// Returns a size, in bytes, from a file of /proc; -1 if the kernel does not give it.
 std::int64_t size_in(const std::string& file, std::string_view key) {
     std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {
@@ -28,7 +28,7 @@ std::int64_t resident_now() { return size_in("/proc/self/status", "VmRSS:"); }
 
 std::int64_t resident_peak() { return size_in("/proc/self/status", "VmHWM:"); }
 
-// Makes the peak start again from the present resident set. False where the kernel does not let us.
+// Resets the peak to the present resident set. Returns false if the kernel does not allow it.
 bool reset_resident_peak() { return bool(std::ofstream("/proc/self/clear_refs") << "5" << std::flush); }
 
 }  // namespace

@@ -59,12 +59,14 @@ ScratchFolder::ScratchFolder(std::string_view kind) {
     for (int i = 0; i < most_tries; ++i) {
         if (try_to_make((temporary / fmt::format("{}{}-XXXXXX", prefix, kind)).string())) return;
     }
-    throw InputError(fmt::format(
-        "{}: other processes removed {} folders just made there: name another place for temporary files with TMPDIR",
-        temporary.string(), most_tries));
+    throw InputError(
+        fmt::format("{}: other processes removed {} folders that were just made there: name another place for "
+                    "temporary files with TMPDIR",
+                    temporary.string(), most_tries));
 }
 
-// False where another process took the new folder for an abandoned one: it holds the lock, or has removed the folder.
+// Returns false if another process took the new folder for an abandoned one: it holds the lock, or has removed the
+// folder.
 bool ScratchFolder::try_to_make(std::string pattern) {
     const auto fail = [&](const char* what) {
         const int error = errno;

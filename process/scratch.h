@@ -1,4 +1,4 @@
-// Makes temporary folders, removed with their object; a lock shows which ones a killed process left behind.
+// Makes temporary folders that are removed with their object; a lock shows which ones a killed process left behind.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,12 @@
 
 namespace hausbench {
 
-// A folder of its own, TMPDIR/hausbench-KIND-XXXXXX, removed with this object. A lock marks it as used, and ends with this
-// process, however that ends: the first folder that a process makes first removes those that nobody holds.
+// A temporary folder TMPDIR/hausbench-KIND-XXXXXX, removed with this object. A lock marks it as used until this
+// process ends in any way. Before a process makes its first folder, it removes the folders that no process has
+// locked.
 class ScratchFolder {
 public:
-    // Throws InputError where none can be made or locked, and then leaves none behind.
+    // Throws InputError if no folder can be made or locked, and then leaves none behind.
     explicit ScratchFolder(std::string_view kind);
     ~ScratchFolder();
     ScratchFolder(const ScratchFolder&) = delete;

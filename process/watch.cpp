@@ -22,8 +22,8 @@ namespace hausbench {
 
 namespace {
 
-// The shell kills the last group written to its input when the input ends, as it does with this process. Returns the descriptor of the
-// input; -1 on failure.
+// Starts a shell that kills the last group written to its input when the input ends, as it does when this process
+// ends. Returns the descriptor of the input; -1 on failure.
 int start_watch() {
     int talk[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, talk) != 0) return -1;
@@ -42,15 +42,15 @@ int start_watch() {
     return child < 0 ? -1 : talk[1];
 }
 
-// Waits, for a second at most, until this thread of ours sleeps. On a busy machine its start could otherwise fall into a timed solve, which then
-// looked as if it had two threads.
+// Waits for at most a second until this thread of our own process sleeps. Otherwise, on a busy machine, its start
+// could fall into a timed solve, which would then seem to use two threads.
 void wait_until_asleep(pid_t thread) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
     while (std::chrono::steady_clock::now() < end) {
         std::ifstream in(fmt::format("/proc/self/task/{}/stat", thread));
         std::string line;
         std::getline(in, line);
-        const std::size_t name_ends = line.rfind(')');  // "7 (name) S ...": the name may hold anything
+        const std::size_t name_ends = line.rfind(')');  // "7 (name) S ...": the name may contain anything
         if (name_ends == std::string::npos || line.compare(name_ends, 3, ") S") == 0) return;
         ::sched_yield();
     }
@@ -85,7 +85,7 @@ void end_family_with_parent() {
         }
     }).detach();
     ::prctl(PR_SET_PDEATHSIG, parent_ended);
-    if (::getppid() != parent) ::raise(parent_ended);  // it ended meanwhile
+    if (::getppid() != parent) ::raise(parent_ended);  // the parent has ended meanwhile
     wait_until_asleep(started.get());
 }
 

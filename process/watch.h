@@ -5,12 +5,14 @@
 
 namespace hausbench {
 
-// From now on this group, alone, is killed when this process ends, for whatever reason; 0: none. The first call starts a shell that waits
-// for that: all groups share it, since starting it would count in the times of what runs in them.
+// Kills this process group when this process ends for whatever reason; replaces the group of an earlier call; 0:
+// none. The first call starts a shell that waits for the end. All groups share it, because starting one per group
+// would distort the times of the work in the group.
 void watch_group(pid_t group);
 
-// From now on, if the process that started this one ends, all descendants of this process are killed before it ends itself: also those
-// that left its group or session (setsid), which nobody could find afterwards. Call it before another thread starts.
+// If the process that started this one ends, kills all descendants of this process and then this process itself. The
+// descendants include those that left its group or session (setsid), which no process could find afterwards. Call it
+// before another thread starts.
 void end_family_with_parent();
 
 }  // namespace hausbench

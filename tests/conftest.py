@@ -1,4 +1,4 @@
-"""A test that lacks an optional tool is skipped, with the reason. `--insist` is for the target that promises it: the skip is then a failure."""
+"""Skips a test that lacks an optional tool, with the reason. With `--insist`, for a target that promises the tool, the skip is a failure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The documents: links lead somewhere, README is short, and docs/index.md knows every page and explains the words of tables and options."""
+"""The documents: links resolve, README is short, and docs/index.md lists every page and explains the words of tables and options."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""The option that turns a skip into a failure."""
+"""Tests the option that turns a skip into a failure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The list of mutants fits the tree; and the script that plants them, on a toy tree of one function and two tests."""
+"""The list of mutants fits the tree; and tests of the script that plants them, on a toy tree of one function and two tests."""
 
 from __future__ import annotations
 

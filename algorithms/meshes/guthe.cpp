@@ -10,7 +10,7 @@
 // edge from v, cannot be less than the bound of the S nearest to v, so it is not used.
 // The piece of largest upper bound is split first. The lower bound is the largest distance of a vertex met so far.
 //
-// Regions: the boxes of an octree over A settle groups of triangles (search/regions.h). If off, every vertex of A is measured.
+// Regions: the boxes of an octree over A settle groups of triangles (search/source_regions.h). If off, every vertex of A is measured.
 //
 // Split: `midpoint`, as published, makes four pieces of the same shape, so a needle stays a needle: k levels make 4^k pieces
 // where 2^k would do. `longest_edge` (ours) halves the longest edge, which soon makes compact pieces of a needle.
@@ -33,12 +33,12 @@
 // Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on tame data. Memory: O(n + m), and 168
 // bytes per piece in the queue.
 #include "algorithms/search/bounds.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
 #include "algorithms/search/piece_proofs.h"
-#include "algorithms/search/split_loop.h"
+#include "algorithms/search/source_vertices.h"
+#include "algorithms/search/split_until_done.h"
 #include "algorithms/search/stages.h"
-#include "algorithms/search/vertices.h"
 #include "algorithms/search/warm_start.h"
 #include "algorithms/structures/octree.h"
 

@@ -23,10 +23,10 @@
 // triangles of A and m of B; only samples at vertices and on edges are stored.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/search/bounds.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
+#include "algorithms/search/source_vertices.h"
 #include "algorithms/search/stages.h"
-#include "algorithms/search/vertices.h"
 #include "algorithms/structures/octree.h"
 
 #include <algorithm>
@@ -231,7 +231,7 @@ Result Sampling::sample() {
     stages_.end("sample");
     Result result = bounds_.result(stopped_.value_or(spread ? Status::budget : Status::precision_floor), rest);
     if (result.status == Status::budget && !stopped_)
-        result.note = "samples this far apart bound it no closer: a smaller `step` does";
+        result.note = "samples this far apart give no closer bounds: choose a smaller `step`";
     return result;
 }
 

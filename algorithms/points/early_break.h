@@ -60,7 +60,7 @@ struct ShuffledTarget {
 inline ParameterSpec seed_parameter() {
     return {.name = "seed",
             .default_value = std::int64_t{1},
-            .description = "of the generator that shuffles both sets",
+            .description = "seed of the generator that shuffles both sets",
             .least = 0,
             .most = 9e15};
 }

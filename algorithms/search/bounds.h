@@ -8,7 +8,7 @@
 
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/rounding.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/target.h"
 #include "algorithms/solver.h"
 

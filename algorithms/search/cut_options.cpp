@@ -7,8 +7,8 @@ ParameterSpec split_parameter() {
             .default_value = std::string("midpoint"),
             .paper_value = "midpoint",
             .description =
-                "how a piece of A is cut: four pieces at the midpoints of its edges, or two at that of the "
-                "longest edge, for needles",
+                "how a piece of A is cut: into four at the midpoints of its edges, or into two at the midpoint of the "
+                "longest edge (for needles)",
             .choices = {"midpoint", "longest_edge"}};
 }
 
@@ -22,8 +22,8 @@ std::vector<ParameterSpec> cutting_parameters() {
          .default_value = std::string("voronoi"),
          .paper_value = "voronoi",
          .description =
-             "how a piece of A is cut: four pieces, where the edges are as far from the one triangle of B as "
-             "from another, or at their midpoints; or two, at the midpoint of the longest edge, for needles",
+             "how a piece of A is cut: into four, where its edges are equally far from two triangles of B (voronoi) or "
+             "at their midpoints; or into two at the midpoint of the longest edge (for needles)",
          .choices = {"voronoi", "midpoint", "longest_edge"}},
         {.name = "least_part",
          .default_value = 0.05,

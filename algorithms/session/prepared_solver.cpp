@@ -22,7 +22,7 @@ void hold_to_its_status(const Query& query, int exponent, Result& result) {
     const auto length = [&](double scaled) { return std::ldexp(scaled, -exponent); };
     std::string why;
     if (!possible)
-        why = fmt::format("its bounds [{:.6g}, {:.6g}] are no interval of distances", length(lower), length(upper));
+        why = fmt::format("its bounds [{:.6g}, {:.6g}] are not an interval of distances", length(lower), length(upper));
     else if (result.status == Status::below_floor)
         why = fmt::format("its upper bound {:.6g} is above the floor {:.6g}", length(upper), length(query.floor));
     else if (result.status == Status::above_cutoff)

@@ -43,7 +43,7 @@ void stop_above_cutoff(Result& whole) {
     whole.note.clear();
     whole.certificates.clear();  // they do not prove an upper bound of H
     whole.why_no_certificate =
-        "one direction is above the cutoff, so the other one was not measured and H has no upper bound";
+        "one direction is above the cutoff, so the other was not measured, and H has no upper bound";
 }
 
 }  // namespace

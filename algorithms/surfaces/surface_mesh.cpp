@@ -283,9 +283,9 @@ double triangle_distance_at_most(const Vec3& p, const Vec3& a, const Vec3& b, co
 TriangleMesh triangulate(const AlgebraicSurface& surface, int cells) {
     TriangleMesh mesh = Marching(surface, cells).run();
     if (mesh.triangles.rows() == 0) {
-        throw InputError(
-            "surface '" + surface.polynomial +
-            "': no corner of the grid sees a change of sign: give more cells, or a polynomial that changes its sign");
+        throw InputError("surface '" + surface.polynomial +
+                         "': the polynomial has one sign at all corners of the grid: give more cells, or a polynomial "
+                         "that changes sign");
     }
     return mesh;
 }

@@ -1,4 +1,4 @@
-"""Every solver on every mesh of the packages: how many answers within how long, and what became of all that have none."""
+"""Every solver on every mesh of the packages: how many answers it gives within each time, and how the others ended."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ MOST_NAMED: Final = 20  # meshes of one reason, by name; the CSV has all
 
 
 def seconds(results: Results, row: int) -> float:
-    """Of preparing and of the first answer of the process; NaN where it did not come to the tolerance."""
+    """Time of preparing and of the first answer of the process; NaN if it did not reach the tolerance."""
     return results.total_by_round(row).get(0, np.nan) if results.cases.status[row] == ANSWERS else np.nan
 
 
 def shown_reason(reason: str) -> str:
-    """Without what is different for each mesh: names, files and numbers, so that like reasons stand together."""
+    """Returns the reason without names, files and numbers, so that rows with the same reason are counted together."""
     def differs(word: str, before: str | None) -> bool:
         return before != "signal" and ("/" in word or word[0] in "'\"" or any(character.isdigit() for character in word))
 
@@ -49,7 +49,9 @@ def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
 
 
 def sound(results: Results) -> Verdict:
-    """No certified solver is wrong, fails or crashes on a mesh that could be read. Solvers on one mesh are no independent trials: a mesh is one."""
+    """No certified solver is wrong, fails or crashes on a mesh that could be read. The unit is the mesh, because solvers on one mesh are
+    not independent trials.
+    """
     cases, lost = results.cases, unmeasured(results)
     rows = [row for row in range(len(cases))
             if cases.certified[row] == 1 and cases.scene[row] not in lost and cases.status[row] not in NEVER_RAN]

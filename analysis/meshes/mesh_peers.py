@@ -29,7 +29,7 @@ Pair = tuple[Cell, Cell]  # CGAL, and the solver
 
 
 def ratio(pair: Pair) -> Estimate:
-    """How many times as long CGAL takes. Where it did not end its time limit stands for its time: a lower bound."""
+    """Time of CGAL over time of the solver. If CGAL was stopped by its time limit, that limit is its time, which gives a lower bound."""
     peer, own = pair
     if peer.failures and comparable(pair):
         return ratio_of_medians([limit_of(peer)] * len(own.times), list(own.times.values()))
@@ -47,7 +47,9 @@ def limit_of(cell: Cell) -> float:
 
 
 def comparable(pair: Pair) -> bool:
-    """The solver answered, and CGAL did or was stopped at its limit: what it ran out of otherwise says nothing of its time. And these times compare."""
+    """Whether the solver answered, CGAL answered or was stopped by its time limit (any other end says nothing about its time), and both
+    times are comparable.
+    """
     peer, own = pair
     return not own.failures and peer.failures.keys() <= {"timeout"} and not apart_of(pair)
 
@@ -102,7 +104,9 @@ def size_of(cell: Cell) -> float:
 
 
 def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
-    """Of every pair, round by round. Where CGAL was stopped its limit stands for its time: that can confirm, and refutes nothing."""
+    """Judges the claim for every pair, round by round. If CGAL was stopped, its limit is its time; that can confirm the claim but not
+    refute it.
+    """
     aim = EVERYWHERE[label]
 
     def over_aim(pair: Pair) -> Estimate:

@@ -45,7 +45,7 @@ def ends(results: Results, row: int) -> str:
 
 
 def claim(results: Results) -> Verdict:
-    """Of certified solvers: every row has an interval, and none is wrong."""
+    """Every row of a certified solver has an interval, and none is wrong."""
     rows = [row for row in range(len(results.cases)) if results.cases.certified[row]]
     ill = [row for row in rows if outcome(results, row) in (WRONG, NO_BOUNDS)]
     return never_chosen(claims.of("hausbench", "traps"), len(ill), len(rows), "answers")
@@ -84,7 +84,7 @@ def make(results: Results) -> Report:
 
 
 def distance(results: Results, row: int) -> str:
-    """'0', or what is proven of it: its first three digits where they are known, the interval otherwise."""
+    """Returns '0', or the proven distance: its first three digits if they are known, otherwise the interval."""
     if results.cases.exact[row] == 0:
         return "0"
     known, diagonal = results.reference_of(row), float(results.cases.source_diagonal[row])

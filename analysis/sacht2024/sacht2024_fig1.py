@@ -99,7 +99,7 @@ def draw_scale(ax: Any, middle: Floats, room: float, diagonal: float) -> None:
 
 
 def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:
-    """Where the triangles meet the plane at this depth: a segment of each that crosses it, from one of its sides to another."""
+    """Returns the segments in which triangles cross the plane at this depth, each from one side of its triangle to another."""
     sides, found = corners[shown.triangles], list[Floats]()
     above = sides[:, :, 2] > depth
     for triangle, flags in zip(sides[above.any(axis=1) & ~above.all(axis=1)], above[above.any(axis=1) & ~above.all(axis=1)]):

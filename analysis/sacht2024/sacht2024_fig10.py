@@ -17,7 +17,7 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import UNTESTED, Verdict
 
-# What the paper draws, in its words: the seven worst, two in between, the ten best, from the worst to the best.
+# The orders that the paper draws, in its words: the seven worst, two in between, the ten best, from worst to best.
 DRAWN: Final = ("1", "2", "21", "12", "41", "4", "412", "3", "3241",
                 "23", "1243", "231", "213", "123", "2341", "2314", "234", "2134", "1234")
 SINGLE: Final = ("1", "2", "3", "4")
@@ -29,7 +29,7 @@ NEVER_RAN = ("skipped", "failed", "not_built")
 
 
 class Orders:
-    """What each order took on each pair. Pairs that no order solved have no winner, as in the paper."""
+    """The cost of each order on each pair. Pairs that no order solved have no winner, as in the paper."""
 
     def __init__(self, results: Results) -> None:
         self.results, cases = results, results.cases
@@ -58,12 +58,12 @@ class Orders:
         return reason_apart(one for (_, of), cell in self.cells.items() if of == scene for one in cell.origins)
 
     def cost(self, order: str, scene: str, what: str) -> float:
-        """Time, or what is named in MEASURES; NaN where it did not come to the tolerance, or where times do not compare."""
+        """Time, or the measure that MEASURES names; NaN if it did not reach the tolerance or times are not comparable."""
         cell = self.cells.get((order, scene))
         return np.nan if cell is None or (not what and self.apart) else cell.cost(what)
 
     def shared(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
-        """Who wins among these, on each pair that some order solves."""
+        """Returns the winners among these orders on each pair that some order solves."""
         return shared_wins({order: [self.cost(order, scene, what) for scene in self.solved]
                             for order in orders if order in self.orders})
 
@@ -142,7 +142,7 @@ def make(results: Results) -> Report:
 
 
 def place(order: str) -> str:
-    """Where the paper has it: it prints a picture, and names these."""
+    """The order's place in the paper, which prints a picture and names these."""
     if order not in DRAWN:
         return tables.NOTHING
     at = DRAWN.index(order)

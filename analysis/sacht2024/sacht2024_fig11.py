@@ -54,7 +54,7 @@ def collect(results: Results) -> list[Shown]:
 
 
 def verdicts(pairs: list[Shown]) -> list[Verdict]:
-    """Of each pair. These are counts, so there is nothing to test."""
+    """Judges each pair. The values are counts, so there is nothing to test."""
     found = []
     for pair in pairs:
         counts, n = pair.counts, len(pair.last)

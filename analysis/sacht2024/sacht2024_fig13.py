@@ -208,7 +208,7 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.minorticks_off()
-    if not any(len(line.get_xdata()) for line in ax.lines):  # nobody reached anything: any frame will do
+    if not any(len(line.get_xdata()) for line in ax.lines):  # no solver reached anything: any frame will do
         ax.set_ylim(1, 1e4)
     ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 30)
     scales.log_ticks(ax.yaxis)

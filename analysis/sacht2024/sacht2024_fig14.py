@@ -55,7 +55,7 @@ def collect(results: Results) -> list[Outlier]:
 
 
 def verdicts(found: list[Outlier]) -> list[Verdict]:
-    """At the finest tolerance, that of the paper."""
+    """Judges the finest tolerance, which is the paper's."""
     finest = [x for x in found if x.tolerance == min(y.tolerance for y in found)]
     by_scene = {x.scene: x for x in finest}
 

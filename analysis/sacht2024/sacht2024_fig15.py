@@ -17,7 +17,7 @@ from analysis.shared.verdicts import Verdict
 
 NEAR: Final = "fandisk"  # the scene that is nearly the same, but has other triangles
 COARSE, FINE = 1e-6, 1e-8
-PAPER_SECONDS: Final = 180.0  # what the paper's program takes longer than, at FINE
+PAPER_SECONDS: Final = 180.0  # the paper's program takes longer than this at FINE
 PAPER_LOWER: Final = 8.7054e-8  # l / dA of its pair
 PAPER_UPPER: Final = 1.087053e-6  # u / dA at COARSE
 GALLERY: Final = 1.5  # inches
@@ -85,7 +85,7 @@ def make(results: Results) -> Report:
 
 def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances: list[float], clock: str) -> Any:
     """Draws each pair, and below it a frame with a line for each solver: filled at the finest tolerance, open at the coarser ones. An arrow
-    leads on from where a solver was stopped: how far, nobody knows.
+    leads on from the point at which a solver was stopped, because its end is unknown.
     """
     scenes, high = results.scenes, 0.9 + 0.28 * len(labels)
     pairs = sacht_gallery.meshes_of(results, scenes)

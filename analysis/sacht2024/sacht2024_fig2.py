@@ -50,7 +50,7 @@ class Pair:
         return not self.over(FAST) and not self.over(SLOW)
 
     def ratio(self, what: str = "") -> float:
-        """Of Zheng to Sacht: of times, or of what is named in MEASURES. NaN where one of them has none."""
+        """Zheng over Sacht: times, or the measure that MEASURES names. NaN if one of them has none."""
         if not self.both:
             return np.nan
         pair = self.cells[SLOW], self.cells[FAST]
@@ -165,7 +165,7 @@ def numbers_of(ratios: Sequence[float]) -> list[str]:
 
 
 def notes(found: Pairs) -> list[str]:
-    """What is left out of the means, and the ends of the range."""
+    """Returns notes on the pairs that the means leave out, and on the ends of the range."""
     limits = sorted({pair.limit for pair in found.pairs})
     left = [pair for pair in found.pairs if not pair.both]
     text = (f"Means are over pairs that both ended within {' or '.join(f'{x:g}' for x in limits)} s; in the paper, 180 s. "

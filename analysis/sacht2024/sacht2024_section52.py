@@ -15,7 +15,7 @@ from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
 PIECES: Final = "too many pieces"
 STRAY: Final = "unreferenced vertex"
-TOLERANCE: Final = 1e-8  # of all rows but those that say otherwise
+TOLERANCE: Final = 1e-8  # of all rows that do not say otherwise
 # What the published program does, as the paper tells, or as it was seen where that is said.
 THEIRS: Final = {
     STRAY: "the vertex counts for l, which rises above every u; the queue runs empty (mesh 82541)",
@@ -72,7 +72,7 @@ def without_problem(results: Results, name: str, rows: list[int]) -> Verdict:
 
 
 def reached(results: Results) -> Verdict:
-    """Of the rows of sacht with a max_factor of their own: whether only the coarser tolerance is reached."""
+    """Judges the rows of sacht with their own max_factor: whether only the coarser tolerance is reached."""
     cases, claim = results.cases, claims.of("sacht2024", "too_few_pieces")
     status = {float(cases.tolerance[row]): cases.status[row] for row in results.rows(scene=PIECES, solver="sacht")
               if cases.label[row] != "sacht"}

@@ -1,4 +1,4 @@
-"""Rows that may have been stopped at their limit of time or of subdivisions: what is known then is that they take longer."""
+"""Rows that may have been stopped at their limit of time or of subdivisions, of which is known only that they take longer."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Bounded:
 
 
 def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
-    """Of times. Against a limit stands the upper end of the other's interval, which errs on the safe side."""
+    """Ratio of times. A limit is compared with the upper end of the other's interval, which errs on the safe side."""
     if slow is None or fast is None:
         return Bounded()
     if lacking := apart(slow.origins | fast.origins):
@@ -83,7 +83,7 @@ def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
 
 
 def work_ratio(slow: Row | None, fast: Row | None, what: str) -> Bounded:
-    """Of counted work. What was counted until a limit is the least that there was to do, and differs from run to run."""
+    """Ratio of counted work. The work counted until a limit is a lower bound of the whole, and differs from run to run."""
     if slow is None or fast is None or min(slow.work[what], fast.work[what]) <= 0:
         return Bounded()
     ratio = slow.work[what] / fast.work[what]
@@ -93,7 +93,7 @@ def work_ratio(slow: Row | None, fast: Row | None, what: str) -> Bounded:
 
 
 def ratio_of(slow: Row | None, fast: Row | None, what: str) -> Bounded:
-    """Of times, or of what is named in MEASURES."""
+    """Ratio of times, or of the measure that MEASURES names."""
     return work_ratio(slow, fast, what) if what else time_ratio(slow, fast)
 
 

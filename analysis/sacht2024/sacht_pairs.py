@@ -33,7 +33,7 @@ def named(scene: str, between: str = " ") -> str:
 
 
 class Pairs(Grid):
-    """All pairs of a result file, and what the paper prints of them."""
+    """All pairs of a result file, with the values that the paper prints."""
 
     def __init__(self, results: Results) -> None:
         super().__init__(results)
@@ -97,7 +97,7 @@ def make(spec: Spec, results: Results) -> Report:
 
 
 def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> list[list[str]]:
-    """Times, counted work, and what the paper prints."""
+    """Returns times, counted work, and the values that the paper prints."""
     paper = pairs.papers.get(scene, {})
     rows = [[named(scene), "here", pairs.results.sizes(pairs.first(scene)), percent(pairs.distance(scene)),
              *pairs.texts(scene, scale), *[tables.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios]]]

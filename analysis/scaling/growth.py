@@ -1,4 +1,4 @@
-"""Cost against size: the exponents of time and of memory with intervals, and what they foretell of larger sizes."""
+"""Cost against size: the exponents of time and of memory with intervals, and forecasts for larger sizes."""
 
 from __future__ import annotations
 
@@ -80,7 +80,9 @@ class Growth:
 
 
 def growth(sizes: Sequence[float], costs: Sequence[float], least: float, fixed: float = FIXED) -> Growth:
-    """Of the sizes from which on every known cost is large enough to tell: at least `least`, and `fixed` times that of the smallest size."""
+    """Fits the sizes from which on every known cost is large enough to judge: at least `least`, and `fixed` times the cost of the smallest
+    size.
+    """
     known = sorted((n, cost) for n, cost in zip(sizes, costs, strict=True) if not math.isnan(cost))
     bar = max([least, *[fixed * cost for _, cost in known[:1]]])
     low = max((i + 1 for i, (_, cost) in enumerate(known) if cost < bar), default=0)
@@ -109,7 +111,7 @@ class Curve:
         return style.title(self.solver, self.label)
 
     def growth_of(self, seconds: Sequence[float], least: float = LEAST_SECONDS) -> Growth:
-        """Of times, one for each size."""
+        """Growth of times, one for each size."""
         return growth(self.sizes, seconds, least) if self.times_compare else Growth((), ())
 
     def last(self, values: Sequence[float]) -> float:
@@ -216,12 +218,12 @@ def peak_ratio(rival: Curve | None, one: Curve) -> float:
 
 
 def notes(results: Results) -> dict[str, str]:
-    """What the experiment says of each regime."""
+    """Returns the experiment's note on each regime."""
     return {str(family): str(note).partition(";")[0] for family, note in zip(results.cases.family, results.cases.scene_note) if note}
 
 
 def has_marks(ax: Any) -> bool:
-    """Of numbers: what stands at the edge for a failure has a place of its own."""
+    """Whether the frame has marks for numbers; failures are drawn at the edge, in a place of their own."""
     return any(len(line.get_xdata()) and line.get_transform() == ax.transData for line in ax.lines)
 
 

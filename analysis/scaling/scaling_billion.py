@@ -1,11 +1,11 @@
-"""What a thousand million points in each set would take, on paper: foretold from the sizes that were measured, in one piece and in shards.
+"""Forecasts the cost of a thousand million points in each set, in one piece and in shards, from the sizes that were measured.
 
-In shards: split A into k cells with as many points each (a k-d tree's). The task of a cell takes its points A_i, and B_i: all points of B
-within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is never below h(A_i, B), as B_i is a part of B. If u_i <= r it is exact: each
-point of A_i has its nearest of B within u_i, so in B_i. Else, if u_i is above the largest exact answer so far (0 if there is none), the task runs
-once more with the margin u_i, and is exact by the same argument; where B_i is empty, its margin is doubled until it is not. h(A, B) is the largest of
-the exact answers. Of a solver that gives an interval, u_i is its upper end, and the box of A_i is rounded outward. What tasks that run again cost is
-not in the plan.
+Shards: split A into k cells with equally many points (a k-d tree's). The task of a cell takes its points A_i and B_i, all points of B
+within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is never below h(A_i, B), because B_i is part of B. If u_i <= r it is
+exact: each point of A_i has its nearest point of B within u_i, so in B_i. Otherwise, if u_i is above the largest exact answer so far (0 if
+there is none), the task runs again with margin u_i, and is exact by the same argument; if B_i is empty, the margin is doubled until it is
+not. h(A, B) is the largest of the exact answers. For a solver that gives an interval, u_i is its upper end, and the box of A_i is rounded
+outward. The plan leaves out the cost of tasks that run again.
 """
 
 from __future__ import annotations
@@ -45,16 +45,17 @@ class Shards:
 
 
 def widened(tasks: float, margin: float) -> float:
-    """About how many times the points of a cell its margin takes in, for points spread evenly in a cube, or on a surface in it: cells of a surface
-    are the smaller ones, box / sqrt(tasks). Where points lie unevenly it may be half as much again. `margin` is a fraction of the diagonal.
+    """Estimates how many times the points of a cell its margin takes in, for points spread evenly in a cube or on a surface in it. Cells of
+    a surface are smaller, box / sqrt(tasks). If points are spread unevenly, the number may be half as large again. `margin` is a
+    fraction of the diagonal.
     """
     side = 1 / math.sqrt(3) / math.sqrt(tasks)
     return (1 + 2 * margin / side)**3
 
 
 def shards(each: float, margin: float, memory: float, bytes_of: Callable[[float], float]) -> Shards | None:
-    """The fewest tasks, to one in twenty, whose points fit in `memory` together with what the solver takes for them; None where no number of cells
-    does, or the margin takes in too much.
+    """Returns the fewest tasks, to one in twenty, whose points fit into `memory` together with the solver's own memory; None if no number
+    of cells does, or the margin takes in too much.
     """
     tasks = 1
     while tasks <= MOST_TASKS:
@@ -97,7 +98,7 @@ def memory_of(one: Curve) -> Growth:
 
 
 def forecast(results: Results, one: Curve, memory: float) -> Forecast:
-    """The upper ends of the forecasts size the shards; a margin is what the distance is expected to be at most."""
+    """Sizes the shards with the upper ends of the forecasts; a margin is the largest expected distance."""
     total, seconds, peak, distance = 2 * EACH, cost(one), memory_of(one), distances(results, one)
     margin = distance.at(total).high
     known = seconds.known and peak.known and math.isfinite(margin)
@@ -158,12 +159,12 @@ def make(results: Results) -> Report:
         *[f"{regime}: {note}." for regime, note in notes(results).items()], f"{machine_line(results)}."]
     table.notes = [note for note in table.notes if note]
     drawn = [one for one in found if one.label == DRAWN]
-    known = any(cost(one).known or memory_of(one).known for one in drawn)  # else there is no line to draw
+    known = any(cost(one).known or memory_of(one).known for one in drawn)  # otherwise there is no line to draw
     return Report((lambda: draw(drawn, memory)) if known else None, table, records)
 
 
 def draw(found: list[Curve], memory: float) -> Any:
-    """What was measured, the line through it, and the band of the forecast."""
+    """Draws the measurements, the line through them, and the band of the forecast."""
     figure, axes = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.6))
     colours = [style.look(name).colour for name in ("scan", "ohd", "nohd", "adaptive")]
     entries = []

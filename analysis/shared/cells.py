@@ -1,10 +1,10 @@
 """Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled.
 
-A time is process CPU time, children included, where one thread works at a time, and wall time where several do: the result
-file says which (`clock`), and notes.clock_note says it under a table. Preparing is wall time, and is added to the first answer of
-the process, round by round: a solver that builds something while it solves gains nothing by it. The unit of every interval is
-the round, a fresh process. Of several seeds it is the seed, which has processes of its own, by the median of its rounds:
-rounds alone would show how times vary, but not how seeds do.
+A time is process CPU time, children included, if one thread works at a time, and wall time if several do: the result file says which
+(`clock`), and notes.clock_note says it under a table. Preparing is wall time and is added to the first answer of the process, round by
+round, so that a solver gains nothing by building something while it solves. The unit of every interval is the round, a fresh process. If
+there are several seeds, the unit is the seed, which has its own processes, by the median of its rounds: rounds alone would show how times
+vary, but not how seeds do.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Cell:
         self.seeded = takes_seed(results, first)
         self.origins = origins(results, rows)
         self.failures = Counter(cases.status[r] for r in rows if cases.status[r] != "ok")
-        # Leaving out the seeds that failed would leave out the slow ones: then there is no median.
+        # Leaving out the failed seeds would leave out the slow ones, so there is no median then.
         ok = not self.failures
         self.times = self._by_unit([results.total_by_round(r) for r in rows]) if ok else {}
         self.time: Estimate = median(list(self.times.values()))
@@ -57,7 +57,7 @@ class Cell:
         self.peak = float(np.median(cases.peak_bytes[rows])) if ok and (cases.peak_bytes[rows] >= 0).all() else np.nan
 
     def _by_unit(self, runs: list[dict[int, float]]) -> dict[int, float]:
-        """Of one row its rounds, of several seeds their medians."""
+        """The rounds of one row, or the medians of several seeds."""
         if len(runs) == 1:
             return runs[0]
         return {seed: float(np.median(list(run.values()))) for seed, run in zip(self._seeds(), runs) if run}
@@ -66,7 +66,7 @@ class Cell:
         return [int(self.results.options(row).get("seed", i)) for i, row in enumerate(self.cases)]
 
     def share_preparation(self, other: Cell) -> None:
-        """Where both are prepared with one structure: both get the shorter of its two times, round by round."""
+        """If both are prepared with one structure, gives both the shorter of its two times, round by round."""
         before = [self.results.prepare_by_round(cell.cases[0]) for cell in (self, other)]
         for cell in (self, other):
             solve = self.results.first_by_round(cell.cases[0])
@@ -90,7 +90,7 @@ class Cell:
         return float(np.median(found)) if found and min(found) > 0 else np.nan
 
     def cost(self, what: str = "") -> float:
-        """Time, or what is named in MEASURES; NaN where it has none."""
+        """Time, or the measure that MEASURES names; NaN if it has none."""
         return self.count(MEASURES[what]) if what else self.time.value
 
     def text(self, scale: float) -> str:
@@ -138,7 +138,7 @@ class Grid:
     """A cell for each scene and each label that was run on it."""
 
     def __init__(self, results: Results, labels: Sequence[tuple[str, str]] = ()) -> None:
-        """Labels with their solvers, in the order of columns: if not given, that of style.LOOKS."""
+        """Takes labels with their solvers, in the order of columns; default: the order of style.LOOKS."""
         self.results, self.scenes = results, results.scenes
         self.labels = list(labels) or style.order(zip(results.cases.solver, results.cases.label))
         self.cells = {(scene, label): Cell(results, rows) for scene in self.scenes for _, label in self.labels
@@ -158,7 +158,7 @@ class Grid:
         return [style.title(*pair) for pair in self.labels]
 
     def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Of times, or of what is named in MEASURES; NO_DATA where one of the two was not run."""
+        """Ratio of times, or of the measure that MEASURES names; NO_DATA if one of the two was not run."""
         above, below = self.cells.get((scene, slow)), self.cells.get((scene, fast))
         if above is None or below is None:
             return NO_DATA

@@ -46,7 +46,7 @@ class Entry:
 
 
 class Claim(str):
-    """The words of a claim, with what they were made from. `place` is what alone it is said of here, such as a scene."""
+    """The words of a claim, with their entry. `place` is the only place for which it is claimed here, such as a scene."""
 
     entry: Entry
     place: str
@@ -112,5 +112,5 @@ def records(verdicts: Iterable[Verdict], stem: str, profile: str) -> list[Record
 
 
 def read(path: Path) -> list[Record]:
-    """The verdicts of a file; none if there is no file. Raises ValueError if it is damaged."""
+    """Returns the verdicts of a file; none if there is no file. Raises ValueError if it is damaged."""
     return tables.read_json(path) if path.exists() else []

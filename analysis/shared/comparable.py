@@ -1,4 +1,4 @@
-"""Which times compare: those of rows that were run one at a time, by one build on one machine, and are timed by one clock."""
+"""Times are comparable if their rows were run one at a time, by one build on one machine, and are timed by one clock."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from analysis.shared.statistics import Estimate, no_data
 
 
 class Origin(NamedTuple):
-    """Everything about a row that decides whether its times compare with those of another row."""
+    """Everything that decides whether the times of a row are comparable with those of another."""
 
     beside: bool  # --jobs or a cluster may have run other cases at the same time
     machine: str

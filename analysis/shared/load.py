@@ -38,7 +38,7 @@ NEEDED = ("cases/identity", "cases/solver", "cases/scene", "cases/status", "case
 
 
 def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
-    """The columns of a group that are known here. A file may have others, and what an older one lacks takes its default."""
+    """Reads the known columns of a group. A file may have others; a column that an older file lacks takes its default."""
     group, values = file.get(name, {}), dict[str, Any]()
     for path in NEEDED:
         if path.startswith(f"{name}/") and path not in file:
@@ -70,7 +70,9 @@ def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
 
 
 def _end_of_data(head: bytes) -> int | None:
-    """Where the data of an HDF5 file end, by its first bytes ("Superblock" in its specification, with addresses of 8 bytes); None if unknown."""
+    """Returns where the data of an HDF5 file end, from its first bytes ("Superblock" in its specification, with addresses of 8 bytes); None
+    if unknown.
+    """
     if len(head) < 52 or not head.startswith(b"\x89HDF\r\n\x1a\n") or head[8] > 3 or head[13 if head[8] < 2 else 9] != 8:
         return None
     return int.from_bytes(head[(at := {0: 40, 1: 44}.get(head[8], 28)):at + 8], "little")
@@ -131,8 +133,8 @@ def _of_profile(results: Results, profile: str) -> Results:
 
 
 def load(path: Path, profile: str = "") -> Results:
-    """Opens a result file read-only and reads it whole; of its rows it keeps those of one profile: that of the latest run, unless
-    one is named. Throws ResultError for a missing, damaged or foreign file, or one of a newer schema.
+    """Opens a result file read-only and reads it whole, then keeps the rows of one profile: the latest run's, unless one is named. Raises
+    ResultError for a missing, damaged or foreign file, or one of a newer schema.
     """
     stem = path.stem.removesuffix(".everything")  # of `run --leave-nothing-out`
     if not path.is_file():

@@ -80,7 +80,7 @@ VIEWS: Final = {"fandisk": view((-1, 0.6, 1)), "wuson": view((1, 0.5, -1)), "cou
 
 
 def view_of(name: str) -> View:
-    """Of a model or a scene, chosen by hand where there is an entry in VIEWS."""
+    """Returns the view of a model or scene, chosen by hand if VIEWS has an entry."""
     return VIEWS.get(name, view((0.5, 0.4, 1)))
 
 

@@ -13,7 +13,9 @@ from analysis.shared.results import LEAST_SHARE, Results
 
 
 def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
-    """For a table or figure: whose lower bounds the harness could not check, among these rows, or all; empty where it checked all that there are."""
+    """Names the solvers whose lower bounds the harness could not check, among these rows or all, for a table or figure; empty if it checked
+    all.
+    """
     cases, found = results.cases, dict[str, list[str]]()
     among = range(len(cases)) if rows is None else rows
     titles, asked = {str(cases.label[case]): style.title(cases.solver[case], cases.label[case]) for case in among}, Counter(str(cases.label[case]) for case in among)
@@ -35,7 +37,7 @@ def side_by_side_line(results: Results) -> str:
 
 
 def machine_line(results: Results) -> str:
-    """Where and with what the rows were measured, and which bounds were not checked, for the end of a note."""
+    """Says where and with what the rows were measured, and which bounds were not checked, for the end of a note."""
     unchecked = unchecked_line(results)
     return f"{measured_on(results)}. {unchecked}" if unchecked else measured_on(results)
 
@@ -61,7 +63,7 @@ def stand_in(note: str) -> str:
 
 
 def scene_notes(results: Results) -> list[str]:
-    """What the experiment says of its scenes, such as what a model stands in for."""
+    """Returns the experiment's notes on its scenes, such as what a model stands in for."""
     return [f"{style.scene_title(scene)}: {note}." for scene in results.scenes
             if (note := results.cases.scene_note[results.rows(scene=scene)[0]])]
 

@@ -1,7 +1,7 @@
 """Means and wins over many pairs of shapes, and verdicts on them. The unit is the pair: one ratio, or one winner, a pair.
 
-The pairs are taken for a sample of all that could have been chosen, so an interval says how far the choice of pairs may have
-moved a mean. What one time is worth is another question: with one round a pair, noise widens the spread between pairs.
+The pairs are regarded as a sample of all that could have been chosen, so an interval shows how far the choice of pairs may have moved a
+mean. The error of a single time is another question: with one round for each pair, noise widens the spread between pairs.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def wins_more(claim: str, ahead: Mapping[str, Wins], behind: Mapping[str, Wins],
 
 
 def shared_wins(costs: Mapping[str, Sequence[float]], within: float = 1.05) -> dict[str, Wins]:
-    """Who wins each pair: all whose cost is at most `within` times the least. NaN: no answer, which never wins."""
+    """Returns the winners of each pair: all whose cost is at most `within` times the least. NaN means no answer, which never wins."""
     if not costs:
         return {}
     table = np.array([np.asarray(cost, dtype=np.float64) for cost in costs.values()])

@@ -1,4 +1,6 @@
-"""Makes text from result files safe to print: names and reasons must not steer a terminal or reverse what is read. As algorithms/printable.h."""
+"""Makes text from result files safe to print: names and reasons must not steer a terminal or reverse the text around them. Like
+algorithms/printable.h.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a stem makes, and how it is written: a figure, and a table with its numbers in full."""
+"""The output of a stem and how it is written: a figure, and a table with its numbers in full."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ CAPTION: Final = ".txt"  # <out>/figures/<stem>.txt is the caption of a figure
 
 @dataclass(frozen=True)
 class Report:
-    draw: Callable[[], Any] | None  # the figure, or several by name; tables do not wait for it; None: there is none
+    draw: Callable[[], Any] | None  # the figure, or several by name; tables do not wait for it; None: no figure
     table: tables.Table | None = None  # without one the figure has no notes
     records: Sequence[tables.Record] = ()  # of the CSV
     key: str = ""  # of the letters in the figure; stands below it
@@ -135,7 +135,7 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
             "svg": {"Title": stem, "Description": caption, "Date": None},
             "png": {"Title": stem, "Description": caption, "Software": None}}
         for path in paths:
-            drawn = io.BytesIO()  # the writer of PDF cannot be ended where there is no room on the disk
+            drawn = io.BytesIO()  # the PDF writer cannot be ended if the disk is full
             with plt.rc_context({"figure.constrained_layout.use": False} if footnote else {}):  # savefig() would turn it on again
                 figure.savefig(drawn, format=path.suffix[1:], metadata=metadata[path.suffix[1:]], bbox_inches=_whole(figure) if footnote else None)
             tables.write_whole(path, drawn.getvalue())

@@ -72,7 +72,7 @@ class Results:
 
     @cached_property
     def names(self) -> Texts:
-        """Of each row the solver as it is shown: its label, with the parameters that the experiment sweeps."""
+        """Name of the solver of each row as shown: its label, with the parameters that the experiment varies."""
         return np.array([f"{label}({variant})" if variant else label
                          for label, variant in zip(self.cases.label, self.cases.variant)], dtype=object)
 
@@ -92,7 +92,7 @@ class Results:
         return {name: float(value) for name, value in json.loads(self.cases.extras[case] or "{}").items()}
 
     def facts(self, case: int) -> dict[str, str]:
-        """What the solver reports of itself in words, by name."""
+        """Returns the texts that the solver reports, by name."""
         return {name: str(text) for name, text in json.loads(self.cases.facts[case] or "{}").items()}
 
     def _by_case(self, column: Ints) -> tuple[Ints, Ints]:
@@ -143,15 +143,15 @@ class Results:
         return {} if np.isnan(first) else {0: first}
 
     def reported_by_round(self, case: int) -> dict[int, float]:
-        """What an outside program says of its time, by round; empty where it says nothing."""
+        """Returns the time that an outside program reports, by round; empty if it reports none."""
         order, begin = self._answers_by_case
         rows = order[begin[case]:begin[case + 1]]
         return {int(self.answers.round[row]): float(self.answers.reported_seconds[row]) for row in rows
                 if not np.isnan(self.answers.reported_seconds[row])}
 
     def solve_by_round(self, case: int, clock: str = "") -> dict[int, float]:
-        """Time of solving once more, by the clock of the case or the one named: the median over the repeats of each
-        round, which is a fresh process. Where none was timed, of the first answers.
+        """Time of solving once more, by the clock of the case or the one named: the median over the repeats of each round, which is a fresh
+        process. If no repeat was timed, the first answers.
         """
         rows = self.repeats_of(case)
         seconds = self.repeats.cpu_seconds if (clock or self.clock_of(case)) == "cpu" else self.repeats.wall_seconds
@@ -168,9 +168,9 @@ class Results:
         return found
 
     def total_by_round(self, case: int, clock: str = "") -> dict[int, float]:
-        """Preparing and the first answer, by round: what somebody waits for who asks once. A repeat would be too short:
-        what a solver builds on the way, and pages that it touches first, are there already. A round without preparation of
-        its own has the median of the others.
+        """Time of preparing and the first answer, by round, which is the waiting time for a single question. A repeat would be too short,
+        because what a solver builds on the way and the pages that it touches first are already there. A round without preparation of its
+        own has the median of the others.
         """
         before, usual = self.prepare_by_round(case), self.prepare_seconds(case)
         return {number: seconds + before.get(number, usual)
@@ -185,7 +185,7 @@ class Results:
         return np.array(list(self.total_by_round(case).values()))
 
     def prepare_seconds(self, case: int) -> float:
-        """Of all structures together, the median over the rounds; 0 where there were none."""
+        """Time of all structures together, the median over the rounds; 0 if there were none."""
         return float(np.nan_to_num(self.cases.prepare_seconds[case]))
 
     def trace_of(self, case: int) -> Trace:
@@ -220,9 +220,9 @@ class Results:
         return self.cases.quantity[case], self.cases.source[case], self.cases.target[case], poses.tobytes()
 
     def reference_of(self, case: int) -> Interval:
-        """What is proven of the true distance of this case, h or H, of the same shapes in the same poses: [greatest lower,
-        least upper] of the reference answer and of all rows with bounds of certified solvers. NaN if there is neither. Bounds that contradict each other
-        (which `verify` reports) give the interval between the two.
+        """Returns the proven interval of the true distance of this case, h or H, for the same shapes in the same poses: [greatest lower,
+        least upper] of the reference answer and of all rows with bounds of certified solvers. NaN if there is neither. If bounds
+        contradict each other (which `verify` reports), the interval lies between the two.
         """
         proven = self.proven_of(case)
         return Interval(min(proven), max(proven))
@@ -239,16 +239,16 @@ class Results:
         """How far the answer may be from the true distance: the largest |lower - h| over all h in the reference, and
         NaN where no certified solver has an answer.
 
-        The answer is the lower bound, because that is what a witness shows and what programs report; how good the upper
-        bound is, the gap says. So the gap is what a solver has proved, and the error what it has found. Exact answers
-        have error 0 if some row's interval has width 0. `lower` replaces the row's own (for samples of its trace).
+        The answer is the lower bound, because a witness shows it and programs report it; the gap shows how good the upper bound is. So the
+        gap measures what a solver has proved, and the error what it has found. Exact answers have error 0 if some row's interval has width
+        0. `lower` replaces the row's own (for samples of its trace).
         """
         low, high = self.reference_of(case)
         value = float(self.cases.lower[case]) if lower is None else lower
         return max(abs(value - low), abs(value - high))
 
     def middle(self, case: int) -> float:
-        """Of what is proven of the true distance."""
+        """Middle of the proven interval."""
         low, high = self.reference_of(case)
         return 0.5 * (low + high)
 
@@ -265,7 +265,7 @@ class Results:
         return f"{self.cases.source_elements[case]:,}{between}{self.cases.target_elements[case]:,}"
 
     def check_of(self, case: int) -> str:
-        """What the harness found of the lower bound, in words: a bound without a witness is not checked."""
+        """Returns the harness's verdict on the lower bound, in words; a bound without a witness is not checked."""
         check = str(self.cases.lower_check[case])
         return "not checked (no witness)" if check == "no witness" else check
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 class LogAxis:
     """A logarithmic vertical axis on which exact zeros stay visible, in a band of their own below a break.
 
-    Give it every value that will be drawn, then map what is drawn through `place`. Values below 1e-250 are drawn there.
+    Give it every value that will be drawn, then map values with `place`. Values below 1e-250 are drawn at 1e-250.
     """
 
     LEAST: Final = 1e-250
@@ -29,7 +29,7 @@ class LogAxis:
         self._zero = 10.0 ** (low - 2.6 * room)
         ax.set_yscale("log")
         ax.minorticks_off()
-        if self.has_zeros and not len(positive):  # only zeros: there is no scale
+        if self.has_zeros and not len(positive):  # only zeros, so no scale
             ax.set_facecolor("#F1F1F1")
             ax.set_yticks([self._zero], ["0"])
             ax.set_ylim(self._zero / 10, self._zero * 10)

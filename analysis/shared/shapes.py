@@ -28,7 +28,7 @@ class Mesh:
 
     @cached_property
     def _edge_uses(self) -> Indices:
-        """Of each edge that joins two places, how many triangles use it. Corners at one place are one corner."""
+        """For each edge that joins two places, the number of triangles that use it. Corners at one place are one corner."""
         _, place = np.unique(self.corners + 0.0, axis=0, return_inverse=True)
         sides = np.sort(place.reshape(-1)[self.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
         return np.asarray(np.unique(sides[sides[:, 0] != sides[:, 1]], axis=0, return_counts=True)[1], dtype=np.int64)
@@ -51,7 +51,7 @@ def cache_folder() -> Path:
 
 @cache
 def _files(folder: Path) -> dict[str, Path]:
-    """Shape files by the SHA-256 of what they hold; their names are of how it was made. Those of other versions are passed over."""
+    """Returns shape files by the SHA-256 of their shape; their names tell how they were made. Files of other versions are skipped."""
     found = {}
     for path in folder.glob("*.h5"):
         with h5py.File(path, "r") as file:
@@ -61,7 +61,7 @@ def _files(folder: Path) -> dict[str, Path]:
 
 
 def _arrays(results: Results, model: str) -> tuple[Floats, Indices]:
-    """Coordinates and triangles, the latter empty where the model is no mesh. ResultError where the cache does not have them."""
+    """Returns coordinates and triangles, the latter empty if the model is a point set. Raises ResultError if the cache does not have them."""
     hashes = dict(zip(results.models.name, results.models.sha256))
     path = _files(cache_folder() / "shapes").get(hashes.get(model, ""))
     if path is None or not path.exists():

@@ -29,7 +29,9 @@ def _asked(experiment: dict[str, Any], profile: str) -> set[str]:
 
 
 def tests_claims(results: Results) -> bool:
-    """The profile of the result asks for everything that profile `paper` asks for. Also true if the result does not say what was asked."""
+    """Whether the profile of the result asks for everything that profile `paper` asks for. Also true if the result does not tell its
+    profile.
+    """
     experiment = tomllib.loads(str(results.meta.get("experiment_toml", "")))
     profile = str(results.meta.get("profile", ""))
     return profile == PAPER or not experiment or _asked(experiment, PAPER) <= _asked(experiment, profile)
@@ -46,7 +48,7 @@ def kept_outcome(claim: claims.Claim, stem: str) -> str:
 
 
 def tested(verdicts: Iterable[Verdict], results: Results, stem: str) -> list[Verdict]:
-    """The verdicts; those of a paper's claims are `not tested` if the result has smaller sizes than the paper."""
+    """Returns the verdicts; those on a paper's claims become `not tested` if the result has smaller sizes than the paper."""
     if tests_claims(results):
         return list(verdicts)
     return [_untested(verdict, results, stem) for verdict in verdicts]

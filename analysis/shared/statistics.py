@@ -1,9 +1,9 @@
 """Medians and ratios with intervals that assume nothing about the distribution of times.
 
-Pure functions. The unit is the round: repeats inside one process are not independent, so `by_round` makes one number of
-them before anything else is worked out. An interval runs between order statistics, so its coverage follows from the
-binomial distribution alone (David and Nagaraja, Order Statistics, section 7.1). Two rounds cannot give 95 %, six can:
-with fewer the interval is the whole range, `coverage` says what it is worth, and nothing counts as separated.
+Pure functions. The unit is the round: repeats inside one process are not independent, so `by_round` makes one number of them before
+anything else is worked out. An interval runs between order statistics, so its coverage follows from the binomial distribution alone (David
+and Nagaraja, Order Statistics, section 7.1). Two rounds cannot give 95 %, six can: with fewer the interval is the whole range, `coverage`
+is its probability, and nothing counts as separated.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
 
 def ratio_by_round(numerator: Mapping[int, float], denominator: Mapping[int, float],
                    confidence: float = CONFIDENCE) -> Estimate:
-    """Of times by round (or by seed), measured side by side; NO_DATA where no round is shared."""
+    """Ratio of times by round (or by seed) that were measured side by side; NO_DATA if they share no round."""
     shared = sorted(numerator.keys() & denominator.keys())
     return paired_ratio([numerator[i] for i in shared], [denominator[i] for i in shared], confidence)
 
@@ -146,7 +146,7 @@ def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidenc
 
 
 def student_half_width(values: Floats) -> float:
-    """Of Student's interval for the mean of two values or more, which is near 95 % where no few of them make the sum."""
+    """Half width of Student's interval for the mean of two values or more, which is near 95 % if the sum does not consist of a few of them."""
     return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1) * np.std(values, ddof=1) / math.sqrt(len(values)))
 
 
@@ -164,8 +164,8 @@ def one_draw(ratio: float) -> Estimate:
 
 def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, float],
                     seeded: tuple[bool, bool] = (False, False)) -> Estimate:
-    """Of counted work by seed. A solver that takes no seed has one count, which is exact. Seeds that both have are paired;
-    one seed is one draw.
+    """Ratio of counted work by seed. A solver that takes no seed has one count, which is exact. Seeds that both have are paired; one seed
+    is one draw.
     """
     if not numerator or not denominator or min(denominator.values()) <= 0 or min(numerator.values()) <= 0:
         return NO_DATA  # 0: a peer, which counts nothing

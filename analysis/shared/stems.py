@@ -1,6 +1,6 @@
-"""Finds the script of a stem, analysis/<folder>/<stem>.py, as its experiment is experiments/<folder>/<stem>.toml, unless SCRIPTS names another
-one in that folder; and the results that it draws: its own, or those of the experiments that it names as RESULTS_OF. Of several the first is the
-one that is loaded for it, and the Makefile measures the others before it draws.
+"""Finds the script of a stem and the results that it draws. The script is analysis/<folder>/<stem>.py, as the experiment is
+experiments/<folder>/<stem>.toml, unless SCRIPTS names another in that folder. The results are the stem's own, or those of the
+experiments in RESULTS_OF: the first of several is loaded for it, and the Makefile measures the others before it draws.
 """
 
 from __future__ import annotations
@@ -55,5 +55,5 @@ def also_reads(stem: str) -> list[str]:
 
 
 def drawn_with(stem: str) -> list[str]:
-    """The stem itself, and all that draw its results."""
+    """Returns the stem itself, and all stems that draw its results."""
     return [stem, *sorted(file.stem for file in ANALYSIS.rglob("*.py") if file.stem != stem and _named_in(file)[:1] == [stem])]

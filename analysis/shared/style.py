@@ -1,8 +1,8 @@
 """How figures look: one fixed colour, marker and line for each solver (LOOKS), the words and letters of failures, legends, widths of columns.
 
-Colours are those of Okabe and Ito (2008) with a few from Paul Tol's muted set; both can be told apart with every common
-kind of colour blindness. There are more solvers than such colours, so a colour returns once, in the other family (point
-sets or meshes) and with another marker.
+Colours are the ones of Okabe and Ito (2008) with a few from Paul Tol's muted set; both can be told apart with every common kind of colour
+blindness. There are more solvers than such colours, so a colour returns once, in the other family (point sets or meshes) and with another
+marker.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ STATUS_WORDS: Final = {"timeout": "timeout", "out_of_memory": "out of memory", "
 
 
 def letters_key(statuses: Iterable[str]) -> str:
-    """What the letters of these statuses mean: 'T timeout, B budget spent', or nothing."""
+    """Returns the meanings of the letters of these statuses, such as 'T timeout, B budget spent', or nothing."""
     there = {str(status) for status in statuses}
     return ", ".join(f"{letter} {STATUS_WORDS[status]}" for status, letter in STATUS_LETTERS.items() if status in there)
 
@@ -164,8 +164,8 @@ def highlight(label: str) -> None:
 
 
 def look(solver: str, label: str = "") -> Look:
-    """Of a solver; a label of its own (a variant) keeps the colour and gets another marker and line. A solver that is
-    not listed above and was not introduced is grey, with a marker that depends on its name alone.
+    """Returns the look of a solver; a label of its own (a variant) keeps the colour and gets another marker and line. A solver that is not
+    listed above and was not introduced is grey, with a marker that depends only on its name.
     """
     found = _look(solver, label)
     if not _in_front or _in_front in (label, label.partition("(")[0], solver if not label else ""):
@@ -251,7 +251,7 @@ def interval(ax: Any, x: Estimate, at: float, scale: float = 1.0, upright: bool 
 
 
 def filled_entry(label: str, looks: Look = NEUTRAL) -> Any:
-    """Of a legend."""
+    """Returns a filled entry of a legend."""
     return plt.Line2D([], [], label=legend_label(label), **filled_marker(looks))
 
 

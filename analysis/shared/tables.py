@@ -80,7 +80,7 @@ def time_unit(seconds: Iterable[float]) -> tuple[str, float]:
 
 
 def coverage_note(estimates: Iterable[Estimate]) -> str:
-    """What the brackets mean, and how many rounds stand behind them."""
+    """Explains the brackets, and gives the number of rounds behind them."""
     known = [x for x in estimates if x.n]
     if not known:
         return "No times."

@@ -22,7 +22,7 @@ _KNOWN: Final = _SYMBOLS | {letter: rf"$\{name}$" for letter, name in _GREEK.ite
 # By the combining accent: the command that puts it over or under a letter.
 _ACCENTS: Final = {"\u0300": "`", "\u0301": "'", "\u0302": "^", "\u0303": "~", "\u0304": "=", "\u0306": "u", "\u0307": ".", "\u0308": '"', "\u030a": "r",
                    "\u030b": "H", "\u030c": "v", "\u0327": "c"}
-_ACCENTED: Final = re.compile(f"([A-Za-z])([{''.join(_ACCENTS)}])")  # what has no letter of its own in Unicode
+_ACCENTED: Final = re.compile(f"([A-Za-z])([{''.join(_ACCENTS)}])")  # letters with an accent that have no code point of their own
 SPELLED: Final = r"\texttt{U+"
 SPELLED_NOTE: Final = "U+ and digits are the number in Unicode of a letter that LaTeX does not set by itself."
 

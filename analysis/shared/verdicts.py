@@ -21,7 +21,7 @@ from analysis.shared.statistics import NO_DATA, Estimate, median, simes
 HOLDS: Final = "holds"
 FAILS: Final = "does not hold"
 OPEN: Final = "not separated"
-NOT_JUDGED: Final = "not judged"  # so few rounds (n < 6 for one ratio) separate nothing, whatever the data say
+NOT_JUDGED: Final = "not judged"  # too few rounds (n < 6 for one ratio) to separate anything, whatever the data say
 NOT_REFUTED: Final = "not refuted"  # of what no number of cases can prove
 UNTESTED: Final = "not tested"  # the experiment, or what became of it, left no data
 
@@ -49,7 +49,7 @@ class Verdict:
     claim: str
     outcome: str
     evidence: str
-    counted: dict[str, Verdict] = field(default_factory=dict)  # by what was counted
+    counted: dict[str, Verdict] = field(default_factory=dict)  # by the unit that was counted
     ratio: Ratio | None = None  # of claims about one
 
     def with_counts(self, counted: dict[str, Verdict]) -> Verdict:
@@ -114,9 +114,9 @@ def power_of(ratios: Sequence[Estimate], what: str) -> str:
 def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
     """A claim that more than half of the ratios are above 1.
 
-    "At least k of n are above 1" is tested by what is left after the k - 1 clearest ones: if fewer than k are truly above 1, one of those left
-    is not, at least. They are joined by Simes' test (a partial conjunction, Benjamini and Heller 2008). It does not hold where at least
-    half are below 1, by the same test. A ratio that is not known counts for neither.
+    "At least k of n are above 1" is tested by the ratios without the k - 1 clearest ones: if fewer than k are truly above 1, at least one
+    of the rest is not. They are joined by Simes' test (a partial conjunction, Benjamini and Heller 2008). The claim does not hold if at
+    least half are below 1, by the same test. An unknown ratio counts for neither.
     """
     n, known = len(ratios), [x.value for x in ratios if x.n]
     if not known:
@@ -149,10 +149,10 @@ def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
 
 def never(claim: str, wrong: int, of: int, what: str, independent: int | None = None, bar: float = RARE,
           against: str = "") -> Verdict:
-    """A claim that something never happens. One case refutes it, and no number of cases proves it: without a case, the
-    evidence is the greatest rate that `independent` trials (all of them, if not given) leave possible at 95 % (Clopper
-    and Pearson 1934). Where that is not below `bar`, there were too few. `against` says what the bar is, if not RARE: such
-    as the rate at which a variant goes wrong on the same trials.
+    """Judges a claim that something never happens. One case refutes it, and no number of cases proves it: without a case, the evidence is
+    the greatest rate that `independent` trials (default: all) leave possible at 95 % (Clopper and Pearson 1934). If that is not below
+    `bar`, there were too few. `against` names the bar if it is not RARE, such as the rate at which a variant goes wrong on the same
+    trials.
     """
     if not of:
         return Verdict(claim, UNTESTED, f"no {what}")
@@ -228,9 +228,8 @@ def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Ve
 def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str) -> Verdict:
     """A claim that a quantity is greatest at one place. `ratios` are of its value there to that at every other place.
 
-    It holds where all of them are known and separated above 1 (an intersection-union test, as in `everywhere`). It does not hold
-    where `rival`, the ratio to one place that was chosen without looking at what is compared, is separated below 1: one
-    ratio, so nothing to correct.
+    It holds if all of them are known and separated above 1 (an intersection-union test, as in `everywhere`). It does not hold if `rival`,
+    the ratio to one place that was chosen without looking at the compared values, is separated below 1: one ratio, so nothing to correct.
     """
     known = [x for x in ratios if x.n]
     if not known:

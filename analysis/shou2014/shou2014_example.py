@@ -104,7 +104,7 @@ def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
 
 
 def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) -> str:
-    """What the paper's time says beside ours: nothing if it may have been misread."""
+    """Compares the paper's time with ours; empty if the paper's may have been misread."""
     if doubtful:
         return " as it was recognised, which may be wrong by a lost decimal point: so no ratio of times is made."
     if here is None:

@@ -1,4 +1,4 @@
-"""Pairs of algebraic surfaces with known distances: who holds them, and pictures of voxels and witnesses."""
+"""Pairs of algebraic surfaces with known distances: which solvers contain them, and pictures of voxels and witnesses."""
 
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ def collect(results: Results) -> Curves:
 
 
 def relative(rows: Sequence[Row], what: str) -> list[float]:
-    """Work or seconds of each row, divided by those of the first; NaN for times that do not compare."""
+    """Returns work or seconds of each row, divided by those of the first; NaN for times that are not comparable."""
     values = [float(getattr(row, what)) for row in rows]
     return [math.nan if what == "seconds" and reason_apart([row.origin, rows[0].origin]) else value / values[0] for row, value in zip(rows, values)]
 

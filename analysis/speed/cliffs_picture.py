@@ -65,7 +65,7 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
 
 
 def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
-    """Of a band of frames, with room for letters at the top."""
+    """Returns the scale of a band of frames, with room for letters at the top."""
     values = [x for rows in curves for x in relative(rows, what) if math.isfinite(x) and x > 0]
     low, high = min([0.5, *values]) / 1.3, max([MOST * 2, *values])
     return low, high * (high / low) ** 0.2
@@ -73,7 +73,7 @@ def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
 
 def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, str]], what: str,
                limits: tuple[float, float]) -> set[str]:
-    """Lines through what has an answer; a letter at the top, in the colour of the solver, for what has none."""
+    """Draws lines through the answers, and letters at the top, in the solver's colour, for rows without one."""
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_ylim(*limits)

@@ -12,7 +12,7 @@ from analysis.shared.columns import Floats
 from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 
-ROUNDING: Final = 2.0**-53  # smaller lengths are below the rounding of coordinates
+ROUNDING: Final = 2.0**-53  # smaller lengths are less than the rounding of coordinates
 FINER: Final = 0.01  # of the finest tolerance: what a reference answer is asked for. Nothing smaller is shown
 LEAST_SHOWN: Final = 1e-10  # but whatever the tolerances, everything above this is
 # Parameters that decide how close a solver comes, whatever the tolerance: their values are points of one line.
@@ -63,7 +63,7 @@ def _parts(results: Results, case: int, keep: bool) -> str:
 
 
 def series_of(results: Results, case: int) -> Series:
-    """Returns what a row is drawn as."""
+    """Returns the series in which a row is drawn."""
     rest, label = _parts(results, case, False), str(results.cases.label[case])
     return str(results.cases.solver[case]), f"{label}({rest})" if rest else label
 

@@ -260,7 +260,9 @@ def _draw_gap(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
 
 
 def _draw_error(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
-    """Draws the error of the middle, with a bar from the error of one bound to that of the other; or of the lower bound while there is no upper one."""
+    """Draws the error of the middle, with a bar from the error of one bound to the error of the other; or of the lower bound while there is
+    no upper one.
+    """
     for series, curves in one.curves.items():
         middles, lowers = [], []
         for curve in curves:

@@ -77,7 +77,7 @@ def message(results: Results, panels: Sequence[Panel], times: dict[int, Estimate
 
 
 def lines(results: Results, rows: Sequence[int]) -> list[list[int]]:
-    """Returns the rows of each line of the table: those of a solver with one choice of parameters, all its seeds and tolerances."""
+    """Returns the rows of each line of the table: one solver with one choice of parameters, all its seeds and tolerances."""
     found: dict[tuple[str, str, str], list[int]] = {}
     for row in rows:
         found.setdefault((*error_curves.series_of(results, row), error_curves.resolution_of(results, row)), []).append(row)
@@ -100,7 +100,9 @@ def cost_of_tracing(results: Results, case: int) -> float:
 
 
 def tracing_note(results: Results) -> str:
-    """Says what tracing costs: the median over all traced runs that are long enough, and over those of the solver with the greatest median."""
+    """Says how much longer tracing takes: the median over all traced runs that are long enough, and for the solver with the greatest
+    median.
+    """
     cases, found = results.cases, dict[str, list[float]]()
     for case in map(int, np.flatnonzero(cases.from_trace == 0)):
         if np.isfinite(cost := cost_of_tracing(results, case)):

@@ -16,12 +16,12 @@ from analysis.zhang2017.zhang2017_as_printed import LOOKS as BESIDE_PRINTED
 KINDS: Final = ("points", "meshes", "surfaces")
 _KIND_OF: Final = {"points": "points", "mesh": "meshes", "surface": "surfaces"}  # of a model
 AS_PRINTED: Final = {solver: looks for solver, looks in BESIDE_PRINTED.items() if solver.endswith("_as_printed")}
-Label = tuple[str, str]  # a solver, and what the row calls it
+Label = tuple[str, str]  # a solver, and its name in the row
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A row and what it came to."""
+    """A row and its outcome."""
 
     row: int
     label: str
@@ -71,7 +71,7 @@ class Family:
         return [answer for answer in self.of(label) if answer.outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)]
 
     def outcome(self, label: str, step: Step, tolerance: float) -> Outcome:
-        """Where the experiment does not ask a solver, it was not run."""
+        """Returns the outcome; not run if the experiment does not ask for the solver."""
         answer = self.answers.get(label, {}).get((step, tolerance))
         return answer.outcome if answer else Outcome.NOT_RUN
 
@@ -81,7 +81,7 @@ class Family:
         return (answer.outcome, answer.letter) if answer else (Outcome.NOT_RUN, "")
 
     def finest(self, label: str) -> list[Answer]:
-        """Of each step the answer at the finest tolerance, the mildest severity first."""
+        """Returns the answer of each step at the finest tolerance, the mildest severity first."""
         own = self.answers.get(label, {})
         least: dict[Step, Answer] = {}
         for (step, tolerance), answer in own.items():
@@ -101,7 +101,9 @@ class Suite:
         self.families = [self._family(name, kind, own) for (name, kind), own in rows.items()]
 
     def _kinds(self) -> list[str]:
-        """Of each row. Where the model could not be read, as of input that is not legal: that of its family, or of the row before it."""
+        """Kind of shape of each row. If the model could not be read, as illegal input cannot, it is the kind of its family, or of the row
+        before.
+        """
         cases, models = self.results.cases, dict(zip(self.results.models.name, self.results.models.kind))
         known = [_KIND_OF.get(models.get(source, ""), "") for source in cases.source]
         of_family = {str(family): kind for family, kind in zip(cases.family, known) if family and kind}
@@ -139,7 +141,7 @@ class Suite:
 
     @cached_property
     def family_of(self) -> dict[int, Family]:
-        """Of each row."""
+        """Family of each row."""
         return {answer.row: family for family in self.families for own in family.answers.values() for answer in own.values()}
 
     def of_kind(self, kind: str) -> list[Family]:
@@ -151,12 +153,12 @@ class Suite:
                 if any(answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
 
     def is_certified(self, label: str) -> bool:
-        """Of a solver that was run nowhere nobody knows: it promises nothing here."""
+        """Whether the solver is certified; False if it was run nowhere, because its promise is then unknown."""
         return any(answer.certified for family in self.families for answer in family.of(label))
 
 
 def ordered(pairs: Iterable[Label]) -> list[Label]:
-    """As style.order, and each variant that is printed wrong beside what it is a variant of."""
+    """Sorts as style.order, with each variant that has the printed error beside the solver that it varies."""
     known = style.order(pairs)
     found: list[Label] = [pair for pair in known if pair[0] not in AS_PRINTED]
     for pair in (pair for pair in known if pair[0] in AS_PRINTED):

@@ -1,4 +1,4 @@
-"""What every solver comes to on families of scenes that get worse step by step: a matrix of outcomes, and what they say of three claims.
+"""Outcomes of every solver on families of scenes that get worse step by step, as a matrix, and verdicts on three claims.
 
 stability_error and stability_time draw the same results.
 """
@@ -162,7 +162,7 @@ def seconds_text(results: Results) -> str:
 
 
 def note_of(suite: Suite, family: Family) -> str:
-    """What the experiment says of the family; of each of its scenes where it says different things of them."""
+    """Returns the experiment's note on the family, or on each of its scenes if they differ."""
     cases, notes = suite.results.cases, dict[str, str]()
     for own in family.answers.values():
         for answer in own.values():

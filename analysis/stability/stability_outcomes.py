@@ -1,4 +1,4 @@
-"""What each row of the stability suite came to: judged here, and given its words, letters and colours."""
+"""Outcomes of the rows of the stability suite: how each is judged, and its words, letters and colours."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from analysis.shared import shapes
 from analysis.shared.results import Interval, ResultError, Results
 
 U: Final = 2.0**-53
-SLACK: Final = 84 * U  # of the largest |coordinate|, for solvers that are not certified; derived in harness/check/verify.cpp
+SLACK: Final = 84 * U  # fraction of the largest |coordinate|, for solvers that are not certified; derived in harness/check/verify.cpp
 # Likewise: a tolerance below it is below what double arithmetic gives. The widest of the certified bounds, those of meshes far from the
 # origin, were seen to be 34 u M apart at their precision floor.
 MEETABLE: Final = 40 * U
@@ -50,14 +50,14 @@ ILL: Final = (Outcome.REFUSED, Outcome.HUNG, Outcome.CRASHED, Outcome.WRONG)
 
 @dataclass(frozen=True)
 class Ending:
-    """All that decides the outcome of a row."""
+    """Everything that decides the outcome of a row."""
 
     status: str = "ok"
     reason: str = ""
     solver_status: str = ""  # empty: the solver gave no answer
     lower: float = math.nan
     upper: float = math.nan
-    truth: Interval = Interval(math.nan, math.nan)  # what is known of the true distance
+    truth: Interval = Interval(math.nan, math.nan)  # known interval of the true distance
     slack: float = 0.0  # by how far the bounds may be off; NaN: unknown
     tolerance: float = 0.0
     certified: bool = True
@@ -135,8 +135,8 @@ class Judge:
                       not str(cases.scene_note[row]).startswith("not legal"))
 
     def truth(self, row: int) -> Interval:
-        """`exact`, give or take one ulp; else what all certified rows prove together. These cross where one of them is wrong, and nobody knows
-        which: then every row that is not wider than both is outside.
+        """Returns `exact`, give or take one ulp; otherwise the interval that all certified rows prove together. Its ends cross if one of
+        them is wrong, without telling which: then every row that is not wider than both is outside.
         """
         exact = float(self.results.cases.exact[row])
         if math.isnan(exact):

@@ -32,7 +32,7 @@ OURS: Final = {"cover": 3e6, "scan": 2e6, "surface_enclosure": 1e6}  # come firs
 
 @dataclass(frozen=True)
 class Measure:
-    """What a frame shows: NaN is not drawn, infinity stands as a letter at the top."""
+    """The quantity of a frame: NaN is not drawn, infinity is a letter at the top."""
 
     name: str
     of: Callable[[Answer], float]
@@ -41,7 +41,7 @@ class Measure:
 
 
 def choose(families: Sequence[Family], interest: Callable[[Family], float] = lambda family: 0.0) -> list[Family]:
-    """Those of most interest, and of these the ones with the most severities, in the order of the experiment."""
+    """Chooses the families of most interest, among these the ones with the most severities, in the order of the experiment."""
     among = sorted(families, key=lambda family: (-interest(family), -len(family.steps)))[:MOST]
     return [family for family in families if family in among]
 
@@ -120,8 +120,8 @@ def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure, shown: S
 
 
 def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer], measure: Measure, lost: Counter[float], front: bool) -> None:
-    """Draws a line through the answers, and above it what has none: a letter at the top, in a darker shade of the solver's colour. A solver that is not in front is
-    grey.
+    """Draws a line through the answers, and above it a letter at the top for each case without one, in a darker shade of the solver's
+    colour. A solver that is not in front is grey.
     """
     looks = look(*pair) if front else replace(look(*pair), colour=BEHIND, line="-")
     known = [(answer.severity, measure.of(answer), answer) for answer in own if math.isfinite(measure.of(answer))]
@@ -165,7 +165,7 @@ def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None
     first, last = severities[0], severities[-1]
     if first > 0:
         room = (last / first) ** 0.06
-        ax.set_xlim(max(first / room, 1e-305), min(last * room, 1e305))  # ticks beyond are no doubles
+        ax.set_xlim(max(first / room, 1e-305), min(last * room, 1e305))  # ticks beyond are not doubles
         ax.set_xscale("log")  # after the limits, or it would look for some, beyond doubles
         if last / first >= 1e30:  # the locators of logarithmic axes look beyond the axis, where there are no doubles
             shown = spread([severities[0], severities[-1], *severities[1:-1]], math.log10(last / first) / 4)

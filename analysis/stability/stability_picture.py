@@ -52,7 +52,7 @@ def footnote(suite: Suite) -> list[str]:
 
 
 def legend(suite: Suite, families: Sequence[Family]) -> list[Any]:
-    """Of what these families show."""
+    """Returns the legend of the outcomes in these families."""
     shown = {family.mark(label, step, tolerance) for family in families for _, label in suite.labels_of(family.kind)
              for step in family.steps for tolerance in family.tolerances}
     words = dict(STOPS.values())
@@ -91,7 +91,7 @@ def draw_band(ax: Any, suite: Suite, families: Sequence[Family], labels: Sequenc
 
 
 def parts(family: Family, left: float, wide: float) -> list[tuple[Any, float, float, float, float]]:
-    """Of a cell: (step, tolerance), left, top, width and height of each of its parts."""
+    """Returns for each part of a cell its (step, tolerance), left, top, width and height."""
     n, m = len(family.steps), len(family.tolerances)
     across, down = (wide - GAP) / n, (1 - 2 * GAP) / m
     return [((step, tolerance), left + GAP / 2 + k * across, GAP + l * down, across, down)
@@ -132,6 +132,6 @@ def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: f
 
 
 def runs(line: Sequence[object]) -> list[tuple[int, int]]:
-    """Where each run of equal values begins and ends."""
+    """Returns begin and end of each run of equal values."""
     ends = [k for k in range(1, len(line)) if line[k] != line[k - 1]]
     return list(zip([0, *ends], [*ends, len(line)]))

@@ -44,7 +44,7 @@ def ran_out_of_time(suite: Suite, answer: Answer) -> bool:
 
 
 def seconds(suite: Suite, answer: Answer) -> float:
-    """Of an answer: NaN where there is none, or where the limit ended it."""
+    """Returns the time of an answer; NaN without one, or if the limit ended it."""
     return math.nan if ran_out_of_time(suite, answer) else float(suite.results.cases.solve_seconds[answer.row])
 
 

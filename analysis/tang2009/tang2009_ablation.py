@@ -1,4 +1,4 @@
-"""What each part of the algorithm of Tang et al. 2009 is worth: Voronoi subdivision, group traversal, Lemma 4, a warm start, the tolerance."""
+"""The gain of each part of the algorithm of Tang et al. 2009: Voronoi subdivision, group traversal, Lemma 4, a warm start, the tolerance."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PLAIN: Final = "tang"
 CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
 MARKERS: Final = "osD^v"  # of scenes
 COUNTED: Final = {**CUTS, **MEASURES}
-CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # what the plain algorithm is measured against
+CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # variants that the plain algorithm is compared with
 IN_SUBDIVISIONS: Final = (("tang, midpoint", PLAIN, "cuts"), (PLAIN, "tang, Lemma 4", "lemma4"))  # the one of more subdivisions, and the one of fewer
 
 
@@ -45,7 +45,7 @@ class Variants:
         return run if run and run.complete else None
 
     def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Of all poses together: of times one number a round, of counted work one number that is exact."""
+        """Ratio over all poses together: one number per round for times, one exact number for counted work."""
         above, below = self.run(scene, slow), self.run(scene, fast)
         if not above or not below:
             return NO_DATA

@@ -52,7 +52,9 @@ def make(results: Results) -> Report:
 
 
 def bottom_of(tang: Run) -> float | None:
-    """Returns where the axis of times begins, in ms: below both cullings. Where nothing is subdivided, that stage takes the time to read the clock."""
+    """Returns where the axis of times begins, in ms: below both cullings. If nothing is subdivided, that stage takes only the time to read
+    the clock.
+    """
     known = [x for stage in ("cull on A", "cull on B") for x in 1e3 * tang.stage(stage) if x > 0]
     return 0.5 * min(known) if known else None
 

@@ -53,7 +53,7 @@ class Answers:
 
 @dataclass(frozen=True)
 class Search:
-    """Of one shape and one solver: what the search did, and what the matrix without its diagonal took for the same pairs."""
+    """The search of one solver for one shape, and the cost of the same pairs in the matrix without its diagonal."""
 
     name: str
     found: Answers
@@ -116,7 +116,7 @@ def verdicts(title: str, label: str, found: Sequence[Search]) -> list[Verdict]:
 
 
 def total(found: Sequence[Search], what: str) -> tuple[int, int]:
-    """Of the matrix and of the search, over the shapes where both are known."""
+    """Returns totals of the matrix and of the search, over the shapes for which both are known."""
     known = [one for one in found if one.saving(what).n]
     return sum(one.matrix.counted(MEASURES[what]) for one in known), sum(one.found.counted(MEASURES[what]) for one in known)
 
@@ -160,7 +160,7 @@ def make(results: Results) -> Report:
 
 
 def draw(every: dict[str, list[Search]]) -> Any:
-    """A line a shape, from the work of the search to that of the matrix."""
+    """Draws a line for each shape, from the work of the search to the work of the matrix."""
     names = list(dict.fromkeys(one.name for found in every.values() for one in found))
     figure, axes = plt.subplots(1, len(every), figsize=(style.DOUBLE_COLUMN, 0.17 * len(names) + 1.2), sharey=True, squeeze=False)
     place = {name: i for i, name in enumerate(names)}

@@ -1,4 +1,4 @@
-"""Figure 11 of Tang et al. 2009 and its two dynamic scenes: the penetration depth, and what it costs a frame."""
+"""Figure 11 of Tang et al. 2009 and its two dynamic scenes: the penetration depth, and its cost per frame."""
 
 from __future__ import annotations
 

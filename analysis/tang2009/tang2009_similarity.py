@@ -38,7 +38,7 @@ class Matrix:
 
     @property
     def middle(self) -> Floats:
-        """Of both orders of a pair."""
+        """Middles of both orders of a pair."""
         whole = 0.25 * (self.lower + self.upper + self.lower.T + self.upper.T)
         np.fill_diagonal(whole, 0.0)
         return np.asarray(whole)
@@ -66,7 +66,7 @@ def family(name: str) -> str:
 
 
 def nearest(matrix: Matrix) -> list[list[int]]:
-    """Of each shape all others, the nearest first."""
+    """Returns for each shape all others, the nearest first."""
     return [[int(j) for j in np.argsort(row, kind="stable") if j != i] for i, row in enumerate(matrix.middle)]
 
 

@@ -20,7 +20,9 @@ MEASURE: Final = "seconds: measure"
 
 
 def mean_over_frames(values: Floats) -> Estimate:
-    """Of frames in their order, which depend on those before them: Student's interval from the means of eight runs of consecutive frames."""
+    """Mean over frames in their order, which depend on the frames before them: Student's interval from the means of eight runs of
+    consecutive frames.
+    """
     if not len(values) or not np.isfinite(values).all():
         return NO_DATA
     middle = float(values.mean())
@@ -33,7 +35,7 @@ def mean_over_frames(values: Floats) -> Estimate:
 
 @dataclass(frozen=True)
 class Scene:
-    """What one solver made of a recorded scene."""
+    """The answers of one solver to a recorded scene."""
 
     results: Results
     name: str
@@ -50,7 +52,7 @@ class Scene:
         return [row for row in self.rows if self.results.cases.status[row] == "ok"]
 
     def told(self, name: str) -> Floats:
-        """Of each answered row."""
+        """Returns a reported number of each answered row."""
         return np.array([self.results.extras(row).get(name, np.nan) for row in self.answered])
 
     @cached_property

@@ -55,7 +55,7 @@ class Run:
 
     @property
     def mean(self) -> Estimate:
-        """Of the mean time of a pose: one number a round."""
+        """Mean time of a pose: one number per round."""
         return median([float(times.mean()) for times in self.by_round.values()])
 
     @property
@@ -65,7 +65,7 @@ class Run:
 
     @cached_property
     def distance(self) -> Floats:
-        """H as a share of A's longest side, the middle of what is proven."""
+        """H as a fraction of A's longest side, at the middle of the proven interval."""
         cases = self.results.cases
         return np.array([self.results.middle(row) / float(cases.source_longest[row]) for row in self.rows])
 
@@ -74,7 +74,7 @@ class Run:
         return np.array([float(sum(int(counters[name][row]) for name in names if name in counters)) for row in self.rows])
 
     def told(self, name: str) -> Floats:
-        """What the solver reports of itself at each pose, over both directions: two numbers a pose; NaN where it tells nothing."""
+        """Returns a number that the solver reports at each pose, for both directions: two numbers per pose; NaN if it reports none."""
         extras = [self.results.extras(row) for row in self.rows]
         return np.array([[one.get(name, math.nan), one.get(name + BACK, math.nan)] for one in extras])
 
@@ -131,7 +131,9 @@ def each(claim: str, values: Sequence[float], most: float, what: str, scale: flo
 
 
 def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
-    """The paper's rate, of each pair the mean over poses and directions. The ratio is what may be left to what is left."""
+    """Judges the paper's rate of culling, as the mean over poses and directions of each pair. The ratio is the share that may be left over
+    the share that is left.
+    """
     verdicts = []
     for side in ("A", "B"):
         left = [1 - motion.runs[label].mean_told(f"culled on {side}") for motion in found if label in motion.runs]
@@ -143,12 +145,14 @@ def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
 
 
 def below(value: float, bar: float) -> Estimate:
-    """For a claim that an exact number is below a bar: above 1 where it is. NaN is no data."""
+    """For a claim that an exact number is below a bar: above 1 if it is. NaN is no data."""
     return exact(math.inf if value == 0 else bar / value)
 
 
 def depth(found: Sequence[Motion], label: str) -> Verdict:
-    """Of each pair the share of poses at which it is ten times or more, which is less than half where that is typical. Counts are exact."""
+    """Judges by the share of poses of each pair at which it is ten times or more; less than half means that this is not typical. Counts are
+    exact.
+    """
     deepest = [motion.runs[label].deepest for motion in found if label in motion.runs]
     deep = [float((one >= AIM_OF_DEPTH).mean()) if np.isfinite(one).all() else math.nan for one in deepest]
     verdict = most_of(claims.of("tang2009", "depth"), [below(share, 0.5) for share in deep])

@@ -74,7 +74,7 @@ def pair_of(results: Results, row: int) -> list[Mesh]:
 
 
 def draw_witness(ax: Any, results: Results, row: int, of: View, width: float, size: float) -> None:
-    """As a line that nothing hides; nothing where nobody knows it."""
+    """Draws the witness as a line that nothing hides; nothing if it is unknown."""
     pair = np.stack([results.cases.witness_source[row], results.cases.witness_target[row]])
     if np.isfinite(pair).all():
         ax.plot(*of.seen(pair)[:, :2].T, color=WITNESS, linewidth=width, marker="o", markersize=size, zorder=5, path_effects=HALO)

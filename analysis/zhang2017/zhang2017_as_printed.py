@@ -24,7 +24,7 @@ LOOKS: Final = {"ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
                 "ohd": style.Look("OHD", "#56B4E9", "o"), "nohd": style.Look("NOHD", "#999933", "s")}
 CLAIMS: Final = {"ohd_as_printed": ("zhang2017", "ohd_as_printed"), "nohd_as_printed": ("zhang2017", "nohd_as_printed"),
                  "ohd": ("hausbench", "ohd_exact"), "nohd": ("hausbench", "nohd_exact")}
-PRINTED: Final = {"ohd": "ohd_as_printed", "nohd": "nohd_as_printed"}  # of what is mended
+PRINTED: Final = {"ohd": "ohd_as_printed", "nohd": "nohd_as_printed"}  # by the mended solver
 
 
 def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
@@ -82,7 +82,7 @@ def printed_rate(results: Results, label: str) -> float:
 
 
 def exactness(results: Results, label: str) -> Verdict:
-    """Of a mended solver the bar is how often the printed one goes wrong; where that is never, it is RARE."""
+    """Judges a mended solver against the rate at which the printed one goes wrong, or RARE if it never does."""
     rows = results.rows(label=label)
     rate = printed_rate(results, label)
     bar, against = (RARE, "") if math.isnan(rate) else (rate, f"of such trials in which {LOOKS[PRINTED[label]].title} is wrong")

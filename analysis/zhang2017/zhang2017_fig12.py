@@ -70,7 +70,7 @@ def make(results: Results) -> Report:
 
 
 def shapes_text(results: Results, row: int) -> str:
-    """Returns the second line of a title: '(stand-in: an orange sampled twice)'; empty if the shapes are those of the paper."""
+    """Returns the second line of a title: '(stand-in: an orange sampled twice)'; empty if the shapes are the paper's."""
     shapes_here = stand_in(str(results.cases.scene_note[row]))
     return f"(stand-in: {shapes_here})" if shapes_here else ""
 

@@ -102,13 +102,13 @@ def almost_linear(workload: str, spots: list[Spot]) -> Verdict:
 
 
 def compared(own: float, other: float) -> str:
-    """What one other peak says of the claim that INC's is greater."""
+    """Compares one other peak with INC's, for the claim that INC's is greater."""
     alike = abs(own - other) < max(LEAST, ALIKE * max(own, other))
     return OPEN if alike else HOLDS if own > other else FAILS
 
 
 def memory_limit(cell: Cell) -> float:
-    """What a solver that ran out of memory needs more than; 0 for all others."""
+    """Returns the limit that a solver that ran out of memory exceeds; 0 for all others."""
     return float(cell.results.cases.memory_limit_bytes[cell.cases[0]]) if cell.failures["out_of_memory"] else 0.0
 
 

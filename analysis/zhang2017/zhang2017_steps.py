@@ -31,12 +31,12 @@ class Step:
     distance: float
     counted: Estimate  # inner steps for a point of A; over seeds
     by_seed: dict[int, float]
-    expected: float  # 1/p with p averaged over all pairs
+    expected: float  # 1/p, with p averaged over all pairs
     by_point: float  # the mean over the points of A of what each has to expect
 
     @property
     def c(self) -> float:
-        """What the paper calls a constant: counted = 1 / (c p)."""
+        """The value that the paper calls a constant: counted = 1 / (c p)."""
         return self.expected / self.counted.value if self.counted.n and self.counted.value > 0 else math.nan
 
 

@@ -25,7 +25,7 @@ def ratio_title(slow: str, fast: str) -> str:
 
 
 def nanoseconds(cell: Cell | None) -> float:
-    """Of time, preparation included, for one distance that was computed."""
+    """Time, preparation included, for each computed distance."""
     return 1e9 * cell.time.value / cell.count(DISTANCES) if cell and cell.time.n else np.nan
 
 
@@ -38,7 +38,7 @@ def span(values: list[float], digits: int = 2) -> str:
 
 
 def what_it_saves(grid: Grid, papers: dict[str, dict[str, Any]]) -> str:
-    """Why ratios of time here are not the paper's: what a pair of points costs, and what is saved of it."""
+    """Explains why ratios of time differ from the paper's: the cost of a pair of points, and the saving."""
     theirs = [1e9 * paper["naive"] / (paper["source_elements"] * paper["target_elements"]) for paper in papers.values()
               if "naive" in paper]
     ours = [nanoseconds(grid.cells.get((scene, "naive"))) for scene in grid.scenes]

@@ -1,8 +1,8 @@
 """Figures 10 and 11 of Zhang et al. 2017 have one form: one model moves through another, and each pose is timed.
 
-Neighbouring poses are alike, and one process answers all poses of a round. So no test counts poses: each round gives one
-number (the median over the poses of a kind), and the interval is over rounds. It speaks of these poses, not of others.
-Of a solver with several seeds the times are those of the first; counted work has one number a seed.
+Neighbouring poses are alike, and one process answers all poses of a round. So no test counts poses: each round gives one number (the median
+over the poses of a kind), and the interval is over rounds. It speaks of these poses, not of others. If a solver has several seeds, its
+times are those of the first; counted work has one number per seed.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class Motion:
         return median(list(self.rounds(pose, label).values()))
 
     def work(self, pose: Pose, label: str, what: str) -> float:
-        """Of the first seed; NaN where there is no answer, or nothing is counted."""
+        """Counted work of the first seed; NaN if there is no answer, or nothing is counted."""
         return next(iter(self.work_by_seed(pose, label, what)), math.nan) or math.nan
 
     def work_by_seed(self, pose: Pose, label: str, what: str) -> list[float]:
@@ -89,8 +89,8 @@ class Motion:
         return [float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters)) for row in rows]
 
     def work_ratio(self, poses: Sequence[tuple[Pose, Pose]], slow: str, fast: str, what: str, chosen: bool = False) -> Estimate:
-        """The median over these poses of the ratio of counted work: exact of solvers that take no seed, else one number a seed.
-        Where the poses were chosen by the counts of the first seed, that one is left out.
+        """Median over these poses of the ratio of counted work: exact for solvers that take no seed, otherwise one number per seed. If the
+        poses were chosen by the counts of the first seed, that one is left out.
         """
         known = [(a, b) for p, q in poses
                  if (a := self.work_by_seed(p, slow, what)) and (b := self.work_by_seed(q, fast, what)) and min(a + b) > 0]
@@ -105,7 +105,7 @@ class Motion:
         return paired_ratio(used, [1.0] * len(used)) if seeds > 1 else exact(ratios[0])
 
     def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
-        """Of each pose of the regime at which all of these were timed."""
+        """Returns the times of each pose of the regime at which all of these were timed."""
         return [tuple(self.time(p, label).value for label in labels) for p in self.poses
                 if p.regime == regime and all(self.time(p, label).n for label in labels)]
 
@@ -213,7 +213,7 @@ class Motion:
         return in_time_and_work(verdict)
 
     def reuse(self) -> list[str]:
-        """What the ledger says of structures, one text a reason: 'built once ...: saved NOHD 12.3 ms, OHD 13.1 ms'."""
+        """Returns the ledger's entries on structures, one text for each reason: 'built once ...: saved NOHD 12.3 ms, OHD 13.1 ms'."""
         ledger, found = self.results.ledger, dict[str, dict[str, str]]()
         for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
             solver = next((pair for pair in self.labels if subject.endswith(f" on {self.scene}") and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]), None)
@@ -278,7 +278,7 @@ def make(results: Results) -> Report:
 
 
 def figure_caption(caption: str, motions: list[Motion], clock: str) -> str:
-    """Returns what each row of panels shows."""
+    """Explains each row of panels."""
     notes = {motion.scene: str(motion.results.cases.scene_note[motion.results.rows(scene=motion.scene)[0]]) for motion in motions}
     shapes = "; ".join(f"{scene}: {note}" for scene, note in notes.items() if note)
     return (f"{caption} Top: the outline of B, and A at {motion_picture.POSES} of its poses, the first the lightest. Middle: {clock} to solve a pose, in seconds; a line is the "

@@ -27,7 +27,7 @@ class Spec:
     caption: str
     without: str  # labels of the two variants
     with_it: str
-    part: str  # what the one has and the other has not
+    part: str  # the part that one has and the other lacks
     gains: str  # id of the paper's claim
     others: tuple[str, ...]  # more labels: a column each
     notes: list[str]
@@ -129,7 +129,7 @@ def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
 
 
 def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
-    """Of the work, and of the time: medians over the pairs."""
+    """Says what the part saves in work and in time: medians over the pairs."""
     known = [pair for pair in pairs if pair.ratio.n and all(x.n for x in pair.counted.values())]
     if not known:
         return f"What {spec.part} saves in work is not known from these rows."
@@ -151,7 +151,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
              solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line)}
     looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
     for label, looks_like in looks.items():
-        # No line: |A| and |B| differ from pair to pair, so the pairs are no series.
+        # No line, because |A| and |B| differ from pair to pair, so the pairs are not a series.
         for n, t in sorted((pair.n + pair.m, pair.time(label)) for pair in pairs if pair.time(label).n):
             style.interval(left, t, n, upright=True, color=looks_like.colour, linewidth=1.2)
             left.plot(n, t.value, **style.filled_marker(looks_like))

@@ -18,7 +18,7 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, least_among
 
-# Of pairs, from light to dark, in colours that no solver has; markers tell them apart as well.
+# Colours of the pairs, from light to dark, which no solver has; markers tell them apart as well.
 PAIR_LOOKS = [("#DDCC77", "o"), ("#44AA99", "^"), ("#CC6677", "s"), ("#AA4499", "D"), ("#332288", "v")]
 
 
@@ -60,7 +60,7 @@ class Sweep:
         return min(self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan)
 
     def ratio(self, scene: str, slow: float, fast: float, what: str = "") -> Estimate:
-        """Of times, or of what is named in MEASURES."""
+        """Ratio of times, or of the measure that MEASURES names."""
         if (scene, slow) not in self.cells or (scene, fast) not in self.cells:
             return NO_DATA
         pair = self.cells[scene, slow], self.cells[scene, fast]

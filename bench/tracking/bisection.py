@@ -1,14 +1,14 @@
-"""Finds the commit at which the counted work of a case changed, unattended: git bisect does the search.
+"""Finds the commit that changed the counted work of a case, unattended: git bisect does the search.
 
     python3 -m bench.tracking.bisection --case NAME --good REV --bad REV [--by auto|counters|instructions]
 
-GOOD is the older one; whether BAD does more or less does not matter. Both are measured first. By default work counters decide where they differ,
-else instructions of the solve. Each commit in between is built in build/versions/bisect, and belongs to the side whose counts are nearer to its own;
-one that does not build, or does not know the case or its shapes, is skipped. No clock decides, so what else runs does not matter.
-Only cases of experiments/tracking.toml can be searched for: kernels (build/bvh, ...) count no work.
+GOOD is the older commit; BAD may do more or less work. Both are measured first. By default, work counters decide if they differ,
+else the instructions of the solve. Each commit in between is built in build/versions/bisect and assigned to the side whose counts
+are nearer. A commit that does not build, or does not know the case or its shapes, is skipped. No clock is involved, so other load
+does not matter. Only cases of experiments/tracking.toml can be searched: kernels (build/bvh, ...) count no work.
 
-Exit code 0: the commit is found; 1: one of several, since what lies between them could only be skipped; 2: a mistake, or nothing differs;
-130: Ctrl-C.
+Exit code 0: the commit is found; 1: one of several commits, because those between them could only be skipped; 2: a usage error,
+or nothing differs; 130: Ctrl-C.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from bench.tracking.builds import NotBuilt
 from bench.tracking.cases import EXPERIMENT, KERNELS, ROOT, Case, cases, chosen
 
 WAYS = ("auto", "counters", "instructions")
-SAME = 1e-4  # instructions that differ by less are the same: a count depends a little on the length of paths
-GOOD, BAD, SKIP, ABORT = 0, 1, 125, 255  # what `git bisect run` makes of an exit code
+SAME = 1e-4  # smaller differences count as equal: instruction counts depend slightly on the length of paths
+GOOD, BAD, SKIP, ABORT = 0, 1, 125, 255  # the meaning of exit codes to `git bisect run`
 Counts = dict[str, int]
 
 
 class Unclear(Exception):
-    """There is nothing to search for; the message says why."""
+    """The search is impossible; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Measured:
     counters: Counts
     shapes: str
     instructions: int | None = None
-    uncounted: str = ""  # why there are no instructions
+    uncounted: str = ""  # the reason why there are no instructions
 
     def counts(self, by: str) -> Counts:
         return self.counters if by == "counters" else {} if self.instructions is None else {"instructions": self.instructions}
@@ -54,15 +54,15 @@ class Measured:
 
 @dataclass(frozen=True)
 class Question:
-    """What each step asks: is this commit nearer to `good` or to `bad`?"""
+    """The question of each step: is this commit nearer to `good` or to `bad`?"""
 
     case: str
-    experiment: str  # the file with the cases, which is this tree's, whatever is checked out
+    experiment: str  # the file with the cases, always from this tree
     by: str
     good: Counts
     bad: Counts
     shapes: str
-    log: str  # a line of JSON for each commit that was measured
+    log: str  # a line of JSON for each measured commit
 
 
 def git_in(tree: Path, *words: str) -> str:
@@ -70,12 +70,12 @@ def git_in(tree: Path, *words: str) -> str:
 
 
 def restored(tree: Path) -> None:
-    """What changed in files of the commit is undone: it would stay in the next one, or stop its checkout."""
+    """Undoes changes to the commit's files, which would stay in the next commit or block its checkout."""
     git_in(tree, "checkout", "--quiet", "--force", "--detach", "HEAD")
 
 
 def case_named(name: str, experiment: Path) -> Case:
-    """ValueError unless the name chooses exactly one."""
+    """Returns the case. Raises ValueError unless exactly one case has the name."""
     known = cases(experiment)
     if any(one.name.startswith(name) for one in KERNELS) and not any(case.name.startswith(name) for case in known):
         raise ValueError(f"{name!r} is a kernel: kernels cannot be searched for, since they count no work; the table of steps of `make history` "
@@ -88,7 +88,7 @@ def case_named(name: str, experiment: Path) -> Case:
 
 
 def measure(tree: Path, case: Case, by: str) -> Measured:
-    """What the worktree has checked out: built, and counted. NotBuilt or NotMeasured. Files of the commit are as they were, before and after."""
+    """Builds and counts the checked-out commit. Raises NotBuilt or NotMeasured. Leaves the commit's files unchanged."""
     restored(tree)
     try:
         return built_and_counted(tree, case, by)
@@ -111,17 +111,17 @@ def built_and_counted(tree: Path, case: Case, by: str) -> Measured:
 
 
 def differing(good: Mapping[str, int], bad: Mapping[str, int], least: float = 0) -> list[str]:
-    """Names of both whose counts differ. A counter that one of them lacks was not counted there, which is no change of work; 0 is a count."""
+    """Returns the names that both have with different counts. A counter that one of them lacks was not counted there; 0 is a count."""
     return [name for name in sorted(good.keys() & bad.keys()) if apart(good[name], bad[name]) > least]
 
 
 def apart(one: int, other: int) -> float:
-    """Nearly the logarithm of their ratio, and finite where one of them is 0."""
+    """Returns nearly the logarithm of the ratio; finite even if one of them is 0."""
     return abs(math.log1p(one) - math.log1p(other))
 
 
 def decided_by(good: Measured, bad: Measured, by: str) -> str:
-    """Counters or instructions. Unclear where neither differs, or not what was asked for."""
+    """Returns "counters" or "instructions". Raises Unclear if neither differs, or not the requested one."""
     if good.shapes != bad.shapes:
         raise Unclear("good and bad have other shapes in this case, so their work says nothing about the code")
     found = [way for way in WAYS[1:] if by in ("auto", way) and differing(good.counts(way), bad.counts(way), SAME if way == "instructions" else 0)]
@@ -135,7 +135,9 @@ def decided_by(good: Measured, bad: Measured, by: str) -> str:
 
 
 def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str, int]) -> bool:
-    """Nearer to bad than to good, in the sum of the logarithms over what differs between the two. NotMeasured where none of it was counted."""
+    """Returns whether the counts are nearer to bad, by the sum of logarithms over the differing names. Raises NotMeasured if none
+    of these was counted.
+    """
     names = [name for name in differing(good, bad) if name in counts]
     if not names:
         raise NotMeasured("nothing of what differs is counted at this commit")
@@ -144,7 +146,7 @@ def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str,
 
 
 def step(tree: Path, question: Question) -> int:
-    """For `git bisect run`: the exit code."""
+    """Measures one commit for `git bisect run`, and returns the exit code."""
     commit = git_in(tree, "rev-parse", "HEAD")
     try:
         found = measure(tree, case_named(question.case, Path(question.experiment)), question.by)
@@ -171,7 +173,9 @@ def text_of(counts: Mapping[str, int], names: list[str]) -> str:
 
 @contextmanager
 def locked(file: Path) -> Iterator[int]:
-    """Unclear where another process has it. Children that inherit the descriptor keep it too: a step that outlives its search."""
+    """Holds a lock; raises Unclear if another process has it. Children inherit the descriptor, so a step that outlives its search
+    keeps the lock.
+    """
     file.parent.mkdir(parents=True, exist_ok=True)
     with file.open("w") as held:
         try:
@@ -182,19 +186,19 @@ def locked(file: Path) -> Iterator[int]:
 
 
 def checked_out(tree: Path, commit: str) -> None:
-    """A worktree of its own; what an interrupted search left in it is undone."""
+    """Checks out a commit in its own worktree, and undoes the remains of an interrupted search."""
     builds.worktree(tree, commit)  # first: `bisect reset` stops at a merge that did not end
     git_in(tree, "bisect", "reset", "HEAD")
 
 
 def in_order(good: str, bad: str) -> None:
-    """ValueError unless good comes before bad."""
+    """Raises ValueError unless good comes before bad."""
     if good == bad:
         raise ValueError(f"good and bad are the same commit, {good}")
     cut = "; this clone is shallow: git fetch --unshallow" if builds.git("rev-parse", "--is-shallow-repository") == "true" else ""
     try:
         base = builds.git("merge-base", good, bad)
-    except NotBuilt:  # which says nothing
+    except NotBuilt:  # git finds no merge base and prints nothing
         raise ValueError(f"good ({good}) and bad ({bad}) have no commit in common here{cut}") from None
     if base.startswith(bad):
         raise ValueError(f"good ({good}) is newer than bad ({bad}): exchange them; good is the older one, even if it does more work")
@@ -203,8 +207,9 @@ def in_order(good: str, bad: str) -> None:
 
 
 def search(tree: Path, ends: list[str], question: Path, command: list[str], lock: int) -> list[str]:
-    """The first bad commit; several, where skipped ones hide which of them it is. `command` is the step, without the question.
-    What a mistake or Ctrl-C leaves, the next search resets.
+    """Returns the first bad commit, or several if skipped commits hide which one it is.
+
+    `command` is the step, without the question. The next search cleans up after a failure or Ctrl-C.
     """
     git_in(tree, "bisect", "start", ends[1], ends[0])
     done = subprocess.run(["git", "-C", str(tree), "bisect", "run", *command, str(question)], env={**os.environ, "PYTHONPATH": str(ROOT)},
@@ -220,7 +225,7 @@ def search(tree: Path, ends: list[str], question: Path, command: list[str], lock
 
 
 def report(found: list[str], question: Question) -> None:
-    """The commit, and the counts on both sides of it."""
+    """Prints the commit, and the counts on both sides of it."""
     names = differing(question.good, question.bad)
     log = [json.loads(line) for line in Path(question.log).read_text(encoding="utf-8").splitlines()]
     known = {line["commit"]: line["counts"] for line in log}
@@ -251,7 +256,7 @@ def find(case: Case, revisions: tuple[str, str], by: str, experiment: Path, comm
 
 
 def both_ends(tree: Path, case: Case, ends: list[str], by: str) -> tuple[str, list[Measured]]:
-    """What decides, and what good and bad count. Unclear where one of them does not measure the case."""
+    """Returns the deciding measure, and the measurements of good and bad. Raises Unclear if one of them cannot measure the case."""
     sides = []
     for commit in ends:
         checked_out(tree, commit)
@@ -266,7 +271,7 @@ def both_ends(tree: Path, case: Case, ends: list[str], by: str) -> tuple[str, li
     return way, sides
 
 
-# -P: the folder at hand, in which git runs it, has another version of this package.
+# -P: git runs the step in a worktree that has another version of this package.
 STEP = [sys.executable, "-P", "-m", "bench.tracking.bisection", "--step"]
 
 
@@ -284,7 +289,7 @@ def main(arguments: list[str], command: list[str] | None = None) -> int:
             return step(Path.cwd(), Question(**json.loads(options.step.read_text(encoding="utf-8"))))
         except KeyboardInterrupt:  # the search says so
             return ABORT
-        except BaseException as problem:  # 1, Python's own exit code for what nobody caught, would call the commit bad
+        except BaseException as problem:  # Python's own exit code for an uncaught exception is 1, which would call the commit bad
             say(f"stopped: {type(problem).__name__}: {problem}")
             return ABORT
     if not (options.case and options.good and options.bad):

@@ -1,6 +1,6 @@
-"""One block: a fresh process that measures one case a few times, or every kernel; the least of the times stands for the block.
+"""Measures one block: a fresh process that runs one case a few times, or every kernel. The least time stands for the block.
 
-The least, because what else runs on a machine only ever adds time. CPU time for one thread, as everywhere in the project.
+The least, because other load on a machine only adds time. CPU time for one thread, as everywhere in the project.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LIMIT = 120.0  # seconds of one block
 
 
 class NotMeasured(Exception):
-    """The program does not know the case, or gave no answer to it; the message says which. `skipped`: its models are not at hand."""
+    """The program does not know the case or gave no answer; the message says which. `skipped`: its models are missing."""
 
     def __init__(self, why: str, skipped: bool = False) -> None:
         super().__init__(why)
@@ -39,23 +39,23 @@ class NotMeasured(Exception):
 
 @dataclass(frozen=True)
 class Block:
-    """Of one process: the least of its repeats, each of which is the sum over the poses of the scene."""
+    """The result of one process: the least of its repeats, each summed over the poses of the scene."""
 
     cpu: float
     wall: float
-    prepare: float  # wall seconds of all that was built
-    shapes: str  # a hash of both shapes: other shapes make other times
+    prepare: float  # wall seconds of everything built
+    shapes: str  # a hash of both shapes; times of other shapes cannot be compared
     lower: float = 0.0  # the largest lower bound
-    counters: dict[str, int] = field(default_factory=dict)  # all that the program has, zeros too
+    counters: dict[str, int] = field(default_factory=dict)  # all counters of the program, including zeros
 
 
 def environment_of(root: Path | None) -> dict[str, str]:
-    """A root that is set for another program would give this one other models."""
+    """Returns the environment with HAUSBENCH_ROOT replaced: a value meant for another program would give this one other models."""
     return {name: value for name, value in os.environ.items() if name != "HAUSBENCH_ROOT"} | ({"HAUSBENCH_ROOT": str(root)} if root else {})
 
 
 def checked(code: int, output: str, errors: str, good: tuple[int, ...]) -> str:
-    """The output. NotMeasured of another exit code than the good ones."""
+    """Returns the output. Raises NotMeasured if the exit code is not in `good`."""
     if code not in good:
         words = (errors.strip() or output.strip()).splitlines()
         raise NotMeasured(f"exit code {code}: {words[-1] if words else 'it said nothing'}")
@@ -63,8 +63,9 @@ def checked(code: int, output: str, errors: str, good: tuple[int, ...]) -> str:
 
 
 def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,), limit: float | None = None, root: Path | None = None) -> str:
-    """Standard output. NotMeasured where it ends with another exit code than the good ones, or not in time. `root`: of the program's
-    tree, where that is not to be found above the program.
+    """Returns standard output. Raises NotMeasured if the exit code is not in `good` or the time is over.
+
+    `root` is the root of the program's tree, if it is not above the program.
     """
     limit = LIMIT if limit is None else limit
     try:
@@ -79,7 +80,7 @@ def run(command: list[str], folder: Path, good: tuple[int, ...] = (0,), limit: f
 
 @dataclass(frozen=True)
 class Job(Generic[T]):
-    """What is to be run for one block, and how the block is read of its standard output, or of what it leaves."""
+    """A command to run for one block, and the function that reads the block from its standard output or its files."""
 
     command: list[str]
     folder: Path
@@ -92,7 +93,7 @@ class Job(Generic[T]):
 
 
 def write_case(case: Case, folder: Path) -> Path:
-    """The experiment of this case, under a name that is new in the folder: earlier results are in nobody's way."""
+    """Writes the experiment of this case under a new name in the folder, so that earlier results do not interfere."""
     handle, name = tempfile.mkstemp(suffix=".toml", prefix="case", dir=folder)
     with open(handle, "w", encoding="utf-8") as out:
         out.write(case.text())
@@ -101,16 +102,16 @@ def write_case(case: Case, folder: Path) -> Path:
 
 @contextmanager
 def fresh_copy(program: Path, root: Path | None = None) -> Iterator[Path]:
-    """A copy of the program beside it, so that it finds its own tree above it, or in the build folder of `root`; gone afterwards.
+    """Makes a temporary copy of the program beside it, so that it finds its own tree above it, or in the build folder of `root`.
 
-    Where the pages of a program's file lie in memory can be worth a tenth of a solve's time, run after run, until the file is
-    written again: two copies of one program were that far apart. With a copy for each block this is noise, which intervals know,
-    and no difference between base and candidate.
+    The place of a program's pages in memory can change a solve's time by a tenth, in every run, until the file is written again:
+    two copies of one program differed by that much. With a copy for each block, this becomes noise that the intervals include,
+    not a difference between base and candidate.
     """
     again = (root / "build" if root else program.parent) / "again"
     try:
         again.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix="program-", dir=again)  # whatever its own name is: paths of both sides have one length
+        handle, name = tempfile.mkstemp(prefix="program-", dir=again)  # a fixed prefix, so that paths of both sides have the same length
         os.close(handle)
         shutil.copy2(program, name)
     except OSError as problem:
@@ -124,17 +125,19 @@ def fresh_copy(program: Path, root: Path | None = None) -> Iterator[Path]:
 
 
 def run_words(program: Path, file: Path) -> list[str]:
-    """All commits know these options. Reference answers, which later ones give, would be counted with the case."""
+    """Returns the arguments to run a case, which all commits know. Reference answers, which later commits give, would be counted
+    with the case.
+    """
     try:
         helped = subprocess.run([program, "run", "--help"], capture_output=True, text=True, check=False, timeout=LIMIT).stdout
-    except (OSError, subprocess.TimeoutExpired):  # running it says that it is missing or hangs
+    except (OSError, subprocess.TimeoutExpired):  # running the case reports that the program is missing or hangs
         helped = ""
     return [str(program), "run", str(file), "--results", str(file.parent), "--fresh", "--quiet", *["--no-reference"] * ("--no-reference" in helped)]
 
 
 @contextmanager
 def job_of_case(program: Path, case: Case, folder: Path, slowdown: float = 0, root: Path | None = None) -> Iterator[Job[Block]]:
-    """Runs the case in `folder`. NotMeasured where it has no answer. An unsound row (exit code 1) has a time all the same."""
+    """Runs the case in `folder`. Raises NotMeasured if it has no answer. An unsound row (exit code 1) still has a time."""
     file = write_case(case, folder)
     result = file.with_suffix(".planted.h5" if slowdown else ".h5")
     planted = ["--planted-slowdown", f"{slowdown:.0e}"] if slowdown else []
@@ -156,7 +159,7 @@ def texts(values: object) -> list[str]:
 
 
 def read(file: Path) -> Block:
-    """Of a result file of one solver on one scene, of any commit so far. NotMeasured where it has no answer, or cannot be read."""
+    """Reads a result file of one solver on one scene, of any commit so far. Raises NotMeasured if it has no answer or is unreadable."""
     try:
         with h5py.File(file) as result:
             return block_of(result)
@@ -181,14 +184,14 @@ def block_of(result: h5py.File) -> Block:
 
 
 def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64]) -> float:
-    """Repeat k of all poses is one pass; the seconds of each are in order of the repeats."""
+    """Returns the least pass: repeat k of all poses is one pass, and the seconds of each pose are in order of its repeats."""
     passes = np.vstack([seconds[rows == row] for row in np.unique(rows)])
     return float(passes.sum(axis=0).min())
 
 
 @contextmanager
 def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None) -> Iterator[Job[dict[str, float]]]:
-    """CPU seconds of one iteration of each benchmark, the least of eight. Those that the program lacks are not there."""
+    """Measures CPU seconds of one iteration of each benchmark, the least of eight. Benchmarks that the program lacks are absent."""
     pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
     with fresh_copy(program, root) as copy:
         yield Job([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json",
@@ -201,12 +204,12 @@ def measure_kernels(program: Path, names: list[str], folder: Path) -> dict[str, 
 
 
 def least_of_kernels(output: str) -> dict[str, float]:
-    """NotMeasured where there is none."""
+    """Returns the least time of each kernel. Raises NotMeasured if there are no times."""
     units = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
     least: dict[str, float] = {}
     try:
         found = json.loads(output)["benchmarks"]
-    except ValueError:  # it has none of them, and prints nothing
+    except ValueError:  # without matching benchmarks, the output is empty
         raise NotMeasured("kernel_bench has none of the benchmarks") from None
     for one in found:
         if one.get("run_type") != "iteration":

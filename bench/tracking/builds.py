@@ -1,4 +1,4 @@
-"""The program of any commit, built in a worktree of its own (build/versions/COMMIT) as this one is built."""
+"""Builds the program of any commit in its own worktree (build/versions/COMMIT), in the same way as this one."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ VERSIONS = ROOT / "build" / "versions"
 
 
 class NotBuilt(Exception):
-    """There is no such commit, or it does not build; the message says which, and where the output is."""
+    """The commit does not exist or does not build; the message says which, and where the output is."""
 
 
 @dataclass(frozen=True)
 class Build:
-    commit: str  # ten digits; "+": with changes that are not committed
+    commit: str  # ten digits; "+" marks uncommitted changes
     program: Path
     kernels: Path | None  # kernel_bench; the first commits have none
     tree: Path = ROOT
@@ -45,7 +45,7 @@ def commit_of(revision: str) -> str:
 
 
 def here(program: Path) -> Build:
-    """The program at hand, built from the working tree."""
+    """Returns the program at hand, built from the working tree."""
     if not program.is_file():
         raise NotBuilt(f"{program} is missing: make build")
     kernels = program.parent / "kernel_bench"
@@ -54,7 +54,7 @@ def here(program: Path) -> Build:
 
 
 def worktree(tree: Path, commit: str) -> None:
-    """Has the commit checked out there, whatever else lay there."""
+    """Checks the commit out in `tree`, replacing any other contents."""
     if not (tree / ".git").exists():
         git("worktree", "prune")
         git("worktree", "add", "--detach", "--force", str(tree), commit)
@@ -62,7 +62,7 @@ def worktree(tree: Path, commit: str) -> None:
 
 
 def build_of(revision: str, jobs: int = os.cpu_count() or 1) -> Build:
-    """Built once: later calls find it. NotBuilt where that fails."""
+    """Builds a commit once; later calls reuse the build. Raises NotBuilt if it fails."""
     commit = commit_of(revision)
     tree = VERSIONS / commit
     worktree(tree, commit)
@@ -70,15 +70,15 @@ def build_of(revision: str, jobs: int = os.cpu_count() or 1) -> Build:
 
 
 def build_in(tree: Path, commit: str, jobs: int) -> Build:
-    """What the worktree has checked out."""
+    """Builds the checked-out commit of a worktree."""
     build = tree / "build" / "release"
-    log = tree.parent / f"{tree.name}.log"  # in the tree it would be a change
-    (tree / "build.log").unlink(missing_ok=True)  # of a build by an earlier version
+    log = tree.parent / f"{tree.name}.log"  # inside the tree it would count as a change
+    (tree / "build.log").unlink(missing_ok=True)  # left by a build with an earlier version
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-    # Two worktrees share what ccache holds only if their own paths are left out of it.
+    # Two worktrees share ccache's results only if their own paths are excluded.
     environment = {**os.environ, "CCACHE_BASEDIR": str(tree)}
     options = shlex.split(os.environ.get("CMAKE_ARGS", ""))
-    # The preset of the commit itself, as `make build` uses it there: which sources are compiled together is worth some per cent.
+    # The commit's own preset, as its `make build` uses it: grouping sources differently changes times by some per cent.
     commands = [["cmake", "-S", str(tree), "--preset", "release", "-DHAUSBENCH_WITH_TESTS=OFF", *launcher, *options],
                 ["cmake", "--build", str(build), "-j", str(jobs), "--target", "hausbench", "hausbench_commit"]]
     with log.open("w") as out:
@@ -93,7 +93,7 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
 
 
 def fetched_origins(models: dict[str, Any], names: Iterable[str]) -> list[str]:
-    """What has to be fetched for these models: the ends of their `from`, as far as the manifest knows them and they come from a package."""
+    """Returns the models to fetch for these models: the ends of their `from` chains that the manifest knows and that come from a package."""
     found: set[str] = set()
     for name in names:
         chain = [name]
@@ -105,7 +105,7 @@ def fetched_origins(models: dict[str, Any], names: Iterable[str]) -> list[str]:
 
 
 def fetch(tree: Path, names: Iterable[str]) -> None:
-    """By the commit's own datasets/fetch.py. What cannot be fetched leaves cases empty, and stops nothing."""
+    """Fetches models with the commit's own datasets/fetch.py. A failed download leaves cases empty and stops nothing."""
     manifest = tree / "datasets" / "manifest.toml"
     models = tomllib.loads(manifest.read_text(encoding="utf-8")).get("model", {}) if manifest.is_file() else {}
     if not (origins := fetched_origins(models, names)):

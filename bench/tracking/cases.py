@@ -1,4 +1,4 @@
-"""What is tracked: cases, each a solver on a scene of experiments/tracking.toml, and kernels, each a benchmark of kernel_bench."""
+"""The tracked cases, each a solver on a scene of experiments/tracking.toml, and kernels, each a benchmark of kernel_bench."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import tomli_w
 
 ROOT = Path(__file__).resolve().parents[2]
 EXPERIMENT = ROOT / "experiments" / "tracking.toml"
-MESH = "torus:60"  # of the kernels: 7,200 triangles, made on the spot
+MESH = "torus:60"  # the mesh for kernels: 7,200 triangles, generated
 MOST_CASES = 16
 
 
 @dataclass(frozen=True)
 class Case:
-    """A solver on a scene: an experiment of its own, which any commit can run that knows its keys and models."""
+    """A solver on a scene, as a separate experiment that any commit can run if it knows its keys and models."""
 
     name: str  # "guthe on mesh to its half"
     experiment: dict[str, Any]
@@ -33,10 +33,10 @@ class Case:
 
 @dataclass(frozen=True)
 class Kernel:
-    """A benchmark of kernel_bench: a structure is built, or asked from each vertex of a mesh."""
+    """A benchmark of kernel_bench: a structure is built, or queried from each vertex of a mesh."""
 
     name: str  # "build/bvh"
-    function: str  # whose instructions are counted, as callgrind's --toggle-collect takes it
+    function: str  # the function whose instructions are counted, as callgrind's --toggle-collect takes it
 
 
 KERNELS = tuple(Kernel(f"build/{name}", f"*make_structure<hausbench::{structure},*") for name, structure in (
@@ -48,7 +48,7 @@ KERNELS = tuple(Kernel(f"build/{name}", f"*make_structure<hausbench::{structure}
 
 
 def cases(file: Path = EXPERIMENT) -> list[Case]:
-    """In the order of the file's solvers. ValueError where the file has more than MOST_CASES, or a solver names no scene of it."""
+    """Returns the cases in the order of the file's solvers. Raises ValueError for more than MOST_CASES, or an unknown scene."""
     table = tomllib.loads(file.read_text())
     common = {key: value for key, value in table.items() if key not in ("scene", "solver", "profile")}
     scenes = {scene["name"]: scene for scene in table["scene"]}
@@ -65,7 +65,7 @@ def cases(file: Path = EXPERIMENT) -> list[Case]:
 
 
 def chosen(names: list[str], found: list[Case]) -> list[Case]:
-    """The cases whose names begin with one of `names`; all where there is none. ValueError for a name that chooses nothing."""
+    """Returns the cases whose names begin with one of `names`, or all without names. Raises ValueError for a name that chooses nothing."""
     for name in names:
         if not any(case.name.startswith(name) for case in found):
             raise ValueError(f"there is no case {name!r}: {', '.join(case.name for case in found)}")

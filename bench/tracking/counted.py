@@ -1,11 +1,11 @@
-"""Tiers 1 and 2: work counters and instructions of the tracked cases, against baseline.toml, which is committed. It also holds the work
-counters of small scenes ([small_scenes]), which tests/algorithms/counters_test.cpp compares.
+"""Tiers 1 and 2: work counters and instructions of the tracked cases, compared with the committed baseline.toml. It also holds
+the work counters of small scenes ([small_scenes]), which tests/algorithms/counters_test.cpp compares.
 
-Counters are the same on every machine and must be equal. Instructions of the solves alone, under valgrind, are the same from run to run,
-so that half a per cent shows without a clock; they depend on the compiler and the libraries, so the baseline has a table for each key,
-which names them. Without a table for this machine nothing is measured. valgrind knows AVX2 at most: AVX-512 code is not what is counted.
-Both belong to the shapes of a case: where another library simplifies a mesh otherwise, or a mesh is not at hand, the case is not measured.
-A case that gives no answer, and one that the baseline does not have, are red.
+Counters are the same on every machine and must be equal. Instructions, of the solves alone under valgrind, are the same from run
+to run, so half a per cent shows without a clock. They depend on the compiler and the libraries, so the baseline has a table for
+each key, which names these. Without a table for this machine nothing is measured. valgrind supports AVX2 at most, so AVX-512 code
+is not counted. Both belong to the shapes of a case: if another library simplifies a mesh differently, or a mesh is missing, the
+case is not measured. A case that gives no answer, or that is not in the baseline, is red.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ from bench.tracking.cases import MESH, Case, Kernel
 from bench.tracking.gate import Verdict
 
 BASELINE = Path(__file__).resolve().parent / "baseline.toml"
-LIMIT = 0.005  # of the instructions of the baseline
+LIMIT = 0.005  # of the baseline's instructions
 PACKAGES = ("g++", "libc6", "libstdc++6", "libeigen3-dev", "libcgal-dev", "libhwy-dev", "libgmp10", "libmpfr6", "valgrind")
 SOLVE = "hausbench::Session::solve(*"
-CALLGRIND_LIMIT = 600  # seconds of one count
+CALLGRIND_LIMIT = 600  # seconds for one count
 
 
 class Missing(Exception):
-    """Something that counting needs is not there; the message names the remedy."""
+    """A prerequisite of counting is missing; the message names the remedy."""
 
 
 @dataclass
 class Found:
-    """What a tier says: its verdict, a line for each case, and what the baseline would be."""
+    """The result of a tier: its verdict, a line for each case, and the numbers for a new baseline."""
 
     verdict: Verdict = Verdict.nothing_measured
     lines: list[str] = field(default_factory=list)
@@ -53,13 +53,13 @@ class Found:
         self.lines.append(line)
 
     def passed(self) -> None:
-        """Something was compared."""
+        """Notes that something was compared."""
         if self.verdict is Verdict.nothing_measured:
             self.verdict = Verdict.passed
 
 
 def read_baseline(file: Path) -> dict[str, Any]:
-    """Missing where it cannot be read."""
+    """Reads the baseline. Raises Missing if it is unreadable."""
     try:
         return tomllib.loads(file.read_text()) if file.is_file() else {}
     except tomllib.TOMLDecodeError as error:
@@ -72,7 +72,7 @@ OTHER_SHAPES = "nothing measured: its shapes are not those of the baseline (does
 
 
 def count_work(cases: Sequence[Case], program: Path, baseline: Mapping[str, Any], folder: Path) -> Found:
-    """Tier 1."""
+    """Tier 1: compares the work counters of cases with the baseline."""
     found = Found()
     for case in cases:
         try:
@@ -97,7 +97,7 @@ def count_work(cases: Sequence[Case], program: Path, baseline: Mapping[str, Any]
 
 
 def differences(before: Mapping[str, int], now: Mapping[str, int]) -> list[str]:
-    """A line for each counter that is not what it was; one that a baseline does not have was 0."""
+    """Returns a line for each counter that has changed; a counter missing from the baseline was 0."""
     return [f"{name} was {before.get(name, 0):,}, is {now.get(name, 0):,} ({signed_share(now.get(name, 0), before.get(name, 0))})"
             for name in sorted(before.keys() | now.keys()) if before.get(name, 0) != now.get(name, 0)]
 
@@ -107,7 +107,7 @@ def signed_share(now: int, before: int) -> str:
 
 
 def count_small_scenes(program: Path, folder: Path) -> dict[str, Any]:
-    """The work counters that counters_test compares, by group and scene. Missing if the program is not built or fails."""
+    """Returns the work counters that counters_test compares, by group and scene. Raises Missing if the program is not built or fails."""
     file = folder / "small_scenes.toml"
     try:
         subprocess.run([program], env={**os.environ, "HAUSBENCH_COUNTS": str(file)}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True)
@@ -122,9 +122,9 @@ def count_small_scenes(program: Path, folder: Path) -> dict[str, Any]:
 
 
 def parts_of_key() -> str:
-    """What the number of instructions depends on, beside the sources."""
+    """Returns the other influences on the number of instructions besides the sources: compiler, libraries and valgrind."""
     query = ["dpkg-query", "--show", "--showformat=${Package} ${Version}\n", *PACKAGES]
-    try:  # exit code 1: some of them are not installed, which is a machine of its own
+    try:  # exit code 1: some are not installed, which is a kind of machine, too
         versions = subprocess.run(query, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL).stdout
     except OSError:
         versions = "no Debian\n"
@@ -137,8 +137,9 @@ def key_of(parts: str) -> str:
 
 
 def unknown_instruction(logs: Path) -> NotMeasured | None:
-    """valgrind ended a process at an instruction that it does not know, or that this processor hides (rdtscp: 0xF 0x1 0xF9). That is a property
-    of the machine, so it counts as skipped.
+    """Returns the reason if valgrind ended a process at an instruction that it does not know or that this processor hides.
+
+    For example rdtscp: 0xF 0x1 0xF9. That is a property of the machine, so the case counts as skipped.
     """
     for log in sorted(logs.glob("log.*")):
         text = log.read_text(errors="replace")
@@ -149,7 +150,7 @@ def unknown_instruction(logs: Path) -> NotMeasured | None:
 
 
 def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, ...] = (0,)) -> int:
-    """Instructions in `function` and what it calls, of the command and its children. NotMeasured where there are none."""
+    """Counts instructions in `function` and its callees, for the command and its children. Raises NotMeasured if there are none."""
     with tempfile.TemporaryDirectory(dir=folder) as out:
         counting = ["valgrind", "--tool=callgrind", "--trace-children=yes", f"--toggle-collect={function}", f"--callgrind-out-file={out}/%p",
                     f"--log-file={out}/log.%p"]
@@ -157,7 +158,7 @@ def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, 
             run([*counting, *command], folder, good, CALLGRIND_LIMIT)
         except NotMeasured as why:
             raise unknown_instruction(Path(out)) or why from None
-        if unknown := unknown_instruction(Path(out)):  # in a worker: the program itself has ended as usual
+        if unknown := unknown_instruction(Path(out)):  # in a worker: the program itself has ended normally
             raise unknown
         total = sum(int(found[1]) for file in Path(out).iterdir() if (found := re.search(r"^totals: (\d+)$", file.read_text(), re.M)))
     if total == 0:
@@ -166,7 +167,9 @@ def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, 
 
 
 def count_case(program: Path, case: Case, folder: Path) -> tuple[int, str]:
-    """Of all solves of one worker, the answer and one repeat; and the hash of the shapes. NotMeasured where there is no answer."""
+    """Counts all solves of one worker, the answer and one repeat, and returns the hash of the shapes, too. Raises NotMeasured
+    without an answer.
+    """
     limits = {"case_seconds": CALLGRIND_LIMIT, "prepare_seconds": CALLGRIND_LIMIT}
     file = write_case(Case(case.name, {**case.experiment, "repeats": 1, "rounds": 1, "limits": limits}), folder)
     try:
@@ -178,7 +181,7 @@ def count_case(program: Path, case: Case, folder: Path) -> tuple[int, str]:
 
 
 def instructions_of(program: Path, case: Case, folder: Path) -> int | NotMeasured:
-    """The reason where they cannot be counted."""
+    """Returns the instructions, or the reason why they cannot be counted."""
     try:
         return count_case(program, case, folder)[0]
     except NotMeasured as why:
@@ -186,7 +189,7 @@ def instructions_of(program: Path, case: Case, folder: Path) -> int | NotMeasure
 
 
 def count_kernel(program: Path, kernel: Kernel, folder: Path) -> tuple[int, str]:
-    """Of one iteration, and of building what it asks; a kernel has no shapes. NotMeasured where the program lacks it."""
+    """Counts one iteration and the building of its structure; a kernel has no shapes. Raises NotMeasured if the program lacks it."""
     command = [str(program), f"--meshes={MESH}", f"--benchmark_filter=^{re.escape(kernel.name)}/{re.escape(MESH)}$", "--benchmark_min_time=0"]
     return callgrind(kernel.function, command, folder), ""
 
@@ -201,7 +204,7 @@ Counting = dict[str, Callable[[], tuple[int, str]]]
 
 
 def in_parallel(jobs: Counting) -> dict[str, tuple[int, str] | NotMeasured]:
-    """As many at a time as there are cores; what they count does not depend on that. Ctrl-C begins no other."""
+    """Runs as many jobs at a time as there are cores, which does not affect the counts. After Ctrl-C no other job begins."""
     pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))
     try:
         running = {name: pool.submit(job) for name, job in jobs.items()}
@@ -224,8 +227,10 @@ def jobs_of(cases: Sequence[Case], kernels: Sequence[Kernel], program: Path, ker
 
 
 def count_instructions(jobs: Counting, baseline: Mapping[str, Any], shapes: Mapping[str, str], wanted: bool = False) -> Found:
-    """Tier 2. `shapes`: of the cases, as the baseline has them. Without a table for this machine nothing is counted, unless it is
-    `wanted` for a new table.
+    """Tier 2: compares instructions with the baseline.
+
+    `shapes` are the baseline's shapes of the cases. Without a table for this machine nothing is counted, unless it is `wanted`
+    for a new table.
     """
     parts = parts_of_key()
     table = baseline.get(key_of(parts))
@@ -260,8 +265,9 @@ def count_instructions(jobs: Counting, baseline: Mapping[str, Any], shapes: Mapp
 
 def updated(baseline: Mapping[str, Any], counters: Mapping[str, Any], instructions: Mapping[str, Any], reason: str,
             names: Collection[str] | None = None, small_scenes: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """The baseline with what was measured now in place of what it had of the same cases and the same key. `names`: of all cases and
-    kernels that there are; what has another name is gone. A machine that has no table yet adds one, and leaves counters of other
+    """Returns the baseline with new measurements in place of old ones for the same cases and the same key.
+
+    `names`: all present cases and kernels; others are dropped. A machine without a table adds one, and leaves counters of other
     shapes as they are.
     """
     def kept(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -287,7 +293,7 @@ def as_toml(value: Any) -> str:
 
 
 def write_baseline(file: Path, baseline: Mapping[str, Any]) -> None:
-    """A line for each case and scene. Writes beside the file, and then in its place: an interrupt leaves the old one."""
+    """Writes a line for each case and scene, first to a file beside the baseline, so that an interrupt leaves the old one intact."""
     text = "# Written by `hausbench track --update REASON`: work counters and instructions of the tracked cases, work counters of small scenes.\n"
     text += f"reason = {as_toml(baseline['reason'])}\n"
     tables = {"counters": baseline["counters"]}

@@ -1,16 +1,16 @@
-"""What blocks of base and candidate say. Pure functions; the statistics are those of analysis/shared/statistics.py.
+"""Judges blocks of base and candidate. Pure functions; the statistics come from analysis/shared/statistics.py.
 
-A block is a fresh process, and its time the least of its repeats. Blocks come in pairs of base and candidate, which share a core, and two pairs
-make a turn: in one the base begins, in the other the candidate. The median of the log ratios of the pairs has a
-sign-test interval, which assumes nothing about how times are distributed. With many cases one interval in twenty would be wrong by
-chance, so each has the confidence 1 - 5 % / cases (Bonferroni).
+A block is a fresh process, and its time is the least of its repeats. Blocks come in pairs of base and candidate that share a
+core, and two pairs make a turn: the base begins one pair, the candidate the other. The median of the log ratios of the pairs has
+a sign-test interval, which assumes nothing about the distribution of times. With many cases, one interval in twenty would be
+wrong by chance, so each has the confidence 1 - 5 % / cases (Bonferroni).
 
-Every case has SCREENING blocks a side. Those whose median ratio is above 1 + SUSPECT have more of them, since an interval of few blocks
-is wide where the clock of a machine toggles. A case alarms where the lower end of its ratio is above 1 + LEAST. This alarms no more often
-than if all cases had as many blocks as those, so the confidence is kept; and a case has no more blocks once they could not change
-whether it alarms. Those that alarm run a second time; a case is red where it alarms in both, independent runs. The gate proves
-itself each time in one case: pairs of the base and the base itself must not alarm, and a slowdown of PLANTED that is planted in the
-candidate must.
+Every case has SCREENING blocks per side. A case whose median ratio is above 1 + SUSPECT gets more blocks, because an interval
+from few blocks is wide if the machine's clock toggles. A case alarms if the lower end of its ratio is above 1 + LEAST. This
+alarms no more often than if all cases had as many blocks, so the confidence is kept. A case gets no further blocks once they
+cannot change whether it alarms. Cases that alarm run a second time; a case is red if it alarms in both independent runs. The gate
+tests itself each time in one case: pairs of the base and the base itself must not alarm, and a slowdown of PLANTED that is
+planted in the candidate must.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from enum import IntEnum
 
 from analysis.shared.statistics import NO_DATA, Estimate, order_statistic_rank, paired_ratio
 
-LEAST = 0.03  # a slowdown of less is no alarm
-PLANTED = 0.05  # of the solve time: what the gate must see to be believed
+LEAST = 0.03  # smaller slowdowns do not alarm
+PLANTED = 0.05  # share of the solve time; the gate must detect it to be believed
 ERROR = 0.05  # the chance of a wrong interval, over all cases
-SCREENING = 24  # blocks of each side; half as many would give the confidence that some dozen cases need
-SUSPECT = 0.02  # a median ratio of less is no reason to look closer; an alarm has a median above LEAST
+SCREENING = 24  # blocks per side; half as many would give the confidence that about a dozen cases need
+SUSPECT = 0.02  # smaller median ratios get no more blocks; an alarm has a median above LEAST
 
 
 class Verdict(IntEnum):
-    """What the program exits with; 2 is a mistake in what it was asked."""
+    """The exit code of the program; 2 is a usage error."""
 
     passed = 0
     red = 3
@@ -45,7 +45,7 @@ class Verdict(IntEnum):
 
 @dataclass
 class Sides:
-    """Seconds of one case by block, in the order of time: two a turn. Of a plant, the base is the candidate without it."""
+    """Seconds of one case by block, in order of time, two per turn. For a plant, the base is the candidate without it."""
 
     base: list[float] = field(default_factory=list)
     candidate: list[float] = field(default_factory=list)
@@ -53,14 +53,14 @@ class Sides:
 
 @dataclass(frozen=True)
 class Judged:
-    """The ratios of one case: candidate to base; where the gate proves itself, the base to itself, and with a plant to without."""
+    """The ratios of one case: candidate to base; in the self-test also base to itself, and with the plant to without it."""
 
     name: str
     base_seconds: float
     ratio: Estimate
     itself: Estimate = NO_DATA
     planted: Estimate = NO_DATA
-    second: Estimate = NO_DATA  # of the second run, where the first alarmed
+    second: Estimate = NO_DATA  # from the second run, if the first alarmed
 
     @property
     def alarms(self) -> bool:
@@ -72,17 +72,17 @@ class Judged:
 
     @property
     def sees(self) -> float:
-        """The least slowdown that would have alarmed, with an interval as wide as this one."""
+        """Returns the least slowdown that would have alarmed with an interval of this width."""
         return (1 + LEAST) * self.ratio.value / self.ratio.low - 1 if self.ratio.has_interval else math.nan
 
 
 def confidence(cases: int) -> float:
-    """Of each interval, so that all of `cases` hold with 95 %."""
+    """Returns the confidence of each interval, such that all of `cases` hold with 95 %."""
     return 1 - ERROR / max(1, cases)
 
 
 def compare(candidate: Sequence[float], base: Sequence[float], cases: int) -> Estimate:
-    """The ratio of paired blocks. ValueError where so few blocks cannot give the confidence that so many cases need."""
+    """Returns the ratio of paired blocks. Raises ValueError if there are too few blocks for the confidence that so many cases need."""
     ratio = paired_ratio(candidate, base, confidence(cases))
     if ratio.coverage < confidence(cases):
         raise ValueError(f"{ratio.n} pairs of blocks give {ratio.coverage:.4f}, and {cases} cases need {confidence(cases):.4f}: ask for more blocks")
@@ -94,13 +94,15 @@ def alarms(ratio: Estimate) -> bool:
 
 
 def suspected(sides: Sides) -> bool:
-    """Worth more blocks. Every case that alarms is."""
+    """Returns whether the case deserves more blocks; every case that alarms does."""
     return paired_ratio(sides.candidate, sides.base).value > 1 + SUSPECT
 
 
 def decided(sides: Sides, count: int, cases: int) -> bool:
-    """Whether further blocks, up to `count` in all, cannot change whether it alarms: so many ratios are on one side of 1 + LEAST already.
-    SCREENING blocks there are in any case, since fewer give no confidence.
+    """Returns whether further blocks, up to `count` in all, cannot change whether the case alarms.
+
+    That is so if enough ratios are on one side of 1 + LEAST already. SCREENING blocks are always measured, because fewer give no
+    confidence.
     """
     rank = order_statistic_rank(count, confidence(cases))  # of the lower end
     above = sum(candidate > (1 + LEAST) * base for candidate, base in zip(sides.candidate, sides.base, strict=True))
@@ -117,7 +119,7 @@ def inverse(ratio: Estimate) -> Estimate:
 
 
 def self_test(judged: Sequence[Judged]) -> list[str]:
-    """What the gate cannot be believed for: empty where it saw what was planted, and nothing where there is nothing."""
+    """Returns the reasons to distrust the gate: none if it detected the planted slowdown and no difference of the base from itself."""
     failures = [f"{one.name}: the base is {one.itself.value:.3f} times as slow as itself: what differs is not the builds"
                 for one in judged if one.itself.n and (alarms(one.itself) or alarms(inverse(one.itself)))]
     planted = [one for one in judged if one.planted.n]
@@ -127,7 +129,7 @@ def self_test(judged: Sequence[Judged]) -> list[str]:
 
 
 def verdict_of_times(judged: Sequence[Judged]) -> tuple[Verdict, list[str]]:
-    """The verdict, and why. Times that cannot be believed say nothing, alarms among them."""
+    """Returns the verdict and its reasons. Distrusted times say nothing, and neither do their alarms."""
     if not judged:
         return Verdict.nothing_measured, ["there is no case that base and candidate know"]
     if failures := self_test(judged):
@@ -143,7 +145,7 @@ def verdict_of_times(judged: Sequence[Judged]) -> tuple[Verdict, list[str]]:
 
 
 def whole(verdicts: Sequence[Verdict]) -> Verdict:
-    """Of all tiers: red where one is, else inconclusive where one is; what was not measured spoils nothing that was."""
+    """Combines the verdicts of all tiers: red if one is red, else inconclusive if one is. A tier that was not measured does not spoil others."""
     for worst in (Verdict.red, Verdict.inconclusive, Verdict.passed):
         if worst in verdicts:
             return worst

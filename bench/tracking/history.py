@@ -1,13 +1,14 @@
-"""The history of timings, results/history.csv: what each case took at each commit, machine by machine.
+"""The history of timings, results/history.csv: the time of each case at each commit, by machine.
 
     python3 -m bench.tracking.history [--measure REV ...] [--blocks 8] [--no-instructions]
 
-measures the commits that --measure names, if any, and draws the whole history (picture.py). Every commit runs its cases by its own program, on its
-own models, in rounds: in each round each commit measures each case once. Rounds go forth and back, so that a drift of the machine falls on all alike.
-What a commit does not know stays empty. The file is written after every round: Ctrl-C loses at most the round that it interrupts.
+Measures the commits that --measure names, if any, and draws the whole history (picture.py). Every commit runs its cases with its
+own program on its own models, in rounds: in each round, each commit measures each case once. Rounds go forth and back, so that a
+drift of the machine affects all commits alike. A case that a commit does not know stays empty. The file is written after every
+round, so Ctrl-C loses at most one round.
 
-A run only adds rows. Times of two runs are never compared, since a machine is not as fast on one day as on another: to see what a change does,
-measure the last commit before it and the commit after it in one run.
+A run only adds rows. Times of two runs are never compared, because a machine is not equally fast every day. To see the effect of
+a change, measure the last commit before it and the commit after it in one run.
 """
 
 from __future__ import annotations
@@ -48,21 +49,21 @@ BLOCKS = 8  # the fewest whose range is an interval of 99 %
 
 @dataclass(frozen=True)
 class Row:
-    """A case at a commit on a machine: the median of the blocks, each the least of its repeats, with its interval."""
+    """A case at a commit on a machine: the median over blocks with its interval; each block is the least of its repeats."""
 
     commit: str  # ten digits
-    date: str  # of the commit, UTC
+    date: str  # date of the commit, UTC
     machine: str
-    measured: str  # when the run that measured it began, UTC
+    measured: str  # start of the run that measured it, UTC
     case: str
     cpu_seconds: float = NAN  # NaN: not measured
-    cpu_low: float = NAN  # NaN too where there is one block only
+    cpu_low: float = NAN  # also NaN with a single block
     cpu_high: float = NAN
     blocks: int = 0
     wall_seconds: float = NAN
     instructions: int | None = None
     counters: dict[str, int] = field(default_factory=dict)  # without zeros
-    shapes: str = ""  # a hash: times of other shapes are no times of this case
+    shapes: str = ""  # a hash; times of other shapes do not count for this case
 
     @property
     def key(self) -> tuple[str, ...]:
@@ -70,7 +71,7 @@ class Row:
 
     @property
     def session(self) -> tuple[str, str]:
-        """What was measured in turn with it, whose times can be compared with its own."""
+        """Identifies the rows that were measured in turn with this one, so that their times can be compared."""
         return self.measured, self.machine
 
 
@@ -93,7 +94,7 @@ def seconds_in(text: str) -> float:
 
 
 def row_of(cells: list[str]) -> Row:
-    """ValueError says what is wrong."""
+    """Reads a row. Raises ValueError with the reason."""
     if len(cells) != len(COLUMNS):
         raise ValueError(f"it has {len(cells)} cells, not {len(COLUMNS)}")
     known = dict(zip(COLUMNS, cells))
@@ -114,7 +115,7 @@ def row_of(cells: list[str]) -> Row:
 
 
 def read(file: Path) -> list[Row]:
-    """All rows; none where there is no file. ValueError for what is no history."""
+    """Returns all rows, or none if there is no file. Raises ValueError if the file is not a history."""
     if not file.exists():
         return []
     rows: dict[tuple[str, ...], Row] = {}
@@ -135,7 +136,7 @@ def read(file: Path) -> list[Row]:
 
 
 def write(file: Path, rows: Iterable[Row]) -> None:
-    """Runs in order of their times, each in the order that it has. The file is whole at any time."""
+    """Writes runs in order of their times, with rows in the given order. The file is complete at any time."""
     file.parent.mkdir(parents=True, exist_ok=True)
     new = file.with_name(file.name + ".part")
     with new.open("w", encoding="utf-8") as out:
@@ -148,7 +149,7 @@ def write(file: Path, rows: Iterable[Row]) -> None:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
-    """One process at a time."""
+    """Holds a lock on the folder: one process at a time."""
     folder.mkdir(parents=True, exist_ok=True)
     handle = os.open(folder, os.O_RDONLY)
     try:
@@ -159,7 +160,7 @@ def alone(folder: Path) -> Iterator[None]:
 
 
 def add(file: Path, rows: Sequence[Row]) -> list[Row]:
-    """All rows of the file, with these, which are all that their run has so far. What other runs wrote meanwhile stays."""
+    """Adds rows, which are all rows of their run so far, and returns all rows of the file. Keeps rows written by other runs meanwhile."""
     with alone(file.parent):
         keys = {row.key for row in rows}
         every = [row for row in read(file) if row.key not in keys] + list(rows)
@@ -168,7 +169,7 @@ def add(file: Path, rows: Sequence[Row]) -> list[Row]:
 
 
 def in_order(commits: dict[str, str]) -> list[str]:
-    """From the oldest: parents before children where git knows them, since many have the same second; others by the dates, which are given."""
+    """Sorts commits from the oldest: parents before children if git knows them, because many have the same second; others by the given dates."""
     bare = {commit: commit.rstrip("+") for commit in commits}
     try:
         known = builds.git("rev-list", "--topo-order", "--reverse", "--ignore-missing", *bare.values()).split()
@@ -191,7 +192,7 @@ def compiler() -> str:
 
 
 def machine(cpuinfo: str, compiled_by: str) -> str:
-    """One short text: times of two machines whose texts differ are never compared."""
+    """Returns a short text for the machine; times of machines with different texts are never compared."""
     model = re.search(r"^model name\s*: *(.+)$", cpuinfo, re.M)
     name = re.sub(r"\((R|TM|tm)\)", "", model[1]) if model else f"{platform.machine()} processor"
     cores = len(re.findall(r"^processor\s*:", cpuinfo, re.M))
@@ -212,12 +213,12 @@ class Version:
     date: str
     measured: dict[str, list[Block]] = field(default_factory=dict)
     empty: dict[str, str] = field(default_factory=dict)  # cases that stay empty, and why
-    told: set[str] = field(default_factory=set)  # those of them that were told
+    told: set[str] = field(default_factory=set)  # cases of `empty` that were already reported
     instructions: dict[str, int] = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:
-        """Where its cases run: inside its worktree, so that the program takes the models of that commit."""
+        """Returns the folder for its cases, inside its worktree, so that the program uses the models of that commit."""
         folder = self.build.tree / "build" / "history"
         folder.mkdir(parents=True, exist_ok=True)
         return folder
@@ -228,7 +229,7 @@ def say(text: str) -> None:
 
 
 def tell(versions: Sequence[Version]) -> None:
-    """What is left out since it was told last: a line for each reason, with the cases and commits that it holds for."""
+    """Reports cases left out since the last report: a line for each reason, with its cases and commits."""
     found: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for version in versions:
         new = [name for name in version.empty if name not in version.told]
@@ -240,7 +241,7 @@ def tell(versions: Sequence[Version]) -> None:
 
 
 def short(problem: Exception) -> str:
-    """Without the file, whose name is new each time, and without names: so that a mistake reads the same for every case."""
+    """Shortens an error: without the file, whose name is always new, and without names, so that an error reads the same for every case."""
     return re.sub(r" \(known: .*|(?<=unknown solver) .*", "", re.sub(r"^exit code \d+: hausbench: \S+?(:\d+)?: ", "", str(problem)))[:150]
 
 
@@ -253,7 +254,7 @@ def date_of(commit: str) -> str:
 
 
 def versions_of(revisions: Sequence[str]) -> list[Version]:
-    """From the oldest, each once; those that do not build are left out. NotBuilt where none is left."""
+    """Returns the commits from the oldest, each once, without those that do not build. Raises NotBuilt if none is left."""
     found: dict[str, Version] = {}
     for revision in revisions:
         try:
@@ -268,7 +269,7 @@ def versions_of(revisions: Sequence[str]) -> list[Version]:
 
 
 def measure_kernels(version: Version, names: list[str]) -> None:
-    """One block of every kernel that the commit has."""
+    """Measures one block of every kernel that the commit has."""
     least, why = {}, "there is no kernel_bench"
     if version.build.kernels is not None:
         try:
@@ -281,7 +282,9 @@ def measure_kernels(version: Version, names: list[str]) -> None:
 
 
 def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list[str], number: int, bar: Progress) -> None:
-    """One block of each case and each kernel at each commit. The commits of a case follow each other at once: so they share what else runs."""
+    """Measures one block of each case and kernel at each commit. Commits of a case follow each other directly, so that they share
+    the machine's load.
+    """
     turn = list(versions) if number % 2 == 0 else list(versions)[::-1]
     for i, case in enumerate(chosen):
         for version in turn:
@@ -300,7 +303,7 @@ def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list
 
 
 def drop_other_shapes(versions: Sequence[Version], chosen: Sequence[Case]) -> None:
-    """A case has the shapes of the newest commit that measured it; where an older one has others, its times are of another case."""
+    """Drops times of other shapes: a case has the shapes of the newest commit that measured it."""
     for case in chosen:
         known = [version for version in versions if version.measured.get(case.name)]
         for version in known:
@@ -325,7 +328,7 @@ def rows_of(version: Version, names: Iterable[str], where: str, begun: str) -> l
 
 
 def count_instructions(version: Version, chosen: Sequence[Case], kernels: Sequence[Kernel]) -> None:
-    """Of what has a time. Counts are the same each time, whatever else runs: once is enough, and several at once."""
+    """Counts instructions of everything that has a time. Counts do not vary with load, so once is enough, and several run at once."""
     there = version.measured
     jobs = counted.jobs_of([case for case in chosen if case.name in there], [kernel for kernel in kernels if kernel.name in there],
                            version.build.program, version.build.kernels, version.folder)
@@ -334,10 +337,10 @@ def count_instructions(version: Version, chosen: Sequence[Case], kernels: Sequen
 
 def measure(revisions: Sequence[str], file: Path = FILE, blocks: int = BLOCKS, instructions: bool = True, only: Sequence[Case] | None = None,
             kernels: Sequence[Kernel] = KERNELS) -> list[Row]:
-    """Builds and measures these commits, writes the file after every round, and returns all rows in it. NotBuilt where no commit builds."""
+    """Builds and measures these commits, writes the file after every round, and returns all its rows. Raises NotBuilt if no commit builds."""
     chosen, names = cases() if only is None else only, [kernel.name for kernel in kernels]
     where, begun = this_machine(), as_text(time.time())
-    read(file)  # what is wrong with it is said before anything is built
+    read(file)  # report an error in the file before building anything
     versions = versions_of(revisions)
     for version in versions:
         builds.fetch(version.build.tree, {model for case in chosen for model in case.models})

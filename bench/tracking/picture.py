@@ -1,6 +1,6 @@
-"""The picture of the history: a panel for each case, run by run, the commits of each in order; steps are marked, and listed in a table.
+"""Draws the history: a panel for each case, with the commits of each run in order; steps are marked, and listed in a table.
 
-figures/history and figures/history_kernels, tables/history_steps. history.py calls it.
+Writes figures/history and figures/history_kernels, tables/history_steps. history.py calls it.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from bench.tracking.cases import KERNELS, cases
 from bench.tracking.history import Row, in_order
 from bench.tracking.steps import Step, steps
 
-LEAST_TIME: Final = 0.05  # smaller steps of the time are not marked: where code lies in memory moves some loops by about as much
-LEAST_COUNT: Final = 0.01  # of instructions, which know no noise
-NOISE_TIME: Final = 0.01  # at least; else half the interval of the case's median commit
+LEAST_TIME: Final = 0.05  # smaller steps of the time are not marked: the place of code in memory moves some loops by about as much
+LEAST_COUNT: Final = 0.01  # of instructions, which have no noise
+NOISE_TIME: Final = 0.01  # the least noise; otherwise half the interval of the case's median commit
 NOISE_COUNT: Final = 1e-4
-LEAST_SPAN: Final = 1.6  # of a panel's vertical axis, top over bottom: noise shall look small
-MOST_LABELS: Final = 78  # commits that a figure's width has room to name
-MOST_RUNS: Final = 12  # that a figure has room for
+LEAST_SPAN: Final = 1.6  # top over bottom of a panel's vertical axis: noise should look small
+MOST_LABELS: Final = 78  # the most commits whose names fit a figure's width
+MOST_RUNS: Final = 12  # the most runs that fit a figure
 TIME, COUNT, SLOWER, FASTER, ALONE = "#0072B2", "#A8A8A8", "#C44100", "#007A58", "#707070"
 PALE_TIME, PALE_COUNT, BETWEEN = "#8FBCD9", "#D4D4D4", "#EDEDED"
-LETTERS: Final = "ABCDEFGHIJKL"  # of runs
-Session = tuple[str, str]  # a run: when it began, and the machine
+LETTERS: Final = "ABCDEFGHIJKL"  # names of runs
+Session = tuple[str, str]  # a run: its start, and the machine
 
 
 @dataclass(frozen=True)
 class Found:
-    """A step of a case in a run: between rows of the same session."""
+    """A step of a case in a run, between rows of the same session."""
 
     case: str
     what: str  # "time" or "instructions"
@@ -54,20 +54,20 @@ class Found:
 
 
 def series(rows: Sequence[Row], case: str, session: Session) -> list[Row]:
-    """What a run measured of a case, in the order of the rows. Other shapes than in the newest run on this machine are of another case."""
+    """Returns the rows of a case in a run, in order. Rows with other shapes than the newest run on this machine belong to another case."""
     here = [row for row in rows if row.case == case and row.machine == session[1] and row.blocks]
     newest = max(here, key=lambda row: row.measured, default=None)
     return [row for row in here if row.session == session and newest and row.shapes == newest.shapes]
 
 
 def noise_of(rows: Sequence[Row]) -> float:
-    """The relative half-width of the interval, of the median commit."""
+    """Returns the relative half-width of the interval, for the median commit."""
     known = [(row.cpu_high - row.cpu_low) / 2 / row.cpu_seconds for row in rows if not math.isnan(row.cpu_high)]
     return max([NOISE_TIME, float(np.median(known))] if known else [NOISE_TIME])
 
 
 def steps_of(rows: Sequence[Row]) -> list[Found]:
-    """Of one series, first those of the time."""
+    """Returns the steps of one series, steps of the time first."""
     def found(what: str, ones: list[Step]) -> list[Found]:
         return [Found(rows[one.before].case, what, rows[one.before], rows[one.after], one.ratio) for one in ones]
 
@@ -77,26 +77,26 @@ def steps_of(rows: Sequence[Row]) -> list[Found]:
 
 
 def sessions(rows: Sequence[Row]) -> list[Session]:
-    """Machine by machine, from the oldest run; the machine with the newest run comes last."""
+    """Returns the runs by machine, from the oldest; the machine with the newest run comes last."""
     newest = {row.machine: max(other.measured for other in rows if other.machine == row.machine) for row in rows}
     return sorted({row.session for row in rows}, key=lambda session: (newest[session[1]], session[1], session[0]))
 
 
 def main_sessions(rows: Sequence[Row]) -> set[Session]:
-    """The newest run, and the one with the most commits."""
+    """Returns the newest run and the run with the most commits."""
     commits = {session: len({row.commit for row in rows if row.session == session}) for session in sessions(rows)}
     return {max(commits), max(commits, key=lambda session: (commits[session], session))} if commits else set()
 
 
 def with_room(rows: Sequence[Row]) -> list[Row]:
-    """Of at most MOST_RUNS runs: the main ones, then the newest."""
+    """Keeps the rows of at most MOST_RUNS runs: the main ones, then the newest."""
     main = main_sessions(rows)
     shown = sorted(sessions(rows), key=lambda session: (session in main, session))[-MOST_RUNS:]
     return [row for row in rows if row.session in shown]
 
 
 def places(rows: Sequence[Row]) -> dict[tuple[Session, str], int]:
-    """The place of each commit of each run on the horizontal axis; between two runs, one place is free."""
+    """Returns the place of each commit of each run on the horizontal axis; one place between two runs stays free."""
     found: dict[tuple[Session, str], int] = {}
     for free, session in enumerate(sessions(rows)):
         for commit in dict.fromkeys(row.commit for row in rows if row.session == session and row.blocks):
@@ -108,7 +108,7 @@ def places(rows: Sequence[Row]) -> dict[tuple[Session, str], int]:
 
 
 def ticks(low: float, high: float) -> list[float]:
-    """Three or four round numbers for a logarithmic axis."""
+    """Returns three or four round numbers for a logarithmic axis."""
     if high / low < 3:
         return [x for x in matplotlib.ticker.MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high) if low <= x <= high]
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
@@ -120,11 +120,11 @@ def ticks(low: float, high: float) -> list[float]:
 
 
 def vertical_axis(ax: Any, values: Sequence[float]) -> None:
-    """Logarithmic, from the least to the largest of the values, with room above for what is written there."""
+    """Makes the axis logarithmic, from the least to the largest value, with room above for labels."""
     low, high = min(values), max(values)
     wider = max(1.0, LEAST_SPAN * low / high) ** 0.5
     span = high / low * wider**2
-    low, high = low / wider**1.3 / span**0.1, high * wider**0.7 * span**0.12  # more room below: there most factors are written
+    low, high = low / wider**1.3 / span**0.1, high * wider**0.7 * span**0.12  # more room below, where most factors are written
     ax.set_yscale("log")
     ax.yaxis.set_minor_locator(matplotlib.ticker.NullLocator())
     ax.set_yticks(marks := ticks(low, high), [f"{x:g}" for x in marks])
@@ -137,7 +137,7 @@ SIZE: Final = (7.0, 31.0)  # width and height of a factor, in points
 
 
 def draw_series(ax: Any, rows: Sequence[Row], at: dict[tuple[Session, str], int], pale: bool = False) -> Points:
-    """Of one run; points all along what was drawn, in milliseconds."""
+    """Draws one run, and returns points along the drawn curves, in milliseconds."""
     time_colour, count_colour = (PALE_TIME, PALE_COUNT) if pale else (TIME, COUNT)
     x = [at[row.session, row.commit] for row in rows]
     ms = np.array([1e3 * row.cpu_seconds for row in rows])
@@ -159,17 +159,18 @@ def along(x: Sequence[float], y: Any) -> Points:
 
 
 def draw_steps(ax: Any, found: Sequence[Found], at: dict[tuple[Session, str], int], points: Points) -> None:
-    """A line halfway between the two commits, and its factor where the least of the points lies below it. Instructions get one of their own where
-    the time has none there.
+    """Draws a line halfway between the two commits of each step, with its factor where it covers the fewest points.
+
+    Instructions get their own line only if the time has none there.
     """
     shown: dict[float, Found] = {}
-    for one in found:  # those of the time come first
+    for one in found:  # steps of the time come first
         shown.setdefault((at[one.before.session, one.before.commit] + at[one.after.session, one.after.commit]) / 2, one)
     box = ax.get_position()
     limits: tuple[float, float] = ax.get_xlim()
     wide, high = ((limits[1] - limits[0]) * SIZE[0] / (72 * box.width * ax.figure.get_figwidth()),
                   SIZE[1] / (72 * box.height * ax.figure.get_figheight()))
-    ceiling = 0.97 if len({session for session, _ in at}) == 1 else 0.9  # above it are the letters of the runs
+    ceiling = 0.97 if len({session for session, _ in at}) == 1 else 0.9  # the letters of the runs are above it
     bottom, top = np.log(ax.get_ylim())
     taken = [(place, (math.log(y) - bottom) / (top - bottom)) for place, y in points]
     taken += [(x, y) for x in shown for y in np.linspace(0, 1, 9)]
@@ -190,7 +191,7 @@ def draw_steps(ax: Any, found: Sequence[Found], at: dict[tuple[Session, str], in
 
 
 def panel(ax: Any, name: str, rows: Sequence[Row], at: dict[tuple[Session, str], int]) -> tuple[list[Found], Points]:
-    """All but its steps, and what they need: they have their places when the figure has its layout."""
+    """Draws everything but the steps, and returns the steps and points to draw them later: their places need the figure's layout."""
     ax.set_title(name, fontsize=7, loc="left", pad=3)
     ax.grid(axis="x", visible=False)
     order, main = sessions(rows), main_sessions(rows)
@@ -209,7 +210,7 @@ def panel(ax: Any, name: str, rows: Sequence[Row], at: dict[tuple[Session, str],
 
 
 def labels(at: dict[tuple[Session, str], int], most: int) -> dict[int, str]:
-    """Short hashes at the places of commits: of all, or of every second, third, ... from the newest back."""
+    """Returns short hashes for the places of commits: for all, or for every second, third, ... from the newest back."""
     known = sorted(((place, commit[:7]) for (_, commit), place in at.items()), reverse=True)
     return dict(known[::-(-len(known) // most)])
 
@@ -226,7 +227,7 @@ def legend(pale: bool) -> list[Any]:
 
 
 def draw(rows: Sequence[Row], names: Sequence[str]) -> Any:
-    """Of the cases that have rows, in this order. All panels share the horizontal axis."""
+    """Draws the cases that have rows, in this order. All panels share the horizontal axis."""
     at, order = places(rows), sessions(rows)
     shown = [name for name in names if any(series(rows, name, session) for session in order)]
     columns = min(len(shown), 4 if len(shown) % 4 == 0 and len(shown) % 3 else 3)
@@ -287,7 +288,7 @@ def commits_between(before: str, after: str) -> str:
 
 def steps_table(found: Sequence[Found], subject_of: Callable[[str], str],
                 between: Callable[[str, str], str]) -> tuple[tables.Table, list[tables.Record]]:
-    """In the order of `found`. What changed between the same two commits stands together; time and instructions of a case are one line."""
+    """Lists steps in the order of `found`. Changes between the same two commits are grouped; time and instructions of a case share a line."""
     where = [title for title, i in (("machine", 1), ("measured", 0)) if len({one.after.session[i] for one in found}) > 1]
     table = tables.Table("Steps in the history of timings", ["after", "not later than", "commits", "case", *where, "time", "instructions"],
                          left=4 + len(where))
@@ -316,7 +317,9 @@ def steps_table(found: Sequence[Found], subject_of: Callable[[str], str],
 
 def save(rows: Sequence[Row], out: Path, subject_of: Callable[[str], str] = subject,
          between: Callable[[str, str], str] = commits_between) -> list[Path]:
-    """Writes <out>/figures/history and history_kernels (.pdf, .png) and <out>/tables/history_steps. ValueError where nothing was measured."""
+    """Writes <out>/figures/history and history_kernels (.pdf, .png) and <out>/tables/history_steps. Raises ValueError if nothing
+    was measured.
+    """
     rows = [row for row in rows if row.blocks]
     if not rows:
         raise ValueError("the history has no times: measure some commits")
@@ -324,7 +327,7 @@ def save(rows: Sequence[Row], out: Path, subject_of: Callable[[str], str] = subj
     rows = sorted(rows, key=lambda row: place[row.commit])
     kernels = [kernel.name for kernel in KERNELS]
     order = [case.name for case in cases()]
-    known = list(dict.fromkeys([*order, *sorted({row.case for row in rows} - set(kernels))]))  # the last are no longer tracked
+    known = list(dict.fromkeys([*order, *sorted({row.case for row in rows} - set(kernels))]))  # the last ones are no longer tracked
     paths: list[Path] = []
     for stem, names in (("history", known), ("history_kernels", kernels)):
         every = [row for row in rows if row.case in names]

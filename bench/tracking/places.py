@@ -1,8 +1,9 @@
-"""Where the programs of both sides lie: those of one pair of blocks under paths of one length, and another pair under paths of another.
+"""Puts the programs of both sides of a pair of blocks under paths of the same length, and another pair under paths of another
+length.
 
-Paths are among what a program allocates, so their lengths decide where its arrays begin: `cover` was slower by 7 % where the path of the program
-was longer, in every repeat of every process. Under paths of one length a build is as fast as itself. And what a change of the code moves
-by accident is noise over many lengths, which intervals know, and no slowdown.
+A program allocates its paths, so their lengths decide where its arrays begin: `cover` was 7 % slower if the path of the program
+was longer, in every repeat of every process. Under paths of the same length, a build is as fast as itself. Accidental shifts by a
+change of the code become noise over many lengths, which the intervals include, and do not look like slowdowns.
 """
 
 from __future__ import annotations
@@ -14,25 +15,27 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-LENGTHS = 64  # a cache line of them: what is allocated lies at multiples of 16 bytes
-OWN = ("build", ".git")  # of a tree, and not of the folder that stands for it
+LENGTHS = 64  # a cache line of lengths; allocations lie at multiples of 16 bytes
+OWN = ("build", ".git")  # belongs to a tree, but not to the folder that stands for it
 
 
 @dataclass
 class Places:
-    """In `folder`."""
+    """Folders for programs, in `folder`."""
 
     folder: Path
     padding: int = 0
 
     def move(self) -> None:
-        """Later blocks are measured elsewhere."""
+        """Puts later blocks elsewhere."""
         self.padding = random.randrange(LENGTHS)
 
     @contextmanager
     def root(self, tree: Path, number: int) -> Iterator[Path]:
-        """A folder that has what the tree has, and a build folder that is empty. A program in it finds its tree above itself, as commits
-        before HAUSBENCH_ROOT need. `number`: a digit that tells folders apart that are there at the same time.
+        """Makes a folder with the contents of the tree and an empty build folder.
+
+        A program in it finds its tree above itself, as commits before HAUSBENCH_ROOT need. `number` is a digit that distinguishes
+        folders that exist at the same time.
         """
         root = self.folder / f"tree-{number}{'-' * self.padding}"
         root.mkdir()
@@ -43,4 +46,4 @@ class Places:
             (root / "build").mkdir()
             yield root
         finally:
-            shutil.rmtree(root)  # it follows no link
+            shutil.rmtree(root)  # it does not follow links

@@ -1,11 +1,11 @@
-"""How far a long measurement is: one line that changes where somebody watches, every fifth count in a line of its own where nobody does."""
+"""Progress of a long measurement: one changing line on a terminal, otherwise a separate line for every fifth count."""
 
 from __future__ import annotations
 
 import sys
 import time
 
-CLEAR = "\r\x1b[K"  # a terminal's way to begin a line anew
+CLEAR = "\r\x1b[K"  # makes a terminal start the line anew
 
 
 class Progress:
@@ -14,7 +14,7 @@ class Progress:
         self._begun = time.monotonic()
 
     def done(self, count: int) -> None:
-        """So many are done, one at least; those that are left take as long each."""
+        """Reports that `count` are done, at least one; the rest is assumed to take as long each."""
         left = (time.monotonic() - self._begun) / count * (self.total - count)
         text = f"{self.who}: {count} of {self.total} {self.unit}, {left:.0f} s left"
         if sys.stderr.isatty():
@@ -23,11 +23,11 @@ class Progress:
             print(text, file=sys.stderr, flush=True)
 
     def over(self) -> None:
-        """Sooner than expected: what comes next begins a line."""
+        """Ends early: the next output begins a line."""
         if sys.stderr.isatty():
             print(CLEAR, end="", file=sys.stderr, flush=True)
 
 
 def say(who: str, text: str) -> None:
-    """A line on standard error, in place of a changing one."""
+    """Prints a line on standard error in place of the changing one."""
     print(f"{CLEAR if sys.stderr.isatty() else ''}{who}: {text}", file=sys.stderr, flush=True)

@@ -1,13 +1,13 @@
-"""Where a series of times or counts steps up or down: the piecewise constant fit of its logarithms. Pure functions.
+"""Finds steps up or down in a series of times or counts: a piecewise constant fit of the logarithms. Pure functions.
 
-The fit minimises the sum of |log x - level| over all values, plus a penalty for each level: exactly, by dynamic programming. A level is the median of
-the logarithms in it, so one odd value does not move it. What follows from that:
+The fit minimises the sum of |log x - level| over all values, plus a penalty for each level, exactly, by dynamic programming. A
+level is the median of its logarithms, so one odd value does not move it. Consequences:
 
-- one value far off in the middle is two steps, there and back, where it is off by more than two penalties, and nothing where it is off by less. A
-  value here is a median of blocks already: what is far off is a slow commit that the next one mended.
-- one value far off at the very end is a step where it is off by more than one penalty: nothing says yet whether it stays.
-- a slow drift is a staircase. Its stairs are joined until each is at least `least` high: a drift is told in total, though at no exact place.
-- equal values, one value, or none: no step.
+- One value far off in the middle is two steps, there and back, if it is off by more than two penalties, and nothing if it is off by less. A value
+  here is already a median of blocks, so a value far off is a slow commit that the next one repaired.
+- One value far off at the very end is a step if it is off by more than one penalty; nothing shows yet whether it stays.
+- A slow drift is a staircase. Its stairs are joined until each is at least `least` high: a drift is reported in total, but without an exact place.
+- Equal values, one value, or none: no step.
 """
 
 from __future__ import annotations
@@ -18,27 +18,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 PENALTY = 2.0  # of a level, in units of the noise
-TIE = 1e-12  # of two fits that differ by less, the one with fewer levels is taken
+TIE = 1e-12  # if two fits differ by less, the one with fewer levels is taken
 
 
 @dataclass(frozen=True)
 class Step:
-    """Between two measured values that follow each other; what lies between them was not measured."""
+    """A step between two consecutive measured values; commits between them were not measured."""
 
-    before: int  # of the last value before
-    after: int  # of the first value after
-    ratio: float  # of the levels, after over before: above 1 is more
+    before: int  # index of the last value before
+    after: int  # index of the first value after
+    ratio: float  # level after over level before
 
 
 def steps(values: Sequence[float], noise: float, least: float) -> list[Step]:
-    """Of positive values in order; NaN: not measured. ValueError for anything else.
+    """Returns the steps of positive values in order; NaN means not measured. Raises ValueError for anything else.
 
-    `noise` is the relative half-width of the interval of a value, which is two standard deviations or more; next to nothing for counts. Steps by less
-    than a factor 1 + `least`, up or down, are left out. O(n^3), a second for 500 values.
+    `noise` is the relative half-width of the interval of a value, which is two standard deviations or more; almost 0 for counts.
+    Steps by less than a factor 1 + `least`, up or down, are left out. O(n^3), a second for 500 values.
 
-    What to trust, by simulation (normal noise of 1 %, `noise` 2 %, `least` 3 %, 200 series each): of series without a step, 2 have one at 13
-    values, and none at 8, 20 or 40; a step of 5 % in the middle of 20 values is found at its place in 192 series, one value off in 7; one of 5 % at
-    the last of 20 values in 164. So what the last value says needs a second measurement.
+    Reliability, by simulation (normal noise of 1 %, `noise` 2 %, `least` 3 %, 200 series each): of series without a step, 2 have
+    one at 13 values, and none at 8, 20 or 40; a step of 5 % in the middle of 20 values is found at its place in 192 series, one
+    value off in 7; a step of 5 % at the last of 20 values is found in 164. So a step at the last value needs a second
+    measurement.
     """
     there = [i for i, value in enumerate(values) if not math.isnan(value)]
     if any(not (0 < values[i] < math.inf) for i in there):
@@ -50,7 +51,7 @@ def steps(values: Sequence[float], noise: float, least: float) -> list[Step]:
 
 
 def best_starts(logs: Sequence[float], penalty: float) -> list[int]:
-    """The first index of each level of the best fit; of equally good ones, one with the fewest levels, whose last one is the longest."""
+    """Returns the first index of each level of the best fit; of equally good fits, one with the fewest levels and the longest last level."""
     best: list[tuple[float, int]] = [(0.0, 0)]  # of the first j values: cost and number of levels
     previous: list[int] = [0]
     for end in range(1, len(logs) + 1):
@@ -71,7 +72,7 @@ def best_starts(logs: Sequence[float], penalty: float) -> list[int]:
 
 
 def costs_before(logs: Sequence[float], end: int) -> list[float]:
-    """Of the level from each start to `end`: the sum of |log x - median|, which is the larger half less the smaller half."""
+    """Returns the cost of a level from each start to `end`: the sum of |log x - median|, which is the larger half minus the smaller half."""
     costs = [0.0] * end
     ordered: list[float] = []
     for start in range(end - 1, -1, -1):
@@ -90,7 +91,7 @@ def middle(ordered: Sequence[float]) -> float:
 
 
 def without_small(logs: Sequence[float], starts: list[int], least: float) -> list[int]:
-    """The smallest step goes, its two levels become one, and so on, until every step is at least as large as the least."""
+    """Removes the smallest step by joining its two levels, and so on, until every step is at least `least`."""
     while len(starts) > 1:
         levels = levels_of(logs, starts)
         sizes = [abs(levels[k + 1] - levels[k]) for k in range(len(starts) - 1)]

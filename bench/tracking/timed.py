@@ -19,11 +19,13 @@ from bench.tracking.together import together
 
 T = TypeVar("T")
 
-# What the repeats of a block take together, so that a solve of 0.2 ms has many turns on the core that it shares. A process takes 0.13 s by itself.
+# The total of a block's repeats, so that a solve of 0.2 ms has many turns on the shared core. A
+# process itself takes 0.13 s.
 SECONDS_OF_REPEATS = 0.05
 MOST_REPEATS = 250
 
-# What a side burns after each solve. What is not planted costs the call of a clock, so that both sides have the same options.
+# The share of the time that a side burns after each solve. An unplanted side only calls the clock,
+# so that both have the same options.
 BURNS = {"planted": PLANTED, "not planted": 1e-9}
 
 Say = Callable[[str], None]
@@ -31,9 +33,10 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Subject:
-    """Something that is measured as one: a case, or all kernels. `blocks` measures a block of each of these sides at once, of these names:
-    seconds by name, for each side. What it found of the shapes is in `shapes`, by side. `move`: the next blocks, of either side, are
-    measured under paths of another length.
+    """A unit of measurement: a case, or all kernels.
+
+    `blocks` measures a block of each of the given sides at once, for the given names, and returns seconds by name for each side.
+    `shapes` collects the shapes by side. `move` makes the next blocks, of either side, run under paths of another length.
     """
 
     name: str
@@ -48,7 +51,7 @@ class Subject:
 
 @dataclass(frozen=True)
 class Program:
-    """And the tree of which it was built."""
+    """A program and the tree from which it was built."""
 
     file: Path
     tree: Path
@@ -60,7 +63,7 @@ def programs_of(base: Build, candidate: Build) -> dict[str, Program]:
 
 
 def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
-    """Empty where one of the two builds has no kernel_bench."""
+    """Returns the kernels of both builds, or nothing if one of them has no kernel_bench."""
     if not (base.kernels and candidate.kernels):
         return {}
     return {"base": Program(base.kernels, base.tree), "candidate": Program(candidate.kernels, candidate.tree)}
@@ -68,7 +71,7 @@ def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
 
 def at_once(sides: Sequence[str], programs: dict[str, Program], places: Places,
             job: Callable[[str, Path, Path], AbstractContextManager[Job[T]]]) -> list[T]:
-    """What the job of each side gives, all at the same time; `job` has the side, its program and the place for it."""
+    """Runs the job of each side, all at the same time; `job` gets the side, its program and its place."""
     with ExitStack() as stack:
         jobs = []
         for number, side in enumerate(sides):
@@ -79,7 +82,7 @@ def at_once(sides: Sequence[str], programs: dict[str, Program], places: Places,
 
 
 def of_case(case: Case, programs: dict[str, Program], folder: Path, places: Places) -> Subject:
-    """Its first block, with the repeats of the experiment, decides how many the later ones have, on all sides alike."""
+    """Makes the subject of a case. Its first block decides the number of repeats of the later ones, the same on all sides."""
     asked = [case]
     shapes: dict[str, str] = {}
 
@@ -103,14 +106,14 @@ def of_kernels(names: Sequence[str], programs: dict[str, Program], folder: Path,
 
 @dataclass
 class Known:
-    """What both builds can measure; what was left out, and what the candidate alone fails at, each with its reason."""
+    """The subjects that both builds can measure, and the reasons for other cases: left out, or failing only with the candidate."""
 
     subjects: list[Subject] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     broken: list[str] = field(default_factory=list)
 
     def add(self, subject: Subject) -> None:
-        """Each side measures once, which warms caches and is not kept."""
+        """Adds a subject after each side has measured it once, which warms caches and is not kept."""
         try:
             base = subject.block("base")
         except NotMeasured as why:
@@ -131,14 +134,14 @@ class Known:
             self.subjects.append(replace(subject, names=both))
 
     def to_plant_in(self, wanted: str) -> Subject | None:
-        """The case of that name, or else the first one."""
-        cases = [subject for subject in self.subjects if subject.shapes]  # kernels have none
+        """Returns the case of that name, or else the first one."""
+        cases = [subject for subject in self.subjects if subject.shapes]  # kernels have no shapes
         return next((subject for subject in cases if subject.name == wanted), cases[0] if cases else None)
 
 
 @dataclass(frozen=True)
 class Question:
-    """Is one side of these slower than the other? `sides` has the blocks by name: those of `slower` as the candidate."""
+    """Is one side slower than the other? `sides` holds the blocks by name, with `slower` as the candidate."""
 
     subject: Subject
     names: tuple[str, ...]
@@ -147,7 +150,7 @@ class Question:
     slower: str = "candidate"
 
     def turn(self, number: int, names: Sequence[str]) -> None:
-        """Two pairs of blocks, each pair at a place of its own. Turns begin with either side, alternately."""
+        """Measures two pairs of blocks, each pair at another place. Turns begin with either side alternately."""
         first, second = (self.slower, self.beside) if number % 2 else (self.beside, self.slower)
         for pair in ((first, second), (second, first)):
             self.subject.move()
@@ -160,12 +163,12 @@ class Question:
 
 
 def question(subject: Subject, names: Sequence[str], beside: str = "base", slower: str = "candidate") -> Question:
-    """Of which nothing is measured yet."""
+    """Makes a question without any measurements yet."""
     return Question(subject, tuple(names), {name: Sides() for name in names}, beside, slower)
 
 
 def screen(questions: Sequence[Question], count: int) -> None:
-    """`count` blocks of each side, an even number."""
+    """Measures `count` blocks of each side; `count` is even."""
     progress = Progress(count // 2, "turns", "time")
     for number in range(count // 2):
         for one in questions:
@@ -174,7 +177,7 @@ def screen(questions: Sequence[Question], count: int) -> None:
 
 
 def answer(questions: Sequence[Question], count: int, cases: int) -> None:
-    """Blocks of each, up to `count` of a side in all, until it is decided whether it alarms among so many cases."""
+    """Measures blocks of each question, up to `count` per side in all, until it is decided whether it alarms among so many cases."""
     progress = Progress(count // 2, "turns at most", "time")
     for number in range(count // 2):
         asked = [(one, names) for one in questions if (names := [name for name in one.names if not decided(one.sides[name], count, cases)])]
@@ -190,9 +193,11 @@ Run = dict[str, Sides]
 
 
 def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
-    """SCREENING blocks of every case; up to `count` of those that are suspected, and of a plant, in the case `wanted` if it is there, where
-    the base is beside itself too; then a second run of those that alarm. And what was measured: the first run, the plant, the base beside
-    itself, the second run. The second run is independent of the first, which chose its cases, so its intervals need the confidence of so few.
+    """Judges all cases, and returns the measurements, too: the first run, the plant, the base beside itself, the second run.
+
+    Measures SCREENING blocks of every case, then up to `count` blocks of suspected cases and of a plant, in the case `wanted` if
+    present, where the base also runs beside itself; then a second run of cases that alarm. The second run is independent of the
+    first, which chose its cases, so its intervals need only the confidence for these few.
     """
     first = [question(subject, subject.names) for subject in known.subjects]
     screen(first, min(SCREENING, count))

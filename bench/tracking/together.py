@@ -1,10 +1,11 @@
-"""Two programs at the same time on one core, so that what slows the core slows both.
+"""Runs two programs at the same time on one core, so that a disturbance of the core slows both.
 
-Other guests of a host slow a core by a half, for milliseconds or for seconds on end. One block after the other meets different disturbances;
-two that share a core have it in turns of a few milliseconds, by the system's own scheduler, and meet the same ones. CPU time is each one's own, and
-1 to 2 % longer than alone, since caches change hands; both pay that, but for the last repeats of the one that ends last. On a busy host, of pairs
-that ran so, 88 to 97 % showed a planted slowdown of 5 % as one of more than 3 % (nohd, guthe, kang, zheng; 32 pairs of each), and 66 to 84 % of those
-of which one block followed the other. To stop one while the other runs, for 20 to 100 ms, was no better.
+Other guests of a host slow a core by a half, for milliseconds or for seconds on end. Consecutive blocks meet different
+disturbances. Two blocks on one core get it in turns of a few milliseconds from the system's scheduler, and meet the same
+disturbances. Each one's own CPU time is 1 to 2 % longer than alone, because caches change hands; both pay that, except in the
+last repeats of the one that ends last. On a busy host, 88 to 97 % of such pairs showed a planted slowdown of 5 % as more than 3 %
+(nohd, guthe, kang, zheng; 32 pairs each), compared with 66 to 84 % of consecutive pairs. Stopping one while the other runs, for
+20 to 100 ms, was no better.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ T = TypeVar("T")
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """This process, and what it starts, has the last of its cores alone meanwhile: the first serves most devices."""
+    """Restricts this process and its children to the last of its cores; the first core serves most devices."""
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {max(before)})
     try:
@@ -42,7 +43,7 @@ class Running:
     errors: IO[str]
 
     def said(self, good: tuple[int, ...]) -> str:
-        """Of one that is over."""
+        """Returns the output of a process that has ended."""
         texts = []
         for file in (self.output, self.errors):
             file.seek(0)
@@ -52,7 +53,7 @@ class Running:
 
 @contextmanager
 def started(job: Job[T]) -> Iterator[Running]:
-    """Gone afterwards, and its workers with it, which die with their parent."""
+    """Starts a job, and ends it afterwards, with its workers, which die with their parent."""
     with tempfile.TemporaryFile("w+", errors="replace") as output, tempfile.TemporaryFile("w+", errors="replace") as errors:
         try:
             process = subprocess.Popen(job.command, cwd=job.folder, stdin=subprocess.DEVNULL, stdout=output, stderr=errors, text=True,
@@ -62,13 +63,14 @@ def started(job: Job[T]) -> Iterator[Running]:
         try:
             yield Running(process, output, errors)
         finally:
-            process.kill()  # nothing where it is over
+            process.kill()  # does nothing if it has ended
             process.wait()
 
 
 def together(jobs: Sequence[Job[T]]) -> list[T]:
-    """What each of them gives; within one_core(), so that they share it. NotMeasured where one of them has no answer,
-    or not all are over in time.
+    """Returns the results of all jobs; call it within one_core(), so that they share a core.
+
+    Raises NotMeasured if one of them has no answer, or not all end in time.
     """
     with ExitStack() as stack:
         running = [stack.enter_context(started(job)) for job in jobs]
@@ -76,7 +78,7 @@ def together(jobs: Sequence[Job[T]]) -> list[T]:
         while left := [one for one in running if one.process.poll() is None]:
             for job, one in zip(jobs, running, strict=True):
                 if one not in left:
-                    one.said(job.good)  # or why it failed
+                    one.said(job.good)  # raises the reason if it failed
             if time.monotonic() > end:
                 raise NotMeasured(f"no end within {blocks.LIMIT:.0f} s")
             with suppress(subprocess.TimeoutExpired):

@@ -1,15 +1,15 @@
 """Tells whether solvers have become slower: work counters, instructions, then times beside an older build.
 
     hausbench track [--base REV] [--tiers counters,instructions,time] [--blocks N] [--case NAME ...]
-    hausbench track --update REASON      a new baseline of counters and instructions, where a change is meant
+    hausbench track --update REASON   a new baseline of counters and instructions, for an intended change
 
-Tier 1, counters: those of the tracked cases (experiments/tracking.toml) are what bench/tracking/baseline.toml says. Tier 2, instructions:
-within half a per cent of it, under valgrind. Tier 3, time: the base (default: HEAD) is built in build/versions/COMMIT, and its
-blocks are measured in pairs with those of this build, more of them where something looks slower; it tests itself by the base
-beside itself and by a planted slowdown of 5 %.
+Tier 1, counters: the counters of the tracked cases (experiments/tracking.toml) equal bench/tracking/baseline.toml. Tier 2,
+instructions: they are within half a per cent of the baseline, under valgrind. Tier 3, time: the base (default: HEAD) is built in
+build/versions/COMMIT, and its blocks are measured in pairs with blocks of this build, with more blocks for cases that look
+slower. It tests itself with the base beside itself and with a planted slowdown of 5 %.
 
-Exit code 0: passed; 3: red: slower, or the baseline no longer holds; 4: inconclusive, since the self-test of the times failed; 5: nothing
-was measured, or something broke; 2: a mistake in the command. CONTRIBUTING.md says what to do then.
+Exit code 0: passed; 3: red: slower, or the baseline no longer holds; 4: inconclusive, because the self-test of the times failed;
+5: nothing was measured, or something broke; 2: a usage error. CONTRIBUTING.md says what to do then.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ from bench.tracking.places import Places
 from bench.tracking.together import one_core
 
 TIERS = ("counters", "instructions", "time")
-BLOCKS = 48  # of each side, of what looks slower: 5 % shows where nine tenths of the pairs show it
-PLANTED_IN = "kang on mesh to its half"  # of the mesh solvers, the one of which pairs of blocks scatter least
+BLOCKS = 48  # per side, for cases that look slower: a slowdown of 5 % shows if nine tenths of the pairs show it
+PLANTED_IN = "kang on mesh to its half"  # the mesh solver whose pairs of blocks scatter least
 
 
 @dataclass
 class Report:
-    """What each tier says, and what was measured."""
+    """The verdict of each tier, and the measurements."""
 
     verdicts: dict[str, Verdict] = field(default_factory=dict)
     record: dict[str, object] = field(default_factory=dict)
@@ -57,7 +57,7 @@ class Report:
 
 @dataclass(frozen=True)
 class Task:
-    """What is asked, and the folder for what the tiers leave behind."""
+    """The request, and a folder for files of the tiers."""
 
     given: argparse.Namespace
     cases: list[Case]
@@ -70,7 +70,7 @@ class Task:
 
     @property
     def kernels(self) -> bool:
-        """Of a choice of cases none is one."""
+        """Returns whether kernels are tracked; they are not if cases were chosen."""
         return not self.given.case
 
 
@@ -79,7 +79,7 @@ def ratio_text(ratio: Estimate) -> str:
 
 
 def table(judged: Sequence[Judged]) -> list[str]:
-    """A line for each case."""
+    """Returns a line for each case."""
     width = max(len(one.name) for one in judged)
     lines = ["shows: the smallest slowdown that would be an alarm after as many blocks",
              f"{'case':{width}}  {'base, ms':>9}  {'blocks':>6}  {'candidate / base':>22}  shows"]
@@ -138,7 +138,7 @@ def known_to_both(task: Task, base: Build, candidate: Build, places: Places) -> 
 def time_tier(report: Report, task: Task) -> None:
     candidate, base = here(task.given.program), base_of(task)
     report.record |= {"base": base.commit, "candidate": candidate.commit}
-    VERSIONS.mkdir(parents=True, exist_ok=True)  # programs run there: a folder for temporary files may forbid that
+    VERSIONS.mkdir(parents=True, exist_ok=True)  # programs run there; a folder for temporary files may forbid that
     with tempfile.TemporaryDirectory(prefix="track-", dir=VERSIONS) as folder, one_core():
         known = known_to_both(task, base, candidate, Places(Path(folder)))
         notes = known.left_out + known.broken
@@ -155,7 +155,7 @@ def time_tier(report: Report, task: Task) -> None:
 
 
 def update(task: Task, counters: counted.Found, instructions: counted.Found) -> None:
-    """Of all cases and kernels, or of those that were chosen. Missing where nothing was measured."""
+    """Updates all cases and kernels, or the chosen ones. Raises Missing if nothing was measured."""
     small_scenes = {}
     if "counters" in task.given.tiers and not task.given.case:
         small_scenes = counted.count_small_scenes(task.given.program.parent / "tests" / "counters_test", task.folder)
@@ -169,12 +169,12 @@ def update(task: Task, counters: counted.Found, instructions: counted.Found) -> 
 
 
 def attempt(report: Report, tier: str, work: Callable[[], counted.Found | None]) -> counted.Found:
-    """A tier that cannot run says why, and is no reason to leave out the others."""
+    """Runs a tier. If it cannot run, it reports why, and the other tiers still run."""
     try:
         return work() or counted.Found()
     except (NotBuilt, counted.Missing) as why:
         report.add(tier, Verdict.nothing_measured, [str(why)])
-    except Exception as problem:  # the harness failed: a line with its kind, and the verdict of the other tiers counts
+    except Exception as problem:  # the harness failed: report the kind of error; the verdicts of the other tiers count
         report.add(tier, Verdict.nothing_measured, [f"{type(problem).__name__}: {problem}"])
     return counted.Found()
 
@@ -227,7 +227,7 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
 
 
 def task_of(given: argparse.Namespace, folder: Path) -> Task:
-    """ValueError where what is asked for is not there."""
+    """Makes the task. Raises ValueError if something requested does not exist."""
     found = chosen(given.case, cases())
     given.program = given.program.resolve()
     programs: list[Path | None] = [given.program, given.base_program]

@@ -1,11 +1,12 @@
-"""Is the gate to be believed? Runs it on builds of which the answer is known, and keeps its verdicts as a table.
+"""Tests the gate: runs it on builds with a known answer, and keeps its verdicts as a table.
 
     python3 -m bench.tracking.trials [--runs 10] [--load N] [KIND ...]
 
-KIND is `unchanged` (this commit beside itself), `slower` (`kang` burns 5 % of the time of each solve) or `visit` (each query counts a
-node visit more). What is planted is planted in a copy of this commit, in build/versions, and built. Runs accumulate in
-results/reference/tracking_trials.jsonl, and the table is results/reference/tracking.md. Take them where nothing else of one's own runs; --load N keeps
-N cores busy on purpose. Other guests of a host cannot be sent away: how much they disturb a short probe just before each run is in the table.
+KIND is `unchanged` (this commit beside itself), `slower` (`kang` burns 5 % of the time of each solve) or `visit` (each query
+counts one more node visit). The change is planted in a copy of this commit, in build/versions, and built. Runs accumulate in
+results/reference/tracking_trials.jsonl, and the table is results/reference/tracking.md. Run it while nothing else of your own
+runs; --load N keeps N cores busy on purpose. Other guests of a host cannot be controlled: the table shows how much they disturb a
+short probe just before each run.
 """
 
 from __future__ import annotations
@@ -32,22 +33,22 @@ from bench.tracking.gate import Verdict
 from bench.tracking.history import this_machine
 
 LOG = ROOT / "results" / "reference" / "tracking_trials.jsonl"
-PROBE = "naive on points near"  # arithmetic alone: what shares a core with it slows it at once
+PROBE = "naive on points near"  # pure arithmetic, which load on the same core slows at once
 PROBE_BLOCKS = 12
 TABLE = ROOT / "results" / "reference" / "tracking.md"
 
 
 @dataclass(frozen=True)
 class Kind:
-    """What is planted where, and what each tier has to say of it. No text: nothing is planted."""
+    """A planted change, its place, and the expected verdict of a tier. Without text, nothing is planted."""
 
     what: str
     expected: Verdict
-    tier: str  # that has to say so
+    tier: str  # the tier that must give this verdict
     file: str = ""
     text: str = ""
     planted: str = ""
-    where: str = ""  # what the lines of that tier have to name as slower
+    where: str = ""  # the prefix of a line of that tier that must be named as slower
 
 
 KINDS = {
@@ -70,7 +71,7 @@ KINDS = {
 
 
 def planted(name: str, jobs: int) -> Path:
-    """The program with the plant, built from this commit. NotBuilt where its text is not there once."""
+    """Builds the program with the plant, from this commit. Raises NotBuilt unless the text to replace occurs exactly once."""
     kind = KINDS[name]
     tree = builds.VERSIONS / f"planted_{name}"
     commit = builds.commit_of("HEAD")
@@ -87,7 +88,7 @@ def planted(name: str, jobs: int) -> Path:
 
 @contextmanager
 def busy(cores: int) -> Iterator[None]:
-    """Keeps so many cores busy meanwhile."""
+    """Keeps so many cores busy in the meantime."""
     spinning = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(cores)]
     try:
         yield
@@ -98,7 +99,7 @@ def busy(cores: int) -> Iterator[None]:
 
 
 def unrest(program: Path) -> float:
-    """By how much a quarter of some short blocks of the same work are slower than the fastest: 0.01 where nothing else runs."""
+    """Returns by how much at least a quarter of some short blocks of the same work are slower than the fastest: 0.01 on an idle machine."""
     probe = next(case for case in cases() if case.name == PROBE)
     with tempfile.TemporaryDirectory() as folder:
         seconds = [measure(program, probe, Path(folder)).cpu for _ in range(PROBE_BLOCKS)]
@@ -106,7 +107,7 @@ def unrest(program: Path) -> float:
 
 
 def trial(name: str, program: Path, load: int) -> dict[str, Any]:
-    """One run of the gate beside HEAD."""
+    """Runs the gate once, beside HEAD."""
     found = unrest(program)
     with tempfile.TemporaryDirectory() as folder, busy(load):
         record = Path(folder) / "record.json"
@@ -120,7 +121,9 @@ def trial(name: str, program: Path, load: int) -> dict[str, Any]:
 
 
 def right(one: dict[str, Any]) -> bool:
-    """On a quiet machine what is expected, for the reason that is expected; on a busy one it may be inconclusive, too, but never the contrary."""
+    """Returns whether the verdict is right. A quiet machine must give the expected verdict for the expected reason; a busy one
+    may be inconclusive, too, but never give the opposite.
+    """
     kind = KINDS[one["kind"]]
     said: str | None = one["tiers"].get(kind.tier)
     named = not kind.where or any(line.startswith(kind.where) for line in one["lines"])
@@ -128,7 +131,7 @@ def right(one: dict[str, Any]) -> bool:
 
 
 def table_of(trials: Sequence[dict[str, Any]]) -> str:
-    """A line for each run, and how many were right."""
+    """Returns a line for each run, and the number of right ones."""
     table = Table("Runs of `hausbench track` beside the same commit",
                   ["run", "planted", "cores kept busy", "unrest before", "commit", "counters", "instructions", "time", "exit code", "seconds",
                    "right"], left=3)

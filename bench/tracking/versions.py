@@ -1,8 +1,8 @@
-"""`guthe` as it is now against an older commit, on pairs of real meshes: as CSV that bench/report.py takes.
+"""Compares `guthe` now with an older commit on pairs of real meshes, as CSV for bench/report.py.
 
     python3 -m bench.tracking.versions --base 74fa840 > results/reference/kernels_versions.csv
 
-One block after the other, by turns. What is compared is preparing (wall time) and solving (CPU time); both are of one thread.
+Blocks run one after the other, in turns. Compares preparing (wall time) and solving (CPU time), each with one thread.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def case_of(source: str, target: str) -> Case:
 
 
 def compare(programs: dict[str, Path], case: Case, rounds: int, folder: Path) -> dict[str, list[Block]]:
-    """Blocks of each program by round; rounds go forth and back, and one before them is not kept."""
+    """Returns the blocks of each program by round. Rounds go forth and back; the first one is not kept."""
     blocks: dict[str, list[Block]] = {name: [] for name in programs}
     for round_ in range(-1, rounds):
         for name in list(programs) if round_ % 2 == 0 else reversed(list(programs)):

@@ -29,32 +29,32 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int format_version = 2;
-constexpr double most_above_upper = 1e-12;  // of the diagonal of both shapes
-constexpr double most_off_rotation = 1e-9;  // an entry of R^T R, from 1 or 0
+constexpr double most_above_upper = 1e-12;  // as a fraction of the diagonal of both shapes
+constexpr double most_off_rotation = 1e-9;  // largest deviation of an entry of R^T R from the identity
 
 // --- the file ---------------------------------------------------------------------------------------------------------
 
 constexpr std::string_view seal_begin = "\nsha256 ";
 constexpr std::size_t seal_length = seal_begin.size() + 64 + 1;
 
-// The last line, of all bytes before it.
+// Returns the last line of a file, which seals all bytes before it.
 std::string seal_of(std::string_view bytes) {
     return std::string(seal_begin) + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
 }
 
-// What the seal is of. Whole or not at all, so that no byte of the file can change unseen.
+// Returns the sealed content of the file. Throws if any byte of the file was changed.
 std::string_view unsealed(std::string_view file) {
     const std::size_t length = file.size() < seal_length ? 0 : file.size() - seal_length;
     const std::string_view content = file.substr(0, length);
     const std::string_view seal = file.substr(length);
     if (!seal.starts_with(seal_begin)) throw std::runtime_error("it does not end in its SHA-256");
-    if (seal != seal_of(content)) throw std::runtime_error("damaged: its SHA-256 is not what it says");
+    if (seal != seal_of(content)) throw std::runtime_error("damaged: its SHA-256 does not match");
     return content;
 }
 
 json model_json(const CertificateFile::Model& m) { return {{"file", m.file}, {"sha256", m.sha256}, {"pose", m.pose}}; }
 
-// Of so many numbers and no other.
+// Returns j if it is an array of exactly `count` values; otherwise throws.
 const json& numbers(const json& j, std::size_t count) {
     if (!j.is_array() || j.size() != count) throw std::runtime_error(fmt::format("not {} numbers", count));
     return j;
@@ -62,7 +62,8 @@ const json& numbers(const json& j, std::size_t count) {
 
 CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), numbers(j.at("pose"), 12)}; }
 
-// To convert another number may overflow, which is undefined.
+// Returns j as an integer of at least `least`; otherwise throws. Converting a number that does not fit would be
+// undefined behaviour.
 template <class T> T whole(const json& j, T least) {
     const bool unsigned_one = j.is_number_unsigned();
     const bool fits = unsigned_one ? std::in_range<T>(j.get<std::uint64_t>())
@@ -72,14 +73,14 @@ template <class T> T whole(const json& j, T least) {
     return j.get<T>();
 }
 
-// A key that stands twice would let two readers see two files.
+// Throws on a duplicate key, from which two readers could take different values.
 json parse_header(std::string_view line) {
-    std::vector<std::set<std::string>> keys;  // of the objects that are open
+    std::vector<std::set<std::string>> keys;  // of each open object
     return json::parse(line.begin(), line.end(), [&](int, json::parse_event_t event, json& parsed) {
         if (event == json::parse_event_t::object_start) keys.emplace_back();
         if (event == json::parse_event_t::object_end) keys.pop_back();
         if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-            throw std::runtime_error("a key stands twice");
+            throw std::runtime_error("a key occurs twice");
         return true;
     });
 }
@@ -155,18 +156,18 @@ void expect_shape(const CertificateFile::Model& model, const Shape& shape, const
     const std::string hash = content_hash(shape);
     if (hash == model.sha256) return;
     throw InputError(
-        fmt::format("{}: this is not the shape that the certificate is about: its coordinates and indices have the "
-                    "SHA-256 {}, not {}; give the file that was measured as {}",
+        fmt::format("{}: this is not the shape of the certificate: its coordinates and indices have the SHA-256 {}, "
+                    "not {}; give the file that was measured as {}",
                     model.file, hash, model.sha256, name));
 }
 
-// A pose may turn and move a shape; one that flattened it would make any bound true.
+// Returns whether a pose only rotates and moves a shape. A pose that flattened it would make any bound true.
 bool keeps_distances(const Pose& pose) {
     const Eigen::Matrix3d off = pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity();
     return (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite();
 }
 
-// Of H both directions, of h its own.
+// Returns whether the certificates are exactly those that the quantity needs: h(A,B), and for H then h(B,A).
 bool proves_its_quantity(const CertificateFile& c) {
     using Direction = Witness::Direction;
     std::vector<Direction> wanted = {Direction::source_to_target};
@@ -181,7 +182,7 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
         c.witness.direction == Witness::Direction::source_to_target ? c.witness.source_point : c.witness.target_point;
     wrong = !(lower >= 0 && std::isfinite(lower)) ||
             (c.quantity == Quantity::directed && c.witness.direction == Witness::Direction::target_to_source);
-    if (wrong) return "it is no lower bound of this distance";
+    if (wrong) return "it is not a lower bound of this distance";
     wrong = c.witness.source_element >= element_count(source) || c.witness.target_element >= element_count(target);
     if (wrong) return "its witness names an element that the shape does not have";
     if (lower == 0) return "holds: no distance is below 0";
@@ -191,7 +192,7 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
     if (verdict == Verdict::holds) return "holds, by its witness";
     if (verdict != Verdict::unsound) return "not checked: a pose leaves the range of doubles";
     wrong = true;
-    return fmt::format("its witness shows {:.17g} only", shown);
+    return fmt::format("its witness shows only {:.17g}", shown);
 }
 
 }  // namespace
@@ -223,8 +224,8 @@ CertificateFile read_certificate(const fs::path& file) {
     try {
         return parse(unsealed(bytes));
     } catch (const std::exception& error) {
-        throw InputError(printable(
-            fmt::format("{}: is no certificate file of version {} ({})", file.string(), format_version, error.what())));
+        throw InputError(printable(fmt::format("{}: is not a certificate file of version {} ({})", file.string(),
+                                               format_version, error.what())));
     }
 }
 
@@ -237,7 +238,8 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
     };
     for (const CertificateFile::Model* model : {&content.source, &content.target}) {
         if (!keeps_distances(model->pose))
-            refuse(fmt::format("the pose of {} is no rotation and translation", model == &content.source ? "A" : "B"));
+            refuse(
+                fmt::format("the pose of {} is not a rotation and translation", model == &content.source ? "A" : "B"));
     }
     if (!proves_its_quantity(content))
         refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"

@@ -27,15 +27,16 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int usual_shards = 16;
-constexpr double seconds_for_slurm = 120;  // until one of its commands is given up
+constexpr double seconds_for_slurm = 120;  // limit for each of its commands
 
-// Of a file; empty where it cannot be read.
+// Returns the text of a file; empty if it cannot be read.
 std::string text_of(const fs::path& file) {
     std::ifstream in(file);
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// What a command of Slurm says. `seconds`: how long it may take. `code`, if given, gets its exit code; else any but 0 is an error.
+// Runs a command of Slurm and returns its output. `seconds`: time limit. `code`, if given, receives the exit code;
+// otherwise any code but 0 is an error.
 std::string ask(std::vector<std::string> words, double seconds = seconds_for_slurm, int* code = nullptr) {
     const std::string name = words.front();
     words.insert(words.begin(), "/usr/bin/env");
@@ -49,8 +50,8 @@ std::string ask(std::vector<std::string> words, double seconds = seconds_for_slu
     const std::string how = child.how_it_ended();
     if (child.exit_code() == 127)
         throw InputError(
-            fmt::format("{}: is not there: install Slurm's commands (slurm-client), or run parts with --shard "
-                        "i/n and join them with `hausbench merge`",
+            fmt::format("{}: not found: install Slurm's commands (slurm-client), or run parts with --shard i/n and "
+                        "join them with `hausbench merge`",
                         name));
     if (end == Child::End::interrupt) throw InputError(fmt::format("{}: interrupted", name));
     if (code && !child.signal())
@@ -60,25 +61,25 @@ std::string ask(std::vector<std::string> words, double seconds = seconds_for_slu
     return child.output();
 }
 
-// In the folder of results: the split, scripts and logs of an experiment's tasks.
+// Returns the folder for the split, scripts and logs of an experiment's tasks, inside the folder of results.
 fs::path cluster_folder(const fs::path& results, const Experiment& experiment) {
     return results / fmt::format("{}.{}.slurm", experiment.stem, experiment.profile);
 }
 
-// However it is spelled.
+// Returns the same path for every spelling of a folder.
 fs::path one_spelling(const fs::path& folder) {
     const fs::path text = fs::weakly_canonical(fs::absolute(folder));
     return text.has_filename() ? text : text.parent_path();
 }
 
-// Of a job: lists of names are separated by commas.
+// Makes the name of a job safe for Slurm, which separates names in lists by commas.
 std::string safe(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return !std::isalnum(c) && c != '_' && c != '-'; }, '_');
     return text;
 }
 
-// A % begins a pattern in the name of a log.
+// Returns the option for a log. A % begins a pattern there, so it is doubled in the name of the folder.
 std::string log_name(const fs::path& folder, const std::string& name) {
     std::string text;
     for (const char c : folder.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
@@ -98,7 +99,7 @@ public:
 
     bool is_split() const { return fs::exists(split_file()); }
 
-    // Keeps what an earlier split knows, unless another number of shards is asked for.
+    // Writes the split. Keeps the shards of an earlier split, unless another number of shards is requested.
     void divide(int shards) {
         const Split earlier = is_split() ? read_split(split_file()) : Split{0, {}};
         if (shards > 0 && earlier.of > 0 && shards != earlier.of && !queue().shards.empty())
@@ -114,7 +115,7 @@ public:
 
     struct Shard {
         std::size_t cases = 0, open = 0;
-        std::string state;  // in the queue; empty: it is not there
+        std::string state;  // state in the queue; empty: not in it
     };
 
     std::vector<Shard> shards(const std::map<int, std::string>& states) const {
@@ -135,7 +136,7 @@ public:
         return all;
     }
 
-    // Its number, as sbatch gives it.
+    // Submits an array with these shards and returns its job number.
     std::string submit_array(const std::vector<int>& numbers, int of, const std::vector<std::string>& options) const {
         int threads = 1;
         for (const Case& asked : plan_.cases) threads = std::max(threads, asked.threads);
@@ -155,7 +156,8 @@ public:
         return number_in(ask(std::move(words)));
     }
 
-    // It begins when all tasks and collections of this name have ended. The exit code, if it is waited for.
+    // Submits the collection, which begins when all tasks and collections of this name have ended. Returns its exit
+    // code if it is waited for, otherwise 0.
     int submit_collection(const ClusterArguments& cluster) const {
         const fs::path script = folder_ / "collect.sh";
         write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --collect\n", run_words()));
@@ -177,7 +179,7 @@ public:
     }
 
     struct Queue {
-        std::map<int, std::string> shards;  // their states
+        std::map<int, std::string> shards;  // state of each shard
         bool collection = false;
     };
 
@@ -195,7 +197,7 @@ public:
         return all;
     }
 
-    // `trouble`: why it is not known.
+    // Returns the queue. If it is not known, returns an empty one and sets `trouble` to the reason.
     Queue queue_if_it_answers(std::string& trouble) const {
         try {
             return queue();
@@ -223,14 +225,14 @@ private:
         return words;
     }
 
-    // "12;cluster", after whatever sbatch warned of.
+    // Extracts the number from the last line of sbatch's output, such as "12;cluster".
     static std::string number_in(const std::string& said) {
         const std::size_t last = said.find_last_not_of(" \n");
         const std::size_t begin = said.find_last_of('\n', last);
         std::string line = said.substr(begin == std::string::npos ? 0 : begin + 1, last - begin);
         line = line.substr(0, line.find(';'));
         if (line.empty() || line.find_first_not_of("0123456789") != std::string::npos)
-            throw InputError(fmt::format("sbatch: gave no number of a job: {}", one_line(said)));
+            throw InputError(fmt::format("sbatch: printed no job number: {}", one_line(said)));
         return line;
     }
 

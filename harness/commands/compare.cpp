@@ -1,4 +1,4 @@
-// `hausbench compare`: two results, or two solvers of one result, side by side.
+// `hausbench compare`: compares two results, or two solvers of one result.
 #include "algorithms/error.h"
 #include "harness/commands/comparison.h"
 #include "harness/commands/row_choice.h"
@@ -10,7 +10,7 @@ namespace hausbench {
 
 namespace {
 
-// The rows of these scenes and of this profile; each is empty for all.
+// Chooses the rows of these scenes and of this profile; empty means all.
 struct Rows {
     std::vector<std::string> scenes;
     std::string profile;
@@ -21,7 +21,8 @@ void take_rows(ResultFile& result, const Rows& wanted) {
     if (!wanted.profile.empty()) choice.where.push_back("profile=" + wanted.profile);
     std::vector<Row> chosen;
     for (const std::size_t row : chosen_rows(result, choice)) chosen.push_back(std::move(result.rows[row]));
-    if (chosen.empty()) throw InputError(fmt::format("--profile {}: the result has no row of it", wanted.profile));
+    if (chosen.empty())
+        throw InputError(fmt::format("--profile {}: the result has no row of this profile", wanted.profile));
     result.rows = std::move(chosen);
 }
 
@@ -45,15 +46,20 @@ void add_compare(CLI::App& app, int&) {
     static std::vector<std::filesystem::path> files;
     static std::vector<std::string> solvers;
     static Rows wanted;
-    auto* verb = app.add_subcommand("compare",
-                                    "compare two results case by case: differing answers first, then ratios of times "
-                                    "with intervals; or, with --solver, two solvers of one result");
-    verb->add_option("results", files, "two result files (.h5), the base first; or one with --solver")->required();
-    verb->add_option("--solver", solvers,
-                     "two solvers of one result, paired by scene, pose and tolerance: labels, or \"guthe(samples=8)\"")
+    auto* verb = add_verb(app, "compare", "compares two results case by case, or two solvers of one result",
+                          "hausbench compare results/zhang2017_table3.h5 --solver cover tang",
+                          "It lists answers that differ, then ratios of times with intervals. Cases are paired by "
+                          "scene, pose and tolerance.");
+    verb->add_option("results", files, "two result files (.h5), the base first; with --solver one")
+        ->type_name("FILE")
+        ->required();
+    verb->add_option("--solver", solvers, "two solvers of one result: labels, or \"guthe(samples=8)\"")
+        ->type_name("LABEL LABEL")
         ->expected(2);
-    verb->add_option("--scene", wanted.scenes, "only this scene; may be repeated")->allow_extra_args(false);
-    verb->add_option("--profile", wanted.profile, "only rows of this profile");
+    verb->add_option("--scene", wanted.scenes, "only this scene; may be repeated")
+        ->type_name("SCENE")
+        ->allow_extra_args(false);
+    verb->add_option("--profile", wanted.profile, "only rows of this profile")->type_name("PROFILE");
     verb->callback([] { print(compare(files, solvers, wanted)); });
 }
 

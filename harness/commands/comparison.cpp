@@ -37,14 +37,14 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
                                      to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status),
                                      b.bounds.lower, b.bounds.upper);
         }
-        // The builds may differ: they are what is compared.
+        // The builds may differ: they are being compared.
         if (const std::string why = reason_apart(origin_of(a, ""), origin_of(b, "")); !why.empty()) {
             ++apart[why];
             continue;
         }
-        if (b.from_trace) continue;  // its times are those of the row it was read off
+        if (b.from_trace) continue;  // it has the times of the row that it was read off
         const bool cpu = cpu_clock(b);
-        const bool again = !a.repeats.empty() && !b.repeats.empty();  // else the first answers are what was timed
+        const bool again = !a.repeats.empty() && !b.repeats.empty();  // otherwise the first answers were timed
         const Estimate ratio = again ? ratio_by_round(again_by_round(a, cpu), again_by_round(b, cpu))
                                      : ratio_by_round(first_by_round(a, cpu), first_by_round(b, cpu));
         if (ratio.n == 0) {
@@ -80,11 +80,13 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
 
 namespace {
 
-// The question that a row answers, whatever its solver. A pose counts by its numbers, not by its place in a motion.
+// The question that a row answers, whatever its solver. Poses are compared by their numbers, not by their place in a
+// motion.
 using Question = std::tuple<std::string, std::vector<double>, std::string, std::string, std::string, double,
                             std::string, double, double>;
 
-// -0 and 0 are the same. NaN, which only a damaged file holds, would have no order.
+// Returns the numbers of both poses. -0 and 0 compare equal. NaN, which only a damaged file contains, has no order,
+// so it is replaced.
 std::vector<double> pose_numbers(const Case& c) {
     std::vector<double> all;
     for (const Pose* pose : {&c.pose, &c.target_pose}) {
@@ -137,7 +139,7 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
     return pairs;
 }
 
-// "guthe" where all rows are of it, else with the parameters of each.
+// Returns the name of a pair: its place, preceded by both solvers with their parameters if there are `several`.
 std::string names_of(const Row& a, const Row& b, bool several) {
     return printable(several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
                              : place_of(a.asked));

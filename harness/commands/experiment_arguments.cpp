@@ -16,7 +16,7 @@ namespace hausbench {
 
 namespace {
 
-// The file, or the experiment of the project or the installation that has this stem.
+// Returns the file, or the experiment of the project or the installation with this stem.
 std::filesystem::path experiment_file(const std::filesystem::path& named) {
     if (named.has_parent_path() || named.has_extension() || std::filesystem::exists(named)) return named;
     std::vector<std::string> stems;
@@ -57,7 +57,7 @@ ShapeOf recorded_shapes(const Experiment& experiment) {
         const auto resolved = (*models)->resolve(record.name);
         const auto* model = std::get_if<ResolvedModel>(&resolved);
         if (!model || model->content_hash != record.sha256)
-            throw InputError(fmt::format("model '{}' is not here as it was measured", record.name));
+            throw InputError(fmt::format("model '{}' is missing or has changed since it was measured", record.name));
         return read_shape(model->shape_file).shape;
     };
 }

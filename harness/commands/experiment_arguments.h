@@ -15,30 +15,32 @@ struct ExperimentArguments {
     Choice choice;
 };
 
-// The file and its profile, solvers and scenes.
+// Adds the options for the file and its profile, solvers and scenes.
 inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
-    verb->add_option("experiment", arguments.file,
-                     "experiment file (.toml), or the name of one of the project, such as zhang2017_table3")
+    verb->add_option("experiment", arguments.file, "an experiment file (.toml), or the name of one of the project")
+        ->type_name("EXPERIMENT")
         ->required();
-    verb->add_option("--profile", arguments.profile, "quick: minutes; paper: the papers' full sizes")
+    verb->add_option("--profile", arguments.profile, "quick (minutes), paper (full sizes) or one of the file's own")
+        ->type_name("PROFILE")
         ->capture_default_str();
-    verb->add_option("--solver", arguments.choice.solvers,
-                     "only this solver (its label in the experiment); may be repeated")
+    verb->add_option("--solver", arguments.choice.solvers, "only the solver with this label; may be repeated")
+        ->type_name("LABEL")
         ->allow_extra_args(false);
-    verb->add_option(
-            "--with", arguments.with,
-            "the scenes of the experiment for this solver alone, with its defaults, whether or not the experiment "
-            "names it: an experiment of its own, NAME_SOLVER")
+    verb->add_option("--with", arguments.with,
+                     "another solver alone, on the same scenes; its experiment is called NAME_SOLVER")
+        ->type_name("SOLVER")
         ->excludes("--solver")
         ->check([](const std::string& name) { return name.empty() ? "name a solver" : ""; });
-    verb->add_option("--scene", arguments.choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
+    verb->add_option("--scene", arguments.choice.scenes, "only this scene; may be repeated")
+        ->type_name("SCENE")
+        ->allow_extra_args(false);
 }
 
 Plan plan_of(const ExperimentArguments& arguments, bool quiet);
-// Reads the shapes that a result recorded from the models of the project and of the experiment. The catalogue is made when the first is
-// asked for.
+// Returns a function that reads the shapes that a result recorded, from the models of the project and of the
+// experiment. The catalogue is made at its first call.
 ShapeOf recorded_shapes(const Experiment& experiment);
-// The folder of results: the one that was given, else results_folder() of paths.h.
+// Returns the folder of results: the given one, otherwise results_folder() of paths.h.
 std::filesystem::path results_of(const ExperimentArguments& arguments);
 
 }  // namespace hausbench

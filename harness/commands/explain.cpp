@@ -1,4 +1,4 @@
-// `hausbench explain`: what a run would prepare, run and leave out, why, and about how long it would take.
+// `hausbench explain`: shows what would be prepared, run and left out, why, and about how long a run would take.
 #include "algorithms/contract.h"
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
@@ -40,7 +40,8 @@ std::size_t shapes_of(const Job& job) {
     return files.size();
 }
 
-// Which structures the solver asks for on this scene (of a matrix, on its first pair), and which it can do without.
+// Adds the structures that the solver requires on this scene (for a matrix, on its first pair), and those that it can
+// do without.
 void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     const Case& first = plan.cases[job.cases.front()];
     const SolverEntry& entry = find_solver(first.solver);
@@ -55,13 +56,13 @@ void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     }
 }
 
-// The solver as it is shown, without its seed.
+// Returns the solver as it is shown, but without its seed.
 std::string without_seed(const Case& asked) {
     static const std::regex seed("seed=[^,)]*");
     return std::regex_replace(shown(asked), seed, "seed=...");
 }
 
-// Jobs of one solver on one scene that differ in their seeds alone.
+// Groups the jobs of one solver on one scene that differ only in their seeds.
 std::vector<std::vector<const Job*>> alike(const Plan& plan) {
     std::vector<std::vector<const Job*>> groups;
     std::map<std::pair<std::string, std::size_t>, std::size_t> number;
@@ -79,7 +80,7 @@ std::vector<std::vector<const Job*>> alike(const Plan& plan) {
     return groups;
 }
 
-// Adds some lines on these jobs, and returns what all of them take together; of memory, the largest.
+// Adds some lines on these jobs, and returns their total time and the largest memory that one of them takes.
 JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs, const Estimates& estimates,
                           std::string& text) {
     const Experiment& e = plan.experiment;
@@ -105,18 +106,18 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
     std::set<int> poses;
     for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
     if (job.pairs.front().queries.target_copied)
-        text += "      over a target that moves, what is prepared is built again for each pose\n";
+        text += "      the target moves, so structures are built again for each pose\n";
     else if (job.exponent && job.pairs.size() > 1)
         text += fmt::format("      each of {} shapes is loaded and prepared once for all {} pairs\n", shapes_of(job),
                             job.pairs.size());
     else if (poses.size() > 1)
-        text += fmt::format("      what is prepared is built once and used for all {} poses\n", poses.size());
+        text += fmt::format("      structures are built once and used for all {} poses\n", poses.size());
     if (e.scenes[job.scene].search)
         text += "      a search: the cutoff of each target is the least upper bound of those before it\n";
     return all;
 }
 
-// Times and memory are those of Estimates, from the result files in `results`.
+// Returns the whole text. Times and memory are estimated from the result files in `results`.
 std::string explain(const Plan& plan, const fs::path& results) {
     const Estimates estimates(results);
     const Experiment& e = plan.experiment;
@@ -159,13 +160,13 @@ std::string explain(const Plan& plan, const fs::path& results) {
         for (const Job& job : plan.references->jobs) seconds += estimates.of(*plan.references, job).seconds;
         text += fmt::format("REFERENCE\n  {}, certified and not timed, at most {} s each: about {}; {}\n",
                             counted(plan.references->cases.size(), "answer"), e.reference_seconds, clock_text(seconds),
-                            rows_are_held);
+                            rows_are_compared);
         total += seconds;
     }
     text += "LEFT OUT, beside the structures above\n";
     const std::size_t head = text.size();
     for (const LedgerEntry& entry : plan.ledger) {
-        if (entry.kind == "prepared_again") continue;  // said above
+        if (entry.kind == "prepared_again") continue;  // shown above
         text += fmt::format("  {:<44} {} ({}): {}\n", printable(entry.subject), printable(entry.what), entry.count,
                             printable(entry.reason));
     }
@@ -181,11 +182,12 @@ std::string explain(const Plan& plan, const fs::path& results) {
 
 void add_explain(CLI::App& app, int&) {
     static ExperimentArguments arguments;
-    auto* verb = app.add_subcommand(
-        "explain", "show what a run would prepare, run and leave out, with reasons and an estimate of the time");
+    auto* verb = add_verb(app, "explain", "shows what a run would do and leave out, and how long it would take",
+                          "hausbench explain guthe2005_table1");
     take_experiment(verb, arguments);
     verb->add_option("--results", arguments.results,
-                     "folder with earlier results, for the estimate of the time (default: results of the project)");
+                     "folder of earlier results, which tell the time (default: results)")
+        ->type_name("FOLDER");
     take_plugins(verb);
     verb->callback([] {
         const Plan plan = plan_of(arguments, false);

@@ -11,11 +11,12 @@ namespace hausbench {
 
 namespace {
 
-// OFF, OBJ or PLY by the extension, with 17 digits: reading it gives the same bits. Returns a line that says what was written.
+// Writes a model as OFF, OBJ or PLY, by the extension, with 17 digits, so that reading it gives the same bits.
+// Returns a line for the user.
 std::string export_model(const std::string& model, const std::filesystem::path& to) {
     const MeshFormat format = mesh_format_of(to);  // before loading, so that a wrong extension fails at once
     if (is_same_file(to, file_behind(model)))
-        throw InputError(fmt::format("{}: is the file that is read: choose another name", to.string()));
+        throw InputError(fmt::format("{}: is the input file: choose another name", to.string()));
     const LoadedShape loaded = load_named(model);
     write_mesh_file(to, loaded.shape, format);
     const bool points = kind_of(loaded.shape) == ShapeKind::points;
@@ -29,9 +30,10 @@ std::string export_model(const std::string& model, const std::filesystem::path& 
 void add_export(CLI::App& app, int&) {
     static std::string model;
     static std::filesystem::path file;
-    auto* verb = app.add_subcommand("export", "write a model as OFF, OBJ or PLY with all digits, for other programs");
-    verb->add_option("model", model, "a model of datasets/manifest.toml, or any mesh file")->required();
-    verb->add_option("file", file, "file to write: .off, .obj or .ply")->required();
+    auto* verb = add_verb(app, "export", "writes a model with all digits, for other programs",
+                          "hausbench export bunny bunny.ply");
+    verb->add_option("model", model, "a model (see `hausbench list models`) or a file")->type_name("MODEL")->required();
+    verb->add_option("file", file, "file to write: .off, .obj or .ply")->type_name("FILE")->required();
     verb->callback([] { print(export_model(model, file) + "\n"); });
 }
 

@@ -1,12 +1,15 @@
-// `hausbench list`: the solvers, experiments, models and columns that there are.
+// `hausbench list`: lists the available solvers, experiments, models and columns.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "datasets/catalogue.h"
 #include "datasets/corpus.h"
+#include "datasets/derive.h"
+#include "datasets/generate.h"
 #include "datasets/paths.h"
 #include "harness/commands/text_table.h"
 #include "harness/commands/verb.h"
 #include "harness/plan/experiment.h"
+#include "harness/plan/keys.h"
 #include "harness/record/columns.h"
 
 #include <fmt/format.h>
@@ -108,7 +111,7 @@ json experiment_json(const std::filesystem::path& file) {
     return out;
 }
 
-// One that cannot be read is listed with the reason in place of its title.
+// Describes an experiment; if it cannot be read, the reason takes the place of its title.
 json experiment_or_error(const std::filesystem::path& file) {
     try {
         return experiment_json(file);
@@ -164,7 +167,7 @@ std::string experiments_text(const json& all, const Paper& paper) {
     return table.text(paper);
 }
 
-// Those that the manifest does not list.
+// Counts the meshes of the corpus without those that are derived.
 std::size_t meshes_of_corpus(const json& all) {
     const json& corpus = all["corpus"];
     return std::size_t(
@@ -224,6 +227,51 @@ std::string one_solver(const json& s, const Paper& paper) {
     return text;
 }
 
+json recipes_json(const std::vector<Recipe>& recipes) {
+    json out = json::array();
+    for (const Recipe& recipe : recipes) {
+        json numbers = json::array();
+        for (const NumberSpec& number : recipe.numbers)
+            numbers.push_back({{"name", number.name}, {"integer", number.whole}, {"required", number.required}});
+        out.push_back({{"name", recipe.name}, {"numbers", numbers}, {"meaning", recipe.meaning}});
+    }
+    return out;
+}
+
+json keys_json() {
+    json tables = json::array();
+    for (const KeyTable& table : key_tables()) {
+        json keys = json::array();
+        for (const Key& key : table.keys)
+            keys.push_back({{"name", key.name}, {"default", key.fallback}, {"meaning", key.meaning}});
+        tables.push_back({{"table", table.title}, {"keys", keys}});
+    }
+    return {{"tables", tables}, {"recipes", recipes_json(recipes())}, {"operations", recipes_json(operations())}};
+}
+
+std::string keys_text(const Paper& paper) {
+    std::string text;
+    const json all = keys_json();
+    for (const json& one : all["tables"]) {
+        const std::string title = text_of(one, "table");
+        TextTable table({{title.empty() ? "key" : title}, {"default", false, 1}, {"meaning", false, 0, true}});
+        for (const json& key : one["keys"])
+            table.add({{text_of(key, "name"), text_of(key, "default"), text_of(key, "meaning")}});
+        text += (text.empty() ? "" : "\n") + table.text(paper);
+    }
+    for (const char* group : {"recipes", "operations"}) {
+        TextTable table({{group}, {"numbers", false, 0, true}, {"meaning", false, 0, true}});
+        for (const json& recipe : all[group]) {
+            std::string numbers;
+            for (const json& number : recipe["numbers"])
+                numbers += (numbers.empty() ? "" : ", ") + text_of(number, "name");
+            table.add({{text_of(recipe, "name"), numbers, text_of(recipe, "meaning")}});
+        }
+        text += "\n" + table.text(paper);
+    }
+    return text;
+}
+
 std::string each_of(const json& scene) { return scene.value("each", ""); }
 
 std::string one_experiment(const json& e, const Paper& paper) {
@@ -231,7 +279,7 @@ std::string one_experiment(const json& e, const Paper& paper) {
     text += wrapped("solvers: " + joined(e["solvers"]), 2, paper.width);
     TextTable table(
         {{"scene"}, {"A", false, 0, true}, {"B", false, 0, true}, {"profiles", false, 1}, {"note", false, 2, true}});
-    std::map<std::string, std::size_t> of_each;  // how many scenes
+    std::map<std::string, std::size_t> of_each;  // how many scenes each has
     for (const json& s : e["scenes"]) ++of_each[each_of(s)];
     for (const json& s : e["scenes"]) {
         const std::string each = each_of(s);
@@ -259,13 +307,14 @@ std::string one_model(const json& m, const Paper& paper) {
 std::string screen(const json& all, const Paper& paper) {
     std::string text = solvers_text(all, paper);
     text += wrapped(fmt::format("{} experiments and {} models: `hausbench list experiments`, `list models`; `list "
-                                "NAME` says all of one solver, experiment or model, `list columns` what results hold",
+                                "NAME` describes one solver, experiment or model, `list keys` the keys of experiment "
+                                "files, `list columns` the columns of results",
                                 all["experiments"].size(), all["models"].size()),
                     0, paper.width);
     return text;
 }
 
-// Outside a project there are solvers, the models that were installed with the program, and no experiments.
+// Lists everything. Outside a project there are only solvers and the models that were installed with the program.
 json list_as_json() {
     json out = {{"solvers", json::array()},
                 {"not_built", json::array()},
@@ -299,8 +348,8 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
                               {"experiments", "stem", one_experiment},
                               {"models", "name", one_model},
                               {"corpus", "name", one_model}};
-    std::string text;  // a name may be that of a solver and of a model
-    std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "columns"};
+    std::string text;  // a solver and a model may have the same name
+    std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "keys", "columns"};
     for (const Kind& kind : kinds) {
         for (const json& one : all[kind.group]) {
             known.push_back(text_of(one, kind.key));
@@ -322,17 +371,21 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
 void add_list(CLI::App& app, int&) {
     static bool as_json = false;
     static std::string what;
-    auto* verb = app.add_subcommand("list", "list the solvers, or what is asked for; everything with --json");
-    verb->add_option("what", what,
-                     "solvers, experiments, models, corpus, or columns (of result files, as JSON); or the name "
-                     "of one solver, "
-                     "experiment or model");
-    verb->add_flag("--json", as_json, "print everything as one JSON object");
+    auto* verb = add_verb(app, "list", "lists solvers, experiments, models, keys or columns", "hausbench list cover");
+    verb->add_option(
+            "what", what,
+            "solvers, experiments, models, corpus, keys (of experiments) or columns (of results, as JSON); or the "
+            "name of a solver, experiment or model (default: solvers)")
+        ->type_name("solvers|experiments|models|corpus|keys|columns");
+    verb->add_flag("--json", as_json, "prints all lists as one JSON object (with keys: the keys)");
     take_plugins(verb);
     verb->callback([] {
-        print(what == "columns" ? columns_json().dump(1) + "\n"
-              : as_json         ? list_as_json().dump(2) + "\n"
-                                : list_as_text(what, paper_of_output()));
+        if (what == "columns")
+            print(columns_json().dump(1) + "\n");
+        else if (what == "keys")
+            print(as_json ? keys_json().dump(1) + "\n" : keys_text(paper_of_output()));
+        else
+            print(as_json ? list_as_json().dump(2) + "\n" : list_as_text(what, paper_of_output()));
     });
 }
 

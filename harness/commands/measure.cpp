@@ -1,4 +1,4 @@
-// `hausbench measure`: the distance between any two files.
+// `hausbench measure`: bounds the distance between any two files.
 #include "harness/commands/measurement.h"
 
 #include "algorithms/error.h"
@@ -29,58 +29,60 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
 void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::string>& parameters,
                     std::filesystem::path& pairs, bool& json) {
     verb->add_option("A", request.source,
-                     "source: a file, or a model of the project; h(A,B) = max over a in A of the distance from a to B");
-    verb->add_option(
-        "B", request.target,
-        "target, likewise; A or B may be a quoted pattern, 'scans/*.ply', and both: files of one name are a pair");
-    verb->add_option("--pairs", pairs, "instead of A and B: a file with a line for each pair, A, B")
+                     "source: a file, a model of the project, or a quoted pattern such as 'scans/*.ply'")
+        ->type_name("MODEL");
+    verb->add_option("B", request.target, "target, likewise; of two patterns, files of one name are a pair")
+        ->type_name("MODEL");
+    verb->add_option("--pairs", pairs, "instead of A and B: a file with a line \"A, B\" for each pair")
+        ->type_name("FILE")
         ->check(CLI::ExistingFile);
-    verb->add_option(
-        "--solver", request.solver,
-        "see `hausbench list` (default: cover for meshes, scan for points, surface_enclosure for surfaces)");
-    verb->add_option("--tolerance", request.tolerance, "largest gap between lower and upper bound, in the unit of --of")
+    verb->add_option("--solver", request.solver,
+                     "default: cover for meshes, scan for points, surface_enclosure for surfaces")
+        ->type_name("SOLVER");
+    verb->add_option("--tolerance", request.tolerance, "largest gap between lower and upper bound")
+        ->type_name("NUMBER")
         ->capture_default_str();
     verb->add_option("--of", request.of,
-                     "diagonal, longest: a fraction of the diagonal or of the longest side of A's box; absolute: a "
-                     "length in the files' unit; lower: a fraction of the lower bound")
+                     "unit of the tolerance: the diagonal or longest side of A's box, a length in the files' unit, or "
+                     "the lower bound")
+        ->type_name("diagonal|longest|absolute|lower")
         ->capture_default_str()
         ->check([](const std::string& of) {
             return std::find(tolerance_units.begin(), tolerance_units.end(), of) != tolerance_units.end()
                        ? ""
                        : fmt::format("unknown unit '{}'{}", of, nearest_hint(of, tolerance_units));
         });
-    verb->add_flag("--symmetric", request.symmetric,
-                   "h(A,B), h(B,A), each to the full tolerance, and H(A,B), the larger of the two");
+    verb->add_flag("--symmetric", request.symmetric, "also h(B,A), and H(A,B), the larger of the two");
     verb->add_flag("--penetration", request.penetration,
-                   "instead of a distance, how deep two closed meshes are in each other: the deepest pair of points, "
-                   "of the volume that they have in common");
-    verb->add_option("--set", parameters, "a solver parameter, name=value; may be repeated");
-    verb->add_option("--cutoff", request.cutoff,
-                     "only ask whether the distance is above this length: exit code 0 if it is at most that, 1 if it "
-                     "is above, 3 if that is open; --time-limit is then 10 unless it is given");
+                   "instead of a distance, how deep two closed meshes are in each other");
+    verb->add_option("--set", parameters, "a parameter of the solver, see `hausbench list SOLVER`; may be repeated")
+        ->type_name("NAME=VALUE");
+    verb->add_option(
+            "--cutoff", request.cutoff,
+            "only asks whether the distance is above this length, for at most 10 s unless --time-limit is given")
+        ->type_name("LENGTH");
     verb->add_option("--time-limit", request.time_limit,
-                     "seconds for preparing, and as many for solving; the bounds hold also when it is reached. A "
-                     "solver that goes on is killed after a tenth more, and at least 1 s");
-    verb->add_flag("--in-process", request.in_process,
-                   "solve in this process, for debuggers: a solver that hangs or crashes then takes it along");
-    verb->add_option("--threads", request.threads, "that the solver may use, where it offers that")
+                     "limit for preparing, and for solving; bounds hold also when it is reached")
+        ->type_name("SECONDS");
+    verb->add_flag("--in-process", request.in_process, "solves in this process, for debuggers");
+    verb->add_option("--threads", request.threads, "threads that the solver may use, if it supports them")
+        ->type_name("N")
         ->check(CLI::Range(1, 1024));
-    verb->add_option(
-        "--fields", request.fields,
-        "write A, cut finely enough to show how far each place of it is from B, with the distance and the "
-        "nearest element of each vertex, into this file: .ply (MeshLab, CloudCompare) or .vtk (ParaView), "
-        "which also takes the solver's bounds of each triangle; with --symmetric, B too, into NAME.back.ply "
-        "or NAME.back.vtk");
-    verb->add_option(
-            "--resolution", request.resolution,
-            "for --fields: how far drawn values may be from the distance, as a fraction of h; inf: A is not cut")
+    verb->add_option("--fields", request.fields,
+                     "writes A with the distance to B at each vertex, for MeshLab and CloudCompare (.ply) or ParaView "
+                     "(.vtk); with --symmetric also B, as NAME.back.ply")
+        ->type_name("FILE");
+    verb->add_option("--resolution", request.resolution,
+                     "largest error of --fields between vertices, as a fraction of h; inf: A is not cut")
+        ->type_name("NUMBER")
         ->capture_default_str();
     verb->add_option("--certificate", request.certificate,
-                     "write a proof of the upper bound, from a second run, into this file, for `verify --certificate`");
-    verb->add_flag("--json", json, "print one JSON object");
+                     "writes a proof of the upper bound, for `hausbench verify --certificate`")
+        ->type_name("FILE");
+    verb->add_flag("--json", json, "prints one JSON object");
 }
 
-// Refuses options that are for a single pair.
+// Refuses options that only make sense for a single pair.
 void check_batch(const MeasureRequest& request, const std::filesystem::path& pairs, bool json) {
     if (!pairs.empty() && !request.source.empty())
         throw InputError("--pairs: the list names the shapes: leave out A and B");
@@ -99,9 +101,10 @@ void add_measure(CLI::App& app, int& code) {
     static std::vector<std::string> parameters;
     static std::filesystem::path pairs;
     static bool as_json = false;
-    auto* verb = app.add_subcommand("measure",
-                                    "bound the distance from A to B (meshes or point sets in any common format, or "
-                                    "algebraic surfaces as .surface.toml)");
+    auto* verb = add_verb(app, "measure", "bounds the distance from A to B: meshes, point sets or algebraic surfaces",
+                          "hausbench measure scan.ply part.stl --of absolute --tolerance 0.01",
+                          "h(A,B) is the largest distance of a point of A to B. Exit codes with --cutoff: 0: at most "
+                          "the cutoff; 1: above it; 3: open. docs/measure.md says more about each option.");
     take_arguments(verb, request, parameters, pairs, as_json);
     take_plugins(verb);
     verb->callback([verb, &code] {

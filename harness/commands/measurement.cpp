@@ -23,7 +23,7 @@ namespace {
 
 const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
 
-// What can be done where a solver does not take the pair.
+// Returns the remedy if a solver does not take the pair.
 std::string solvers_for(ShapeKind source, ShapeKind target, Quantity quantity) {
     std::string names;
     for (const SolverEntry& entry : solvers()) {
@@ -66,9 +66,9 @@ void expect_places_apart(const MeasureRequest& request) {
 
 void check(const MeasureRequest& request) {
     if (request.symmetric && request.penetration)
-        throw InputError("--symmetric and --penetration ask for two quantities: give one of them");
+        throw InputError("--symmetric and --penetration are different quantities: give one of them");
     if (request.penetration && !request.fields.empty())
-        throw InputError("--fields: the penetration depth has none: remove it, or --penetration");
+        throw InputError("--fields: a penetration depth has no fields: leave out --fields or --penetration");
     if (!(request.tolerance > 0) || !std::isfinite(request.tolerance))
         throw InputError(fmt::format("--tolerance: must be a number above 0, not {}", request.tolerance));
     if (request.cutoff && !(*request.cutoff >= 0 && std::isfinite(*request.cutoff)))
@@ -99,7 +99,8 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
             mesh ? connected_parts(*mesh) : std::vector<Index>()};
 }
 
-// As a length, or as a fraction of the lower bound. A tolerance that nobody gave has to mean something for every legal input.
+// Returns the tolerance as a length, or as a fraction of the lower bound. The default must be meaningful for every
+// legal input.
 Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, Measured& measured) {
     measured.tolerance_of = request.of;
     if (request.of == "lower") {
@@ -110,7 +111,7 @@ Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, Meas
     unit = unit_of(request.of, diagonal(a), longest_side(a));
     if (unit == 0 && request.tolerance_given)
         throw InputError(fmt::format(
-            "{}: its box has no {}, so a tolerance relative to it means nothing: use --of absolute or --of lower",
+            "{}: its box has no {}, so a tolerance relative to it has no meaning: use --of absolute or --of lower",
             request.source.string(), name_of_unit(request.of)));
     if (unit == 0) {
         measured.tolerance_of = "diagonal of both";
@@ -129,29 +130,29 @@ std::string default_solver(ShapeKind source, ShapeKind target) {
     return source == ShapeKind::points ? "scan" : source == ShapeKind::surface ? "surface_enclosure" : "cover";
 }
 
-// Where the file's own numbers are coarser than the answer.
+// Warns if the spacing of a file's float32 coordinates is larger than the tolerance.
 void warn_of_float32(const MeasureRequest& request, Measured& measured) {
     const bool relative = request.of == "lower";
     const double gap = relative ? request.tolerance * measured.result.bounds.lower : measured.tolerance_absolute;
     for (const auto& [name, shape] : {std::pair{"A", &measured.source}, std::pair{"B", &measured.target}}) {
         if (!shape->report.float32 || !(shape->float32_spacing > gap) || !(gap > 0)) continue;
-        measured.warnings.push_back(fmt::format(
-            "the coordinates of {} are float32, in steps of up to {:.3g}: that is above the tolerance {:.3g}, "
-            "and the answer is one about the rounded shape",
-            name, shape->float32_spacing, gap));
+        measured.warnings.push_back(
+            fmt::format("the coordinates of {} are float32, in steps of up to {:.3g}: that is more than the tolerance "
+                        "{:.3g}, and the answer is that of the rounded shape",
+                        name, shape->float32_spacing, gap));
     }
 }
 
-// A usual mistake is one file in millimetres and the other in metres.
+// Warns about the usual mistake of one file in millimetres and the other in metres.
 void warn_of_units(Measured& measured) {
     const double a = measured.source.diagonal, b = measured.target.diagonal;
     const double ratio = std::max(a, b) / std::min(a, b);
     if (ratio >= 100 && std::isfinite(ratio))
-        measured.warnings.push_back(
-            fmt::format("{} is {:.3g} times as large as the other: are both in one unit?", a > b ? "A" : "B", ratio));
+        measured.warnings.push_back(fmt::format("{} is {:.3g} times as large as the other: are both in the same unit?",
+                                                a > b ? "A" : "B", ratio));
 }
 
-// Catches files that were cut short after their vertices.
+// Warns about files that were cut short after their vertices.
 void warn_of_unreferenced(Measured& measured) {
     for (const auto& [name, shape] : {std::pair{"A", &measured.source}, std::pair{"B", &measured.target}}) {
         const std::int64_t dropped = shape->report.unreferenced.value_or(0);
@@ -167,7 +168,7 @@ void warn_of_unreferenced(Measured& measured) {
 Measured measure(const MeasureRequest& asked) {
     check(asked);
     MeasureRequest request = asked;
-    // Next to the distance itself no bound tells, and nothing else would end the search.
+    // A cutoff very close to the distance may never be decided, so the search needs a time limit.
     if (request.cutoff && std::isinf(request.time_limit)) request.time_limit = question_seconds;
     LoadedShape source = load_named(request.source.string());
     LoadedShape target = load_named(request.target.string());
@@ -225,7 +226,7 @@ std::string no_answer(const Measured& measured) {
     if (measured.failed) return measured.failed->reason;
     const Result& result = measured.result;
     if (!may_bound_a_distance(result.bounds))
-        return fmt::format("its bounds [{:g}, {:g}] are no interval of distances", result.bounds.lower,
+        return fmt::format("its bounds [{:g}, {:g}] are not an interval of distances", result.bounds.lower,
                            result.bounds.upper);
     const bool said = result.status != Status::stalled || std::isfinite(result.bounds.upper) || result.bounds.lower > 0;
     return said ? "" : result.note.empty() ? "it stalled" : result.note;

@@ -1,4 +1,4 @@
-// `hausbench measure A B`: the distance between any two files.
+// `hausbench measure A B`: bounds the distance between any two files.
 #pragma once
 
 #include "datasets/load.h"
@@ -22,17 +22,17 @@ struct MeasureRequest {
     ParameterMap options;
     double tolerance = 1e-6;
     std::string of = "diagonal";   // one of tolerance_units
-    bool tolerance_given = false;  // tolerance or `of` was given; an error if it means nothing
-    bool symmetric = false;        // H = max of both directions
-    bool penetration = false;      // the penetration depth, instead of a distance
+    bool tolerance_given = false;  // tolerance or `of` was given; then it is an error if they mean nothing
+    bool symmetric = false;        // H(A,B) = max(h(A,B), h(B,A))
+    bool penetration = false;      // the penetration depth instead of a distance
     // Asks "is the distance above this length?"; the tolerance then does not end the solve.
     std::optional<double> cutoff;
     int threads = 1;
-    double time_limit = std::numeric_limits<double>::infinity();  // for preparing, and for solving
-    std::filesystem::path fields = {};                            // file to write them to; empty: none
+    double time_limit = std::numeric_limits<double>::infinity();  // in seconds, for preparing and again for solving
+    std::filesystem::path fields = {};                            // file to write the fields to; empty: none
     double resolution = 0.1;                                      // of the fields, relative to the distance
-    std::filesystem::path certificate = {};                       // likewise
-    bool in_process = false;                                      // solve in this process: for debuggers
+    std::filesystem::path certificate = {};                       // file to write the certificate to; empty: none
+    bool in_process = false;                                      // solves in this process, for debuggers
 
     Quantity quantity() const {
         return penetration ? Quantity::penetration : symmetric ? Quantity::symmetric : Quantity::directed;
@@ -45,20 +45,21 @@ struct MeasuredShape {
     ShapeKind kind{};
     Index elements = 0, vertices = 0;
     double diagonal = 0;
-    double float32_spacing = 0;     // of float32 at its largest coordinate
-    std::vector<Index> parts = {};  // of a mesh: the connected part of each triangle
+    double float32_spacing = 0;     // spacing of float32 numbers at its largest coordinate
+    std::vector<Index> parts = {};  // for a mesh: the connected part of each triangle
 };
 
-// A shape that was written with its fields.
+// A file with a shape and its fields.
 struct DrawnFile {
     std::filesystem::path file;
-    Bounds bounds;  // of the distance that it shows
+    Bounds bounds;  // of the distance that the file shows
     double largest = 0;
     std::int64_t vertices = 0, pieces = 0;
-    bool resolved = true;  // false: it would take more pieces
+    bool resolved = true;  // false: the resolution needs more pieces than are written
 };
 
-// Why there is no answer: the process that solved was killed or ended. `status` is that of a row (record/outcome.h).
+// Why there is no answer: the solving process was killed or ended. `status` has the meaning of a row's status
+// (record/outcome.h).
 struct NoAnswer {
     RowStatus status = RowStatus::failed;
     std::string reason;
@@ -69,7 +70,7 @@ struct Measured {
     bool certified = false;  // the bounds hold under rounding, with the options given
     MeasuredShape source, target;
     double tolerance_absolute = 0;  // NaN: a fraction of the lower bound
-    // The unit asked for, or its substitute if that means nothing: `diagonal of both`, `absolute`.
+    // The requested unit, or its substitute if that is 0: `diagonal of both`, `absolute`.
     std::string tolerance_of;
     double unit = 1;    // the length of which the tolerance is a fraction
     double extent = 0;  // the diagonal of the box of both shapes
@@ -80,35 +81,40 @@ struct Measured {
     double prepare_seconds = 0, solve_seconds = 0;
     std::int64_t peak_bytes = -1;
     std::optional<NoAnswer> failed;
-    // Upper bound that the written certificate proves; empty: none was written.
+    // Upper bound that the written certificate proves; empty if none was written.
     std::optional<double> proven;
-    std::string why_not_proven = {};  // one line: why not, where a certificate was asked for
-    // One line: why the written certificate may prove nothing; empty: it was checked.
+    std::string why_not_proven = {};  // one line: why not, if a certificate was requested
+    // One line that says why the written certificate may prove nothing; empty if its check passed.
     std::string doubt = {};
-    std::vector<DrawnFile> drawn = {};  // A; with --symmetric B too
-    std::string why_not_drawn = {};     // one line: why not all were written
+    std::vector<DrawnFile> drawn = {};  // A; with --symmetric also B
+    std::string why_not_drawn = {};     // one line: why not all fields were written
     std::vector<std::string> warnings = {};
 };
 
-// Loads the files, solves in a process of its own and waits for it, no longer than the time limit and a grace for preparing, and as
-// long again for solving, and again for writing what was asked for beside the answer. A solver that crashes, hangs, ends the process or throws is an answer too: `failed`. Throws InputError for
-// anything wrong with the files, the solver, its parameters or the tolerance.
+// Loads the files, then solves in a process of its own. Waits for it at most the time limit and a grace period for
+// preparing, again for solving, and again for each step of writing the requested files. A solver that crashes, hangs,
+// ends the process or throws also gives an answer: `failed`. Throws InputError for anything wrong with the files, the
+// solver, its parameters or the tolerance.
 Measured measure(const MeasureRequest& request);
 
-// Whether the proof, of a second run, is of a larger upper bound than that of the answer: by more than proves_the_bound() allows.
+// Returns whether the certificate, which is from a second run, proves only a larger upper bound than the answer has,
+// by more than proves_the_bound() allows.
 bool proves_less(const Measured& measured);
 
-// How long past a time limit the process is waited for.
+// Returns how long to wait for the process beyond a time limit, in seconds.
 double grace_of(double time_limit);
 
-// Empty where the solver said anything at all: not where it stalled at [0, infinity], or failed.
+// Returns the reason for a missing answer: the solver failed, its bounds are impossible, or it stalled at [0,
+// infinity]. Empty if there is an answer.
 std::string no_answer(const Measured& measured);
 
-// 0, or 1 without an answer, or without the certificate that was asked for, or if its check refuses it. Of a question with a cutoff: 0 if the distance is at most that, 1 if it is above, 3 if that is open.
+// Returns the exit code. Without a cutoff: 0; 1 if the answer, the requested fields or the requested certificate are
+// missing, or if the check refuses the certificate. With a cutoff: 0 if the distance is at most the cutoff, 1 if it
+// is above, 3 if that is open.
 int exit_code(const Measured& measured, const MeasureRequest& request);
 
 nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);
-// Text for a person; ends in a newline.
+// Returns text for a person, which ends in a newline.
 std::string describe(const Measured& measured, const MeasureRequest& request);
 
 }  // namespace hausbench

@@ -43,7 +43,7 @@ bool in_quotes(const std::string& text, std::size_t at) {
     return std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '"') % 2 == 1;
 }
 
-// A name in quotes is as in CSV: "" stands for a quote.
+// Removes the quotes around a name, as in CSV: "" stands for a quote.
 std::string unquoted(const std::string& text) {
     if (text.size() < 2 || text.front() != '"' || text.back() != '"') return text;
     std::string name;
@@ -60,7 +60,8 @@ std::size_t find_outside_quotes(const std::string& text, const char* separators,
     return at;
 }
 
-// Splits at the comma or tab outside quotes, else at the first blank. Empty parts if there are not two.
+// Splits a line at the comma or tab outside quotes, otherwise at the first blank. Returns empty parts if there are
+// not exactly two.
 std::pair<std::string, std::string> two_of(const std::string& line) {
     const std::string text = trimmed(line);
     for (const char* separators : {",\t", " "}) {
@@ -72,7 +73,7 @@ std::pair<std::string, std::string> two_of(const std::string& line) {
     return {};
 }
 
-// The columns of the worst place and of both directions; empty where they are not known.
+// Returns the columns for the witness and for both directions; empty if they are not known.
 std::string more_fields(const Measured& m, bool known) {
     std::vector<std::string> fields;
     const Witness& witness = m.result.witness;
@@ -132,12 +133,13 @@ NamedPairs pairs_of_patterns(const std::string& a, const std::string& b) {
 NamedPairs read_pairs(const fs::path& list) {
     std::ifstream in(list);
     if (!in || fs::is_directory(list))
-        throw InputError(fmt::format("{}: cannot open it: name a list of pairs, a line for each: A, B", list.string()));
+        throw InputError(
+            fmt::format("{}: cannot be opened: name a list of pairs, with a line \"A, B\" for each", list.string()));
     NamedPairs pairs;
     std::string line;
     const auto place = [&](const std::string& name) {
         const bool file = names_a_file(name) || fs::exists(list.parent_path() / name);
-        return file ? (list.parent_path() / name).string() : name;  // else a model
+        return file ? (list.parent_path() / name).string() : name;  // otherwise a model
     };
     for (int number = 1; std::getline(in, line); ++number) {
         if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
@@ -150,14 +152,14 @@ NamedPairs read_pairs(const fs::path& list) {
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         const auto [a, b] = two_of(line);
         if (pairs.empty() && a == "A" && b == "B" && !fs::exists(list.parent_path() / "A"))
-            continue;  // the head of a table
+            continue;  // the header of a table
         if (a.empty() || b.empty())
             throw InputError(
                 fmt::format("{}:{}: write A, then a comma, then B, and no more; a name with a comma in \"quotes\"",
                             list.string(), number));
         pairs.emplace_back(place(a), place(b));
     }
-    if (pairs.empty()) throw InputError(fmt::format("{}: has no pairs: write a line for each: A, B", list.string()));
+    if (pairs.empty()) throw InputError(fmt::format("{}: has no pairs: write a line \"A, B\" for each", list.string()));
     return pairs;
 }
 

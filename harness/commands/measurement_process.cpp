@@ -1,4 +1,4 @@
-// The process that solves for `measure`, and the one that waits for it.
+// The process that solves for `measure`, and the process that waits for it.
 #include "algorithms/error.h"
 #include "harness/commands/measurement_solve.h"
 #include "harness/record/json.h"
@@ -86,13 +86,13 @@ DrawnFile drawn_of(const json& j) {
 
 enum class Trouble { input, memory, solver };
 
-// Does the work and tells how it went, as one JSON object a line.
+// Does the work and reports on it with one JSON object per line.
 void tell(const MeasureWork& work, Shape source, Shape target, Measured& measured, int events) {
     const auto send = [&](const json& event) {
         const std::string line = event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
         for (std::size_t done = 0; done < line.size();) {
             const ssize_t n = ::write(events, line.data() + done, line.size() - done);
-            if (n <= 0) ::_exit(3);  // nobody listens
+            if (n <= 0) ::_exit(3);  // the reader is gone
             done += std::size_t(n);
         }
     };
@@ -155,11 +155,12 @@ public:
 private:
     void allow(const char* phase) {
         phase_ = phase;
-        const double seconds = std::min(limit_ + grace_of(limit_), 1e9);  // a clock does not hold infinity
+        const double seconds = std::min(limit_ + grace_of(limit_), 1e9);  // a clock cannot hold infinity
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     }
 
-    // An answer that was given stays one, whatever becomes of its proof.
+    // Ends the process with a failure. An answer that was already given stays valid, even if its fields or its
+    // certificate fail.
     void fail(RowStatus status, const std::string& reason) {
         child_.kill();
         ended_ = true;
@@ -189,7 +190,7 @@ private:
                          answered_ ? "wrote all that was asked for" : "answered"));
     }
 
-    // A solver may have written it: nothing in it is taken for granted.
+    // Processes a line of the other process. A solver may have written it, so nothing in it is trusted.
     void hear(const std::string& line) {
         Trouble kind{};
         std::string what;
@@ -226,7 +227,7 @@ private:
             kind = Trouble(event.at("kind").get<int>());
             what = event.at("what");
         } catch (const std::exception&) {
-            return fail(RowStatus::failed, "its process wrote something that is no answer");
+            return fail(RowStatus::failed, "its process wrote something other than an answer");
         }
         if (kind == Trouble::input && !only_files_are_missing()) throw InputError(what);
         fail(kind == Trouble::memory ? RowStatus::out_of_memory : RowStatus::failed,

@@ -23,7 +23,7 @@ namespace {
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-// h(B,A), answered as h(A,B) of shapes in each other's place.
+// Turns an answer for swapped shapes into an answer for h(B,A).
 Result turned(Result result) {
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
@@ -32,8 +32,9 @@ Result turned(Result result) {
     return result;
 }
 
-// H(A,B) from both directions. Where they are close enough, so is H: its gap is at most that of the direction with the larger upper
-// bound, since its lower bound is at least that of this direction.
+// Combines both directions into H(A,B). If both gaps are within the tolerance, so is the gap of H. It is at most the
+// gap of the direction with the larger upper bound, because the lower bound of H is at least the lower bound of that
+// direction.
 Result larger_of(const Query& query, const Result& forward, const Result& backward) {
     for (const Result* one : {&forward, &backward}) {
         if (!may_bound_a_distance(one->bounds)) return *one;
@@ -60,7 +61,8 @@ public:
     Solving(const MeasureWork& work, PreparedPair shapes, Measured& measured)
         : work_(work), shapes_(std::move(shapes)), measured_(measured) {
         const MeasureRequest& request = work.request;
-        query_.quantity = request.penetration ? Quantity::penetration : Quantity::directed;  // else from two of them
+        // A symmetric query is answered by two directed ones.
+        query_.quantity = request.penetration ? Quantity::penetration : Quantity::directed;
         query_.tolerance = work.tolerance;
         query_.threads = request.threads;
         query_.time_limit = request.time_limit;
@@ -71,7 +73,7 @@ public:
         backward_.emplace(session(shapes_.target, shapes_.source, false));
     }
 
-    // What is shared is counted once.
+    // Returns the total time to prepare; counts shared structures once.
     double prepare_seconds() const {
         double sum = 0;
         for (const auto* one : {&forward_, &both_, &backward_}) {
@@ -108,7 +110,7 @@ public:
         drawn();
     }
 
-    // Solves once more, writes the proof with the bounds of that answer, and checks what was written.
+    // Solves once more, writes the proof with the bounds of that answer, and checks the written proof.
     void write_certificate(const std::function<void()>& written) {
         Query query = query_;
         query.wanted.certificate = true;
@@ -149,21 +151,22 @@ public:
     }
 
 private:
-    // A direction without an answer of its own is at most H.
+    // Returns the answer of a direction; without an answer, its distance is at most the upper bound of H.
     Result of_direction(const std::optional<Result>& answer) const {
         Result result;
         result.bounds.upper = measured_.result.bounds.upper;
         return answer.value_or(result);
     }
 
-    // The distances of one shape to the other. `witness`: the point of `from` that is farthest, as far as is known.
+    // Writes the distances of one shape to the other. `witness`: the point of `from` that is farthest, as far as
+    // known.
     void write_fields(const Session& session, const PreparedShape& from, const PreparedShape& to, const Result& answer,
                       const Vec3& witness, Index witness_element, const std::filesystem::path& file) {
         const Drawing drawing{work_.request.resolution, answer.bounds.lower, witness, witness_element};
         const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
         Fields own;
-        if (work_.entry.info.can(
-                Ability::fields)) {  // a second run, so that the time measured is the time of the bounds alone
+        // Solves a second time, so that the measured time is the time for the bounds alone.
+        if (work_.entry.info.can(Ability::fields)) {
             Query query = query_;
             query.wanted.fields = true;
             const double gap = query.tolerance.gap(measured_.result.bounds.lower);
@@ -198,11 +201,11 @@ private:
         return result;
     }
 
-    // Each direction to the full tolerance, without a floor: both are answers.
+    // Solves each direction to the full tolerance, without a floor, since both are answers.
     void solve_both() {
         const Result forward = ask(*forward_, query_, measured_.forward_seconds);
         measured_.forward = forward;
-        if (forward.status == Status::above_cutoff) {  // the question is answered; H has no bound from above
+        if (forward.status == Status::above_cutoff) {  // the question is answered; H has no upper bound
             measured_.result = forward;
             measured_.result.bounds.upper = infinity;
             return;
@@ -211,8 +214,8 @@ private:
         measured_.result = larger_of(query_, forward, *measured_.backward);
     }
 
-    // A gap relative to the lower bound of a direction whose distance is 0 is never small enough. So H comes first, and each direction
-    // then gets the gap that H may have.
+    // Solves with a tolerance that is a fraction of the lower bound. In a direction with distance 0 no gap is within
+    // it. So H is solved first, and each direction then gets the gap that H may have.
     void solve_relative() {
         Query whole = query_;
         whole.quantity = Quantity::symmetric;

@@ -26,8 +26,9 @@ bool was_run(const Outcome& o) {
     return (o.status != RowStatus::skipped && o.status != RowStatus::not_built) || !o.solver_status.empty();
 }
 
-// Which case of the experiment it is. Not the identity, which holds the shapes' hashes: a machine without a model has none.
-// One that lacks the solver knows only the parameters that are given: options are therefore compared apart.
+// Returns a key for the case within the experiment. The identity will not do: it contains the shapes' hashes, which a
+// machine without the model does not know. A machine without the solver knows only the given parameters, so options
+// are compared separately.
 std::string place_of_case(const Case& c) {
     return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
                            c.tolerance_of, to_string(c.quantity), c.warm})
@@ -44,7 +45,8 @@ bool same_options(const Row& a, const Row& b) {
     return a.asked.options == b.asked.options;
 }
 
-// Of a result's text `shard`, "1/3, 2/3": none of a whole one, and of an older one that does not say.
+// Parses a result's text `shard`, such as "1/3, 2/3". Returns none for a whole result, and for an old one that does
+// not say.
 std::set<std::pair<int, int>> shards_in(const std::string& text) {
     std::set<std::pair<int, int>> shards;
     std::istringstream in(text);
@@ -52,14 +54,14 @@ std::set<std::pair<int, int>> shards_in(const std::string& text) {
         try {
             const Shard shard = parse_shard(one);
             shards.insert({shard.of, shard.number});
-        } catch (const InputError&) {  // of a damaged file
+        } catch (const InputError&) {  // a damaged file
             return {};
         }
     }
     return shards;
 }
 
-// Of the two together: none where one is whole, or where no shard is missing.
+// Returns the shards of two results together; empty if one of them is whole, or if no shard is missing.
 std::string both_shards(const std::string& one, const std::string& other) {
     std::set<std::pair<int, int>> shards = shards_in(one), more = shards_in(other);
     if (shards.empty() || more.empty()) return "";
@@ -89,7 +91,8 @@ public:
         for (const char* name : {"build", "machine"}) {
             if (!any_build && next.texts.at(name) != merged_.texts.at(name)) {
                 refuse(fmt::format(
-                    "made by different {}s: times would not compare; merge with --any-build if that is meant", name));
+                    "made by different {}s, so their times are not comparable: add --any-build to merge them anyway",
+                    name));
             }
         }
         merged_.texts["shard"] = both_shards(merged_.texts["shard"], next.texts.at("shard"));
@@ -127,7 +130,8 @@ private:
         merged_.rows.push_back(row);
     }
 
-    // Each shard has some of them. A row gets the bounds of its own when `verify` or the next run holds it against all of them.
+    // Adds reference answers, of which each shard has some. A row gets its reference bounds when `verify` or the next
+    // run checks it against all of them.
     void add_references(const ResultFile& next) {
         std::set<std::string> known;
         for (const Row& one : merged_.references) known.insert(one.asked.identity);
@@ -140,7 +144,7 @@ private:
         if (!was_run(a)) {
             mine = row;
         } else if (mine.asked.identity != row.asked.identity) {
-            refuse(fmt::format("they asked for different things at {}: another model, program or limit",
+            refuse(fmt::format("they differ in what they asked for at {}: another model, program or limit",
                                name_of(row.asked)));
         } else if (!same_answer(a, b)) {
             refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
@@ -170,16 +174,16 @@ private:
     std::map<std::string, std::vector<std::size_t>> places_;
 };
 
-// One result out of several of the same experiment and profile (shards, or parts): of each case the row that was run, also where one of
-// the machines lacked its model or its solver. Throws InputError for different experiments, different builds or machines (unless
-// any_build), or two rows of one case whose answers differ.
+// Joins several results of the same experiment and profile (shards, or parts). Each case gets the row that was run,
+// even if one of the machines lacked its model or solver. Throws InputError for different experiments, for different
+// builds or machines (unless any_build), or for two rows of one case whose answers differ.
 ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
     Merger merger(read_result(files.front()), files.front());
     for (std::size_t f = 1; f < files.size(); ++f) merger.add(read_result(files[f]), files[f], any_build);
     return merger.merged();
 }
 
-// A line that names the shards that a result lacks; empty if no case is left to another shard.
+// Returns a line that names the missing shards of a result; empty if no case is left to another shard.
 std::string missing_shards(const ResultFile& merged) {
     const auto elsewhere = std::count_if(merged.rows.begin(), merged.rows.end(), [](const Row& row) {
         return row.outcome.status == RowStatus::skipped && row.outcome.reason == in_another_shard;
@@ -223,11 +227,11 @@ void add_merge(CLI::App& app, int& code) {
     static fs::path out;
     static std::vector<fs::path> parts;
     static bool any_build = false;
-    auto* verb = app.add_subcommand(
-        "merge", "join several results of one experiment, such as shards; exit code 1 if a shard is missing");
-    verb->add_option("out", out, "result file to write (.h5)")->required();
-    verb->add_option("results", parts, "result files (.h5)")->required();
-    verb->add_flag("--any-build", any_build, "merge even if builds or machines differ");
+    auto* verb = add_verb(app, "merge", "joins results of one experiment, such as shards",
+                          "hausbench merge all.h5 part1.h5 part2.h5", "Exit code 1: a shard is missing.");
+    verb->add_option("out", out, "result file to write (.h5)")->type_name("FILE")->required();
+    verb->add_option("results", parts, "two or more result files")->type_name("FILE")->required();
+    verb->add_flag("--any-build", any_build, "joins them even if they are of different builds or machines");
     verb->callback([&code] { code = merge(out, parts, any_build); });
 }
 

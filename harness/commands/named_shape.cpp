@@ -2,8 +2,8 @@
 
 #include "algorithms/error.h"
 #include "datasets/corpus.h"
-#include "datasets/isolated.h"
 #include "datasets/paths.h"
+#include "datasets/separate_process.h"
 #include "datasets/shape_file.h"
 #include "harness/commands/verb.h"
 
@@ -12,10 +12,10 @@
 namespace hausbench {
 
 LoadedShape load_named(const std::string& name) {
-    if (names_a_file(name)) return load_isolated(program_path(), name);
+    if (names_a_file(name)) return load_separately(program_path(), name);
     Catalogue models = catalogue();
     if (!models.has(name)) {
-        if (std::filesystem::exists(name)) return load_isolated(program_path(), name);
+        if (std::filesystem::exists(name)) return load_separately(program_path(), name);
         std::vector<std::string> names;
         for (const ModelInfo& model : models.models()) names.push_back(model.name);
         throw InputError(fmt::format("'{}' is neither a model nor a file{}", name, nearest_hint(name, names)));

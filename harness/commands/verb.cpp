@@ -22,9 +22,17 @@ std::vector<std::filesystem::path>& plugin_files() {
 
 const std::vector<std::filesystem::path>& plugins_given() { return plugin_files(); }
 
+CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& meaning, const std::string& example,
+                   const std::string& notes) {
+    CLI::App* verb = app.add_subcommand(name, meaning);
+    verb->footer(example + "\n" + notes);  // as help.cpp takes it apart
+    return verb;
+}
+
 void take_plugins(CLI::App* verb) {
     std::vector<std::filesystem::path>& files = plugin_files();
-    verb->add_option("--plugin", files, "a plug-in library with additional solvers; may be repeated")
+    verb->add_option("--plugin", files, "library with more solvers; may be repeated")
+        ->type_name("FILE")
         ->allow_extra_args(false);
     verb->parse_complete_callback([] {
         for (const std::filesystem::path& file : plugin_files()) load_plugin(file);

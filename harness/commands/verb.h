@@ -1,4 +1,4 @@
-// The verbs of the program, each in the file of its name, and what they share.
+// The verbs of the program, each in the file of its name, and functions that they share.
 #pragma once
 
 #include "datasets/catalogue.h"
@@ -11,8 +11,8 @@
 
 namespace hausbench {
 
-// Adds the verb, whose callback does the work and sets the program's exit code where it is not 0. Its arguments are static: the
-// program reads its command line once.
+// Each adds a verb, whose callback does the work and sets the program's exit code if it is not 0. The arguments are
+// static, because the program reads its command line once.
 void add_run(CLI::App& app, int& code);
 void add_explain(CLI::App& app, int& code);
 void add_list(CLI::App& app, int& code);
@@ -27,17 +27,21 @@ void add_track(CLI::App& app, int& code);
 void add_draw(CLI::App& app, int& code);
 void add_fetch(CLI::App& app, int& code);
 
-// Hidden verbs, for the program itself: a crash in a reader or a solver ends only its own process.
-void add_hidden(CLI::App& app, int& code);
+// Adds hidden verbs for the program's own use: a crash in a reader or a solver ends only its own process.
+void add_internal_verbs(CLI::App& app, int& code);
 
-// The option --plugin. Its libraries are loaded before the verb looks for a solver.
+// Adds a verb with its help: what it does in one line (a verb in the third person, no full stop), an example, and notes such as exit codes.
+CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& meaning, const std::string& example,
+                   const std::string& notes = "");
+
+// Adds the option --plugin. Its libraries are loaded before the verb looks for a solver.
 void take_plugins(CLI::App* verb);
 const std::vector<std::filesystem::path>& plugins_given();
 
-Catalogue catalogue();  // of the project, or of what was installed
+Catalogue catalogue();  // of the project or the installation
 
-// Both print what printable.h lets through.
-void print(const std::string& text);              // on standard output
-void say(const std::vector<std::string>& lines);  // on standard error, as the program's own
+// Both print only the characters that printable.h allows.
+void print(const std::string& text);              // to standard output
+void say(const std::vector<std::string>& lines);  // to standard error, as messages of the program
 
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// `hausbench verify`: the rows of a result, or a certificate, checked independently of the solvers.
+// `hausbench verify`: checks the rows of a result, or a certificate, independently of the solvers.
 #include "harness/commands/verify_result.h"
 
 #include "algorithms/error.h"
@@ -58,14 +58,15 @@ int verify_proof(const std::vector<std::filesystem::path>& files) {
 void add_verify(CLI::App& app, int& code) {
     static std::vector<std::filesystem::path> files;
     static bool certificate = false;
-    auto* verb = app.add_subcommand(
-        "verify",
-        "check every row of a result independently of the solvers (surfaces: with the same interval bounds of "
-        "polynomials); exit code 1 if a row is unsound or its model is unavailable. Or, with --certificate, check the "
-        "proof that `measure --certificate` wrote: exit code 0 if it is accepted, 1 if it is refused");
-    verb->add_option("files", files, "a result (.h5); or a certificate, and A and B if they are not where they were")
+    auto* verb =
+        add_verb(app, "verify", "checks a result or a certificate, independently of the solvers",
+                 "hausbench verify results/guthe2005_table1.h5",
+                 "Exit code 1: a row is unsound, a model is missing, or the certificate is refused. Rows of algebraic "
+                 "surfaces are checked with the interval bounds of polynomials that their solvers use, too.");
+    verb->add_option("files", files, "a result (.h5), or a certificate, with A and B if they were moved")
+        ->type_name("FILE")
         ->required();
-    verb->add_flag("--certificate", certificate, "the file is a certificate");
+    verb->add_flag("--certificate", certificate, "the file is a certificate of `measure --certificate`");
     verb->callback([&code] { code = certificate ? verify_proof(files) : verify_rows_of(files); });
 }
 

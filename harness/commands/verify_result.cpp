@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double most_seconds = 600;  // for all models together
-constexpr double most_bytes = 1e9;    // likewise, of shapes that are not in the cache
+constexpr double most_bytes = 1e9;    // likewise, for shapes that are not in the cache
 
 void expect_measured(const ModelInfo& model, const std::string& measured, const std::string& found) {
     if (found == measured) return;
@@ -49,13 +49,13 @@ void send(int pipe, const json& told) {
     const std::string line = told.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
     for (std::size_t done = 0; done < line.size();) {
         const ssize_t n = ::write(pipe, line.data() + done, line.size() - done);
-        if (n < 0 && errno != EINTR) ::_exit(1);  // the reader has ended
+        if (n < 0 && errno != EINTR) ::_exit(1);  // the reader is gone
         if (n > 0) done += std::size_t(n);
     }
 }
 
-// In the process of its own: a line for each model, in their order, with the file of its shape or the reason that it is missing. The
-// first that cannot be made ends it.
+// Runs in a process of its own: sends a line for each model, in order, with the file of its shape or the reason why
+// it is missing. Ends at the first model that cannot be made.
 int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& folder, int pipe) {
     try {
         std::error_code unknown;
@@ -80,7 +80,7 @@ int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& f
     return 0;
 }
 
-// The lines of the process, one by one, within its limits.
+// Receives the lines of that process one by one, within its limits.
 class Maker {
 public:
     explicit Maker(Launch launch)
@@ -112,10 +112,10 @@ private:
     Child child_;
 };
 
-// Returns the shapes of the result's models by name, and adds a line to `missing` for each model that is not here. The result, which
-// somebody else may have written, says how they are made, so a process of its own makes them, within limits of time, memory and size, and
-// writes nothing to the cache. Throws InputError beyond a limit, for a model that cannot be made, and for one that differs from what was
-// measured.
+// Returns the shapes of the result's models by name, and adds a line to `missing` for each model that is not
+// available. The result says how they are made, and somebody else may have written it. So a process of its own makes
+// them, within limits of time, memory and size, and writes nothing to the cache. Throws InputError beyond a limit,
+// for a model that cannot be made, and for one that differs from the measured model.
 std::map<std::string, Shape> foreign_shapes(const ResultFile& result, const Catalogue& manifest,
                                             std::vector<std::string>& missing) {
     const HoldInterrupts hold;  // destroyed after the folder

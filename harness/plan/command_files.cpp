@@ -23,13 +23,13 @@ namespace fs = std::filesystem;
 struct Word {
     std::string text;
     bool first;    // of a command
-    bool plain;    // no part of it is expanded by the shell or replaced
-    bool written;  // ">" stands before it
+    bool plain;    // the shell expands nothing in it, and it has no placeholder
+    bool written;  // follows ">"
 };
 
 struct Line {
     std::vector<Word> words;
-    bool certain = true;  // nothing in it changes where programs are looked for
+    bool certain = true;  // no word changes where programs are found
 };
 
 template <std::size_t n> bool is_one_of(const std::string& word, const std::array<std::string_view, n>& list) {
@@ -41,14 +41,14 @@ bool is_assignment(const std::string& word) {
     return equals != std::string::npos && equals > 0 && word.find('/') > equals;
 }
 
-// After these the next word is a program too.
+// Returns whether the word after this one is a program, too.
 bool goes_on(const std::string& word) {
     constexpr std::array<std::string_view, 12> before = {"!",  "{",     "if",    "then", "elif", "else",
                                                          "do", "while", "until", "exec", "time", "command"};
     return is_one_of(word, before) || is_assignment(word);
 }
 
-// Words of the shell that may be programs in no file.
+// Returns whether this is a word of the shell, which need not be a program in a file.
 bool is_builtin(const std::string& word) {
     constexpr std::array<std::string_view, 34> builtins = {
         ":",    "[",     "bg",      "break", "case", "continue", "done",   "echo",  "esac", "exit",   "false", "fg",
@@ -62,7 +62,7 @@ bool changes_the_search(const std::string& word) {
     return is_one_of(word, changing) || word.starts_with("PATH=");
 }
 
-// As the shell splits the line: quotes and backslashes are taken off, and a comment ends with its line.
+// Splits a line as the shell does: removes quotes and backslashes, and drops a comment up to the end of its line.
 class Splitter {
 public:
     explicit Splitter(const std::string& line) : line_(line) {}

@@ -19,18 +19,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double start_seconds = 0.022;        // of a worker, and of the check of its answers
-constexpr double load_seconds = 1e-7;          // an element of either shape
-constexpr double seconds_per_distance = 3e-9;  // point to point, cache misses not counted
-constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // of solvers that use trees, roughly
+constexpr double start_seconds = 0.022;        // to start a worker and to check its answers
+constexpr double load_seconds = 1e-7;          // per element of either shape
+constexpr double seconds_per_distance = 3e-9;  // point to point, without cache misses
+constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // rough, for solvers with trees
 
-// Resident bytes of a worker by itself; of a point or vertex; of the corners of a triangle.
+// Resident bytes of a worker by itself, of a point or vertex, and of the corners of a triangle.
 constexpr std::int64_t worker_bytes = 60 << 20, bytes_per_point = 24, bytes_per_triangle = 12;
 
-// What solvers take besides, an element, where no earlier run tells: more than all but the boxes of a few need.
+// Bytes per element that solvers take besides, if no earlier run tells. The boxes of a few solvers need more,
+// everything else less.
 constexpr double solver_bytes_per_point = 200, solver_bytes_per_triangle = 600;
 
-// Of smaller shapes, what a solver takes is not in proportion to them.
+// The memory of a solver is not proportional to the size of smaller shapes.
 constexpr double least_elements_to_learn_from = 10000;
 
 bool takes_meshes(const std::string& solver) {
@@ -59,7 +60,7 @@ struct Known {
 
 }  // namespace
 
-// What earlier runs took.
+// The times and memory of earlier runs.
 struct Estimates::Memory {
     explicit Memory(const fs::path& results) {
         std::error_code none;
@@ -95,7 +96,7 @@ struct Estimates::Memory {
         return {near.prepare * work / near.work, near.solve * work / near.work, work, false};
     }
 
-    // An element, of a case of about as many; 0 where there is none.
+    // Returns the bytes per element in the known case with the nearest number of elements; 0 if there is none.
     double bytes_of(const Case& asked) const {
         const auto others = bytes.find(asked.solver);
         return others != bytes.end() && elements(asked) > 0 ? others->second.nearest(elements(asked)) : 0;
@@ -111,7 +112,7 @@ Estimates::~Estimates() = default;
 
 namespace {
 
-// Of the coordinates and corners of a model; of the file of a shape that no model has, 0.
+// Returns the bytes of the coordinates and corners of a model's shape; 0 for the file of a shape that no model has.
 std::int64_t shape_bytes(const Plan& plan, const fs::path& file) {
     for (const ModelRow& model : plan.models) {
         if (model.resolved.shape_file != file) continue;
@@ -121,7 +122,8 @@ std::int64_t shape_bytes(const Plan& plan, const fs::path& file) {
     return 0;
 }
 
-// Of all shapes of a matrix together, each twice: as it is read, and as it is kept.
+// Returns the bytes of a worker and all shapes of a matrix together, each counted twice: as it is read, and as it is
+// kept.
 std::int64_t loaded_bytes(const Plan& plan, const Job& job) {
     std::set<fs::path> files;
     for (const Job::Pair& pair : job.pairs) files.insert({pair.source_file, pair.target_file});

@@ -1,4 +1,5 @@
-// What running a job will take, before it is run: for `explain`, for the order of work side by side, and for shards.
+// Estimates the time and memory of a job before it is run: for `explain`, for the order of work side by side, and for
+// shards.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -12,18 +13,19 @@
 namespace hausbench {
 
 struct JobEstimate {
-    double seconds = 0;  // all rounds and repeats
-    // Upper estimate of its worker's resident set: the shapes and the solver's memory.
+    double seconds = 0;  // of all rounds and repeats
+    // Upper estimate of the worker's resident set: the shapes and the solver's memory.
     std::int64_t bytes = 0;
     std::size_t known = 0;  // cases that an earlier run answered
 };
 
-// Times and memory come from result files in `results`: of the same case; else of the same solver on other shapes, scaled by the work
-// to be expected; else from that work alone. Times are those of this machine alone, memory that of any. The work to be expected
-// is |A| |B| distances for naive and k (|A| + |B|) for the others; memory is so many bytes an element of both.
+// Estimates from the result files in `results`: from the same case, otherwise from the same solver on other shapes,
+// scaled by the expected work, otherwise from the expected work alone. Times are taken from this machine only, memory
+// from any machine. The expected work is |A| |B| distances for naive and k (|A| + |B|) for the others; memory is a
+// number of bytes per element of both shapes.
 class Estimates {
 public:
-    // Reads the folder when it is asked first. A folder or a file that cannot be read costs only what it says.
+    // Reads the folder at the first call of of(). Files that cannot be read are ignored.
     explicit Estimates(const std::filesystem::path& results);
     ~Estimates();
 
@@ -35,13 +37,15 @@ private:
     mutable std::unique_ptr<const Memory> memory_;
 };
 
-// What a worker of the job takes at least: the shapes of its largest pair, once, whatever the solver.
+// Returns the least memory that a worker of the job takes, in bytes: the shapes of its largest pair, once, whatever
+// the solver.
 std::int64_t least_bytes(const Plan& plan, const Job& job);
 
-// How every reason of does_not_fit() begins.
+// The beginning of every reason that does_not_fit() gives.
 inline constexpr std::string_view not_started = "not started: ";
 
-// Why the job cannot run: it takes more at least than the limit of its cases or `memory`, that of the machine, allow. Empty where it may.
+// Returns why the job cannot run: its least memory exceeds the limit of its cases or `memory`, the memory of the
+// machine, in bytes. Empty if it can.
 std::string does_not_fit(const Plan& plan, const Job& job, std::int64_t memory);
 
 }  // namespace hausbench

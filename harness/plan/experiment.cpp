@@ -5,6 +5,7 @@
 #include "algorithms/registry.h"
 #include "datasets/model_table.h"
 #include "datasets/toml_reader.h"
+#include "harness/plan/keys.h"
 #include "harness/plan/scene_reader.h"
 #include "harness/plan/severity.h"
 #include "harness/plan/solver_reader.h"
@@ -24,7 +25,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Keys of `over` replace those of `base`; tables are merged key by key. The nodes are moved, because a copy forgets its line.
+// Merges `over` into `base`: its keys replace keys of `base`, and tables are merged key by key. Moves the nodes,
+// because a copy forgets its line.
 void merge(toml::table& base, toml::table& over) {
     for (auto&& [key, node] : over) {
         toml::table* into = base[key].as_table();
@@ -37,7 +39,7 @@ void merge(toml::table& base, toml::table& over) {
     }
 }
 
-// All that there are: the two that every experiment has, and its own.
+// Returns the names of all profiles: the two that every experiment has, and its own.
 std::vector<std::string> profiles_of(const toml::table& table) {
     std::set<std::string> known = {"quick", "paper"};
     if (const toml::table* profiles = table["profile"].as_table()) {
@@ -55,12 +57,7 @@ bool wanted(const ExperimentTable& reader, const std::string& profile, const std
     return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
 }
 
-const std::vector<std::string> root_keys = {
-    "title",    "paper",   "tolerances", "of",      "floor",     "cutoff", "budget", "repeats",
-    "rounds",   "trace",   "limits",     "profile", "model",     "scene",  "solver", "expected_unsound",
-    "quantity", "threads", "fields",     "stages",  "reference", "claim",  "plugins"};
-
-// Labels of all solvers of the file count, whatever their profile.
+// Accepts the labels of all solvers of the file, whatever their profile.
 std::vector<std::string> read_expected_unsound(const ExperimentTable& root, const std::vector<std::string>& labels) {
     const auto expected = root.texts("expected_unsound");
     for (const std::string& label : expected) {
@@ -71,22 +68,22 @@ std::vector<std::string> read_expected_unsound(const ExperimentTable& root, cons
     return expected;
 }
 
-// The tables of a kind, each with its keys checked.
-std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const char* kind,
-                                       const std::vector<std::string>& keys) {
+// Returns the tables [[scene]], [[solver]] or [[claim]], each with its keys checked.
+std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const KeyTable& keys) {
+    const std::string kind = keys.title.substr(2, keys.title.size() - 4);  // without brackets
     const toml::node* node = root.find(kind);
     const toml::array* array = node ? node->as_array() : nullptr;
-    if (node && !array) root.fail(*node, fmt::format("'{0}' must be written as [[{0}]]", kind));
-    if (!array) throw InputError(fmt::format("{}: no [[{}]] in it: add at least one", root.file().string(), kind));
+    if (node && !array) root.fail(*node, fmt::format("'{}' must be written as {}", kind, keys.title));
+    if (!array) throw InputError(fmt::format("{}: no {} in it: add at least one", root.file().string(), keys.title));
     std::vector<ExperimentTable> tables;
     for (const toml::node& item : *array) {
-        if (!item.is_table()) root.fail(item, fmt::format("write it as [[{}]]", kind));
-        tables.emplace_back(root.file(), *item.as_table(), fmt::format("[[{}]]", kind), keys);
+        if (!item.is_table()) root.fail(item, fmt::format("write it as {}", keys.title));
+        tables.emplace_back(root.file(), *item.as_table(), keys);
     }
     return tables;
 }
 
-// Those that were not given on the command line already.
+// Loads the plug-ins that were not given on the command line already.
 void load_plugins(const ExperimentTable& root, const fs::path& folder) {
     for (const std::string& name : root.texts("plugins")) {
         const fs::path library = fs::absolute(folder / name).lexically_normal();
@@ -100,10 +97,10 @@ void load_plugins(const ExperimentTable& root, const fs::path& folder) {
     }
 }
 
-// Claims are judged by `hausbench draw`; here only what they name is checked.
+// Checks the names and values in claims. `hausbench draw` judges the claims themselves.
 void check_claims(const ExperimentTable& root, const std::vector<std::string>& labels) {
     if (!root.find("claim")) return;
-    for (const ExperimentTable& claim : tables_of(root, "claim", {"solver", "faster_than", "by", "on"})) {
+    for (const ExperimentTable& claim : tables_of(root, claim_keys())) {
         for (const char* key : {"solver", "faster_than"}) {
             const std::string name = claim.text(key), label = name.substr(0, name.find('('));
             if (std::find(labels.begin(), labels.end(), label) != labels.end()) continue;
@@ -124,8 +121,7 @@ void read_limits(const ExperimentTable& root, Experiment& experiment) {
     const toml::node* node = root.find("limits");
     if (!node) return;
     if (!node->is_table()) root.fail(*node, "'limits' must be a table");
-    ExperimentTable reader(root.file(), *node->as_table(), "[limits]",
-                           {"case_seconds", "prepare_seconds", "memory_mb", "reference_seconds"});
+    ExperimentTable reader(root.file(), *node->as_table(), limit_keys());
     limits.case_seconds = reader.limit("case_seconds", limits.case_seconds);
     limits.prepare_seconds = reader.limit("prepare_seconds", limits.prepare_seconds);
     limits.memory_bytes = std::int64_t(reader.limit("memory_mb", double(limits.memory_bytes >> 20)) * 1048576);
@@ -136,14 +132,15 @@ void read_limits(const ExperimentTable& root, Experiment& experiment) {
 void expect_profiles(const fs::path& file, const toml::table& table) {
     const toml::node* profiles = table.get("profile");
     if (!profiles) return;
-    const ExperimentTable root(file, table, "", root_keys);
+    const ExperimentTable root(file, table, top_keys());
     if (!profiles->is_table()) root.fail(*profiles, "'profile' must be a table: write [profile.NAME]");
-    auto keys = root_keys;
-    std::erase(keys, "profile");
+    KeyTable keys = top_keys();
+    std::erase_if(keys.keys, [](const Key& key) { return key.name == "profile"; });
     for (const auto& [name, node] : *profiles->as_table()) {
         if (!node.is_table())
             root.fail(node, fmt::format("'profile.{0}' must be a table: write [profile.{0}]", name.str()));
-        ExperimentTable(file, *node.as_table(), fmt::format("[profile.{}]", name.str()), keys);
+        keys.title = fmt::format("[profile.{}]", name.str());
+        ExperimentTable(file, *node.as_table(), keys);
     }
 }
 
@@ -170,7 +167,7 @@ toml::table parsed(const fs::path& file, const std::string& text, const std::str
 std::vector<ModelInfo> own_models(const ExperimentTable& root, const std::string& profile) {
     std::vector<ModelInfo> models = read_models(root, ModelsOf::experiment);
     const auto profiles = profiles_of(root.table());
-    for (const ExperimentTable& scene : tables_of(root, "scene", scene_keys)) {
+    for (const ExperimentTable& scene : tables_of(root, scene_keys())) {
         if (!wanted(scene, profile, profiles)) continue;
         for (const ExperimentTable& one : by_severity(scene)) {
             std::vector<ModelInfo> of_scene = models_in(one);
@@ -180,7 +177,7 @@ std::vector<ModelInfo> own_models(const ExperimentTable& root, const std::string
     return models;
 }
 
-// All but the scenes and the solvers.
+// Reads everything except the scenes and the solvers.
 void read_top(const ExperimentTable& root, Experiment& experiment) {
     experiment.models = own_models(root, experiment.profile);
     experiment.title = root.text("title");
@@ -205,7 +202,7 @@ void read_top(const ExperimentTable& root, Experiment& experiment) {
     read_limits(root, experiment);
 }
 
-// Names of scenes, of matrices and of what `each` makes: in this profile, and in any.
+// Names of scenes, of matrices and of the scenes that `each` makes: in this profile, and in any.
 struct SceneNames {
     std::set<std::string> wanted, all;
 };
@@ -213,7 +210,7 @@ struct SceneNames {
 SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::string>& profiles, Experiment& experiment) {
     SceneNames names;
     std::vector<std::string> swept;
-    for (const ExperimentTable& given : tables_of(root, "scene", scene_keys)) {
+    for (const ExperimentTable& given : tables_of(root, scene_keys())) {
         names.all.insert(given.text("name"));
         const bool asked = wanted(given, experiment.profile, profiles);
         if (asked) swept.push_back(given.text("name"));
@@ -234,7 +231,7 @@ SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::strin
                     fmt::format("two scenes named '{}' in profile {}: rename one", scene.name, experiment.profile));
         }
     }
-    names.wanted.insert(swept.begin(), swept.end());  // a sweep, too, can be named as a whole
+    names.wanted.insert(swept.begin(), swept.end());  // a sweep can also be named as a whole
     return names;
 }
 
@@ -242,7 +239,7 @@ SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::strin
 std::vector<std::string> read_solvers(const ExperimentTable& root, const std::vector<std::string>& profiles,
                                       const SceneNames& names, Experiment& experiment) {
     std::vector<std::string> labels;
-    for (const ExperimentTable& table : tables_of(root, "solver", solver_keys)) {
+    for (const ExperimentTable& table : tables_of(root, solver_keys())) {
         labels.push_back(table.text("label", table.text("name")));
         if (!wanted(table, experiment.profile, profiles)) continue;
         SolverPlan solver = read_solver(table, experiment);
@@ -254,7 +251,8 @@ std::vector<std::string> read_solvers(const ExperimentTable& root, const std::ve
                 fmt::format("unknown scene '{}'{}", scene, nearest_hint(scene, {names.all.begin(), names.all.end()})));
         }
         expect_searches(table, solver, experiment.scenes);
-        // None where all its scenes belong to other profiles; of an empty list, it would run on every scene.
+        // Leaves out a solver whose scenes all belong to other profiles: with an empty list it would run on every
+        // scene.
         if (!solver.scenes.empty() && std::none_of(solver.scenes.begin(), solver.scenes.end(),
                                                    [&](const auto& s) { return names.wanted.contains(s); }))
             continue;
@@ -284,7 +282,7 @@ Experiment read_text(const fs::path& file, const std::string& stem, std::string 
     experiment.toml = std::move(text);
 
     const toml::table table = parsed(file, experiment.toml, profile);
-    const ExperimentTable root(file, table, "", root_keys);
+    const ExperimentTable root(file, table, top_keys());
     read_top(root, experiment);
     const auto profiles = profiles_of(table);
     if (root.find("plugins") && plug_ins == PlugIns::refused)
@@ -301,7 +299,7 @@ Experiment read_text(const fs::path& file, const std::string& stem, std::string 
 
 std::vector<ModelInfo> models_of(const fs::path& file, const std::string& toml, const std::string& profile) {
     const toml::table table = parsed(file, toml, profile);
-    return own_models(ExperimentTable(file, table, "", root_keys), profile);
+    return own_models(ExperimentTable(file, table, top_keys()), profile);
 }
 
 Experiment read_experiment(const fs::path& file, const std::string& profile, PlugIns plug_ins) {
@@ -309,7 +307,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile, Plu
 }
 
 Experiment read_experiment_with(const fs::path& file, const std::string& solver, const std::string& profile) {
-    static_cast<void>(read_experiment(file, profile));  // loads its plug-ins; its mistakes are named by its own lines
+    static_cast<void>(read_experiment(file, profile));  // loads its plug-ins; reports mistakes by line
     const auto& parameters = find_solver(solver).info.parameters;
     if (std::any_of(parameters.begin(), parameters.end(), [](const ParameterSpec& one) { return one.required(); }))
         throw InputError(fmt::format("--with {}: needs parameters: write a [[solver]] with them in a copy of {}",

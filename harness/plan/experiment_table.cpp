@@ -5,7 +5,7 @@
 namespace hausbench {
 
 double ExperimentTable::limit(std::string_view key, double otherwise) const {
-    constexpr double most = 1e8;  // megabytes, seconds: no machine has more, and counters of nanoseconds hold it
+    constexpr double most = 1e8;  // megabytes or seconds: no machine has more, and it fits into counters of nanoseconds
     const toml::node* node = find(key);
     return node ? positive(*node, key, most) : otherwise;
 }

@@ -3,6 +3,7 @@
 
 #include "algorithms/scene.h"
 #include "datasets/toml_reader.h"
+#include "harness/plan/keys.h"
 
 #include <filesystem>
 #include <string>
@@ -10,19 +11,17 @@
 
 namespace hausbench {
 
-// Every key must be one of `known`.
 class ExperimentTable : public TomlReader {
 public:
-    ExperimentTable(const std::filesystem::path& file, const toml::table& table, const std::string& name,
-                    const std::vector<std::string>& known)
-        : TomlReader(file, table, name, ":") {
-        allow(known);
+    ExperimentTable(const std::filesystem::path& file, const toml::table& table, const KeyTable& known)
+        : TomlReader(file, table, known.title, ":") {
+        allow(known.names());
         refuse_other_keys();
     }
 
     double limit(std::string_view key, double otherwise) const;  // seconds or megabytes
     Vec3 vector(std::string_view key) const;
-    std::vector<double> tolerances(std::string_view key) const;  // empty where it is missing
+    std::vector<double> tolerances(std::string_view key) const;  // empty if the key is missing
 };
 
 inline int line_of(const toml::node& node) { return int(node.source().begin.line); }

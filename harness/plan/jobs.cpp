@@ -20,16 +20,17 @@ namespace hausbench {
 
 namespace {
 
-// Further apart, and pairs of a matrix go to workers of their own.
+// Largest difference of the exponents of pairs that share a worker. Pairs of a matrix whose scales differ more go to
+// different workers.
 constexpr int widest_scale_of_a_worker = 60;
 
 struct Extent {
     ShapeKind kind;
-    double magnitude, smallest;  // of the nonzero |coordinates|
+    double magnitude, smallest;  // largest and smallest nonzero |coordinate|
 };
 using Extents = std::map<std::filesystem::path, Extent>;
 
-// What a session on this pair alone would scale by.
+// Returns the exponent of the scale that a session on this pair alone would use.
 int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents) {
     for (const auto& file : {pair.source_file, pair.target_file}) {
         if (extents.contains(file)) continue;
@@ -40,16 +41,17 @@ int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents)
     return scalable(info, a.kind, b.kind) ? scale_exponent(std::max(a.magnitude, b.magnitude)) : 0;
 }
 
-// Keeps the least nonzero |x| and the largest.
+// Updates the least nonzero |x| and the largest |x|.
 void take(double x, double& least, double& most) {
     if (x != 0) least = std::min(least, std::abs(x));
     most = std::max(most, std::abs(x));
 }
 
-// Whether a session that scales by 2^shared has the bits of one that scales the pair by 2^own, which is more: powers of two commute
-// with every rounding, as long as nothing underflows, squares and products with poses included, and no pose leaves the range of one
-// scale and not of the other (Session). Distances between points of one shape may be smaller than its coordinates; by how much is in
-// the bits of these: their differences are no smaller than 2^-53 of the smallest coordinate.
+// Returns whether a session that scales by 2^shared gives the same bits as one that scales the pair by 2^own, where
+// own >= shared. Powers of two commute with every rounding, as long as nothing underflows, including squares and
+// products with poses, and no pose is out of range at one scale only (Session). Distances between points of one shape
+// may be smaller than its coordinates, but nonzero differences of coordinates are at least 2^-53 of the smallest
+// nonzero coordinate.
 bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Extents& extents) {
     if (own == shared) return true;
     constexpr double least_safe = 0x1p-400, most_safe = 0x1p390;
@@ -57,7 +59,7 @@ bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Exte
     double least = std::numeric_limits<double>::infinity(), most = 0;
     for (const auto& file : {pair.source_file, pair.target_file}) {
         const Extent& extent = extents.at(file);
-        least = std::min(least, std::ldexp(extent.smallest, shared));  // infinite where all are zero
+        least = std::min(least, std::ldexp(extent.smallest, shared));  // infinite if all are zero
         most = std::max(most, std::ldexp(extent.magnitude, own));
     }
     double entry = std::numeric_limits<double>::infinity(), largest_entry = 0, translation = entry, shift = 0;
@@ -84,7 +86,8 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
         return exponents[i] - most <= widest_scale_of_a_worker &&
                same_bits(plan, group[i], exponents[i], most, extents);
     };
-    // The largest first. Scaling by 2^60 less than a pair would be by itself loses nothing that counts (Session).
+    // Takes the largest pairs first. Scaling a pair by up to 2^60 less than its own scale loses nothing significant
+    // (Session).
     while (!group.empty()) {
         const int most = *std::min_element(exponents.begin(), exponents.end());
         Job joined;
@@ -127,7 +130,7 @@ void join_matrices(Plan& plan) {
             groups.push_back({std::move(job)});
             continue;
         }
-        // Chains of several tolerances stay apart, so that a pair's cases stand together.
+        // Chains of different tolerances stay apart, so that the cases of a pair are adjacent.
         const bool chains = first.warm || scene.search;
         const Key key{scene.matrix,  first.label, nlohmann::json(first.options).dump(), first.quantity,
                       first.threads, first.warm,  chains ? first.tolerance : 0};
@@ -147,7 +150,7 @@ void join_matrices(Plan& plan) {
 
 namespace {
 
-// The seed that the job's solver was given; a solver without one sorts before all seeds.
+// Returns the seed of the job's solver; a solver without a seed sorts before all seeds.
 std::int64_t seed_of(const Plan& plan, const Job& job) {
     const ParameterMap& options = plan.cases[job.cases.front()].options;
     const auto found = options.find("seed");

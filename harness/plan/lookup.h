@@ -1,5 +1,5 @@
-// The two lookups that planning and `explain` do for every case: a motion has tens of thousands of them, so neither may look
-// at all others. The comparison is a parameter, so that a test can count.
+// The two lookups that planning and `explain` do for every case. A motion has tens of thousands of cases, so neither
+// may look at all others. The comparison is a parameter, so that a test can count its calls.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace hausbench {
 
-// Which rows are read off the trace of a row. O(log n) and the rows themselves.
+// The rows that are read off the trace of each row. O(log n), plus the rows found.
 template <class Less = std::less<std::size_t>> class RowsReadOff {
 public:
     explicit RowsReadOff(Less less = {}) : rows_(less) {}
@@ -29,7 +29,7 @@ private:
     std::map<std::size_t, std::vector<std::size_t>, Less> rows_;
 };
 
-// What is known of runs of other cases, by their expected work (positive). O(log n) each.
+// Facts about runs of other cases, sorted by their expected work (positive). O(log n) each.
 template <class Known, class Less = std::less<double>> class NearestByWork {
 public:
     explicit NearestByWork(Less less = {}) : known_(less) {}
@@ -37,7 +37,8 @@ public:
     bool empty() const { return known_.empty(); }
     void add(double work, Known known) { known_.emplace(work, std::move(known)); }
 
-    // The one whose work is nearest as a ratio; of several of that work the first that was added. Not of an empty set.
+    // Returns the fact whose work has the ratio to `work` that is nearest to 1; the first added, if several have that
+    // work. The set must not be empty.
     const Known& nearest(double work) const {
         const auto distance = [&](double other) { return std::abs(std::log(other / work)); };
         const auto above = known_.lower_bound(work);

@@ -30,7 +30,7 @@ std::vector<Pose> translated(const Translation& motion, const Shape& shape) {
     return poses;
 }
 
-// Whether a rotation by so much ends where it begins: the last of its poses would be the first once more.
+// Returns whether a rotation by this angle ends where it begins, so that its last pose would repeat the first.
 bool full_turns(double degrees) { return degrees != 0 && std::fmod(degrees, 360.0) == 0; }
 
 std::vector<Pose> rotated(const Rotation& motion, const Shape& shape) {

@@ -28,7 +28,8 @@ ModelInfo file_model(const std::string& path, const fs::path& folder) {
                                        : fmt::format("{}: {}", file.string(), why)));
 }
 
-// "cow" of "cow_half": what a rule of the corpus would derive it from; empty: none would.
+// Returns the model from which a rule of the corpus would derive this one, such as "cow" for "cow_half"; empty if
+// none would.
 std::string origin_by_rule(const std::string& name) {
     for (const CorpusRule& rule : corpus_rules())
         if (name.ends_with(rule.ending)) return name.substr(0, name.size() - rule.ending.size());
@@ -83,10 +84,10 @@ void add_own_models(Catalogue& catalogue, const ResultFile& result) {
         return at == result.texts.end() ? "" : at->second;
     };
     const fs::path file = text("experiment_file");
-    std::set<std::string> profiles;  // of rows that an earlier run left: they may have models of their own
+    std::set<std::string> profiles;  // of rows of earlier runs, which may have models of their own
     for (const Row& row : result.rows) profiles.merge(profile_names(row.asked.profile));
     profiles.erase(text("profile"));
-    std::vector<std::string> all{text("profile")};  // its tables count where two profiles have the same name
+    std::vector<std::string> all{text("profile")};  // first, so that its tables win
     all.insert(all.end(), profiles.begin(), profiles.end());
     for (const std::string& profile : all) {
         if (text("experiment_toml").empty()) break;

@@ -36,22 +36,22 @@ bool chosen(const std::vector<std::string>& choice, const std::string& name) {
     return choice.empty() || std::find(choice.begin(), choice.end(), name) != choice.end();
 }
 
-// The name of the [[scene]] in the file, where it makes several.
+// Returns the name of the [[scene]] in the file, if that makes several scenes.
 const std::string& group_of(const ScenePlan& scene) { return scene.each.empty() ? scene.matrix : scene.each; }
 
-// A matrix, or what `each` makes, is chosen as a whole, or one by one.
+// Returns whether a scene is chosen, either by its own name or with its whole [[scene]].
 bool chosen(const std::vector<std::string>& choice, const ScenePlan& scene) {
     return chosen(choice, scene.name) || (!group_of(scene).empty() && chosen(choice, group_of(scene)));
 }
 
-// A solver with its parameters on a scene, and what its cases have in common.
+// A solver with its parameters on a scene, and the properties that its cases share.
 struct SolverOnScene {
     const ScenePlan& scene;
     const SceneModels& models;
     const SolverPlan& solver;
     const ParameterMap& given;
     const SolverEntry* entry = nullptr;   // null: it is not built
-    std::optional<Outcome> decided = {};  // where there is nothing to run
+    std::optional<Outcome> decided = {};  // set if there is nothing to run
     std::vector<double> tolerances = {};  // the finest first
     Case common = {};
 };
@@ -75,7 +75,7 @@ public:
         plan_.whole = choice.solvers.empty() && choice.scenes.empty();
         check_choice(choice.scenes, scene_names, "scene");
         check_choice(choice.solvers, solver_names, "solver");
-        // All names first: a wrong one should not cost the derivations.
+        // Checks all names first, so that a wrong one is found before models are derived.
         for (const ScenePlan& scene : experiment.scenes) {
             if (scene.search && !choice.scenes.empty() && chosen(choice.scenes, scene.name))
                 throw InputError(fmt::format("--scene: '{}' is a pair of a search: choose the whole of it, '{}'",
@@ -84,7 +84,7 @@ public:
             catalogue.find(scene.target);
             if (chosen(choice.scenes, scene)) finder.expect(scene);
         }
-        catalogue.make_folders();  // without them no model is available: that is an error, not a sweep of failed rows
+        catalogue.make_folders();  // without folders no model is available: an error, not a sweep of failed rows
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
             const ScenePlan& scene = experiment.scenes[i];
             if (!chosen(choice.scenes, scene)) continue;
@@ -137,7 +137,7 @@ private:
         note(label, one, models.poses.size() * one.tolerances.size(), run);
     }
 
-    // Decides what can be known before anything runs.
+    // Decides the cases whose outcome is known before anything runs.
     SolverOnScene look_at(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
                           const ParameterMap& given) {
         SolverOnScene one{scene, models, solver, given};
@@ -155,7 +155,7 @@ private:
         if (!one.decided)
             decide(RowStatus::skipped, refusal(one.entry->info, std::get<ResolvedModel>(models.source).kind,
                                                std::get<ResolvedModel>(models.target).kind, solver.quantity));
-        // A program that is missing is like a model that is: the other solvers of the sweep have their rows, and these say why not.
+        // A missing program is treated like a missing model: its rows say why they were skipped, and the other solvers run.
         const CommandFiles files = one.entry ? files_of(*one.entry, given) : CommandFiles{};
         decide(RowStatus::skipped, files.missing);
         one.tolerances = one.scene.tolerances.empty() ? solver.tolerances : one.scene.tolerances;
@@ -165,13 +165,14 @@ private:
         return one;
     }
 
-    // Adds a case for each pose and tolerance. Returns the jobs that run them, without their pairs: one; but a chain of warm cases has
-    // a job of its own, as it is run from its head on, in the order of the poses. So has a search at each tolerance. Pairs that cannot be
-    // run are no part of it: no answer depends on them.
+    // Adds a case for each pose and tolerance. Returns the jobs that run them, without their pairs: a single job, or one per tolerance for warm chains and
+    // searches, because a chain is run from its head in the order of the poses or targets. Pairs that cannot be run are left out of a search: no answer
+    // depends on them.
     std::vector<Job> add_cases(const SolverOnScene& one) {
         const ScenePlan& scene = one.scene;
         const std::vector<double>& tolerances = one.tolerances;
-        // Where the finest takes a copy of a target that moves and a coarser one needs none, its time is not that of the coarser one.
+        // If the finest tolerance needs a posed copy of a moving target but a coarser one does not, the time of the finest does not hold for the coarser
+        // one.
         const bool reads_trace = one.entry && !scene.search && reads_finer(*one.entry, one.solver, one.given) &&
                                  (!copies_targets(one, tolerances.front()) || copies_targets(one, tolerances.back()));
         const bool chained = one.solver.warm || (scene.search && !one.decided);
@@ -220,7 +221,7 @@ private:
         return queries;
     }
 
-    // At some pose, if it runs at all.
+    // Returns whether the solver needs a posed copy of a target at some pose, if it runs at all.
     static bool copies_targets(const SolverOnScene& one, double tolerance) {
         if (one.decided) return false;
         const SceneModels& models = one.models;
@@ -241,7 +242,7 @@ private:
         });
     }
 
-    // Of all its command lines together.
+    // Returns the files of all command lines of the solver together.
     CommandFiles files_of(const SolverEntry& entry, const ParameterMap& given) {
         CommandFiles all;
         for (const ParameterSpec& spec : entry.info.parameters) {
@@ -258,7 +259,8 @@ private:
         return all;
     }
 
-    // Whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it.
+    // Returns whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it, so it does not
+    // qualify.
     bool reads_finer(const SolverEntry& entry, const SolverPlan& solver, const ParameterMap& options) const {
         const Experiment& e = plan_.experiment;
         const bool traced = e.trace && entry.info.can(Ability::traces) && entry.info.can(Ability::coarser_answers) &&
@@ -267,7 +269,7 @@ private:
                e.floor == 0 && std::isinf(e.cutoff) && e.budget < 0;
     }
 
-    // What all cases of a solver on a scene have in common. `entry` is null for a solver that is not built.
+    // Returns the properties that all cases of a solver on a scene share. `entry` is null for a solver that is not built.
     Case without_pose(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
                       const SolverEntry* entry, const ParameterMap& given) const {
         const Experiment& experiment = plan_.experiment;
@@ -320,7 +322,7 @@ private:
         }
     }
 
-    // What a moving target costs where the solver does not offer it.
+    // Adds to the ledger the cost of a moving target for a solver that does not support one.
     void note_copies(const std::string& label, const QuerySet& queries, const SceneModels& models) {
         const bool both = queries.target_moves && queries.symmetric && queries.moves;
         plan_.ledger.push_back(
@@ -355,8 +357,8 @@ private:
         }
     }
 
-    std::map<std::string, CommandFiles> commands_;  // by line
-    // Of the chain of each search, source and set of options: by tolerance, the identity of its last case.
+    std::map<std::string, CommandFiles> commands_;  // by command line
+    // For each search, source and set of options: the identity of the last case in its chain, by tolerance.
     std::map<std::tuple<std::string, std::string, const ParameterMap*>, std::vector<std::string>> searches_;
     Plan plan_;
 };

@@ -1,4 +1,5 @@
-// A recorded simulation: frame by frame, which of its moving objects overlap, and their poses. docs/experiments.md has the format.
+// A recorded simulation: the moving objects that overlap in each frame, and their poses. docs/experiments.md
+// describes the format.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -17,11 +18,12 @@ struct Recording {
         std::vector<Pose> source_poses, target_poses;
     };
 
-    int frames = 0;  // recorded, with or without a pair
+    int frames = 0;  // number of recorded frames, with or without a pair
     std::vector<Pair> pairs;
 };
 
-// Throws InputError with the line that is wrong. Quaternions are normalised; a rotation is right to a few units in the last place.
+// Reads a recording. Throws InputError with the line that is wrong. Quaternions are normalised; a rotation is
+// accurate to a few units in the last place.
 Recording read_recording(const std::filesystem::path& file);
 
 }  // namespace hausbench

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double finer = 0.01;
 
-// Of the solver that answers for two shapes of these kinds; empty if none does.
+// Returns the name of the solver that answers for two shapes of these kinds; empty if none does.
 std::string solver_for(ShapeKind source, ShapeKind target) {
     const bool surfaces = source == ShapeKind::surface && target == ShapeKind::surface;
     if (!surfaces && (source == ShapeKind::surface || target == ShapeKind::surface)) return "";
@@ -46,8 +46,8 @@ std::optional<Experiment> references_of(const Plan& plan) {
     if (!asked.reference) return std::nullopt;
     std::map<std::string, ShapeKind> kinds;
     for (const ModelRow& model : plan.models) kinds[model.info->name] = model.resolved.kind;
-    std::map<std::string, double> finest;                                      // of a scene
-    std::map<std::pair<std::string, Quantity>, std::set<std::string>> scenes;  // by solver
+    std::map<std::string, double> finest;                                      // the finest tolerance of each scene
+    std::map<std::pair<std::string, Quantity>, std::set<std::string>> scenes;  // by solver and quantity
     std::set<std::string> searches;
     for (const ScenePlan& scene : asked.scenes)
         if (scene.search) searches.insert(scene.name);

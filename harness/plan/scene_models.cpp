@@ -9,7 +9,8 @@ namespace hausbench {
 
 namespace {
 
-// A static side has the identity beside every pose of the other; two that move have as many poses (scene_reader.cpp).
+// Fills in the poses. A static side has the identity at every pose of the other side; two moving sides have the same
+// number of poses (scene_reader.cpp).
 void move(const ScenePlan& scene, SceneModels& models, const ReadShape& read) {
     if (!moves(scene.motion) && !moves(scene.target_motion)) return;
     const auto side = [&](const Motion& motion, const std::string& name, const auto& model, Pose ScenePose::*pose) {
@@ -29,7 +30,7 @@ void move(const ScenePlan& scene, SceneModels& models, const ReadShape& read) {
 
 std::variant<ResolvedModel, MissingModel> ModelFinder::find(const std::string& name) {
     if (const auto known = resolved_.find(name); known != resolved_.end()) return known->second;
-    // One that cannot be made is looked for again in its next scene, but is one of those that came before.
+    // A model that cannot be made is tried again in its next scene, but announced only once.
     if (begun_.insert(name).second) say_(name, begun_.size() - 1, expected_.size());
     auto result = catalogue_.resolve(name);
     if (const auto* good = std::get_if<ResolvedModel>(&result)) found_.push_back({&catalogue_.find(name), *good});

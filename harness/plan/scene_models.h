@@ -1,4 +1,4 @@
-// Finds the models of a scene, and the poses of both.
+// Finds the two models of a scene and their poses.
 #pragma once
 
 #include "datasets/catalogue.h"
@@ -20,24 +20,26 @@ struct ScenePose {
 struct SceneModels {
     std::variant<ResolvedModel, MissingModel> source, target;
     std::vector<ScenePose> poses{ScenePose{}};
-    double source_largest = 0, target_largest = 0;  // |coordinate|, where one of them moves
-    std::string missing;                            // why it cannot run, empty if it can
-    RowStatus row = RowStatus::skipped;             // the status of its rows then
+    double source_largest = 0, target_largest = 0;  // largest |coordinate|, if one of them moves
+    std::string missing;                            // why the scene cannot run; empty if it can
+    RowStatus row = RowStatus::skipped;             // status of its rows if it cannot
 };
 
-// A model, resolved or missing, and its shape where it moves.
+// Return a model, resolved or missing, and its shape if a shape of the scene moves.
 using FindModel = std::function<std::variant<ResolvedModel, MissingModel>(const std::string& name)>;
 using ReadShape = std::function<Shape(const std::string& name, const ResolvedModel&)>;
 
-// Finds the models of a scene with these two functions; an InputError of theirs becomes the reason why the scene cannot run.
+// Finds the models of a scene with these two functions; an InputError that they throw becomes the reason why the
+// scene cannot run.
 SceneModels models_of(const ScenePlan& scene, const FindModel& find, const ReadShape& read);
 
-// Finds each model once. Fetched, generated and derived models are made here, which can take a while: `say` hears of each.
+// Finds each model once. Fetches, generates and derives models, which can take a while, so `say` is called before
+// each.
 class ModelFinder {
 public:
     ModelFinder(const Catalogue& catalogue, const SayModel& say) : catalogue_(catalogue), say_(say) {}
 
-    // Call before the first lookup, so that `say` knows how many there are.
+    // Counts the models of a scene. Call it for all scenes before the first find(), so that `say` knows the total.
     void expect(const ScenePlan& scene);
 
     SceneModels find(const ScenePlan& scene);
@@ -54,7 +56,7 @@ private:
     std::vector<ModelRow> found_;
 };
 
-// Finds the models of scenes among those that a result recorded. All others count as missing; none is made.
+// Finds the models of scenes among those that a result recorded. All others count as missing; no model is made.
 class RecordedModels {
 public:
     RecordedModels(const std::vector<ModelRecord>& records, ShapeOf shape_of);

@@ -19,18 +19,13 @@ namespace {
 Motion read_motion(const ExperimentTable& scene, const toml::node& node, std::string_view key) {
     const toml::table* motion = node.as_table();
     if (!motion) scene.fail(node, fmt::format("'{}' must be a table such as {{ kind = \"static\" }}", key));
-    const auto read = [&](const std::vector<std::string>& keys) {
-        ExperimentTable reader(scene.file(), *motion, "the motion", keys);
-        if (scene.filling()) reader.fill(*scene.filling());
-        return reader;
-    };
     const auto kind = (*motion)["kind"].value_or<std::string>("");
-    if (kind == "static") {
-        (void)read({"kind"});
-        return Static{};
-    }
+    const std::vector<std::string>& kinds = motion_kinds();
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
+        scene.fail(node, fmt::format("unknown motion '{}'{}", kind, nearest_hint(kind, kinds)));
+    ExperimentTable reader(scene.file(), *motion, {"the motion", motion_keys(kind).keys});
+    if (scene.filling()) reader.fill(*scene.filling());
     if (kind == "translation") {
-        const ExperimentTable reader = read({"kind", "from", "to", "steps", "of"});
         const auto of = reader.text("of", "diagonal");
         if (of != "diagonal" && of != "longest" && of != "absolute")
             reader.fail("'of' must be \"diagonal\", \"longest\" or \"absolute\"");
@@ -41,20 +36,15 @@ Motion read_motion(const ExperimentTable& scene, const toml::node& node, std::st
                                              : Of::absolute};
     }
     if (kind == "rotation") {
-        const ExperimentTable reader = read({"kind", "axis", "degrees", "steps"});
         const Vec3 axis = reader.vector("axis");
         if (axis.isZero(0)) reader.fail("'axis' must not be zero");
         return Rotation{axis, reader.number(reader.required("degrees"), "degrees"), reader.count("steps", 1, 10)};
     }
-    if (kind == "poses") {
-        const ExperimentTable reader = read({"kind", "file"});
-        return PoseFile{scene.file().parent_path() / reader.text("file")};
-    }
-    scene.fail(node, fmt::format("unknown motion '{}'{}", kind,
-                                 nearest_hint(kind, {"static", "translation", "rotation", "poses"})));
+    if (kind == "poses") return PoseFile{scene.file().parent_path() / reader.text("file")};
+    return Static{};
 }
 
-// One number, or one for each severity.
+// Reads `exact`: one number, or one for each severity.
 double exact_of(const ExperimentTable& table, const toml::node& node) {
     const toml::array* list = node.as_array();
     if (!list) return table.number(node, "exact");
@@ -124,10 +114,10 @@ void expect_pose_files(const ExperimentTable& table, const ScenePlan& scene) {
     }
 }
 
-// From a [[scene]] that names several models or a recording to one scene for each pair of models.
+// Expands a [[scene]] that names several models or a recording into one scene for each pair of models.
 namespace {
 
-constexpr std::string_view name_place = "{}";  // of the model's name, in a scene with `each`
+constexpr std::string_view name_place = "{}";  // stands for the model's name in a scene with `each`
 
 bool has_place(const std::string& text) { return text.find(name_place) != std::string::npos; }
 
@@ -147,12 +137,12 @@ std::vector<std::string> names_of_corpus(const ExperimentTable& table, const tom
     return corpus_names(file, whole);
 }
 
-// One scene for each model that `each` names.
+// Returns one scene for each model that `each` names.
 std::vector<ScenePlan> expand_each(const ExperimentTable& table, const ScenePlan& scene) {
     const toml::node& node = *table.find("each");
     for (const char* key : {"exact", "sources", "targets"}) {
         if (const toml::node* other = table.find(key))
-            table.fail(*other, fmt::format("'{}' does not go with 'each': remove one of the two", key));
+            table.fail(*other, fmt::format("'{}' cannot be combined with 'each': remove one of the two", key));
     }
     if (!has_place(scene.name)) table.fail(*table.find("name"), "'name' has no {}, the place of each model's name");
     if (!has_place(scene.source) && !has_place(scene.target))
@@ -175,7 +165,8 @@ std::vector<ScenePlan> expand_each(const ExperimentTable& table, const ScenePlan
     return scenes;
 }
 
-// The frames of a recording that a scene asks for: all, those it lists, or every n-th, the first of all included.
+// Returns for each frame of a recording whether the scene asks for it: all frames, the listed ones, or every n-th
+// starting with the first.
 std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     const toml::node *list = table.find("frames"), *every = table.find("every");
     if (list && every) table.fail(*every, "'every' and 'frames' both choose frames: remove one of the two");
@@ -196,14 +187,16 @@ std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     return asked;
 }
 
-// One scene for each pair of models of which objects overlap: every pose is that of two objects in a frame.
+// Returns one scene for each pair of models whose objects overlap. Each of its poses belongs to two objects in one
+// frame.
 std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const ScenePlan& scene) {
     const toml::node& node = *table.find("recording");
     for (const char* key :
          {"source", "target", "sources", "targets", "search", "each", "exact", "motion", "target_motion"}) {
         if (const toml::node* other = table.find(key))
-            table.fail(*other,
-                       fmt::format("'{}' does not go with 'recording', which says it: remove one of the two", key));
+            table.fail(
+                *other,
+                fmt::format("'{}' cannot be combined with 'recording', which gives it: remove one of the two", key));
     }
     Recording recording;
     try {
@@ -237,7 +230,7 @@ std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const Scen
     return scenes;
 }
 
-// One scene for each source and each target.
+// Returns one scene for each source and each target.
 std::vector<ScenePlan> expand_matrix(const ExperimentTable& table, const ScenePlan& scene) {
     for (const char* key : {"source", "target", "exact"}) {
         if (const toml::node* node = table.find(key))
@@ -259,7 +252,7 @@ std::vector<ScenePlan> expand_matrix(const ExperimentTable& table, const ScenePl
     for (std::size_t i = 0; i < sources.size(); ++i) {
         for (std::size_t k = 0; k < targets.size(); ++k) {
             const std::string &source = sources[i], &target = targets[k];
-            if (scene.search && source == target) continue;  // at distance 0, which would end the search
+            if (scene.search && source == target) continue;  // their distance is 0, which would end the search
             ScenePlan pair = scene;
             pair.source_line = line("sources", i);
             pair.target_line = line("targets", k);

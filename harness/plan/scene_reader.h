@@ -1,4 +1,4 @@
-// Reads a [[scene]] table, and expands it into one scene for each pair of models.
+// Reads a [[scene]] table and expands it into one scene for each pair of models.
 #pragma once
 
 #include "harness/plan/experiment.h"
@@ -8,16 +8,13 @@
 
 namespace hausbench {
 
-inline const std::vector<std::string> scene_keys = {
-    "name",   "source",        "target",    "sources", "targets", "search",   "each",     "note",   "exact",
-    "motion", "target_motion", "recording", "every",   "frames",  "profiles", "severity", "family", "tolerances"};
-
 ScenePlan read_scene(const ExperimentTable& table);
 
-// One scene for each source and each target, source by source, for each model, or for each pair of a recording; else the one that it is.
+// Returns the scenes for a table: one for each source and target (source by source), for each model of `each`, or for
+// each pair of a recording; otherwise just `scene`.
 std::vector<ScenePlan> expand(const ExperimentTable& table, const ScenePlan& scene);
 
-// A file of poses that cannot be read is an error of the experiment: it is found before anything runs.
+// Throws InputError if a pose file of the scene cannot be read, so that the error is found before anything runs.
 void expect_pose_files(const ExperimentTable& table, const ScenePlan& scene);
 
 }  // namespace hausbench

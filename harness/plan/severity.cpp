@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view place_of_value = "{}";
 
-// "1e8", "0.25", "1000": short texts that read back as the same number, as people write it.
+// Returns a short string that reads back as the same number, written as people do: "1e8", "0.25", "1000".
 std::string text_of(double value) {
     std::array<char, 64> buffer{};
     const auto written = [&](std::chars_format format) {
@@ -33,7 +33,7 @@ std::string text_of(double value) {
     return plain.empty() || power.size() + 2 <= plain.size() ? power : plain;
 }
 
-// Names of models hold fewer characters than names of scenes.
+// Replaces the characters that names of scenes may have but names of models may not.
 std::string as_model_name(std::string text) {
     for (char& c : text)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
@@ -59,7 +59,8 @@ std::vector<ExperimentTable> by_severity(const ExperimentTable& scene) {
     const toml::node& node = *scene.find("severity");
     for (const char* key : {"each", "sources", "recording"})
         if (const toml::node* other = scene.find(key))
-            scene.fail(*other, fmt::format("'{}' does not go with a list of severities: remove one of the two", key));
+            scene.fail(*other,
+                       fmt::format("'{}' cannot be combined with a list of severities: remove one of the two", key));
     if (values->empty()) scene.fail(node, "'severity' has no value: give some, or remove it");
     if (scene.text("name").find(place_of_value) == std::string::npos)
         scene.fail(*scene.find("name"), "'name' has no {}, the place of each severity");

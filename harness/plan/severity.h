@@ -1,5 +1,5 @@
-// Cases that are swept from harmless to absurd: one scene for each value of `severity`, with that value in place of every {}; and shapes that
-// a scene describes in place, where a model's name would stand.
+// Sweeps of cases from harmless to absurd: one scene for each value of `severity`, with that value in place of every
+// {}. Also reads shapes that a scene describes in place of a model's name.
 #pragma once
 
 #include "datasets/catalogue.h"
@@ -11,22 +11,24 @@
 
 namespace hausbench {
 
-// A reader of the scene for each value of its `severity`, where that is a list; else the one that it is. Throws InputError for a list
-// that is empty or repeats itself, beside other keys that expand a scene, or without {} in the scene's name.
+// Returns a table of the scene for each value of its `severity` if that is a list, otherwise the table itself. Throws
+// InputError for a list that is empty, has a value twice, is combined with other keys that expand a scene, or comes
+// with a scene name without {}.
 std::vector<ExperimentTable> by_severity(const ExperimentTable& scene);
 
-// Of `severity`: NaN where there is none.
+// Returns the value of `severity`; NaN if there is none.
 double severity_of(const ExperimentTable& scene);
 
-// The key `family`, else the name of a scene with a list of severities, without its {}; else empty.
+// Returns the key `family`; if it is missing, the name of a scene with a list of severities, without its {};
+// otherwise an empty string.
 std::string family_of(const ExperimentTable& scene);
 
-// The name of the model that `key`, which is "source" or "target", stands for: the one that is written there, or the name of a shape that
-// is described there.
+// Returns the name of the model that `key` ("source" or "target") stands for: the name written there, or the name of
+// the shape described there.
 std::string model_name(const ExperimentTable& scene, std::string_view key);
 
-// The shapes that the scene describes in place: a table as [model.NAME] has, or a list of them, in which each but the first is derived from
-// the one before it.
+// Returns the shapes that the scene describes in place: each is a table like [model.NAME], or a list of tables, in
+// which each shape but the first is derived from the one before it.
 std::vector<ModelInfo> models_in(const ExperimentTable& scene);
 
 }  // namespace hausbench

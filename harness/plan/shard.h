@@ -1,4 +1,4 @@
-// Parts of a plan, for several machines: --shard i/n.
+// Splits a plan into parts for several machines: --shard i/n.
 #pragma once
 
 #include <string>
@@ -13,13 +13,13 @@ struct Shard {  // --shard 2/3: the second of three
     bool whole() const { return of == 1; }
 };
 std::string to_string(const Shard& shard);                           // "2/3"
-inline constexpr const char* in_another_shard = "in another shard";  // the reason of its rows
+inline constexpr const char* in_another_shard = "in another shard";  // the reason in rows of other shards
 
-// Throws InputError for anything but "i/n" with 1 <= i <= n.
+// Parses "i/n". Throws InputError unless 1 <= i <= n.
 Shard parse_shard(const std::string& text);
 
-// The rows of other shards become `skipped` and say so; `merge` puts shards together. `shards` has the number of each job's shard, from 1
-// on (split.h).
+// Keeps the jobs of one shard. Rows of other shards become `skipped` and say so; `merge` puts shards together.
+// `shards` holds the shard of each job, from 1 (split.h).
 void take_shard(Plan& plan, const Shard& shard, const std::vector<int>& shards);
 
 }  // namespace hausbench

@@ -21,7 +21,8 @@ ParameterValue read_value(const ExperimentTable& table, const toml::node& node, 
                fmt::format("parameter '{}' must be a number, a text, true, false, or a list of them to sweep", key));
 }
 
-// Every combination of the swept values, the last parameter fastest, each checked against the solver's declarations.
+// Returns every combination of the swept values, with the last parameter varying fastest, each checked against the
+// solver's declarations.
 std::vector<ParameterMap> read_options(const ExperimentTable& table, const SolverEntry& entry) {
     std::vector<ParameterMap> combinations(1);
     const toml::table none;
@@ -81,7 +82,7 @@ SolverPlan read_solver(const ExperimentTable& table, const Experiment& experimen
     solver.warm = table.flag("warm", solver.warm);
     const auto& absent = solvers_not_built();
     if (std::any_of(absent.begin(), absent.end(), [&](const NotBuilt& s) { return s.name == solver.name; })) {
-        solver.options.resize(1);  // its parameters are unknown here; its cases become `not_built`
+        solver.options.resize(1);  // parameters unknown; the cases become `not_built`
         return solver;
     }
     const SolverEntry* entry = nullptr;
@@ -109,9 +110,9 @@ void expect_searches(const ExperimentTable& table, const SolverPlan& solver, con
             table.fail(*table.find("scenes"),
                        fmt::format("'{}' is a pair of a search: name the whole of it, '{}'", scene.name, scene.matrix));
         if (solver.warm && (solver.scenes.empty() || names(scene.matrix)))
-            table.fail(
-                *table.find("warm"),
-                fmt::format("'warm' does not go with '{}', a search: remove it, or name other 'scenes'", scene.matrix));
+            table.fail(*table.find("warm"),
+                       fmt::format("'warm' cannot be combined with '{}', a search: remove it, or name other 'scenes'",
+                                   scene.matrix));
     }
 }
 

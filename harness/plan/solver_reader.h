@@ -8,16 +8,15 @@
 
 namespace hausbench {
 
-inline const std::vector<std::string> solver_keys = {"name",     "label",   "parameters", "tolerances", "scenes",
-                                                     "quantity", "threads", "warm",       "profiles"};
-
 Quantity read_quantity(const ExperimentTable& table, Quantity otherwise);
 
-// With every combination of the parameters that it sweeps, each checked against the solver's declarations. A solver that is not built
-// keeps none: its parameters are unknown, and its cases become `not_built`.
+// Reads a solver with every combination of the parameters that it sweeps, each checked against the solver's
+// declarations. A solver that is not built gets one empty combination: its parameters are unknown, and its cases
+// become `not_built`.
 SolverPlan read_solver(const ExperimentTable& table, const Experiment& experiment);
 
-// The pairs of a search make sense together only, and each is a cold case.
+// Throws InputError if the solver names a single pair of a search, since its pairs make sense only together, or is
+// warm on a search, whose cases are cold.
 void expect_searches(const ExperimentTable& table, const SolverPlan& solver, const std::vector<ScenePlan>& scenes);
 
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// Deals the jobs of a plan out to shards: so that each takes about as long, by the estimates.
+// Distributes the jobs of a plan over shards so that all take about equally long, by the estimates.
 #pragma once
 
 #include "harness/plan/estimate.h"
@@ -11,25 +11,26 @@
 
 namespace hausbench {
 
-// The part, from 0 on, of each of these times: the longest first, each to the part that has the least so far. Deterministic; the
-// longest part takes at most 4/3 of the least possible (Graham 1969).
+// Returns the part (from 0) for each of these times. Assigns the longest first, each to the part with the least total
+// so far. Deterministic; the longest part takes at most 4/3 of the least possible time (Graham 1969).
 std::vector<int> balanced(const std::vector<double>& seconds, int parts);
 
-// Which shard has which job. It outlives changes of the experiment: a job that is still the same stays where it is.
+// The shard of each job. It stays valid when the experiment changes: a job that is still the same stays in its shard.
 struct Split {
     int of = 1;
-    // Shard, from 1 on, by the job's key: a hash of the identities of its cases.
+    // Shard (from 1) by the job's key, a hash of the identities of its cases.
     std::map<std::string, int> shards;
 
-    // The shard of each job of the plan. Throws InputError where one is not in the split: the experiment has changed since.
+    // Returns the shard of each job of the plan. Throws InputError if a job is not in the split, because the
+    // experiment has changed since.
     std::vector<int> of_jobs(const Plan& plan) const;
 };
 
-// Deals out what `earlier` does not know, beside what it knows, which stays: tasks that wait may still need it. Of another number of
-// shards, everything.
+// Distributes the jobs that are not in `earlier`, taking the load of the jobs in it into account. Those stay in their
+// shards: waiting tasks may still need them. If `earlier` has another number of shards, distributes all jobs.
 Split split(const Plan& plan, const Estimates& estimates, int of, const Split& earlier = {});
 
-// Throws InputError for a file that is none of these.
+// Reads a split. Throws InputError if the file is not one.
 Split read_split(const std::filesystem::path& file);
 void write_split(const std::filesystem::path& file, const Split& split);
 

@@ -7,63 +7,64 @@ namespace hausbench {
 using namespace columns;
 
 const Columns<Case>& case_columns() {
-    // Those of the identity stand first, in the order in which they are hashed.
+    // Columns of the identity come first, in the order in which they are hashed.
     using Entry = Case;
     static const Columns<Entry> all = {
-        COLUMN(solver, "registry name", Identity::always),
-        COLUMN(options, "JSON object of every parameter", Identity::always),
-        COLUMN(source, "model of the scene that is A", Identity::of_missing),
-        COLUMN(target, "model of the scene that is B", Identity::of_missing),
-        COLUMN(pose, "of A: rotation row by row, then translation", Identity::always),
+        COLUMN(solver, "name of the solver in the registry", Identity::always),
+        COLUMN(options, "all parameters of the solver, as a JSON object", Identity::always),
+        COLUMN(source, "model of shape A", Identity::of_missing),
+        COLUMN(target, "model of shape B", Identity::of_missing),
+        COLUMN(pose, "pose of A: rotation row by row, then translation", Identity::always),
         COLUMN(tolerance_of,
-               "what the tolerance is a fraction of: the `diagonal` or the `longest` side of the box of A as loaded, "
-               "whatever the pose, or `lower`; or `absolute`: a length",
+               "unit of the tolerance: `diagonal` or `longest` (side) of A's box as loaded, whatever the pose; "
+               "`lower`: the lower bound; `absolute`: a length",
                Identity::always),
-        COLUMN(tolerance, "as asked", Identity::always),
-        NAMED("case_seconds_limit", limits.case_seconds, "for one answer", Identity::always),
-        NAMED("prepare_seconds_limit", limits.prepare_seconds, "for loading and preparing", Identity::always),
-        NAMED("memory_limit_bytes", limits.memory_bytes, "of resident memory", Identity::always),
-        COLUMN(floor, "a distance of at most this length is of no interest; 0: none", Identity::where_given),
-        COLUMN(cutoff, "a distance above this length is known well enough; infinity: none", Identity::where_given),
-        COLUMN(budget, "of the solver's own unit of work, see its file; -1: none", Identity::where_given),
-        COLUMN(target_pose, "of B, likewise", Identity::where_given),
-        COLUMN(quantity,
-               "`directed`: h(A,B); `symmetric`: H(A,B), the larger of h(A,B) and h(B,A); or `penetration`: how deep A "
-               "and B are in each other",
+        COLUMN(tolerance, "the tolerance, in that unit", Identity::always),
+        NAMED("case_seconds_limit", limits.case_seconds, "limit of the time of one answer", Identity::always),
+        NAMED("prepare_seconds_limit", limits.prepare_seconds, "limit of the time for loading and preparing",
+              Identity::always),
+        NAMED("memory_limit_bytes", limits.memory_bytes, "limit of resident memory", Identity::always),
+        COLUMN(floor, "the solver may stop once the distance is known to be at most this length; 0: no such question",
+               Identity::where_given),
+        COLUMN(cutoff,
+               "the solver may stop once the distance is known to be above this length; infinity: no such question",
+               Identity::where_given),
+        COLUMN(budget, "limit of the solver's own unit of work, which its source file names; -1: none",
+               Identity::where_given),
+        COLUMN(target_pose, "pose of B, in the same form", Identity::where_given),
+        COLUMN(quantity, "`directed`: h(A,B); `symmetric`: H(A,B); `penetration`: depth of A and B in each other",
                Identity::where_given),
         COLUMN(warm, "1: the solver starts from what it kept of the pose before; 0: from nothing",
                Identity::where_given),
         COLUMN(chain,
-               "of a warm case: the `identity` of the case of the pose before it; in a search: of the target before "
-               "it; empty at the first",
+               "`identity` of the case before: with `warm` that of the pose before, in a search that of the target "
+               "before; empty: first of its chain",
                Identity::where_given),
-        COLUMN(threads, "that the solver may use; 1 for a solver that offers no more", Identity::where_given),
+        COLUMN(threads, "threads that the solver may use; 1 if it supports only one", Identity::where_given),
         COLUMN(program_sha256,
-               "of the programs and files that the command line of `external` names; empty: there is none",
+               "SHA-256 of the programs and files in the command line of `external`; empty for other solvers",
                Identity::where_given),
-        COLUMN(frame, "of a recorded simulation; -1: the scene is none", Identity::where_given),
-        COLUMN(identity, "SHA-256 of shapes, poses, solver, options, tolerance, limits"),
-        COLUMN(label, "name in figures: that of the solver unless the experiment gives one"),
+        COLUMN(frame, "frame of a recorded simulation; -1: not a recording", Identity::where_given),
+        COLUMN(identity, "SHA-256 of shapes, poses, solver, options, tolerance and limits"),
+        COLUMN(label, "name in tables and figures; the solver's unless the experiment gives one"),
         COLUMN(variant,
-               "the parameters that the experiment sweeps, as in `samples=8, seed=1`; empty where it sweeps none, and "
-               "in older files"),
-        COLUMN(profile,
-               "of the experiment, that asks for the case; several are joined by commas; empty in older files: that of "
-               "`/meta`"),
+               "the parameters that the experiment varies, such as `samples=8, seed=1`; empty: it varies none, or the "
+               "file is old"),
+        COLUMN(profile, "profiles that ask for the case, with commas between; empty in old files: the one in `/meta`"),
         COLUMN(certified,
-               "1: the solver's bounds hold under the rounding of its own arithmetic; 0: they hold in exact "
-               "arithmetic, or it promises less; -1: unknown, since the solver is not built"),
-        COLUMN(scene, "of the experiment"),
-        NAMED("scene_note", note, "the experiment's remark on the scene, such as the model that it stands in for"),
-        COLUMN(exact, "the true distance, where the experiment gives it; else NaN"),
-        COLUMN(family, "the case of a sweep over severity, such as `offset`; empty: the scene is of none"),
-        COLUMN(severity, "of the case, as the experiment gives it, such as the offset; NaN: it has none"),
+               "1: the bounds hold under the rounding of the solver's own arithmetic; 0: they hold in exact "
+               "arithmetic, or the solver promises less; -1: unknown, because the solver is not built"),
+        COLUMN(scene, "name of the scene"),
+        NAMED("scene_note", note, "remark of the experiment on the scene, such as which model stands in for which"),
+        COLUMN(exact, "true distance, if the experiment knows it; else NaN"),
+        COLUMN(family, "name of the sweep over `severity` to which the scene belongs, such as `offset`; empty: none"),
+        COLUMN(severity, "value of the scene in that sweep; NaN: none"),
         COLUMN(source_elements, "points or triangles of A"),
         COLUMN(target_elements, "points or triangles of B"),
-        COLUMN(source_diagonal, "length, of the box of A as loaded"),
-        COLUMN(source_longest, "length of the longest side of that box; 0 in older files"),
-        COLUMN(pose_index, "number in the motions"),
-        {"tolerance_absolute", "as a length (NaN for `lower`)",
+        COLUMN(source_diagonal, "diagonal of the box of A as loaded"),
+        COLUMN(source_longest, "longest side of that box; 0 in old files"),
+        COLUMN(pose_index, "number of the pose, from 0"),
+        {"tolerance_absolute", "the tolerance as a length; NaN if its unit is `lower`",
          Column<Entry>::Real{1,
                              [](const Case& asked, double* out) {
                                  const Tolerance t = asked.resolved_tolerance();
@@ -80,11 +81,11 @@ const Columns<Outcome>& outcome_columns() {
         COLUMN(status,
                "`ok`, `timeout`, `out_of_memory`, `signal`, `skipped`, `failed`, `unsound`, "
                "`not_built`, `floor`, `budget`: see the table below"),
-        COLUMN(reason, "one line, where the status is not `ok`"),
-        COLUMN(solver_status, "the status that the solver returned: `converged`, `time_limit`, ..."),
+        COLUMN(reason, "why the status is not `ok`, in one line"),
+        COLUMN(solver_status, "status that the solver returned: `converged`, `time_limit`, ..."),
         {"answer",
-         "what an `ok` row says: `gap` (upper less the larger of lower and floor is within the tolerance), `h <= "
-         "floor` or `h > cutoff`; else empty",
+         "what an `ok` row answers: `gap`: upper less the larger of lower and floor is within the tolerance; `h "
+         "<= floor`; `h > cutoff`. Empty for other rows",
          Column<Entry>::Text{[](const Outcome& o) -> std::string {
                                  if (o.status != RowStatus::ok) return "";
                                  return o.solver_status == to_string(Status::below_floor)    ? "h <= floor"
@@ -92,59 +93,55 @@ const Columns<Outcome>& outcome_columns() {
                                                                                              : "gap";
                              },
                              nullptr}},
-        COLUMN(
-            cutoff_used,
-            "the cutoff that the answer was given: in a search the least upper bound of the answers to the targets "
-            "before it, if that is less than `cutoff`, but above `floor`; else `cutoff`; infinity: none, or no answer"),
-        NAMED("lower", bounds.lower, "lower <= h(A posed, B posed), or H where `quantity` says so"),
-        NAMED("upper", bounds.upper, "upper >= that distance"),
+        COLUMN(cutoff_used,
+               "cutoff that the solver was given. In a search: the least upper bound of the targets before, if it is "
+               "below `cutoff` and above `floor`. Infinity: none, or no answer"),
+        NAMED("lower", bounds.lower, "lower bound of h(A posed, B posed), or of what `quantity` names"),
+        NAMED("upper", bounds.upper, "upper bound of the same"),
         NAMED("witness_source", witness.source_point,
-              "a point on A posed: the one that proves the lower bound, or the closest to it"),
-        NAMED("witness_target", witness.target_point, "likewise on B posed"),
+              "a point on A posed: the one that proves the lower bound, or the one closest to it"),
+        NAMED("witness_target", witness.target_point, "a point on B posed, likewise"),
         NAMED("witness_direction", witness.direction,
-              "`source to target`: the point on A proves the lower bound; `target to source`: the one on B, where the "
-              "distance is H"),
-        NAMED("witness_source_element", witness.source_element, "point or triangle number, -1 unknown"),
-        NAMED("witness_target_element", witness.target_element, "likewise"),
+              "`source to target`: the point on A proves the lower bound; `target to source`: the point on B does, "
+              "for a distance H"),
+        NAMED("witness_source_element", witness.source_element,
+              "number of the point or triangle of A that has the witness; -1: unknown"),
+        NAMED("witness_target_element", witness.target_element, "the same of B"),
         COLUMN(prepare_seconds,
-               "all structures together; each round prepares once, and this is the median of the rounds. In a matrix, "
-               "what those of its two shapes cost when they were built, for whatever pair"),
-        COLUMN(prepare_bytes, "all structures together"),
+               "time to build all structures, as the median of the rounds. In a matrix: the time that the structures "
+               "of its two shapes took when they were built, for whatever pair"),
+        COLUMN(prepare_bytes, "memory of all structures together"),
         COLUMN(solve_seconds,
-               "wall time of the first answer of round 0; those of all rounds are in `/answers`. Where `from_trace` is "
-               "1 and there is no row in `/answers`, of the sample of the trace"),
+               "wall time of the first answer of round 0; `/answers` has those of all rounds. If `from_trace` is 1 "
+               "and `/answers` has no row: the time of the sample in the trace"),
         COLUMN(reported_seconds,
-               "the time that an outside program reports in round 0 (solver `external`), else NaN; `solve_seconds` and "
-               "`/repeats` also include starting it and reading and writing files"),
+               "time that an outside program (solver `external`) reports in round 0; else NaN. `solve_seconds` and "
+               "`/repeats` also include starting it and exchanging files"),
         COLUMN(peak_bytes,
-               "what the solver took, as in `measure`: peak resident set while preparing and solving less the resident "
-               "set before preparing; of an outside program its own peak; -1 unknown, as in a matrix, whose pairs "
-               "share shapes"),
-        COLUMN(
-            clock,
-            "which of the times in `/answers` and `/repeats` is the time of the case: `cpu` where one thread works "
-            "at a time, `wall` where several do (another thread of the process took more than a hundredth of its "
-            "CPU time, or CPU time with children is more than 1.1 times wall time, in any round) or an outside program "
-            "waits (its CPU time is less than a fifth of its wall time: a daemon or a GPU works, or it sleeps); empty "
-            "without an answer. `solve_seconds` is wall time all the same"),
-        COLUMN(from_trace, "1: not run; the answer is read from the trace of a finer tolerance"),
+               "memory of the solver: peak resident set of preparing and solving, less the resident set before. Of an "
+               "outside program its own peak. -1: unknown, as in a matrix, whose pairs share shapes"),
+        COLUMN(clock,
+               "which time in `/answers` and `/repeats` counts. `cpu`: one thread works at a time. `wall`: several do "
+               "(in some round another thread took more than 1/100 of the CPU time, or CPU time with children exceeds "
+               "1.1 times wall time), or an outside program waits (its CPU time is less than 1/5 of wall time, "
+               "because a daemon or a GPU works, or it sleeps). Empty without an answer. `solve_seconds` is always "
+               "wall time"),
+        COLUMN(from_trace, "1: not run, the answer was read from the trace of a finer tolerance"),
         COLUMN(side_by_side,
-               "1: `--jobs` or a cluster may have run other cases on the machine at the same time, so the times of "
-               "this row "
-               "compare with none"),
+               "1: other cases may have run on the machine at the same time (`--jobs` or a cluster), so the times are "
+               "not comparable"),
         COLUMN(extras,
-               "JSON object of further numbers that the solver reports, such as `alpha` of `adaptive`; each solver's "
-               "file says what they mean"),
-        COLUMN(facts, "JSON object of texts that the solver reports, such as `chosen` of `adaptive`"),
-        COLUMN(
-            proven_upper,
-            "upper bound that a certificate of this answer proves, which the harness checked; NaN: none was asked for, "
-            "as of all rows but references, or none was accepted (then `certificate` in `facts` says why)"),
-        COLUMN(fields_sha256, "of the file that held the row's fields while it was run; empty: it has none"),
+               "numbers that the solver reports, such as `alpha` of `adaptive`, as a JSON object; each solver's file "
+               "explains them"),
+        COLUMN(facts, "texts that the solver reports, such as `chosen` of `adaptive`, as a JSON object"),
+        COLUMN(proven_upper,
+               "upper bound that a certificate of this answer proves, checked by the harness. NaN: none was asked for "
+               "(only references have one), or none was accepted; `facts` then has the reason as `certificate`"),
+        COLUMN(fields_sha256, "SHA-256 of the file that held the row's fields during the run; empty: no fields"),
         COLUMN(build,
-               "as in `/meta`; a resumed file may hold several; for a solver of a plug-in, a hash of the program and "
-               "the plug-in"),
-        COLUMN(machine, "as in `/meta`"),
+               "build of the row, as in `/meta`; for a solver of a plug-in, a hash of program and plug-in. A resumed "
+               "file may hold several"),
+        COLUMN(machine, "machine of the row, as in `/meta`"),
     };
     return all;
 }
@@ -153,9 +150,9 @@ const Columns<Check>& check_columns() {
     using Entry = Check;
     static const Columns<Entry> all = {
         NAMED("lower_check", lower,
-              "the harness's own check, not timed: `holds`, `unsound`, `no witness` (so not checked), `not checked`"),
-        NAMED("upper_check", upper, "likewise"),
-        NAMED("fields_check", fields, "likewise, on 100 vertices and 100 elements of A"),
+              "check by the harness, not timed: `holds`, `unsound`, `no witness` (so not checked) or `not checked`"),
+        NAMED("upper_check", upper, "the same of the upper bound"),
+        NAMED("fields_check", fields, "the same of the fields, on 100 vertices and 100 elements of A"),
     };
     return all;
 }
@@ -177,13 +174,14 @@ const Columns<Row>& row_columns() {
     using Entry = Row;
     static const Columns<Entry> all = {
         NAMED("reference_lower", reference.lower,
-              "lower bound of the same distance by the reference answer (a row of `/references`); NaN: there is none"),
-        NAMED("reference_upper", reference.upper, "likewise, upper bound"),
+              "lower bound of the same distance by the reference answer (a row of `/references`); NaN: none"),
+        NAMED("reference_upper", reference.upper, "its upper bound"),
         {"lower_error",
-         "middle of the reference's interval less `lower`: the true error but for half the width of that interval",
+         "middle of the reference's interval less `lower`; differs from the true error by at most half of that "
+         "interval",
          derived<lower_error>()},
         {"upper_error", "`upper` less that middle", derived<upper_error>()},
-        {"middle_error", "how far the middle of `lower` and `upper` is from that middle", derived<middle_error>()},
+        {"middle_error", "difference of the middle of `lower` and `upper` from that middle", derived<middle_error>()},
     };
     return all;
 }
@@ -191,22 +189,22 @@ const Columns<Row>& row_columns() {
 const Columns<ModelRecord>& model_columns() {
     using Entry = ModelRecord;
     static const Columns<Entry> all = {
-        COLUMN(name, "as in the catalogue"),
-        COLUMN(sha256, "of the float64 coordinates and indices"),
+        COLUMN(name, "name in the catalogue"),
+        COLUMN(sha256, "SHA-256 of its float64 coordinates and indices"),
         COLUMN(kind, "`points`, `mesh` or `surface`"),
-        COLUMN(polynomial, "of a surface: the surface is where it vanishes; else empty"),
-        COLUMN(box, "of a surface: from and to in x, y and z; else NaN"),
-        COLUMN(elements, "points or triangles; of a surface 1"),
-        COLUMN(vertices, "of a surface the two corners of its box"),
-        COLUMN(diagonal, "of the box of its points"),
-        COLUMN(longest_side, "of that box; 0 in older files"),
+        COLUMN(polynomial, "of a surface, its polynomial, which is 0 on it; else empty"),
+        COLUMN(box, "of a surface, its box: least and greatest x, y and z; else NaN"),
+        COLUMN(elements, "points or triangles; 1 for a surface"),
+        COLUMN(vertices, "vertices; 2 for a surface, the corners of its box"),
+        COLUMN(diagonal, "diagonal of the box of its points"),
+        COLUMN(longest_side, "longest side of that box; 0 in old files"),
         COLUMN(precision, "`float64`, or `float32` if the reader rounds to it"),
-        COLUMN(unreferenced, "vertices dropped; -1 unknown"),
+        COLUMN(unreferenced, "vertices that no triangle uses, which were dropped; -1: unknown"),
         COLUMN(source, "where it comes from"),
-        COLUMN(path, "of a file, or in a package, as its table or the experiment gives it; else empty"),
-        COLUMN(file_sha256, "of the bytes of that file, or of the one in a package"),
-        COLUMN(licence, "SPDX where there is one"),
-        COLUMN(note, "the catalogue's remark"),
+        COLUMN(path, "path of the file, or within the package, as the manifest or experiment gives it; else empty"),
+        COLUMN(file_sha256, "SHA-256 of that file"),
+        COLUMN(licence, "licence, by its SPDX name if it has one"),
+        COLUMN(note, "remark in the catalogue"),
     };
     return all;
 }
@@ -214,12 +212,12 @@ const Columns<ModelRecord>& model_columns() {
 const Columns<FirstAnswer>& answer_columns() {
     using Entry = FirstAnswer;
     static const Columns<Entry> all = {
-        COLUMN(round, "each in fresh processes"),
-        COLUMN(wall_seconds, ""),
+        COLUMN(round, "round; each runs in fresh processes"),
+        COLUMN(wall_seconds, "wall time of the first answer"),
         COLUMN(cpu_seconds,
-               "of the process, all its threads and its children that ended; it includes what the harness spends "
-               "meanwhile, such as reading what an outside program prints"),
-        COLUMN(reported_seconds, "the time that an outside program reports, else NaN"),
+               "CPU time of the process, all its threads and its ended children, with what the harness spends "
+               "meanwhile, such as reading the output of an outside program"),
+        COLUMN(reported_seconds, "time that an outside program reports; else NaN"),
     };
     return all;
 }
@@ -227,9 +225,9 @@ const Columns<FirstAnswer>& answer_columns() {
 const Columns<Repeat>& repeat_columns() {
     using Entry = Repeat;
     static const Columns<Entry> all = {
-        COLUMN(round, ""),
-        COLUMN(wall_seconds, "of one solve"),
-        COLUMN(cpu_seconds, "of one solve, as in `/answers`"),
+        COLUMN(round, "round"),
+        COLUMN(wall_seconds, "wall time of one solve"),
+        COLUMN(cpu_seconds, "CPU time of one solve, as in `/answers`"),
         COLUMN(iterations, "number of solves in one timing"),
     };
     return all;
@@ -238,13 +236,13 @@ const Columns<Repeat>& repeat_columns() {
 const Columns<Preparation>& preparation_columns() {
     using Entry = Preparation;
     static const Columns<Entry> all = {
-        COLUMN(round, ""),
-        COLUMN(name, "of the structure, or `solver` for what the solver built itself"),
-        COLUMN(seconds, "wall time"),
-        COLUMN(bytes, ""),
+        COLUMN(round, "round"),
+        COLUMN(name, "name of the structure; `solver`: what the solver built itself"),
+        COLUMN(seconds, "wall time to build it"),
+        COLUMN(bytes, "memory of the structure"),
         COLUMN(shared,
-               "1: it was there already, for another pair of a matrix, or for the other direction of H; `seconds` is "
-               "what it cost then"),
+               "1: it was already there, for another pair of a matrix or the other direction of H; `seconds` is the "
+               "time that it took then"),
     };
     return all;
 }
@@ -252,9 +250,9 @@ const Columns<Preparation>& preparation_columns() {
 const Columns<TraceSample>& trace_columns() {
     using Entry = TraceSample;
     static const Columns<Entry> all = {
-        COLUMN(seconds, "since solve began"),
-        COLUMN(lower, ""),
-        COLUMN(upper, ""),
+        COLUMN(seconds, "time since solving began"),
+        COLUMN(lower, "lower bound"),
+        COLUMN(upper, "upper bound"),
     };
     return all;
 }
@@ -263,16 +261,16 @@ const Columns<FieldRecord>& field_columns() {
     using Entry = FieldRecord;
     static const Columns<Entry> all = {
         COLUMN(name,
-               "`distance`: of each vertex of A posed, its distance to B posed, a length; `nearest`: the number of the "
-               "element of B that is as near; all others come from the solver, whose file says what they mean"),
+               "`distance`: distance of each vertex of A posed to B posed; `nearest`: number of an element of B at "
+               "that distance; others come from the solver, whose file explains them"),
         COLUMN(of,
-               "`vertices` of A, then those that cuts added; `elements` of A; or `pieces`, into which A was cut; a "
-               "point is a vertex and an element"),
+               "what has values: `vertices` of A, then those that cuts added; `elements` of A; or `pieces`, into "
+               "which A was cut. A point is both a vertex and an element"),
         COLUMN(meaning,
-               "`lower`, `upper`: a bound of the largest distance to B posed of a point of the element, a length; "
-               "`number`: anything else"),
+               "`lower`, `upper`: bound of the largest distance to B posed of a point of the element; `number`: "
+               "anything else"),
         COLUMN(begin, "first value in `values`"),
-        COLUMN(end, "the one after the last"),
+        COLUMN(end, "value after the last"),
     };
     return all;
 }
@@ -282,16 +280,15 @@ const Columns<LedgerEntry>& ledger_columns() {
     static const Columns<Entry> all = {
         COLUMN(kind,
                "`not_built`, `not_prepared`, `not_run`; `prepared_again`: what could not be left out; `reference`: "
-               "what the "
-               "reference answers took, as a negative saving"),
+               "the time of the reference answers, as a negative saving"),
         COLUMN(subject, "solver and scene"),
         COLUMN(what,
-               "such as a structure. For motions, `structures for each pose` counts the poses that reused structures: "
-               "one process prepares once and answers all poses; of kind `prepared_again`, the poses that could not"),
-        COLUMN(reason, "why this was safe; of `prepared_again`, why it had to be"),
-        COLUMN(count, "cases, structures, or poses"),
-        COLUMN(seconds_saved, "NaN if unknown"),
-        COLUMN(profile, "in which the experiment was run"),
+               "what was left out, such as a structure. `structures for each pose` of a motion counts the poses that "
+               "reused structures, because one process prepares once; with `prepared_again`, the poses that could not"),
+        COLUMN(reason, "why this was safe; with `prepared_again`, why it had to be built again"),
+        COLUMN(count, "number of cases, structures or poses"),
+        COLUMN(seconds_saved, "time that it saved; NaN: unknown"),
+        COLUMN(profile, "profile of the run"),
     };
     return all;
 }

@@ -8,11 +8,11 @@
 
 namespace hausbench {
 
-// What is known before any case ran: the plan, the build, the machine.
+// Fills in the metadata known before any case runs, which describes the plan, the build and the machine.
 void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished);
 
-// What follows the name of the build where times are not those of the solvers (Plan::planted_slowdown): merge and compare refuse such
-// results. Else nothing.
+// Returns the text to append to the name of the build if Plan::planted_slowdown distorts the times, otherwise an
+// empty string. merge and compare refuse results with it.
 std::string planted(const Plan& plan);
 
 ModelRecord record_of(const ModelRow& model);

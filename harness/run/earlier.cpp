@@ -24,10 +24,10 @@ using CaseKey = std::tuple<std::string, std::string, std::string>;
 
 CaseKey key_of(const Case& c) { return {c.identity, c.scene, c.label}; }
 
-// The cases of an experiment's profile today, by key.
+// The cases that the present experiment asks for in one profile, by key.
 struct Asked {
     std::map<CaseKey, Case> cases;
-    std::set<std::string> unknown;  // scenes, see AskedCases
+    std::set<std::string> unknown;  // scenes with unknown poses, see AskedCases
 };
 
 class Keeper {
@@ -76,7 +76,7 @@ public:
     }
 
 private:
-    // The reference answers of earlier rows that stay.
+    // Keeps the earlier reference answers that rows of the result need and this run did not produce.
     void keep_references() {
         if (!plan_.experiment.reference) return;
         using Place = std::tuple<std::string, Quantity, int>;  // scene, quantity, pose
@@ -94,8 +94,8 @@ private:
 
     bool covers(const Case& c) const { return plan_.whole || covered_.contains({c.scene, c.label}); }
 
-    // Finds what the experiment asks for today in each profile of the earlier rows that the plan does not cover. A profile in which it
-    // can no longer be read asks for nothing; a run in that profile says why.
+    // Finds the cases that the present experiment asks for in each profile of the earlier rows that the plan does not
+    // cover. A profile that can no longer be read asks for nothing; a run in that profile reports why.
     void decide_profiles() {
         for (const Row& row : before_.rows) {
             for (const std::string& profile : uncovered(row.asked)) {
@@ -166,7 +166,7 @@ private:
         result_.rows.push_back(std::move(row));
     }
 
-    // What the experiment says of a case beside its identity.
+    // Copies the parts of a case that the experiment states beside its identity.
     static void describe_as(const Case& today, Case& c) {
         c.variant = today.variant;
         c.note = today.note;
@@ -184,24 +184,23 @@ private:
                 "parameters, tolerance, motion, limits, or the program of `external`)",
                 gone_));
         if (not_replaced_ > 0)
-            lines.push_back(
-                fmt::format("{} rows were not measured again: those of the earlier run stay", not_replaced_));
+            lines.push_back(fmt::format("{} rows were not measured again: the earlier ones stay", not_replaced_));
         for (const auto& [name, rows] : changed_)
-            lines.push_back(fmt::format("{} earlier rows are left out: model '{}' has other bytes now; run them again",
-                                        rows, name));
+            lines.push_back(
+                fmt::format("{} earlier rows are left out: model '{}' has changed; run them again", rows, name));
         if (other_builds_ > 0)
-            lines.push_back(fmt::format(
-                "{} rows of an earlier run are of another build (column `build`): run them again to compare times",
-                other_builds_));
+            lines.push_back(
+                fmt::format("{} earlier rows are of another build (column `build`): run them again to compare times",
+                            other_builds_));
         return lines;
     }
 
     ResultFile &result_, &before_;
     const ShapesOf& shapes_of_;
-    std::vector<ModelRecord> recorded_;  // of the plan, and of earlier rows
+    std::vector<ModelRecord> recorded_;  // models of the plan and of earlier rows
     const Plan& plan_;
     std::vector<std::size_t>& places_;
-    std::size_t place_ = 0;  // of the row at hand
+    std::size_t place_ = 0;  // of the current row
     const std::string now_;
     std::map<CaseKey, std::size_t> rows_;
     std::set<std::pair<std::string, std::string>> covered_;  // scene, label
@@ -231,14 +230,14 @@ std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, con
 
 std::vector<std::string> keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, const Plan& plan,
                                            const ShapesOf& shapes_of, std::vector<std::size_t>& places) {
-    std::error_code loop;  // of links: it is replaced
+    std::error_code loop;  // too many links: the file will be replaced
     if (!std::filesystem::exists(file, loop)) return {};
     try {
         return keep_earlier(result, read_result(file), plan, shapes_of, places);
     } catch (const NewerResult&) {
-        throw;  // the finished cases are in the journal
+        throw;  // the finished cases are safe in the journal
     } catch (const InputError& error) {
-        if (HoldInterrupts::came()) throw;  // nothing is wrong with the file, and nothing is written
+        if (HoldInterrupts::came()) throw;  // the file is intact; write nothing
         return {fmt::format("{}; it is {} now", error.what(), put_aside(file).string())};
     }
 }
@@ -251,7 +250,7 @@ void refuse_to_replace(const std::filesystem::path& file, const Experiment& expe
         std::filesystem::equivalent(earlier.file, experiment.file, gone))
         return;
     throw InputError(
-        fmt::format("{}: is the result of {}, another experiment of this name: name another folder with --results, or "
+        fmt::format("{}: is the result of another experiment of this name, {}: name another folder with --results, or "
                     "replace it with --fresh",
                     file.string(), printable(earlier.file)));
 }

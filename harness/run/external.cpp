@@ -1,10 +1,12 @@
-// Any program as a peer, described by its parameters: it compares with the authors' own programs without linking them.
+// Runs any program as a solver, described by parameters, so that the authors' own programs can be compared without
+// linking them.
 //
-// The program gets A posed and B as files with 17 digits (B once, before the clock starts), and the tolerance on the command
-// line. Regular expressions find the bounds in its output. They are not certified. A bound that the program does not print
-// is 0 (lower) or infinity (upper). The time of a solve includes writing A, starting the program and reading both files;
-// `seconds` finds the time that the program itself reports. Relative paths in the command line count from the folder of the experiment
-// (`run`), or the current one (`measure`). A command line that names no tolerance is run once for all tolerances of an experiment.
+// The program gets A posed and B as files with 17 digits (B is written once, before the clock starts), and the
+// tolerance on the command line. Regular expressions find the bounds in its output. They are not certified. A bound
+// that the program does not print is 0 (lower) or infinity (upper). The time of a solve includes writing A, starting
+// the program and reading both files; `seconds` finds the time that the program itself reports. Relative paths in the
+// command line are relative to the folder of the experiment (`run`) or to the current folder (`measure`). A command
+// line that does not mention the tolerance is run once for all tolerances of an experiment.
 #include "harness/run/external.h"
 
 #include "algorithms/error.h"
@@ -25,14 +27,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An expression with one group, matched against each line; the last match counts, because programs print progress first.
+// A regular expression with one group, matched against each line. The last match counts, because programs print
+// progress first.
 class Place {
 public:
     explicit Place(const std::string& text) : text_(text), expression_(text, std::regex::ECMAScript) {}
 
     bool told() const { return !text_.empty(); }
 
-    // Empty if no line matches, or the match is not a number.
+    // Returns nothing if no line matches, or if the last match is not a number.
     std::optional<double> find(const std::string& output) const {
         std::optional<double> found;
         if (!told()) return found;
@@ -81,7 +84,7 @@ void replace(std::string& text, const std::string& what, const std::string& by) 
         text.replace(at, what.size(), by);
 }
 
-// What became of the command, and what it wrote.
+// How a command ended, and its output.
 struct CommandRun {
     Child::End end;
     std::string how_it_ended, output;
@@ -95,7 +98,7 @@ std::string last_words(const std::string& output) {
     return "; end of its output: " + text.substr(text.size() - std::min<std::size_t>(text.size(), 400));
 }
 
-// The whole family of the command ends with it.
+// Runs a command line. All its descendants end with it.
 CommandRun run_command(const std::string& line, double seconds, const fs::path& folder) {
     Launch launch;
     launch.command = {"/bin/sh", "-c", line};
@@ -119,8 +122,8 @@ public:
           folder_of_command_(options.folder()) {
         if (!lower_.told() && !upper_.told()) {
             throw InputError(
-                "solver 'external': neither 'lower' nor 'upper' is given, so the program's answer is not found: give "
-                "one, or both");
+                "solver 'external': neither 'lower' nor 'upper' is given, so its answer cannot be found: give one or "
+                "both");
         }
     }
     void prepare(const Scene& scene, const Prepared&) override {
@@ -146,7 +149,7 @@ public:
         replace(line, "{tolerance}", fmt::format("{:.17g}", query.tolerance.value));
         replace(line, "{relative_tolerance}", fmt::format("{:.17g}", query.tolerance.value / diagonal(points_of(a))));
         const CommandRun run = run_command(line, query.time_limit, folder_of_command_);
-        if (run.end == Child::End::interrupt) {  // the signal was for this process: it ends by it, but leaves no files
+        if (run.end == Child::End::interrupt) {  // the signal was meant for this process: end by it, but leave no files
             folder_.reset();
             HoldInterrupts::deliver();
         }
@@ -157,7 +160,7 @@ public:
     }
 
 private:
-    // Absolute, since the program runs in another folder.
+    // Returns an absolute path, since the program runs in another folder.
     fs::path file(const char* name) const {
         return fs::absolute(folder_->path() / (std::string(name) + "." + extension_));
     }
@@ -184,8 +187,8 @@ private:
         if (lower) bounds.lower = *lower;
         if (upper) bounds.upper = *upper;
         if (std::isinf(bounds.lower) || bounds.upper < 0) {
-            result.note =
-                fmt::format("the program's bounds [{}, {}] are no interval of distances", bounds.lower, bounds.upper);
+            result.note = fmt::format("the program's bounds [{}, {}] are not an interval of distances", bounds.lower,
+                                      bounds.upper);
             return;
         }
         result.bounds = bounds;
@@ -234,8 +237,8 @@ SolverEntry external_solver() {
         place("lower",
               "regular expression (ECMAScript) with one group around the lower bound, tried on each line of the "
               "output; empty: not printed"),
-        place("upper", "likewise, for the upper bound"),
-        place("seconds", "likewise, for the time that the program reports"),
+        place("upper", "the same for the upper bound"),
+        place("seconds", "the same for the time that the program reports"),
         {.name = "seconds_unit",
          .default_value = 1.0,
          .unit = "s",

@@ -1,4 +1,5 @@
-// The solver `external`: any program, by its command line. It starts processes, so the program adds it to the registry itself.
+// The solver `external`, which runs any program by its command line. Since it starts processes, the program adds it
+// to the registry itself.
 #pragma once
 
 #include "algorithms/solver.h"

@@ -24,7 +24,7 @@ const std::filesystem::path& made_folder(const std::filesystem::path& folder) {
     if (!error && !std::filesystem::is_directory(folder, error) && !error)
         error = std::make_error_code(std::errc::not_a_directory);
     if (error)
-        throw InputError(fmt::format("{}: cannot be made a folder for results ({}): name another with --results",
+        throw InputError(fmt::format("{}: cannot make this folder for results ({}): name another with --results",
                                      folder.string(), error.message()));
     return folder;
 }
@@ -63,7 +63,8 @@ std::size_t Finished::forget_those(const std::function<bool(const Row&)>& chosen
 
 void Finished::append(std::size_t row, int round, const Outcome& outcome) {
     const Outcome* known = kept(row, round);
-    // The head of a search may be a case of another scene too, whose trace holds the answers of other rows.
+    // The head of a search may also be a case of another scene, and rows of that scene are read off its trace. An
+    // outcome without a trace must not replace one that has it.
     const bool has_less =
         known && known->cutoff_used == outcome.cutoff_used && !known->trace.empty() && outcome.trace.empty();
     if (!has_less) journal_.append({plan_.cases[row].identity, round}, outcome);
@@ -73,7 +74,7 @@ bool Finished::is_open(std::size_t row, int round) const {
     if (const Outcome* outcome = kept(row, round)) return round == 0 && lacks_fields(row, *outcome);
     if (round == 0) return true;
     const Outcome* first = kept(row, 0);
-    return first && is_timed(first->status);  // else nothing to time
+    return first && is_timed(first->status);  // otherwise there is nothing to time
 }
 
 Row Finished::row(std::size_t number) const {
@@ -121,7 +122,7 @@ bool Finished::will_do(std::size_t row, const Outcome& outcome) const {
     if (accepted_.any_build) return true;
     if (outcome.build != build_of(plan_.cases[row].solver) + planted(plan_)) return false;
     if (outcome.machine != this_machine().id && !accepted_.any_machine) return false;
-    return accepted_.side_by_side || !outcome.side_by_side;  // a timeout or a crash may be of what else ran
+    return accepted_.side_by_side || !outcome.side_by_side;  // other work may have caused a timeout or crash
 }
 
 const Outcome* Finished::kept(std::size_t row, int round) const {
@@ -129,10 +130,10 @@ const Outcome* Finished::kept(std::size_t row, int round) const {
     if (at == journal_.outcomes().end()) return nullptr;
     const Outcome& outcome = at->second;
     if (!will_do(row, outcome)) return nullptr;
-    // Asked for more than that run gave: an experiment's repeats and trace are not part of a case's identity.
+    // The experiment may ask for more than that run delivered: repeats and traces are not part of a case's identity.
     if (is_timed(outcome.status) && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
     if (round == 0 && is_timed(outcome.status) && plan_.experiment.stages && !outcome.stages_asked) return nullptr;
-    // Of a search whose first round was run again since.
+    // A later round of a search is stale if round 0 has since been run again with another cutoff.
     const Outcome* first = round > 0 ? kept(row, 0) : nullptr;
     if (first && first->cutoff_used != outcome.cutoff_used) return nullptr;
     const bool traced = !plan_.marks(row).empty() || traces_chain(row);
@@ -145,7 +146,6 @@ bool Finished::traces_chain(std::size_t row) const {
     return asked.warm && plan_.experiment.trace && find_solver(asked.solver).info.can(Ability::traces);
 }
 
-// Where the fields of a row belong; empty: it has none.
 std::filesystem::path Finished::fields_file(std::size_t row) const {
     const Case& asked = plan_.cases[row];
     if (!plan_.experiment.fields || is_surface(asked.source) || is_surface(asked.target)) return {};
@@ -158,14 +158,15 @@ bool Finished::is_surface(const std::string& name) const {
     });
 }
 
-// Asked for, and their file is missing or another one than the row names.
+// Returns whether fields are required but their file is missing or differs from the hash in the row.
 bool Finished::lacks_fields(std::size_t row, const Outcome& outcome) const {
     const auto file = fields_file(row);
     if (file.empty() || !is_timed(outcome.status)) return false;
     return !std::filesystem::is_regular_file(file) || sha256_of_file(file) != outcome.fields_sha256;
 }
 
-// None where they were not asked for, stand at a finer row, or cannot be had: the answer counts all the same.
+// Reads the fields of a row. Returns none if they were not requested, belong to the finer row that this one is read
+// off, or cannot be read; the answer counts in any case.
 Fields Finished::fields_of(std::size_t row, Outcome& outcome) const {
     const auto file = fields_file(row);
     if (!file.empty() && !outcome.from_trace && !outcome.fields_sha256.empty()) {
@@ -175,7 +176,7 @@ Fields Finished::fields_of(std::size_t row, Outcome& outcome) const {
     return {};
 }
 
-// One outcome a row: the rounds' repeats together.
+// Returns the outcome of a row: decided by the plan, or all its rounds combined.
 Outcome Finished::gather(std::size_t row) const {
     if (const auto at = plan_.decided.find(row); at != plan_.decided.end()) {
         Outcome outcome = at->second;

@@ -10,45 +10,47 @@
 
 namespace hausbench {
 
-// Which answers will do, of those that are not of this build on this machine, alone on it.
+// Which answers are accepted in addition to answers of this build, on this machine, running alone on it.
 struct Accepted {
-    bool any_build = false;     // of any build and machine
-    bool any_machine = false;   // of this build, on any machine
-    bool side_by_side = false;  // whose times compare with none
+    bool any_build = false;     // from any build and machine
+    bool any_machine = false;   // from this build on any machine
+    bool side_by_side = false;  // from runs that shared the machine, so that their times are not comparable
 };
 
 class Finished {
 public:
-    // Journal and fields stand in `folder`, in files that begin with `name`. Throws InputError as Journal does. `start_over`: what an
-    // earlier run finished of these cases is forgotten.
+    // Opens the journal and the fields, which are in `folder` under names that begin with `name`. Throws InputError
+    // as Journal does. With `start_over`, forgets the answers that an earlier run found for the cases of the plan.
     Finished(const Plan& plan, const std::filesystem::path& folder, const std::string& name, bool start_over,
              const Accepted& accepted);
 
-    // What a run that may still go on has finished so far; nothing may be appended.
+    // Reads the answers of a run that may still be going on; nothing may be appended.
     Finished(const Plan& plan, const std::filesystem::path& folder, const std::string& name, const Accepted& accepted,
              Journal::ReadOnly);
 
-    // Takes over the answers to these cases that another journal has, with its fields, where this one has none and they will do.
-    // Throws InputError where it cannot be read.
+    // Copies acceptable answers, with their fields, from another journal for the cases that have no answer here.
+    // Throws InputError if that journal cannot be read.
     void take_over(const std::filesystem::path& folder, const std::string& name);
 
-    // The answer of a row in a round; null where it has to be run (again).
+    // Returns the answer of a row in a round; null if it has to be run (again).
     const Outcome* kept(std::size_t row, int round) const;
     void forget(std::size_t row);
     std::size_t forget_those(const std::function<bool(const Row&)>& chosen);  // returns how many
     void append(std::size_t row, int round, const Outcome& outcome);
 
-    // Whether a round has to run the row: it is not there, or lacks its fields, and there is something to time.
+    // Returns whether a round has to run the row: round 0 if the answer or its fields are missing, a later round if
+    // its answer is missing and round 0 gave something to time.
     bool is_open(std::size_t row, int round) const;
 
-    // Of the cases of a job, how many some round has to run.
+    // Returns how many cases of a job still have to run in some round.
     std::size_t open_cases(const Job& job) const;
 
-    // Where the fields of a row belong; empty: it has none.
+    // Returns the file for the fields of a row; empty if the row has none.
     std::filesystem::path fields_file(std::size_t row) const;
     bool lacks_fields(std::size_t row, const Outcome& outcome) const;
 
-    // The row with what is known of it: its rounds together, or what it is read off from, and its fields.
+    // Returns the row with its outcome so far (all rounds combined, or read off the row that it depends on) and its
+    // fields.
     Row row(std::size_t number) const;
 
     const std::string& started() const { return journal_.started(); }

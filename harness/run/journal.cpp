@@ -25,7 +25,7 @@ constexpr int journal_schema = 4;
 
 std::string checksum(std::string_view text) { return Sha256().add(text.data(), text.size()).hex().substr(0, 16); }
 
-// Whether this is the beginning of a first line whose write did not finish.
+// Returns whether the text is the beginning of a first line whose write did not finish.
 bool torn_header(std::string_view text) {
     constexpr std::string_view start = R"({"hausbench_journal":)";
     if (text.find('\n') != std::string_view::npos) return false;
@@ -80,7 +80,7 @@ Journal::~Journal() {
 }
 
 Journal::Journal(std::filesystem::path file, ReadOnly) : file_(std::move(file)) {
-    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // a pipe would wait for its writer
+    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // O_NONBLOCK: a pipe would wait
     if (descriptor_ < 0 && errno == ENOENT) return;
     if (descriptor_ < 0)
         throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));
@@ -167,7 +167,7 @@ bool Journal::take(int number, std::string_view text) {
         throw;
     } catch (const json::exception&) {
         return false;
-    } catch (const std::runtime_error&) {  // a value that its column does not have, such as an unknown status
+    } catch (const std::runtime_error&) {  // a value that its column cannot hold, such as an unknown status
         return false;
     }
 }

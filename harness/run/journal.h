@@ -17,12 +17,13 @@ namespace hausbench {
 
 class Journal {
 public:
-    // Opens or creates the file, and locks it. Throws InputError if another run holds the lock, or if the file is damaged, of
-    // another schema, not a journal, or cannot be written. `start_over`: a file that cannot be read is emptied instead.
+    // Opens or creates the file, and locks it. Throws InputError if another run holds the lock, or if the file is
+    // damaged, has another schema, is not a journal, or cannot be written. With `start_over`, a file that cannot be
+    // read is emptied instead.
     explicit Journal(std::filesystem::path file, bool start_over = false);
 
-    // What a file holds that another run may be writing: it is neither locked nor changed. An incomplete last line is passed over, and a
-    // file that is not there is empty. Throws InputError as above. Nothing may be appended.
+    // Reads a file that another run may be writing, without locking or changing it. Skips an incomplete last line; a
+    // missing file counts as empty. Throws InputError as above. Nothing may be appended.
     struct ReadOnly {};
     Journal(std::filesystem::path file, ReadOnly);
 
@@ -30,22 +31,22 @@ public:
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
 
-    // Identity and round (see Experiment::rounds); a later record of the same key replaces the earlier.
+    // Identity and round (see Experiment::rounds); a later record with the same key replaces an earlier one.
     using Key = std::pair<std::string, int>;
 
     const std::map<Key, Outcome>& outcomes() const { return outcomes_; }
     void append(const Key& key, const Outcome& outcome);
 
-    // Of these identities nothing is known any more, whatever the round.
+    // Forgets the outcomes of these identities in all rounds.
     void forget(const std::set<std::string>& identities);
 
-    // Start of the run that created the journal, UTC.
+    // Returns when the run that created the journal started, UTC.
     const std::string& started() const { return started_; }
 
 private:
     void write_line(const std::string& text);
     void read(bool read_only);
-    bool take(int number, std::string_view text);  // reads a line; false if it is not a record
+    bool take(int number, std::string_view text);  // reads line `number`; false if it is not a record
     void clear();
     void erase(const std::set<std::string>& identities);
     void begin();

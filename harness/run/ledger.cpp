@@ -10,7 +10,8 @@ namespace hausbench {
 
 namespace {
 
-// Each row read off another run would have cost its first answer and its timed repeats.
+// Notes the time saved by rows that are read off another run: each would have cost a first answer and its timed
+// repeats.
 void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vector<LedgerEntry>& ledger) {
     std::map<std::string, double> saved;
     for (const Row& row : rows) {
@@ -22,14 +23,14 @@ void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vec
         const auto at = saved.find(entry.subject);
         if (entry.what != coarser_tolerances || at == saved.end()) continue;
         entry.seconds_saved = at->second;
-        at->second = 0;  // several tolerances of one subject: their sum stands at the first
+        at->second = 0;  // one subject may have several entries: the first gets their sum
     }
 }
 
-// A worker prepares once and then answers every pose: what preparing again for each of them would have cost.
+// Notes the cost of preparing again for each pose: a worker prepares once and then answers every pose.
 void note_structures_reused(const Plan& plan, const Finished& finished, const Job& job,
                             std::vector<LedgerEntry>& ledger) {
-    std::set<double> builds;  // one a process: a worker that died, or an earlier run, prepared on its own
+    std::set<double> builds;  // one per process: a run may have several, after a crash or an interruption
     std::set<int> poses;
     for (std::size_t row : job.cases) {
         const Outcome* outcome = finished.kept(row, 0);
@@ -46,7 +47,7 @@ void note_structures_reused(const Plan& plan, const Finished& finished, const Jo
                       std::int64_t(left_out), mean * double(left_out)});
 }
 
-// A worker of a matrix prepares each shape once for all its pairs.
+// Notes the cost of preparing again for each pair: a worker of a matrix prepares each shape once for all its pairs.
 void note_shapes_shared(const Job& job, const Finished& finished, std::vector<LedgerEntry>& ledger) {
     struct Use {
         int built = 0, shared = 0;
@@ -56,7 +57,7 @@ void note_shapes_shared(const Job& job, const Finished& finished, std::vector<Le
     std::map<std::string, Use> uses;
     std::size_t place = 0;
     for (const Job::Pair& pair : job.pairs) {
-        const Outcome* outcome = finished.kept(job.cases[place], 0);  // any case of the pair says the same
+        const Outcome* outcome = finished.kept(job.cases[place], 0);  // all cases of the pair agree
         place += pair.cases;
         if (!outcome) continue;
         for (const Preparation& part : outcome->preparation) {

@@ -1,4 +1,4 @@
-// Completes the ledger after a run: what was left out, and the time saved.
+// Completes the ledger after a run with the time that was saved.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -8,8 +8,8 @@
 
 namespace hausbench {
 
-// Adds to the ledger of the plan: how long the rows that were read off others would have taken, and what structures that served
-// several poses or pairs would have cost if they had been built for each.
+// Adds to the ledger of the plan the time that rows read off others would have taken, and the cost of building
+// structures separately for each pose or pair that shared them.
 void note_savings(const Plan& plan, const Finished& finished, const std::vector<Row>& rows,
                   std::vector<LedgerEntry>& ledger);
 

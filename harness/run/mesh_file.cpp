@@ -77,7 +77,7 @@ MeshFormat mesh_format_of(const fs::path& file) {
     if (extension == ".obj") return MeshFormat::obj;
     if (extension == ".ply") return MeshFormat::ply;
     throw InputError(
-        fmt::format("{}: can write only .off, .obj and .ply: end the name with one of them", file.string()));
+        fmt::format("{}: only .off, .obj and .ply can be written: end the name with one of them", file.string()));
 }
 
 void write_mesh_file(const fs::path& file, const Shape& shape, MeshFormat format) {

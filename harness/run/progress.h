@@ -1,4 +1,4 @@
-// Progress with an estimate of the time left: on a terminal one line that is redrawn, otherwise plain lines.
+// Shows progress with an estimate of the time left: on a terminal one line that is redrawn, otherwise plain lines.
 #pragma once
 
 #include <chrono>
@@ -10,12 +10,13 @@ namespace hausbench {
 
 class Progress {
 public:
-    // `pause`: where nobody watches, a line at least this often while cases are finished, in seconds.
+    // `pause`: if the output is not a terminal, seconds between lines while cases finish.
     explicit Progress(bool quiet = false, double pause = 10);
     ~Progress();
 
     void total(std::size_t cases);
-    // `seconds`: until all are done, when so many have gone by. Without it, those that are left take as long each as those that are done.
+    // Sets the function that estimates the seconds left after `gone_by` seconds. Without it, each remaining case is
+    // assumed to take as long as the finished ones did on average.
     void left_by(std::function<double(double gone_by)> seconds);
     void doing(const std::string& what);  // shown at once on a terminal
     void done(std::size_t cases);         // adds to the number of finished cases

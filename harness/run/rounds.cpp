@@ -13,13 +13,15 @@ namespace hausbench {
 
 namespace {
 
-// The solver said itself why it ended, and ends like that again on the same input. Limits and crashes strike anywhere.
+// Returns whether the solver ended by itself, and would end in the same way again on the same input. Limits and
+// crashes can strike anywhere.
 bool ended_by_itself(const Outcome& o) {
     return o.status == RowStatus::ok || o.status == RowStatus::floor || o.status == RowStatus::budget ||
            (o.status == RowStatus::failed && o.solver_status == to_string(Status::stalled));
 }
 
-// It gave bounds, and failed all the same: two runs of it differ, or it ended while it was timed.
+// Returns whether the case failed although the solver gave bounds: two runs differ, or the process ended while the
+// solve was timed.
 bool contradicts_itself(const Outcome& o) {
     return o.status == RowStatus::failed && !o.solver_status.empty() && !ended_by_itself(o);
 }

@@ -12,11 +12,11 @@
 #include "harness/run/describe.h"
 #include "harness/run/earlier.h"
 #include "harness/run/finished.h"
-#include "harness/run/lanes.h"
 #include "harness/run/ledger.h"
 #include "harness/run/progress.h"
-#include "harness/run/remaining.h"
+#include "harness/run/side_by_side.h"
 #include "harness/run/supervise.h"
+#include "harness/run/time_left.h"
 #include "harness/run/work_order.h"
 #include "process/interrupts.h"
 #include "process/memory.h"
@@ -55,7 +55,7 @@ public:
         return finish();
     }
 
-    // Runs what is open, and returns the rows that have run; writes no result.
+    // Runs the open cases and returns the rows that have an answer. Writes no result.
     std::vector<Row> answers() {
         if (!HoldInterrupts::came()) sweep();
         std::vector<Row> rows;
@@ -88,7 +88,7 @@ private:
             run_several();
             return;
         }
-        // Scene by scene, so that solvers that are compared run close in time; every other round in reverse (ABBA).
+        // Runs scene by scene, so that solvers to be compared run close in time, and every other round in reverse order (ABBA).
         std::map<std::size_t, std::vector<const Job*>> by_scene;
         for (const Job& job : plan_.jobs) by_scene[job.scene].push_back(&job);
         for (auto& [scene, jobs] : by_scene) {
@@ -102,7 +102,7 @@ private:
         }
     }
 
-    // The reference answers have a journal of their own. They come last, so that a sweep that is interrupted has its rows.
+    // Runs the reference answers, which have their own journal. They come last, so that an interrupted sweep already has its rows.
     void take_references() {
         if (!plan_.experiment.reference)
             ledger_.push_back({"not_run", "reference answers", "one for each scene, pose and quantity",
@@ -117,13 +117,14 @@ private:
         const auto begin = std::chrono::steady_clock::now();
         references_ = Runner(*plan_.references, options, Proofs::wanted).answers();
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        ledger_.push_back({"reference", "reference answers", "one for each scene, pose and quantity", rows_are_held,
+        ledger_.push_back({"reference", "reference answers", "one for each scene, pose and quantity", rows_are_compared,
                            std::int64_t(references_.size()), -seconds});
     }
 
     std::filesystem::path file() const { return options_.results / (plan_.experiment.stem + options_.suffix + ".h5"); }
 
-    // Cases that are finished stay so: what a solver takes is not asked here. Those that a smaller machine refused are open again.
+    // Refuses the open cases of a job that cannot fit into memory; finished cases keep their answers. Cases that were refused on a smaller machine are
+    // opened again.
     void refuse(const Job& job) {
         const std::string reason = does_not_fit(plan_, job, this_machine().memory_bytes);
         for (const std::size_t row : job.cases) {
@@ -150,7 +151,7 @@ private:
 
     OpenWork& part_of(const Job& job) { return parts_[std::size_t(&job - plan_.jobs.data())]; }
 
-    // Their kinds and seconds are looked up when they are first asked for: a short run never asks, and reads no earlier result for it.
+    // Returns the parts with their kinds and expected seconds. The first call looks these up: a short run never asks, and so reads no earlier result.
     const std::vector<OpenWork>& expected_parts() {
         if (expected_) return parts_;
         for (const Job& job : plan_.jobs) {
@@ -163,7 +164,7 @@ private:
         return parts_;
     }
 
-    // All rounds of a job after each other: nothing compares their times with those of another job.
+    // Runs jobs side by side, each with all its rounds in a row: their times are not compared with those from another job.
     void run_several() {
         std::vector<Demand> demands;
         for (const Job& job : plan_.jobs) {
@@ -179,8 +180,8 @@ private:
             HoldInterrupts::came);
     }
 
-    // Of the job's cases, those to run in this round, as places in Job::cases. A warm chain is run as a whole, from its head; so is a
-    // search, but only once: later rounds ask with the cutoffs of round 0.
+    // Returns the job's cases to run in this round, as places in Job::cases. A warm chain is run as a whole, from its head. So is a search, but only in
+    // round 0: later rounds use the cutoffs of round 0.
     std::vector<std::size_t> places_to_run(const Job& job, int round) const {
         std::vector<std::size_t> places;
         for (std::size_t begin = 0; begin < job.cases.size();) {
@@ -198,7 +199,7 @@ private:
 
     bool searches(const Job& job) const { return plan_.experiment.scenes[job.scene].search; }
 
-    // Of the answers before this one in its search.
+    // Returns the least upper bound of the answers before this one in its search.
     double least_upper_before(const Job& job, std::size_t place) const {
         double least = std::numeric_limits<double>::infinity();
         while (!plan_.cases[job.cases[place]].chain.empty()) {
@@ -208,7 +209,7 @@ private:
         return least;
     }
 
-    // On these cores; without any, wherever there is one. All that several jobs share is looked at under the lock.
+    // Runs one round of a job, on any cores if none are given. State that jobs share is accessed only under the lock.
     void run_job(const Job& job, int round, const std::vector<int>& cores = {}) {
         std::unique_lock lock(lock_);
         std::vector<std::size_t> places = places_to_run(job, round);
@@ -242,7 +243,7 @@ private:
         if (!statuses.empty()) progress_.line(fmt::format("{}: {}", job.label, to_string(statuses)));
     }
 
-    // A case that took from then until now.
+    // Records that a case of the job took from `begun` until now, and sets `begun` to now.
     void end_one(const Job& job, std::chrono::steady_clock::time_point& begun) {
         const auto now = std::chrono::steady_clock::now();
         OpenWork& part = part_of(job);
@@ -270,7 +271,7 @@ private:
         order.build = plan_.leave_nothing_out ? Prepare::everything : Prepare::needed_only;
         order.plugins = plugin_hashes();
         std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0, search = 0;
-        const double least = least_upper_before(job, places.front());  // of a search that broke off
+        const double least = least_upper_before(job, places.front());  // for a search that was interrupted
         for (std::size_t place : places) {
             while (place >= pair_end) pair_end += job.pairs[++pair].cases;
             const std::size_t row = job.cases[place];
@@ -322,7 +323,7 @@ private:
         const std::size_t mine = result.rows.size();
         summary.file = file();
         const bool swept = !HoldInterrupts::came();
-        HoldInterrupts::handled();  // the next Ctrl-C ends the reading or the checking, which can take long, too
+        HoldInterrupts::handled();  // another Ctrl-C ends reading or checking, which may take long
         std::vector<std::size_t> places;
         result.references = references_;
         for (const std::string& line : keep_earlier_rows(result, summary.file, plan_, options_.shapes_of, places))
@@ -384,8 +385,8 @@ private:
     std::mutex lock_;
     Finished finished_;
     const Estimates estimates_;
-    std::vector<OpenWork> parts_;  // a job each
-    bool expected_ = false;        // parts_ know what they are expected to take
+    std::vector<OpenWork> parts_;  // one per job
+    bool expected_ = false;        // parts_ hold their kinds and expected seconds
     Progress progress_;
     std::vector<LedgerEntry> ledger_;
     std::vector<Row> references_;

@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// How long past a solver's own time limit it is waited for before it is killed.
+// Returns how long to wait for an answer before killing a solver that has this time limit, in seconds.
 double with_grace(double seconds) { return 1.2 * seconds + 0.5; }
 
 constexpr std::chrono::milliseconds turn(20);
@@ -79,7 +79,7 @@ private:
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     }
 
-    // Looked at by the clock, once a turn, however much the worker has to say.
+    // Checks the memory once per turn by the clock, no matter how many events the worker sends.
     bool kill_if_too_large() {
         if (Clock::now() < next_look_) return false;
         const std::int64_t limit = order_.limits.memory_bytes;
@@ -91,7 +91,8 @@ private:
         return false;
     }
 
-    // Looked at when all that the worker has said is heard: what it said in time counts.
+    // Checks the deadline. Called only when no event is waiting, because everything that the worker sent in time
+    // counts.
     bool kill_if_late() {
         if (Clock::now() <= deadline_) return false;
         const Limits& limits = order_.limits;
@@ -101,7 +102,8 @@ private:
         return true;
     }
 
-    // False if the line is no event, or one out of turn. A solver may have written it: nothing in it is taken for granted.
+    // Processes an event; returns false if the line is not an event or comes out of turn. A solver may have written
+    // it, so nothing in it is trusted.
     bool hear(const std::string& line) {
         try {
             take(json::parse(line));
@@ -172,24 +174,25 @@ private:
         allow_a_pass();
     }
 
-    // The worker has ended or has to end: the case in flight gets its row, or all of its pair if that never got ready.
+    // Ends the worker, if it still runs. The case in flight gets its row, or all cases of its pair if that pair was
+    // never ready.
     void fail(RowStatus status, const std::string& reason) {
         worker_.kill();
         worker_.how_it_ended();
-        if (finished_ == order_.items.size()) return;  // all are answered: how it ends does not matter
+        if (finished_ == order_.items.size()) return;  // every case is answered: how the worker ends does not matter
         Outcome outcome;
         outcome.status = status;
         outcome.reason = reason;
         if (const std::string words = worker_.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
         const std::size_t length = chain_end_ - finished_;
-        // Shapes of other pairs take memory too: a worker of its own may have enough for this one. What has ended in part stays, since
-        // a chain cannot go on in the middle.
+        // Shapes of earlier pairs take memory, too: a fresh worker may have enough for this one. But a chain of which
+        // some cases have ended cannot be resumed in the middle, so its other cases get their rows.
         const bool another = order_.items[finished_].pair != order_.items.front().pair;
         if (status == RowStatus::out_of_memory && another && closed_ == 0) return;
         if (!prepared_) {
             for (const std::size_t end = order_.pair_end(finished_); finished_ < end; ++finished_)
                 report_.finished(order_.items[finished_].row, outcome);
-        } else if (outcomes_.size() == length) {  // the answers count where only their timing was cut short, by time
+        } else if (outcomes_.size() == length) {  // all answered: only their timing was cut short
             for (std::size_t k = closed_; k < length; ++k)
                 report_.finished(order_.items[finished_ + k].row, cut_short(outcomes_[k], outcome));
         } else {
@@ -212,7 +215,7 @@ private:
         return answered;
     }
 
-    // The next case or chain of cases, of a pair that has to be prepared first where it is another one.
+    // Moves on to the next case or chain of cases. If it belongs to another pair, that pair has to be prepared first.
     void next_chain() {
         const std::size_t pair = order_.items[finished_].pair;
         finished_ = chain_end_;
@@ -223,10 +226,12 @@ private:
         chain_end_ = order_.chain_end(finished_);
     }
 
-    // A pass through a chain says nothing of poses that are not timed, such as those that run into their limit.
+    // Allows time for a pass through the chain: it sends no event for poses that are not timed, such as those that
+    // reach their limit.
     void allow_a_pass() { allow(with_grace(3 * order_.limits.case_seconds * double(chain_end_ - finished_))); }
 
-    // The limit is for each shape that is not there yet, and for a solver that finds all of them.
+    // Returns the time limit for preparing. In a matrix, it allows the limit for each shape that is not loaded yet,
+    // and at least once for the solver.
     double seconds_to_prepare() const {
         return order_.limits.prepare_seconds * (order_.scaled ? std::max(1, new_shapes_[finished_]) : 1);
     }
@@ -241,7 +246,7 @@ private:
     static Outcome outcome_of(const json& told) {
         try {
             return outcome_from_json(told);
-        } catch (const std::exception&) {  // a value that is none of its column
+        } catch (const std::exception&) {  // a value that its column cannot hold
             throw NotAnEvent{};
         }
     }
@@ -256,9 +261,9 @@ private:
     Clock::time_point deadline_, next_look_ = Clock::now();
     bool prepared_ = false, began_ = false;
     std::size_t finished_ = 0,
-                chain_end_;          // the case or chain of cases in flight: of the items from `finished_` on ...
-    std::vector<Outcome> outcomes_;  // ... those that are answered, as far as they are known ...
-    std::size_t closed_ = 0;         // ... and ended
+                chain_end_;          // the case or chain in flight: items [finished_, chain_end_)
+    std::vector<Outcome> outcomes_;  // its answers so far
+    std::size_t closed_ = 0;         // how many of them have ended
     std::vector<int> new_shapes_;    // see WorkOrder
 };
 

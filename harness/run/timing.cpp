@@ -42,9 +42,9 @@ double seconds_of(const rusage& used) {
 
 }  // namespace
 
-// The clock of the process is read last here and first in spent(): reading the others takes microseconds, which would count as
-// CPU time of a short solve. Around it stand the clocks of the thread and of the wall, so that of a process with one thread
-// no time seems to be another's.
+// The process clock is read last here and first in spent(): reading the other clocks takes microseconds, which would
+// count as CPU time of a short solve. The thread and wall clocks are read before it here and after it in spent(), so
+// a process with one thread never seems to have spent time in another.
 Stopwatch::Stopwatch() : Stopwatch(of_children()) {}
 
 Stopwatch::Stopwatch(const rusage& children)
@@ -60,7 +60,7 @@ Spent Stopwatch::spent() const {
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count();
     const rusage ended = of_children();
     const double children = seconds_of(ended) - children_;
-    const bool others = process - thread > 0.01 * process;  // a hundredth: clocks of a thread are no time of another's
+    const bool others = process - thread > 0.01 * process;  // a hundredth: the clocks differ a little
     const bool elsewhere = ended.ru_minflt != faults_ && works_elsewhere(wall, process + children);
     return {wall, process + children, others || elsewhere || several_at_once(wall, process + children)};
 }
@@ -79,7 +79,7 @@ Timing time_once(const Session& session, const Query& query, std::int64_t iterat
     std::int64_t done = 0;
     benchmark::RegisterBenchmark("solve",
                                  [&](benchmark::State& state) {
-                                     // The watch runs within the benchmark's wall time, which the loop begins and ends.
+                                     // The watch starts and stops within the benchmark's wall time.
                                      for (auto _ : state) {
                                          if (done == 0) watch.emplace();
                                          const double begin = slowdown > 0 ? cpu_seconds_of_thread() : 0;

@@ -1,6 +1,6 @@
-// Events, in order, for each pair of shapes: {"event":"prepared", ...}, then for each case "begin", "answer" (before anything is
-// timed), "repeat" for each timed repeat, "trace", "fields", "proof", "end". In a warm chain the worker first answers all poses.
-// Each repeat, the trace and the fields then take one pass over the chain each. It sends "end" for every case last.
+// For each pair of shapes, the worker sends {"event":"prepared", ...} and then, for each case, the events "begin", "answer" (before anything is timed),
+// "repeat" for each timed repeat, "trace", "fields", "proof" and "end", in this order. In a warm chain, it first answers all poses. Each repeat, the trace
+// and the fields then take one pass over the chain each. It sends "end" for every case last.
 #include "harness/run/worker.h"
 
 #include "algorithms/error.h"
@@ -34,7 +34,7 @@ using nlohmann::json;
 
 namespace {
 
-// How fields in results are drawn: within a quarter of h, if so many pieces are enough. The witness is a vertex, so h is among the values.
+// How finely A is cut for the fields in results: to a quarter of h, if `most_pieces` are enough. The witness becomes a vertex, so h is among the values.
 constexpr double resolution = 0.25;
 constexpr std::size_t most_pieces = 100'000;
 
@@ -58,7 +58,7 @@ public:
     }
 
 private:
-    // Of a search: with the cutoff that the answers before it allow.
+    // Returns the item; in a search, with the cutoff lowered as the earlier answers allow.
     const WorkOrder::Item& narrowed(WorkOrder::Item& item) {
         if (item.search != search_) least_upper_ = std::numeric_limits<double>::infinity();
         search_ = item.search;
@@ -68,7 +68,7 @@ private:
 
     void send(const json& event) {
         const std::string line =
-            event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';  // a solver's words may be no UTF-8
+            event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';  // text from a solver may not be UTF-8
         for (std::size_t done = 0; done < line.size();) {
             const ssize_t n = ::write(events_, line.data() + done, line.size() - done);
             if (n <= 0) std::exit(3);  // the runner is gone
@@ -76,7 +76,7 @@ private:
         }
     }
 
-    // Loads and prepares what is not there yet.
+    // Loads the shapes of a pair, unless they are loaded already, and prepares the solver on them.
     void open(std::size_t number, std::size_t first) {
         const WorkOrder::Pair& pair = order_.pairs.at(number);
         const SolverEntry& entry = find_solver(order_.solver);
@@ -95,7 +95,7 @@ private:
         }
         json left_out = json::array();
         const auto& built = session_->needs();
-        // Not said where other directions, copies or pairs may build it after all.
+        // Structures left out are not reported if another direction, copy or pair may still build them.
         const bool alone = !order_.scaled && !pair.queries.symmetric && !pair.queries.target_moves;
         for (const Need& need : entry.info.may_need) {
             if (alone && std::find(built.begin(), built.end(), need) == built.end())
@@ -104,7 +104,7 @@ private:
         send({{"event", "prepared"}, {"left_out", left_out}});
     }
 
-    // Of a matrix; let go of where no item from `first` on needs it.
+    // Returns a shape of a matrix, loaded if necessary, and releases the shapes that no item from `first` on needs.
     std::shared_ptr<PreparedShape> shape(const std::filesystem::path& file, std::size_t first) {
         if (last_use_.empty()) {
             for (std::size_t i = 0; i < order_.items.size(); ++i) {
@@ -139,7 +139,7 @@ private:
         RowStatus status;
     };
 
-    // Sends it; none where the solver threw or the session refused the pose.
+    // Answers a case and sends the answer. Returns nothing if the solver threw or the session refused the pose.
     std::optional<Answer> answer(const WorkOrder::Item& item, State* state) {
         send({{"event", "begin"}, {"row", item.row}});
         if (memory_) memory_->next_answer();
@@ -151,7 +151,7 @@ private:
         } catch (const std::bad_alloc&) {
             broke_ = true;
             return give_up(item, RowStatus::out_of_memory, "the solver was refused memory that it asked for");
-        } catch (const InputError& error) {  // the session refuses the pose: the solver was not asked
+        } catch (const InputError& error) {  // the session refused the pose; the solver was not asked
             return give_up(item, RowStatus::failed, error.what());
         } catch (const std::exception& error) {
             broke_ = true;
@@ -197,7 +197,7 @@ private:
         send({{"event", "end"}, {"row", item.row}});
     }
 
-    // A solver that throws has left the state as nobody knows: the chain ends there. A pose that is refused is passed over.
+    // Answers a warm chain. A solver that throws leaves the state undefined, so the chain ends there. A refused pose is skipped.
     void answer_chain(std::size_t begin, std::size_t end) {
         std::vector<std::optional<Answer>> first;
         std::unique_ptr<State> state = session_->begin();
@@ -239,7 +239,7 @@ private:
 
     double most_seconds_of_repeats(std::size_t cases) const { return 2 * order_.limits.case_seconds * double(cases); }
 
-    // No answer, and none to time; the solver may do better on the next case.
+    // Sends an outcome without bounds, and returns nothing to time. The solver may do better on the next case.
     std::nullopt_t give_up(const WorkOrder::Item& item, RowStatus status, const std::string& reason) {
         Outcome outcome;
         outcome.status = status;
@@ -264,7 +264,7 @@ private:
             case Status::budget:
                 return "the budget of subdivisions was spent: the bounds hold";
             case Status::precision_floor:
-                return "the tolerance is below what double precision can certify: the bounds hold";
+                return "the tolerance is smaller than double precision can certify: the bounds hold";
             case Status::stalled:
                 return "the solver could not go on: the bounds hold";
             default:
@@ -272,7 +272,7 @@ private:
         }
     }
 
-    // Fast solves are timed several at once, so that the clock's own cost stays below a thousandth.
+    // Times the repeats of a case. Fast solves are timed several at a time, so that reading the clock costs less than a thousandth.
     void time_repeats(const WorkOrder::Item& item, const Query& query, double first_seconds) {
         const auto iterations = std::int64_t(std::clamp(5e-4 / std::max(first_seconds, 1e-9), 1.0, 1000.0));
         double spent = 0;
@@ -295,7 +295,7 @@ private:
         json samples = json::array();
         for (const TraceSample& s : traced.samples())
             samples.push_back({number(s.seconds), number(s.lower), number(s.upper)});
-        // Only a run that both times came to its own end must come to the same one.
+        // The bounds must be equal only if both runs converged.
         const bool equal = again.bounds.lower == first.bounds.lower && again.bounds.upper == first.bounds.upper;
         send({{"event", "trace"},
               {"row", item.row},
@@ -303,7 +303,7 @@ private:
               {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
     }
 
-    // The fields that need no solver; then the solver's own, and its stages, by solving once more.
+    // Writes the fields that need no solver and, after solving once more, the solver's own fields and the seconds of its stages.
     void fields(const WorkOrder::Item& item, State* state, const Result& first) {
         const bool wanted = !item.fields.empty();
         if (!wanted && !item.stages) return;
@@ -335,7 +335,7 @@ private:
         send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});
     }
 
-    // Checks the upper bound of an answer: between point sets for each point, else by the certificate, if it has one.
+    // Checks the upper bound of an answer: between point sets at each point, otherwise by the certificate, if there is one.
     void prove(const WorkOrder::Item& item, const Result& result) {
         const auto tell = [&](double proven, const std::string& certificate) {
             send({{"event", "proof"}, {"row", item.row}, {"proven", number(proven)}, {"certificate", certificate}});
@@ -371,11 +371,11 @@ private:
     WorkOrder order_;
     int events_;
     bool broke_ = false;                                            // the solver threw, see answer_chain()
-    std::size_t search_ = 0;                                        // at hand, see WorkOrder::Item
-    double least_upper_ = std::numeric_limits<double>::infinity();  // of its answers
+    std::size_t search_ = 0;                                        // the current search, see WorkOrder::Item
+    double least_upper_ = std::numeric_limits<double>::infinity();  // of the answers in that search
     std::optional<PeakMemory> memory_;
-    std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> loaded_;  // of a matrix
-    std::map<std::filesystem::path, std::size_t> last_use_;                   // likewise: the last item
+    std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> loaded_;  // shapes of a matrix
+    std::map<std::filesystem::path, std::size_t> last_use_;                   // the last item that needs each of them
     PreparedPair shapes_;
     std::optional<Session> session_;
 };
@@ -384,11 +384,11 @@ private:
 
 int worker_main(int events) {
     end_family_with_parent();
-    ::fcntl(events, F_SETFD, FD_CLOEXEC);  // no business of programs that a solver starts
+    ::fcntl(events, F_SETFD, FD_CLOEXEC);  // not inherited by programs that a solver starts
     WorkOrder order = unpacked({std::istreambuf_iterator<char>(std::cin), {}});
     for (const auto& [file, hash] : order.plugins) {
         if (sha256_of_file(file) != hash)
-            throw InputError(fmt::format("{}: was built again while the sweep ran: run it again", file.string()));
+            throw InputError(fmt::format("{}: was rebuilt during the run: run it again", file.string()));
         load_plugin(file);
     }
     return Worker(std::move(order), events).run();

@@ -3,7 +3,8 @@
 
 namespace hausbench {
 
-// The hidden verb `worker`: one JSON object a line on file descriptor `events`, see worker.cpp. Returns the exit code.
+// Runs the hidden verb `worker`, which writes one JSON object per line to file descriptor `events` (see worker.cpp).
+// Returns the exit code.
 int worker_main(int events);
 
 }  // namespace hausbench

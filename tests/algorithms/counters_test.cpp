@@ -1,8 +1,9 @@
-// Work counters on small scenes, exactly as committed in bench/tracking/baseline.toml ([small_scenes]): they are the same on every
-// machine, compiler and instruction set, so that any change is a change of the algorithm.
+// Work counters on small scenes must equal those in bench/tracking/baseline.toml ([small_scenes]). They
+// are the same on every machine, compiler and instruction set, so any change is a change of the algorithm.
 //
-// `hausbench track --tiers counters --update 'why the counters change'` writes them anew, for which it runs this program with
-// HAUSBENCH_COUNTS, the file to write. It also records a solver that is new and counts something; until then nothing is compared for it.
+// `hausbench track --tiers counters --update 'why the counters change'` records them anew: it runs
+// this program with HAUSBENCH_COUNTS set to the file to write. It also records a new solver that
+// counts something; until then, that solver is not compared.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "algorithms/structures/bvh.h"
@@ -88,7 +89,7 @@ template <class Tree> Counts tree_counts() {
     return counts;
 }
 
-// Pairs of point sets: clouds that overlap, that lie apart, that nearly coincide, and what is hard for grids and trees.
+// Makes pairs of point sets: overlapping, apart, nearly coincident, and hard for grids and trees.
 std::vector<TestScene> point_scenes() {
     Random random(10);
     const auto noisy = [&](Points points, double size) {
@@ -129,7 +130,7 @@ Counts point_solver_counts(const std::string& name, const ParameterMap& given) {
     return counts;
 }
 
-// The scan that every tree must equal, and that certifies witnesses of small targets.
+// Counts the scan that every tree must equal and that certifies witnesses for small targets.
 Counts scan_counts() {
     Counts counts;
     for (const auto& [name, mesh] : tree_meshes()) {
@@ -154,7 +155,8 @@ const std::set<std::string> not_counted = {"cgal", "cgal_kdtree", "kdtree", "pen
 
 using Groups = std::map<std::string, std::function<Counts()>>;
 
-// A group for each solver, with its defaults unless they are slow here; for variants of solvers; and for structures.
+// Returns a group for each solver, with its defaults unless they are slow here; for variants of
+// solvers; and for structures.
 Groups groups() {
     Groups all;
     const auto add = [&](const std::string& group, const std::string& solver, const ParameterMap& given = {}) {

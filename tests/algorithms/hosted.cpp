@@ -1,4 +1,4 @@
-// The library of algorithms as a shared library with one function in C, for a host that is not ours, such as Python.
+// The library of algorithms as a shared library with one C function, for hosts in other languages, such as Python.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 
@@ -6,7 +6,8 @@
 
 using namespace hausbench;
 
-// How many solvers bounded the distance between two sets of points, or of triangles with three corners each; -1: one threw.
+// Returns how many solvers bounded the distance between two sets of points, or of triangles with
+// three corners each; -1 if one threw.
 extern "C" int bound_by_all_solvers(const double* a, const double* b, int points) {
     try {
         PointSet source{Points(points, 3)}, target{Points(points, 3)};

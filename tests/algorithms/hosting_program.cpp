@@ -1,4 +1,4 @@
-// A program that hosts the library of algorithms: its signal handlers and its children stay its own.
+// A program that hosts the library of algorithms. The library must leave its signal handlers and its children alone.
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>

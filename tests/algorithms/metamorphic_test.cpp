@@ -1,5 +1,5 @@
-// Every certified solver is asked what metamorphic.h relates. No reference decides, so this also watches what a reference could have in
-// common with a solver. Of each relation a planted wrong solver shows that it can fail.
+// Checks the relations of metamorphic.h for every certified solver. No reference decides, so this also finds errors that
+// a reference could share with a solver. For each relation, a planted wrong solver shows that the relation can fail.
 #include "tests/support/metamorphic.h"
 
 #include "algorithms/registry.h"
@@ -22,7 +22,8 @@ Points grid_cloud(Random& random, Index count, double step) {
     return cloud(random, count, 0.9).unaryExpr([&](double x) { return on_grid(x, step); });
 }
 
-// A soup; one with many coincident vertices and triangles without area; needles; a bumpy sheet with shared vertices.
+// Makes a soup, a soup with many coincident vertices and triangles without area, needles, or a
+// bumpy sheet with shared vertices.
 Shape some_mesh(Random& random, int kind) {
     const Index count = 5 + random.below(12);
     if (kind == 0) return soup(grid_cloud(random, 3 * count, 0x1p-16));
@@ -62,7 +63,7 @@ std::vector<Instance> point_instances() {
     return all;
 }
 
-// --- who is asked ---------------------------------------------------------------------------------------------------
+// --- the solvers ----------------------------------------------------------------------------------------------------
 
 Ask ask_of(const SolverEntry& entry) {
     return [&entry](const Scene& scene, double tolerance, Quantity quantity) {
@@ -116,10 +117,10 @@ Bounds right(const Scene& scene, Quantity quantity) {
     return ask_of(find_solver(points ? "naive" : "guthe"))(scene, coarse, quantity);
 }
 
-// Wide enough for the coarse tolerance, so that without the error that is planted no relation would fail.
+// Returns bounds wide enough for the coarse tolerance, so that no relation would fail without the planted error.
 Bounds around(double value) { return {value - 2 * coarse, value + 2 * coarse}; }
 
-// The distance of the vertices alone.
+// Returns the distance of the vertices alone.
 double of_vertices(const Shape& a, const Shape& b) {
     return right({PointSet{points_of(a)}, PointSet{points_of(b)}}, Quantity::directed).lower;
 }
@@ -140,14 +141,14 @@ template <class R> void expect_refuted(const Wrong& wrong) {
 
 TEST(Metamorphic, ScalesWithPowersOfTwo) {
     expect_of_every_solver<ScalesWithPowersOfTwo>();
-    expect_refuted<ScalesWithPowersOfTwo>([](const Scene& scene, Quantity quantity) {  // an allowance that is a length
+    expect_refuted<ScalesWithPowersOfTwo>([](const Scene& scene, Quantity quantity) {  // an absolute allowance
         return Bounds{right(scene, quantity).lower, right(scene, quantity).upper + 0x1p-40};
     });
 }
 
 TEST(Metamorphic, ForgetsTheOrder) {
     expect_of_every_solver<ForgetsTheOrder>();
-    expect_refuted<ForgetsTheOrder>([](const Scene& scene, Quantity) {  // the first vertex of A alone
+    expect_refuted<ForgetsTheOrder>([](const Scene& scene, Quantity) {  // only the first vertex of A
         return around(of_vertices(PointSet{points_of(scene.source).row(0)}, scene.target));
     });
 }
@@ -162,7 +163,7 @@ TEST(Metamorphic, MovesAlong) {
 
 TEST(Metamorphic, TurnsAlong) {
     expect_of_every_solver<TurnsAlong>();
-    expect_refuted<TurnsAlong>([](const Scene& scene, Quantity) {  // z is left out
+    expect_refuted<TurnsAlong>([](const Scene& scene, Quantity) {  // z is ignored
         const auto flat = [](const Vec3& p) { return Vec3(p[0], p[1], 0); };
         return around(of_vertices(moved(scene.source, flat), moved(scene.target, flat)));
     });
@@ -170,28 +171,28 @@ TEST(Metamorphic, TurnsAlong) {
 
 TEST(Metamorphic, GrowsWithA) {
     expect_of_every_solver<GrowsWithA>();
-    expect_refuted<GrowsWithA>([](const Scene& scene, Quantity) {  // the mean over A, not the largest
+    expect_refuted<GrowsWithA>([](const Scene& scene, Quantity) {  // the mean over A instead of the maximum
         return around(mean_of_vertices(scene.source, scene.target));
     });
 }
 
 TEST(Metamorphic, ForgetsTheCuts) {
     expect_of_every_solver<ForgetsTheCuts>();
-    expect_refuted<ForgetsTheCuts>([](const Scene& scene, Quantity) {  // vertices stand for the meshes
+    expect_refuted<ForgetsTheCuts>([](const Scene& scene, Quantity) {  // only the vertices of the meshes
         return around(of_vertices(scene.source, scene.target));
     });
 }
 
 TEST(Metamorphic, ObeysTheTriangleInequality) {
     expect_of_every_solver<ObeysTheTriangleInequality>();
-    expect_refuted<ObeysTheTriangleInequality>([](const Scene& scene, Quantity quantity) {  // squares
+    expect_refuted<ObeysTheTriangleInequality>([](const Scene& scene, Quantity quantity) {  // squared distances
         return around(std::pow(right(scene, quantity).lower, 2));
     });
 }
 
 TEST(Metamorphic, IsSymmetric) {
     expect_of_every_solver<IsSymmetric>();
-    expect_refuted<IsSymmetric>([](const Scene& scene, Quantity) {  // h where H is asked for
+    expect_refuted<IsSymmetric>([](const Scene& scene, Quantity) {  // h instead of H
         return around(right(scene, Quantity::directed).lower);
     });
 }
@@ -205,7 +206,7 @@ TEST(Metamorphic, IsZeroOfItself) {
 
 TEST(Metamorphic, ForgetsCopies) {
     expect_of_every_solver<ForgetsCopies>();
-    expect_refuted<ForgetsCopies>([](const Scene& scene, Quantity) {  // vertices of no face count
+    expect_refuted<ForgetsCopies>([](const Scene& scene, Quantity) {  // vertices without a face count
         return around(of_vertices(scene.source, cube(1)));
     });
 }
@@ -220,7 +221,8 @@ AlgebraicSurface ball(const std::string& x, const std::string& squared_radius, d
     return s;
 }
 
-// A surface has no faces to reorder: what is left is cheap, and at a tolerance that each reaches within its budget or does not.
+// Surfaces have no faces to reorder. The remaining relations are cheap, and at this tolerance,
+// which not every solver reaches within its budget.
 TEST(Metamorphic, SurfacesObeyThem) {
     const AlgebraicSurface a = ball("x", "1"), b = ball("x - 1/4", "1"), c = ball("x + 1/4", "9/16");
     AlgebraicSurface turned = b;

@@ -99,9 +99,9 @@ TEST(Registry, NamesAreUniqueAndParametersReadable) {
         const auto& parameters = entry.info.parameters;
         if (std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.required(); })) {
             EXPECT_THROW(Options(entry.info.name, parameters, {}), InputError) << entry.info.name;
-            continue;  // an outside program: no paper of its own, nothing to make without its command
+            continue;  // an outside program: it has no paper, and needs its command to be made
         }
-        // Our own solvers come from no paper, and say so.
+        // Our own solvers come from no paper, and their titles say so.
         EXPECT_EQ(entry.info.paper.empty(), entry.info.title.ends_with("(ours)")) << entry.info.name;
         EXPECT_NO_THROW(check_contract(entry)) << entry.info.name;
     }
@@ -134,8 +134,8 @@ TEST(Contract, WhatIsDeclaredWrongIsSaid) {
     says("'how' twice", [](SolverInfo& info) { info.parameters[1].name = "how"; });
     says("'worse' is not one of its choices",
          [](SolverInfo& info) { info.parameters[0].default_value = std::string("worse"); });
-    says("is no text", [](SolverInfo& info) { info.parameters[1].choices = {"3"}; });
-    says("is no text", [](SolverInfo& info) { info.parameters[1].command = true; });
+    says("is not a text", [](SolverInfo& info) { info.parameters[1].choices = {"3"}; });
+    says("is not a text", [](SolverInfo& info) { info.parameters[1].command = true; });
     says("outside [1, 2]", [](SolverInfo& info) { info.parameters[1].most = 2; });
     says("outside", [](SolverInfo& info) { info.parameters[1].default_value = std::nan(""); });
 }

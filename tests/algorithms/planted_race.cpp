@@ -1,5 +1,5 @@
-// A solver whose solve() is not re-entrant: it counts in a member, without a lock. `make tsan` expects the thread sanitizer to report
-// it, so that a sanitizer that sees nothing is noticed. Not part of any other build's tests.
+// A solver whose solve() is not re-entrant: it increments a member without a lock. `make tsan` expects the thread
+// sanitizer to report it, so that a sanitizer that detects nothing is noticed. No other build's tests include it.
 #include "algorithms/session/session.h"
 
 #include <iostream>

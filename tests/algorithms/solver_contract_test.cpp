@@ -1,8 +1,9 @@
-// What every solver in the registry promises, tried on every small scene whose shapes it takes.
+// The promises of every registered solver, tested on every small scene whose shapes it takes.
 //
-// A certified solver's bounds enclose the exact answer, whatever the status. One that is not certified (a peer) must come
-// within 1e-10 of the largest coordinate of enclosing it, except where it is listed in `exceptions` with the reason. One that
-// keeps a published error (`known_wrong`) promises all but its bounds; point_solvers_test.cpp shows it to be wrong.
+// A certified solver's bounds enclose the exact answer, whatever the status. The bounds of a solver
+// that is not certified (a peer) may miss it by 1e-10 of the largest coordinate, unless
+// `exceptions` lists the scene with a reason. A solver that keeps a published error (`known_wrong`)
+// promises everything but its bounds; point_solvers_test.cpp shows that it is wrong.
 #include "algorithms/error.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
@@ -24,7 +25,7 @@ struct Exception {
     std::string solver, scene, reason;
 };
 
-// Checked not to be stale: each must be seen to break the promise.
+// An exception is stale unless its solver is seen to break the promise.
 const std::vector<Exception>& exceptions() {
     static const std::vector<Exception> list = [] {
         std::vector<Exception> all;
@@ -48,7 +49,7 @@ bool excepted(const SolverInfo& solver, const std::string& scene) {
 
 struct Case {
     TestScene test;
-    std::vector<Truth> truths;  // one a pose
+    std::vector<Truth> truths;  // one per pose
 };
 
 const std::vector<Case>& cases() {
@@ -83,13 +84,13 @@ Session session_of(const SolverEntry& entry, const TestScene& test, Prepare buil
     return Session(entry, quick_options(entry, given), test.scene, queries, build);
 }
 
-// `external` is nothing without a program: tests/program/test_external.py gives it some.
+// `external` needs a program; tests/program/test_external.py gives it some.
 bool needs_to_be_told(const SolverEntry& entry) {
     return std::any_of(entry.info.parameters.begin(), entry.info.parameters.end(),
                        [](const auto& p) { return p.required(); });
 }
 
-// Calls f(entry, case, "solver on scene") for all that fit.
+// Calls f(entry, case, "solver on scene") for all cases that fit a solver.
 template <class F> void for_each_fitting(F&& f) {
     for (const SolverEntry& entry : solvers()) {
         if (needs_to_be_told(entry)) continue;
@@ -133,7 +134,7 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
             const Query query = query_of(c.test.poses[i], truth);
             const Result result = session.solve(query, trace);
             if (excepted(entry.info, c.test.name)) {
-                // Or the library's own assertions notice, where those are compiled in.
+                // If the library's own assertions are compiled in, they may stop it first.
                 const bool noticed = result.status == Status::stalled && std::isinf(result.bounds.upper);
                 if (noticed || !encloses(result.bounds, truth, 1e-10 * truth.magnitude)) {
                     broken.insert({entry.info.name, c.test.name});
@@ -145,7 +146,8 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
 
             const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
             EXPECT_EQ(result.status == Status::converged, close) << at;
-            // Double precision holds a thousandth of the tolerance easily, but not near the ends of its range.
+            // A tolerance is easy if a thousandth of it is well above rounding, and the scene is
+            // not near the ends of the range.
             const bool easy = truth.tolerance > 1e3 * unit_roundoff * truth.magnitude && truth.magnitude > 1e-300 &&
                               truth.magnitude < 1e300;
             if (reaches_the_tolerance(entry.info) && easy) {
@@ -220,7 +222,7 @@ TEST(SolverContract, BoundsHoldWhenStoppedEarly) {
     });
 }
 
-// Many random pairs, at a tolerance near the floor, where a bound that is off by a rounding would show.
+// Many random pairs, at a tolerance near the precision floor, where a bound that is off by one rounding would show.
 TEST(SolverContract, BoundsHoldOnRandomPairs) {
     Random random(21);
     for (int i = 0; i < 100; ++i) {
@@ -229,7 +231,7 @@ TEST(SolverContract, BoundsHoldOnRandomPairs) {
         const bool mesh = i % 3 != 0;
         Points b = cloud(random, mesh ? 3 * nb : nb, size);
         Points a = cloud(random, mesh ? 3 * na : na, size);
-        // Often close to B: some vertices are B's, moved a little.
+        // Often close to B: some vertices are vertices of B moved a little.
         for (Index v = 0; v < a.rows(); ++v) {
             if (random.below(2) != 0)
                 a.row(v) = Vec3(b.row(random.below(static_cast<Index>(b.rows())))) + random.vector(apart);
@@ -289,7 +291,7 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
             asked[entry.info.name].insert(to_string(need));
         }
         EXPECT_EQ(full.needs().size(), entry.info.may_need.size()) << where;
-        EXPECT_GE(full.preparation().size(), full.needs().size() + 1) << where;  // and "solver"
+        EXPECT_GE(full.preparation().size(), full.needs().size() + 1) << where;  // the needs and "solver"
     };
     for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
         for (const ParameterMap& given : variants_of(entry)) {
@@ -306,7 +308,7 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
     }
 }
 
-// Without Session, which scales every scene to the same size before a solver sees it.
+// Solves without Session, which would scale every scene to the same size first.
 Result solve_as_it_is(const SolverEntry& entry, const Scene& scene, const QuerySet& queries, const Query& query) {
     const std::unique_ptr<Solver> solver = entry.make(defaults(entry));
     const Prepared prepared(scene, solver->needs(scene, queries));
@@ -315,8 +317,8 @@ Result solve_as_it_is(const SolverEntry& entry, const Scene& scene, const QueryS
     return solver->solve(query, nullptr, trace);
 }
 
-// Solvers have no hidden lengths: where nothing over- or underflows, a scene 2^k times as large has the same answer, 2^k
-// times as large, for the same work.
+// Solvers have no hidden lengths: if nothing over- or underflows, a scene 2^k times as large has
+// an answer 2^k times as large, for the same work.
 TEST(SolverContract, PowersOfTwoScaleTheAnswerBitwise) {
     std::map<std::string, int> tried;
     for_each_fitting([&](const SolverEntry& entry, const Case& c, const std::string& where) {
@@ -425,7 +427,7 @@ TEST(Session, KeepsTheTimesOfWhatItPrepares) {
         ASSERT_EQ(session.preparation().size(), 2u);
         EXPECT_EQ(session.preparation()[0].name, "target octree");
         EXPECT_EQ(session.preparation()[1].name, "solver");
-        EXPECT_GT(session.prepare_bytes(), 50u * 3 * sizeof(double));  // its vertices at least
+        EXPECT_GT(session.prepare_bytes(), 50u * 3 * sizeof(double));  // at least its vertices
         EXPECT_GT(session.prepare_seconds(), 0);
         return;
     }

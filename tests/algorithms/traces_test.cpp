@@ -1,4 +1,4 @@
-// Every solver that traces leaves samples on the way to its answer, whose bounds hold.
+// Every solver that traces leaves samples on the way to its answer, and their bounds hold.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/quick_options.h"
@@ -13,7 +13,7 @@
 namespace hausbench {
 namespace {
 
-// A pair of each kind of shapes, none of which is decided by its first bounds.
+// Returns a pair for each kind of shape; no pair is decided by its first bounds.
 std::vector<Scene> scenes() {
     Random random(5);
     std::vector<Scene> all;
@@ -23,7 +23,7 @@ std::vector<Scene> scenes() {
     return all;
 }
 
-// The published pairs of voxels are all pairs, which takes long.
+// The published algorithm tries all pairs of voxels, which is slow.
 Options options(const SolverEntry& entry) {
     const bool pairs = entry.info.name == "interval_subdivision";
     return quick_options(entry, pairs ? ParameterMap{{"pairs", std::string("pruned")}} : ParameterMap{});
@@ -40,7 +40,7 @@ TEST(Traces, HoldSamplesBeforeTheLastWhoseBoundsHold) {
         for (const SolverEntry& entry : solvers()) {
             if (!is_tried(entry.info)) continue;
             if (!refusal(entry.info, kind_of(scene.source), kind_of(scene.target)).empty()) continue;
-            // Solvers of meshes take points as triangles without area, which their first bounds may decide.
+            // Mesh solvers take points as triangles without area, which their first bounds may decide.
             if (kind_of(scene.source) == ShapeKind::points && entry.info.source.mesh) continue;
             tried.insert(entry.info.name);
             Query query;

@@ -1,4 +1,4 @@
-"""Lets the tests import `analysis` and the generator of result files, from wherever pytest is started; and what several of them need."""
+"""Lets the tests import `analysis` and the generator of result files wherever pytest is started, and holds shared fixtures."""
 
 import sys
 from pathlib import Path
@@ -13,7 +13,7 @@ for folder in (str(HERE.parent.parent), str(HERE)):
 
 @pytest.fixture()
 def tetrahedra(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every model is a tetrahedron."""
+    """Makes every model a tetrahedron."""
     from stem_runner import TETRAHEDRON
 
     from analysis.shared import shapes

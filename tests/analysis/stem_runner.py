@@ -1,4 +1,4 @@
-"""Runs the stem of a file and reads back what it wrote."""
+"""Runs the stem of a file and reads back its outputs."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from analysis.shared.shapes import Mesh
 Made = tuple[list[dict[str, str]], dict[str, list[list[str]]], str]
 Make = Callable[[ResultFile], Made]
 
-_rendered: set[str] = set()  # stems, in this process
+_rendered: set[str] = set()  # stems rendered in this process
 TETRAHEDRON = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
 
 
 def stem_runner(folder: Path) -> Make:
-    """Of a function that returns the CSV, the Markdown rows by their first cell, and the whole Markdown. The figure of a stem is made each time, but
-    rendered only the first time, for that takes most of the time.
+    """Returns a function that runs a file and returns the CSV, the Markdown rows by their first cell, and the whole Markdown.
+
+    The figure of a stem is made each time, but rendered only the first time, because rendering takes most of the time.
     """
     def run(file: ResultFile) -> Made:
         file.write(folder)

@@ -56,7 +56,7 @@ LEDGER: dict[str, Any] = {"kind": "", "subject": "", "what": "", "reason": "", "
 
 @dataclass
 class ResultFile:
-    """Rows are dictionaries; columns that are not given take the defaults above."""
+    """A result file to be written. Rows are dictionaries; missing columns take the defaults above."""
 
     stem: str
     meta: dict[str, Any] = field(default_factory=dict)
@@ -69,15 +69,17 @@ class ResultFile:
     fields: list[dict[str, Any]] = field(default_factory=list)
     field_values: list[float] = field(default_factory=list)
     ledger: list[dict[str, Any]] = field(default_factory=list)
-    wall: float = 1.0  # what the seconds given to case() are multiplied by
+    wall: float = 1.0  # factor for the seconds given to case()
     cpu: float = 0.9
 
     def case(self, solver: str, scene: str, seconds: Sequence[float] = (),
              trace: Sequence[tuple[float, float, float]] = (), options: dict[str, Any] | None = None,
              counters: dict[str, int] | None = None, rounds: int = 0, prepare: Sequence[float] = (), first: Sequence[float] = (), **columns: Any) -> int:
-        """Adds a case with its repeats (one a round, or spread over so many rounds) and trace, and its models; returns its
-        row. `prepare` are the seconds of preparing, by round, and `first` those of the first answers; if not given, the
-        median of the repeats of the round.
+        """Adds a case with its repeats (one per round, or spread over `rounds` rounds), its trace and its models; returns its
+        row.
+
+        `prepare` holds the seconds of preparing by round, and `first` the seconds of the first answers, by default the median of the
+        round's repeats.
         """
         row, rounds = len(self.cases), rounds or max(1, len(seconds))
         if len(prepare):
@@ -138,7 +140,7 @@ def _array(values: list[Any], example: Any) -> Any:
 
 
 def spread(middle: float, n: int, width: float = 0.1) -> list[float]:
-    """n times whose median is `middle`, from middle (1 - width/2) to middle (1 + width/2)."""
+    """Returns n times with the median `middle`, from middle (1 - width/2) to middle (1 + width/2)."""
     return [middle * (1 + width * (i / (n - 1) - 0.5)) if n > 1 else middle for i in range(n)]
 
 
@@ -147,9 +149,7 @@ def without_bounds(status: str, reason: str, columns: dict[str, Any]) -> dict[st
 
 
 def zhang2017_table3() -> ResultFile:
-    """Known: a_pears: naive 2.0 s, earlybreak 0.5 s (10 seeds); b_cow_hippo: one of ten seeds timed out; c_rabbits: inc
-    crashed.
-    """
+    """Known: a_pears: naive 2.0 s, earlybreak 0.5 s (10 seeds); b_cow_hippo: one of ten seeds timed out; c_rabbits: inc crashed."""
     file = ResultFile("zhang2017_table3", wall=1.25, cpu=1.0)
     scenes = {"a_pears": ("neverball orange_sculpted.obj, resampled to size", 1.0),
               "b_cow_hippo": ("CGAL cow.off, hippo1.ply", 0.8), "c_rabbits": ("glmark2 bunny, @pmndrs bunny", 2.5),
@@ -177,7 +177,7 @@ def zhang2017_table3() -> ResultFile:
 
 
 def points_speed() -> ResultFile:
-    """Known: where an outlier decides, early breaking is the best other (5 times ours); near zero, the tree is (4)."""
+    """Known: if an outlier decides, early breaking is the best other solver (5 times ours); near zero, the tree is (4 times)."""
     file = ResultFile("points_speed", cpu=1.0)
     for scene, ours, early, tree in (("overlapping_100K", 0.002, 0.010, 0.060), ("noisy_100K", 0.012, 0.0, 0.048)):
         common: dict[str, Any] = {"scene_note": "clouds", "lower": 0.25, "upper": 0.25, "peak_bytes": 8 * 2**20}
@@ -193,7 +193,7 @@ def points_speed() -> ResultFile:
 
 
 def points_hostile() -> ResultFile:
-    """Known: 4 times as fast on the line; on the shell 0.5 times; on the sheet the tree did not end."""
+    """Known: ours is 4 times as fast on the line and 0.5 times on the shell; on the sheet, the tree did not end."""
     file = ResultFile("points_hostile")
     for scene, ours, tree in (("line_20K", 0.005, 0.020), ("shell_20K", 0.010, 0.005), ("sheet_20K", 0.010, 0.0)):
         common: dict[str, Any] = {"scene_note": "two samples", "lower": 0.25, "upper": 0.25, "source_elements": 20000}
@@ -207,8 +207,8 @@ def points_hostile() -> ResultFile:
 
 
 def sacht2024_fig13() -> ResultFile:
-    """Known: sacht closes a decade every 10 ms after 20 ms of preparation, times 1, 2, 3, 4 on the four pairs; zheng
-    does not get below 1e-6 on ramesses; cgal has no trace, and one case a tolerance.
+    """Known: sacht closes a decade every 10 ms after 20 ms of preparation, times 1, 2, 3, 4 on the four pairs; zheng does not get
+    below 1e-6 on ramesses; cgal has no trace, and one case per tolerance.
     """
     file = ResultFile("sacht2024_fig13")
     for k, scene in enumerate(("crown", "monster", "bust", "ramesses")):
@@ -218,7 +218,7 @@ def sacht2024_fig13() -> ResultFile:
                                       ("tang", 0.051, 0.020), ("cover", 0.004, 0.012), ("guthe", 0.12, 0.02)):
             stuck = {("zheng", "ramesses"): 6, ("guthe", "ramesses"): 4, ("guthe", "bust"): 4, ("tang", "bust"): 7}
             last = stuck.get((solver, scene), 8)
-            # The gap after j steps is 0.9 of the j-th tolerance.
+            # The gap after j steps is 0.9 times the j-th tolerance.
             samples = [(pace * slow * j, 0.004 * diagonal, (0.004 + 0.9 * 10.0**-j) * diagonal)
                        for j in range(last + 1)]
             if last == 8:
@@ -281,8 +281,8 @@ def error_vs_time() -> ResultFile:
 
 
 def cliffs() -> ResultFile:
-    """Known: scan's work is 1000 everywhere but 3000 in two clusters at 1e6; guthe's grows tenfold a step of 1e6 with a
-    stray triangle in B, and it times out at 1e12 with A moved away; cgal counts nothing.
+    """Known: scan's work is 1000 everywhere except 3000 in two clusters at 1e6; guthe's grows tenfold per step of 1e6 with a
+    stray triangle in B, and guthe times out at 1e12 with A moved away; cgal counts nothing.
     """
     file = ResultFile("cliffs")
     ratios = {"1e00": 1.0, "1e06": 1e6, "1e12": 1e12}

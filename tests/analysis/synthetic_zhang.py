@@ -1,4 +1,4 @@
-"""Result files of the stems of Zhang et al. 2017, with numbers that the tests know beforehand."""
+"""Result files of the stems of Zhang et al. 2017, with numbers known to the tests."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from synthetic import ResultFile, spread, without_bounds
 
 
 def pairs(stem: str, without: str, options: dict[str, Any], solver: str) -> ResultFile:
-    """Known: without the part 1.5, 2, 2 and 0.9 to 1.1 times as long on pairs 1 to 4, pair 5 timed out; the
+    """Known: without the part, the solver takes 1.5, 2, 2 and 0.9 to 1.1 times as long on pairs 1 to 4; pair 5 timed out; the
     preparation of one of the two variants was slow by accident.
     """
     file = ResultFile(stem, wall=1.25, cpu=1.0)
     for k, ratio in enumerate((1.5, 2.0, 2.0, 1.0, 2.0), start=1):
         common: dict[str, Any] = {"source_elements": 1000 * k, "target_elements": 2000 * k, "lower": 0.5, "upper": 0.5,
                                   "peak_bytes": 2**20}
-        bases = [0.002 * k * (1 + 0.01 * i) for i in range(7)]  # ever slower: only pairs tell the two apart
+        bases = [0.002 * k * (1 + 0.01 * i) for i in range(7)]  # ever slower: only pairs separate the two
         work = {"bound_tests": 3000 * k, "point_distances": 1000 * k}
         if k == 5:
             file.case(solver, f"pair {k}", label=without, options=options, **without_bounds("timeout", "10 s", common))
@@ -59,7 +59,7 @@ def fig8() -> ResultFile:
 
 
 def fig9() -> ResultFile:
-    """Known: no lambda is separated from 1/80, but for 1/2, which takes twice as long; seven seeds each."""
+    """Known: no lambda is separated from 1/80 except 1/2, which takes twice as long; seven seeds each."""
     file = ResultFile("zhang2017_fig9", wall=1.25, cpu=1.0)
     for value, factor in ((0.0025, 1.0), (0.01, 0.99), (0.0125, 1.0), (0.5, 2.0)):
         for seed in range(1, 8):
@@ -71,7 +71,7 @@ def fig9() -> ResultFile:
 
 
 def motion(stem: str) -> ResultFile:
-    """Known: 21 poses; apart (|x| > 0.7) NOHD takes half of EARLYBREAK's time, touching OHD takes twice EARLYBREAK's,
+    """Known: 21 poses; apart (|x| > 0.7) NOHD takes half of EARLYBREAK's time, touching OHD takes twice EARLYBREAK's time,
     overlapping (|x| < 0.4) half of it; both peak at x = 0. NOHD timed out at pose 10.
     """
     file = ResultFile(stem, wall=1.25, cpu=1.0)
@@ -108,7 +108,7 @@ def fig11() -> ResultFile:
 
 
 def fig12() -> ResultFile:
-    """Known: pears of the paper's size, of which OHD was chosen; the cow timed out."""
+    """Known: pears of the paper's size, for which OHD was chosen; the cow timed out."""
     file = ResultFile("zhang2017_fig12", wall=1.25, cpu=1.0)
     file.case("adaptive", "a_pears", [0.1], source="A", target="B", source_elements=10754, target_elements=10754,
               lower=0.25,
@@ -120,8 +120,8 @@ def fig12() -> ResultFile:
 
 
 def steps() -> ResultFile:
-    """Known: five poses; each of the four points of A is 0.5 from one point of B and 2 from four more, and h = 1: 1/p
-    is 5, the mean by points 3; counted are 6 steps a point, at the last pose 3.
+    """Known: five poses; each of the four points of A is 0.5 from one point of B and 2 from four more, and h = 1: 1/p is 5, the
+    mean by points 3; 6 steps per point were counted, 3 at the last pose.
     """
     file = ResultFile("zhang2017_steps", wall=1.25, cpu=1.0)
     for pose in range(5):
@@ -133,7 +133,7 @@ def steps() -> ResultFile:
 
 
 def as_printed() -> ResultFile:
-    """Known: OHD as printed is wrong at 1 of 8 answers (0.9 of h) and timed out once; NOHD as printed at all 3."""
+    """Known: OHD as printed is wrong in 1 of 8 answers (0.9 of h) and timed out once; NOHD as printed is wrong in all 3."""
     file = ResultFile("zhang2017_as_printed", wall=1.25, cpu=1.0)
     for pose in range(3):
         common: dict[str, Any] = {"pose_index": 5 * pose, "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0.5 * pose, 0, 0],

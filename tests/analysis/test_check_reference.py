@@ -1,4 +1,4 @@
-"""Bounds and counted work of a run against those that are kept."""
+"""Bounds and counted work of a run are compared with the kept ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Claims are read from their files and nowhere else, and their verdicts are data that whoever shows claims reads."""
+"""Claims are read only from their files, and their verdicts are data for every program that shows claims."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def test_every_paper_has_a_file() -> None:
 
 @pytest.mark.parametrize("entry", EVERY, ids=lambda entry: f"{entry.paper}-{entry.id}")
 def test_a_claim_is_asked_for_and_quotes_its_sentence(entry: claims.Entry) -> None:
-    """By a script of analysis that names its id, unless it is marked untested; a claim of a paper has the sentence, one or two, and the section."""
-    prefix = entry.id.rpartition("_")[0]  # framework_inc and its like are put together from parts
+    """A script of analysis names its id, unless the claim is untested; a claim of a paper quotes one or two sentences and the section."""
+    prefix = entry.id.rpartition("_")[0]  # ids such as framework_inc are composed from parts
     scripts = [path.read_text(encoding="utf-8") for path in stems.ANALYSIS.rglob("*.py")]
     assert all(stems.module_of(stem) for stem in entry.stems)
     if entry.untested:

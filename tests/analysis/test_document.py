@@ -32,7 +32,7 @@ def table_of(columns: int, rows: int, cell: str = "12.3 [11.2, 13.4]", notes: in
 
 
 def words_below(text: str) -> int:
-    """The words of the notes inside a float, or right below a table of several pages."""
+    """Counts the words of the notes inside a float, or right below a table of several pages."""
     found = re.search(r"\\parbox\{\\linewidth\}\{\\footnotesize (.*)\}$|^\\noindent\{\\footnotesize (.*)\\par\}$", text, re.MULTILINE)
     return len((found[1] or found[2]).split()) if found else 0
 
@@ -70,7 +70,7 @@ def test_an_accent_stands_over_its_letter(text: str, escaped: str) -> None:
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Every table, and no figures."""
+    """Draws every table, but no figures."""
     folder = tmp_path_factory.mktemp("drawn")
     for make in ALL.values():
         results = load(make().write(folder))

@@ -1,4 +1,4 @@
-"""`hausbench draw`: what it makes of results of any experiment, from files with known numbers."""
+"""`hausbench draw` on results of any experiment, from files with known numbers."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def looks_as_before() -> Iterator[None]:
 
 
 def sweep(speed: float = 2.0, poses: int = 1, scenes: tuple[str, ...] = ("x", "y"), **columns: Any) -> ResultFile:
-    """`mine`, a plug-in's solver, takes a `speed`th of the time of guthe on each of three tolerances."""
+    """`mine`, a plug-in's solver, is `speed` times as fast as guthe at each of three tolerances."""
     file = ResultFile("own", meta={"title": "Mine against Guthe", "experiment_toml": CLAIMS,
                                    "plugins": json.dumps([{"file": "libmine.so", "sha256": "0", "solvers": ["mine"]}]),
                                    "titles": json.dumps({"mine": "My solver", "tang_again": "Tang again"})})
@@ -98,7 +98,7 @@ def test_a_claim_about_a_solver_that_was_run_with_several_parameters_says_so(tmp
 
 
 def test_terminal_and_table_have_one_verdict(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Also if the experiment asks for more in profile `paper` than was measured."""
+    """They agree even if profile `paper` of the experiment has more cases than were measured."""
     file = sweep()
     file.meta["experiment_toml"] += '[[solver]]\nname = "guthe"\n[[solver]]\nname = "mine"\n[[solver]]\nname = "cgal"\nprofiles = ["paper"]\n'
     assert run(file, tmp_path, "--as", "table") == 0
@@ -150,7 +150,7 @@ HOSTILE = ("_a$x_1$", "中文 $\\frac", "ä^2 & 100 % of \\alpha", "$", "*[ε")
 
 
 def test_names_are_drawn_as_they_are(tmp_path: Path) -> None:
-    """Neither mathtext nor LaTeX reads them, no entry of a legend is lost, and no letter vanishes."""
+    """Neither mathtext nor LaTeX interprets them, no legend entry is lost, and no letter vanishes."""
     file = ResultFile("own", meta={"title": HOSTILE[1]})
     for scene in HOSTILE:
         for pose in range(2):
@@ -174,7 +174,7 @@ def test_legends_have_names_with_an_underscore_in_front() -> None:
     formula, name = ax.text(1, 1, "$x^2$"), ax.text(1, 2, "$x^2$")
     as_formula(formula)
     make_drawable(figure)
-    make_drawable(figure)  # once more changes nothing
+    make_drawable(figure)  # a second call changes nothing
     assert formula.get_text() == "$x^2$" and name.get_text() == r"\$x^2\$"
     figure.draw_without_rendering()
     texts = {text.get_text().strip() for legend in (ax.get_legend(), figure.legends[0]) for text in legend.get_texts()}

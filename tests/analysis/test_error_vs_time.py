@@ -48,7 +48,7 @@ def test_read_off_answers_are_on_the_clock_of_the_timed_runs(tmp_path: Path) -> 
     file = ResultFile("error_vs_time", cpu=0.5)
     fine = traced(file, "kang", 0.25, [10.0, 12.0])
     results = read(file, tmp_path)
-    # Half of the trace had passed: half of 5 and 6 s of CPU time, and the preparation.
+    # Half of the trace had passed: half of 5 and 6 s of CPU time, plus the preparation.
     assert error_curves.total_by_round(results, fine + 1) == {0: 2.75, 1: 3.25}
     assert error_curves.total_by_round(results, fine) == {0: 5.25, 1: 6.25}
     curve = error_curves.curve_of(results, fine)
@@ -66,7 +66,7 @@ def test_a_row_that_repeats_a_finer_answer_is_not_read_off(tmp_path: Path) -> No
     results = read(file, tmp_path)
     assert error_curves.total_by_round(results, 1) == results.total_by_round(1)
     answers = error_curves.answers_of(results, [0, 1])
-    assert [(answer.case, answer.read_off) for answer in answers] == [(0, False)]  # equal answers are one marker
+    assert [(answer.case, answer.read_off) for answer in answers] == [(0, False)]  # equal answers share a marker
 
 
 def test_seeds_are_one_series_and_resolutions_one_line(tmp_path: Path) -> None:
@@ -122,8 +122,8 @@ def test_stairs_are_of_certified_answers_alone(tmp_path: Path) -> None:
 
 def test_cost_of_tracing(tmp_path: Path, make: Make) -> None:
     file = ResultFile("error_vs_time", wall=1.0)
-    file.case("kang", "x", [1.0, 2.0], [(0.5, 0.0, 1.0), (1.25, 0.5, 0.5)], rounds=2, lower=0.5, upper=0.5)  # the trace is of round 0
-    file.case("scan", "x", [0.001], [(0.002, 0.5, 0.5)], lower=0.5, upper=0.5)  # too short to say
+    file.case("kang", "x", [1.0, 2.0], [(0.5, 0.0, 1.0), (1.25, 0.5, 0.5)], rounds=2, lower=0.5, upper=0.5)  # the trace belongs to round 0
+    file.case("scan", "x", [0.001], [(0.002, 0.5, 0.5)], lower=0.5, upper=0.5)  # too short to tell
     file.case("naive", "x", [1.0], lower=0.5, upper=0.5)
     results = read(file, tmp_path)
     assert [error_curves.tracing_cost(results, case) for case in (0, 1)] == [0.25, 1.0] and np.isnan(error_curves.tracing_cost(results, 2))
@@ -137,7 +137,7 @@ def test_table(make: Make) -> None:
     records, rows, text = make(synthetic.error_vs_time())
     cells = {row[0]: row[1:] for row in rows["gauss overlap"]}
     assert cells["NAIVEHDD"][2:5] == ["0", "0", "0"] and cells["NAIVEHDD"][6] == "4,000,000"  # exact zeros stay
-    # The reference has width 0 at 0.5; INC's bounds are 4 half-widths of 2e-16 from it, its gap twice that.
+    # The reference is 0.5 with width 0; INC's bounds are 4 half-widths of 2e-16 from it, and its gap is twice that.
     assert cells["INC"][2:5] == ["1.6e-15", "0", "7.8e-16"]
     assert cells["k-d tree (nanoflann)"][6:] == ["20,000", ""]
     failed = {row[0]: row[8] for row in rows["armadillo scan"]}
@@ -169,7 +169,7 @@ def test_where_nothing_was_run(make: Make) -> None:
 
 
 def nine_scenes() -> ResultFile:
-    """Three of each kind of shapes; tang fails at one of two tolerances, and naive at its only one."""
+    """Three scenes for each kind of shape; tang fails at one of two tolerances, and naive at its only one."""
     file = ResultFile("error_vs_time")
     of = {"mesh": ("guthe", "tang", "kang", "zheng", "sacht", "cover", "cgal"),
           "points": ("naive", "earlybreak", "inc", "nohd", "ohd", "adaptive", "scan", "kdtree", "cgal_kdtree"),
@@ -198,7 +198,7 @@ def drawn(results: Results) -> Any:
 
 def test_figure_has_a_row_for_each_kind_of_shapes(tmp_path: Path) -> None:
     figure = drawn(read(nine_scenes(), tmp_path))
-    assert figure.get_figwidth() == style.DOUBLE_COLUMN and figure.get_figheight() <= 8.75  # a line of unchecked bounds comes below
+    assert figure.get_figwidth() == style.DOUBLE_COLUMN and figure.get_figheight() <= 8.75  # a line about unchecked bounds is added below
     assert len(figure.axes) == 18
     places = {ax.get_title(): ax.get_position() for ax in figure.axes if ax.get_title()}
     for kind in ("mesh", "points", "surface"):
@@ -206,7 +206,7 @@ def test_figure_has_a_row_for_each_kind_of_shapes(tmp_path: Path) -> None:
         assert len({round(at.y0, 6) for at in row}) == 1 and row[0].x1 < row[1].x0 < row[1].x1 < row[2].x0
     for legend, count in zip(figure.legends, (7, 9, 3), strict=True):
         looks = [(line.get_color(), line.get_marker()) for line in legend.get_lines()]
-        assert len(set(looks)) == len(looks) == count  # nothing looks the same within a row
+        assert len(set(looks)) == len(looks) == count  # no two solvers look the same within a row
     assert [text.get_text() for text in figure.texts[:3]] == ["Meshes", "Point sets", "Surfaces"]
     lost = {ax.get_title(): sorted(text.get_text() for text in ax.texts) for ax in figure.axes if ax.get_title() and ax.texts}
     assert lost == {"hard: mesh": ["T1"], "hard: points": ["T"]}
@@ -258,7 +258,7 @@ def test_figure_draws_zeros_failures_and_no_unsound_point(tmp_path: Path) -> Non
     assert sorted(text.get_text() for text in gap_of["armadillo scan"].texts) == ["F", "M1", "P1", "T2", "U1"]
     assert sorted(text.get_text() for text in gap_of["grid noise"].texts) == ["T", "U"]
     points = [line for line in gap_of["grid noise"].lines if line.get_marker() not in ("None", "", None) and line.get_clip_on()]
-    assert len(points) == 7  # eight solvers and a variant, less the timeout and the unsound row
+    assert len(points) == 7  # eight solvers and a variant, minus the timeout and the unsound row
     plt.close(figure)
 
 
@@ -287,7 +287,8 @@ def test_experiment_has_nine_scenes_and_every_solver(profile: str) -> None:
     assert all(set(solver["scenes"]) in (set(names[:3]), set(names[3:6]), set(names[6:])) for solver in asked["solver"])
     assert {solver["name"] for solver in asked["solver"]} == set(style.LOOKS) - {"external"}
     assert (experiment | experiment["profile"].get(profile, {}))["rounds"] >= (6 if profile == "paper" else 2) and experiment["trace"]
-    # Solvers that are one line are asked for a tolerance that every resolution reaches, so that all of their rounds are timed.
+    # Solvers drawn as one line are run at a tolerance that every resolution reaches, so that all
+    # of their rounds are timed.
     assert {solver["name"] for solver in asked["solver"] if "tolerances" in solver} == set(error_curves.RESOLUTION)
 
 

@@ -1,4 +1,4 @@
-"""The picture of what was left out adds up what the ledgers say."""
+"""The picture of omissions adds up the ledgers."""
 
 from __future__ import annotations
 

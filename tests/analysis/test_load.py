@@ -1,4 +1,4 @@
-"""Reading result files: the schema, groupings, the reference, and files that are no use."""
+"""Reading result files: the schema, groupings, the reference, and unusable files."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ from analysis.shared.results import ResultError, Results
 
 
 def test_columns_follow_from_the_program() -> None:
-    """analysis/shared/columns.py, the tables of results/README.md and the generator of these tests know the same columns."""
+    """analysis/shared/columns.py, the tables of results/README.md and of docs/experiments.md and the generator of these tests agree with the program."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     groups = schema.columns()
     assert schema.MODULE.read_text(encoding="utf-8") == schema.module(groups), "run python3 -m analysis.schema"
     text = schema.README.read_text(encoding="utf-8")
     assert text == schema.readme(text, groups), "run python3 -m analysis.schema"
+    page = schema.EXPERIMENTS.read_text(encoding="utf-8")
+    assert page == schema.experiments(page, schema.listed("keys", "--json")), "run python3 -m analysis.schema"
     written = {"models": synthetic.MODEL, "cases": synthetic.CASE, "answers": synthetic.ANSWER, "repeats": synthetic.REPEAT,
                "preparation": synthetic.PREPARATION, "trace": synthetic.TRACE, "fields": synthetic.FIELD, "ledger": synthetic.LEDGER}
     for group, known in groups.items():
@@ -32,7 +34,7 @@ def test_columns_follow_from_the_program() -> None:
 
 
 def test_titles_follow_from_the_program() -> None:
-    """A solver has one title: a look that style.py chooses has the program's."""
+    """A solver has one title: the looks in style.py use the program's titles."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     titles = {solver["name"]: solver["title"] for solver in schema.listed("--json")["solvers"]}
@@ -103,7 +105,7 @@ def test_an_outside_program_that_waits_is_timed_by_the_wall(tmp_path: Path) -> N
     file = ResultFile("waits", wall=1.0, cpu=0.15)
     for solver in ("external", "naive"):
         file.case(solver, "x", [1.0, 2.0], lower=1.0, upper=1.0)
-    file.answers[1]["cpu_seconds"] = 0.5  # a single round does not decide
+    file.answers[1]["cpu_seconds"] = 0.5  # one deviating round does not decide
     results = load.load(file.write(tmp_path))
     assert [results.clock_of(case) for case in range(2)] == ["wall", "cpu"]
     assert results.first_by_round(0) == {0: 1.0, 1: 2.0} and results.first_by_round(1) == pytest.approx({0: 0.15, 1: 0.3})
@@ -112,13 +114,13 @@ def test_an_outside_program_that_waits_is_timed_by_the_wall(tmp_path: Path) -> N
 
 
 def test_clock(tmp_path: Path) -> None:
-    """CPU time only where the result says so and has it."""
+    """CPU time is used only if the result says so and has it."""
     file = ResultFile("clocks")
     for clock in ("cpu", "wall", "", "cpu", "cpu"):
         file.case("naive", "x", [1.0], clock=clock, lower=1.0, upper=1.0)
     file.repeats[3]["cpu_seconds"] = np.nan
     file.repeats = [row for row in file.repeats if row["case"] != 4]
-    file.answers = [row for row in file.answers if row["case"] != 4]  # as of a row that was read off a trace
+    file.answers = [row for row in file.answers if row["case"] != 4]  # as in a row that was read off a trace
     results = load.load(file.write(tmp_path))
     assert [results.clock_of(case) for case in range(5)] == ["cpu", "wall", "wall", "wall", "wall"]
     assert [results.solve_by_round(case)[0] for case in range(5)] == [0.9, 1.0, 1.0, 1.0, 1.0]
@@ -129,12 +131,12 @@ def test_structures_of_a_round_are_added(tmp_path: Path) -> None:
     file.case("naive", "x", [1.0, 1.0], prepare_seconds=0.5, lower=1.0, upper=1.0)
     file.preparation = [{"case": 0, "round": 1, "name": name, "seconds": 0.25} for name in ("tree", "grid", "order")]
     results = load.load(file.write(tmp_path))
-    # Round 0 has no rows: the median over the rounds stands for it.
+    # Round 0 has no rows, so the median over the rounds stands in.
     assert results.total_by_round(0, "wall") == {0: 1.5, 1: 1.75}
 
 
 def test_preparing_counts_with_the_first_answer_of_a_process(tmp_path: Path) -> None:
-    """A solver that builds something on the way is quick to answer again; who asks once waits for it all the same."""
+    """A solver that builds something on the way answers quickly the second time, but a single query has to wait for it."""
     file = ResultFile("first", cpu=1.0)
     file.case("scan", "x", [1.0, 2.0], rounds=2, prepare=[0.5, 0.25], first=[4.0, 8.0], lower=1.0, upper=1.0)
     results = load.load(file.write(tmp_path))
@@ -184,7 +186,7 @@ def test_a_reference_is_of_one_quantity_in_one_pose_of_both_shapes(tmp_path: Pat
 def test_error_and_gap(small: Results) -> None:
     assert small.error(0) == 0 and small.gap(0) == 0
     assert small.error(1) == pytest.approx(0.1) and small.gap(1) == pytest.approx(0.35)
-    assert small.error(4) == 0.25  # 0.5, where the truth is in [0.625, 0.75]
+    assert small.error(4) == 0.25  # 0.5, while the truth is in [0.625, 0.75]
     assert small.error(1, lower=0.25) == 0.75
 
 
@@ -223,7 +225,7 @@ def test_newer_schema(tmp_path: Path) -> None:
 
 
 def test_an_older_file_lacks_columns(tmp_path: Path) -> None:
-    """Of a program that knew no first answers, no clock and no rounds of preparation: wall times are what it has."""
+    """The file comes from a program without first answers, clock or rounds of preparation, so it only has wall times."""
     file = ResultFile("older", meta={"schema_version": 1})
     file.case("naive", "x", [3.0], prepare_seconds=0.5, lower=1.0, upper=1.0, solve_seconds=4.0)
     path = file.write(tmp_path)
@@ -317,7 +319,7 @@ def test_no_remedy_is_to_remove_a_file_that_is_no_result(tmp_path: Path) -> None
 def test_the_remedy_is_make_only_in_a_clone(tmp_path: Path) -> None:
     assert remedy.measure("zhang2017_table3") == "'make zhang2017_table3'" and remedy.measure("mine", "/a/mine.toml") == "'hausbench run /a/mine.toml'"
     assert remedy.measure("zhang2017_table3", root=tmp_path) == "'hausbench run zhang2017_table3.toml'"
-    (tmp_path / "experiments").mkdir()  # of an installed program
+    (tmp_path / "experiments").mkdir()  # as in an installed program
     (tmp_path / "experiments" / "zhang2017_table3.toml").touch()
     assert remedy.measure("zhang2017_table3", "/a/zhang2017_table3.toml", tmp_path) == "'hausbench run zhang2017_table3'"
 
@@ -364,7 +366,7 @@ def test_rows_are_those_of_one_profile(tmp_path: Path) -> None:
 
 
 def every_dataset(path: Path) -> dict[str, int]:
-    """Where the bytes of each dataset with fixed places in the file begin, by name."""
+    """Returns the start of the bytes of each dataset that has a fixed place in the file, by name."""
     found: dict[str, int] = {}
     with h5py.File(path, "r") as file:
         file.visititems(lambda name, item: found.update({name: item.id.get_offset()})
@@ -383,13 +385,13 @@ def test_a_flipped_bit_in_any_dataset_is_found(tmp_path: Path) -> None:
         with pytest.raises(ResultError, match=r"flipped\.h5: damaged: its bytes .* move it away and measure again with 'hausbench run flipped\.toml'"):
             load.load(path)
             pytest.fail(f"{name} was read")
-    path.write_bytes(whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:])  # a digit of the seal
+    path.write_bytes(whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:])  # changes a digit of the seal
     with pytest.raises(ResultError, match="damaged"):
         load.load(path)
 
 
 def test_a_file_without_a_seal_is_read(tmp_path: Path) -> None:
-    """HDF5 cuts the seal off where another program changes the file."""
+    """HDF5 cuts the seal off when another program changes the file."""
     file = ResultFile("changed")
     file.case("naive", "x", [1.0], lower=0.25, upper=0.25)
     path = file.write(tmp_path)
@@ -405,7 +407,7 @@ def test_what_follows_the_data_is_their_seal_or_nothing(tmp_path: Path) -> None:
     content = path.read_bytes()[:-73]
     path.write_bytes(content)
     seal = b"\nsha256 " + hashlib.sha256(content).hexdigest().encode() + b"\n"
-    load.load(path)  # as after a change by another program
+    load.load(path)  # like after a change by another program
     for tail in (seal + b"\n", seal[:-1], seal.replace(b"sha", b"shb"), b"x" * 73):
         path.write_bytes(content + tail)
         with pytest.raises(ResultError, match="damaged"):

@@ -53,7 +53,7 @@ def test_peers_ratios_and_means(make: Make) -> None:
     assert near[:2] == ["2,000 → 1,000", "0.125"] and near[3].startswith("50.0 [") and near[-1].startswith("100 [")
     hard = next(row for row in rows[""] if "≥ 50.0" in row[4])  # 5 s over 0.1 s
     assert hard[3].startswith("≥ 10.0")
-    # 10, 10 and at least 50 times: the identical shapes count for nothing.
+    # Ratios of 10, 10 and at least 50: identical shapes do not count.
     assert rows["geometric mean"][0][4].startswith("17.1") and rows["geometric mean"][0][3].startswith("3.42")
     assert "Here it holds (17.1 [" in claim(text, "Sacht") and "over 3 pairs, interval over rounds, of these pairs" in claim(text, "Sacht")
     assert "Its interval is over rounds, of these pairs" in text
@@ -66,14 +66,14 @@ def test_peers_ratios_and_means(make: Make) -> None:
                                                     (0.010, 2, ": not judged (n = 2; ")])
 def test_peers_claim_comes_out_three_ways(make: Make, seconds: float, rounds: int, outcome: str) -> None:
     file = peers(sacht=seconds, rounds=rounds, stopped=outcome != "it does not hold")
-    if seconds == 0.057:  # as fast as is asked for, but for noise: the least of the three is a bound
+    if seconds == 0.057:  # exactly the required speed, up to noise: the least of the three is a bound
         for answer in file.answers[::2]:
             answer["cpu_seconds"] *= 1.4
     assert f"Here{'' if outcome[0] == ':' else ' '}{outcome}" in claim(make(file)[2], "Sacht")
 
 
 def test_peers_claim_that_is_missed_is_open_where_cgal_was_stopped(make: Make) -> None:
-    """Of the pair on which CGAL was killed the ratio is 3 at least: no mean is an upper bound."""
+    """The ratio of the pair on which CGAL was killed is at least 3, so no mean is an upper bound."""
     line = claim(make(peers(sacht=0.150))[2], "Sacht")
     assert "Here: not separated" in line and "over 3 pairs, interval over rounds, of these pairs, at the least: CGAL did not end on 1" in line
 
@@ -96,7 +96,9 @@ def test_peers_claim_is_open_where_the_solver_alone_has_no_answer(make: Make) ->
 
 @pytest.mark.parametrize("of", ["zheng", "cgal"])
 def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> None:
-    """CGAL answers in the first rounds, and the run was stopped or more rounds were asked of one solver: its limit of 5 s stands for none of them."""
+    """CGAL answers in the first rounds, and the run was stopped or one solver had more rounds: the limit of 5 s stands for none
+    of the others.
+    """
     file = peers(rounds=14)
     few = {row for row, case in enumerate(file.cases) if case["solver"] == of and case["status"] == "ok"}
     file.answers = [answer for answer in file.answers if answer["case"] not in few or answer["round"] < 6]
@@ -110,9 +112,9 @@ def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> No
                                                       (0.0025, 6, ": not separated", "it holds"), (0.020, 6, "it does not hold", ": not separated"),
                                                       (0.001, 2, ": not judged (n = 2; ", ": not judged (n = 2; ")])
 def test_peers_cover_has_two_aims(make: Make, seconds: float, rounds: int, mean: str, each: str) -> None:
-    """CGAL takes 100 ms on near, 25 ms on far, where cover takes a quarter of `seconds`; aims are 40 and 5 times."""
+    """CGAL takes 100 ms on near and 25 ms on far, where cover takes a quarter of `seconds`; the aims are 40 and 5 times."""
     file = peers(cover=seconds, rounds=rounds, stopped=False, elements=30_000)
-    if seconds in (0.0025, 0.020):  # just as fast as is asked for, but for noise
+    if seconds in (0.0025, 0.020):  # exactly the required speed, up to noise
         for answer in file.answers[::2]:
             answer["cpu_seconds"] *= 1.4
     text = make(file)[2]
@@ -174,7 +176,7 @@ def test_letters_are_explained_where_they_occur() -> None:
 
 
 def test_a_view_is_turned_until_the_point_is_seen() -> None:
-    """A tetrahedron seen from one side: of a point on its far face, another side shows more."""
+    """A tetrahedron is seen from one side; a point on its far face is seen better from another side."""
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     solid = shapes.Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
     front = mesh_picture.view((1.0, 0.2, 1.0))

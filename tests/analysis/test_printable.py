@@ -1,4 +1,4 @@
-"""Text from result files steers no terminal and no reader, wherever analysis/ prints it; a full disk is an error of one line."""
+"""Text from result files controls no terminal and no reader, wherever analysis/ prints it; a full disk gives an error of one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The stems of Sacht and Jacobson 2024, from files with known numbers; every verdict each way that it can come out."""
+"""The stems of Sacht and Jacobson 2024, from files with known numbers; every verdict in each of its outcomes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def make(tmp_path: Path) -> Make:
 
 
 def claim(text: str, part: str) -> str:
-    """What came out of the one claim whose text has this part."""
+    """Returns the outcome of the one claim whose text has this part."""
     lines = [line for line in text.splitlines() if line.startswith("- Claim: ") and part in line.split(". Here")[0]]
     assert len(lines) == 1, (part, lines)
     return lines[0].split(". Here", 1)[1]
@@ -42,7 +42,7 @@ WAYS: list[tuple[Ratio, str, str]] = [(2.0, " it holds (", "distances it holds (
 
 @pytest.mark.parametrize("kang,outcome,counted", WAYS)
 def test_table2_compares_the_pairs_near_zero(make: Make, kang: Ratio, outcome: str, counted: str) -> None:
-    """Kang over Sacht is `kang`; Zheng over Kang is the same, as zheng takes kang's factor squared."""
+    """Kang over Sacht is `kang`; so is Zheng over Kang, because zheng takes kang's factor squared."""
     zheng: Ratio = TIE if isinstance(kang, Tie) else kang * kang
     _, _, text = make(synthetic_sacht.table2(kang=kang, zheng=zheng))
     found = claim(text, "near zero, Sacht takes less time than Kang")
@@ -64,7 +64,7 @@ def test_table2_cells(make: Make) -> None:
     assert paper[:2] == ["paper", "19,826 / 178,802"] and paper[header.index("Sacht 2024")] == "410"
     assert paper[header.index("Zheng 2022 / Sacht 2024")] == "2.24"
     assert "hand, noisy" in rows and "paper" not in [cells[0] for cells in rows["hand, noisy"]]
-    # The derived pairs are judged on their own, and not of the paper's table, in which its method is the fastest.
+    # The derived pairs are judged separately, and not by the paper's table, in which its method is the fastest.
     assert claim(text, "nearer than 0.1 %, Kang takes less time than Zheng on average").startswith(" it holds (geometric mean 1.50")
     assert "nearer than 0.1 %, Sacht" not in text
     assert "crown: stands in for crown." in text and "Test CPU" in text and "MacBook Air M2" in text
@@ -85,7 +85,7 @@ def test_table2_waits_for_tang(make: Make, tang: Ratio | None, outcome: str, quo
 
 @pytest.mark.parametrize("tang,outcome", [(None, ": not tested ("), (6.0, " it holds ("), (0.5, " it does not hold ("), (TIE, ": not separated (")])
 def test_table2_compares_sacht_with_tang(make: Make, tang: Ratio | None, outcome: str) -> None:
-    """Tang over Sacht is `tang`: on the derived pairs too, as kang takes as long as sacht."""
+    """Tang over Sacht is `tang`, also on the derived pairs, because kang takes as long as sacht."""
     assert claim(make(synthetic_sacht.table2(kang=1.0, tang=tang))[2], "Sacht takes less time than Tang on average").startswith(outcome)
 
 
@@ -188,7 +188,7 @@ def test_section52_finds_each_failure(make: Make, wrong: dict[str, object], foun
     header, cells = rows["scene"][0], rows["unreferenced vertex"][0]
     assert cells[header.index("Sacht 2024")] == found and cells[header.index("Zheng 2022")] == "precision floor, gap 1.0e-7"
     assert cells[header.index("CGAL")] == "no bounds (timeout)" and cells[0].startswith("the vertex counts for l")
-    # The row of cgal, which certifies nothing, does not count.
+    # The row of cgal, which is not certified, does not count.
     outcome = " it holds (not so for 0 of 2 rows)" if not wrong else " it does not hold (not so for 1 of 2 rows)"
     assert claim(text, "unreferenced vertex: the bounds").startswith(outcome)
     assert claim(text, "Sacht ends at 1e-5 and not at 1e-8") == " it holds (1e-05: ok, 1e-08: budget spent)."
@@ -234,7 +234,7 @@ def test_a_mesh_is_closed_or_open_and_a_manifold_or_not() -> None:
     assert not opened.closed and opened.manifold
     fin = Mesh(np.vstack([TETRAHEDRON.corners, [[1, 1, 1]]]), np.vstack([TETRAHEDRON.triangles, [[0, 1, 4]]]))
     assert not fin.closed and not fin.manifold
-    # Corners of its own for each triangle, as in STL: by their places it is the same mesh.
+    # Each triangle has its own corners, as in STL; by position it is the same mesh.
     soup = Mesh(TETRAHEDRON.corners[TETRAHEDRON.triangles].reshape(-1, 3), np.arange(12).reshape(4, 3))
     assert soup.closed and soup.manifold
 
@@ -255,7 +255,7 @@ def test_fig11_looks_at_u2_and_u3(last: tuple[int, ...], outcome: str) -> None:
 
 @pytest.mark.parametrize("height,away,last,outcome", [
     (0.05, 0.2, (4,), "holds"), (0.05, 0.2, (3,), "does not hold"), (0.05, 0.2, (3, 4), "not separated"), (0.2, 0.9, (4,), "not tested"),
-    (0.05, 0.05, (3,), "not tested"),  # nearer to B than it is high: it does not disappear
+    (0.05, 0.05, (3,), "not tested"),  # nearer to B than its height: it does not disappear
     (0.05, math.nan, (4,), "not tested")])
 def test_fig11_looks_at_thin_triangles_that_disappear(height: float, away: float, last: tuple[int, ...], outcome: str) -> None:
     shape = Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [1, 2 * height, 0]]), np.array([[0, 1, 2]] * len(last)))

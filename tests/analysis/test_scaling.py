@@ -50,8 +50,8 @@ def test_few_or_small_costs_tell_nothing() -> None:
     assert math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).exponent().value) and math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).at(1e9).high)
     told = growth([1e3, 1e4, 1e5, 1e6, 1e7], [1e-6, math.nan, 1e-3, 1e-2, 1e-1], 1e-4)
     assert told.sizes == (1e5, 1e6, 1e7) and told.exponent().value == pytest.approx(1)
-    assert growth([1e3, 1e4, 1e5, 1e6, 1e7], [1.0, 20.0, 5.0, 30.0, 300.0], 0).sizes == (1e6, 1e7)  # no holes
-    assert growth([1e3, 1e4, 1e5], [3.0, 2.0, 1.0], 0, 0).known  # what falls is taken whole
+    assert growth([1e3, 1e4, 1e5, 1e6, 1e7], [1.0, 20.0, 5.0, 30.0, 300.0], 0).sizes == (1e6, 1e7)  # without holes
+    assert growth([1e3, 1e4, 1e5], [3.0, 2.0, 1.0], 0, 0).known  # a falling series is taken as a whole
 
 
 def test_a_fixed_part_does_not_flatten_the_line() -> None:
@@ -76,7 +76,7 @@ def test_memory_is_compared_at_the_largest_size_of_both() -> None:
     ours, theirs = of((1e5, 1e6, 1e7), (1e7, 1e8, 1e9)), of((1e5, 1e6), (3e7, 5e8))
     assert peak_ratio(theirs, ours) == 5
     assert math.isnan(peak_ratio(None, ours)) and math.isnan(peak_ratio(ours, ours))
-    assert math.isnan(peak_ratio(of((1e5,), (1e5,)), ours))  # too little to tell
+    assert math.isnan(peak_ratio(of((1e5,), (1e5,)), ours))  # too little data
 
 
 def test_shards_fit_and_are_the_fewest() -> None:
@@ -89,13 +89,13 @@ def test_shards_fit_and_are_the_fewest() -> None:
     assert plan.points >= 2e9 / plan.tasks and plan.margin == pytest.approx(widened(plan.tasks, 1e-4))
     fewer = plan.tasks - max(1, plan.tasks // 20)
     assert 1e9 / fewer * (1 + widened(fewer, 1e-4)) * 58 > memory
-    assert shards(1e9, 0.3, memory, bytes_of) is None  # the margin takes in nearly all of B
+    assert shards(1e9, 0.3, memory, bytes_of) is None  # the margin covers nearly all of B
     whole = shards(1e6, 0.3, memory, bytes_of)
     assert whole is not None and whole.tasks == 1 and whole.margin == 1
 
 
 def widths(points: Floats, cells: int) -> list[Floats]:
-    """The cells of a k-d tree, as many points each."""
+    """Returns the cells of a k-d tree, with equally many points each."""
     if cells == 1:
         return [points]
     axis = int(np.ptp(points, axis=0).argmax())
@@ -120,7 +120,7 @@ def test_a_margin_takes_in_no_more_points_than_the_plan_says(surface: bool) -> N
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_plan_of_shards_is_exact(seed: int) -> None:
-    """Whatever the margin: too narrow, right, or wide."""
+    """Holds whatever the margin: too narrow, right, or wide."""
     random = np.random.default_rng(seed)
     a, b = random.standard_normal((3000, 3)), random.standard_normal((2500, 3)) + [0.3 * seed, 0, 0]
     exact = float(cKDTree(b).query(a)[0].max())
@@ -142,8 +142,8 @@ def test_the_plan_of_shards_is_exact(seed: int) -> None:
 
 
 def file_of(stem: str, solvers: dict[str, tuple[float, float]], **columns: Any) -> ResultFile:
-    """In regime 'near', of n elements in A and B together: c n^p to solve, the middle one of three rounds, 1e-8 n^1.1 to prepare, and peaks of
-    100 n bytes, three times as large of the rival. h falls as n^-1/2; the diagonal is 2.
+    """A result in regime 'near', with n elements in A and B together: solving takes c n^p in the middle of three rounds,
+    preparing 1e-8 n^1.1, and peaks are 100 n bytes, three times as large for the rival. h falls as n^-1/2; the diagonal is 2.
     """
     file = ResultFile(stem, meta={"memory_bytes": 24 * 2**30})
     for n in SIZES:
@@ -184,7 +184,7 @@ def test_a_thousand_million_points(make: Make, tmp_path: Path) -> None:
 
 
 def test_shards_are_sized_by_the_upper_ends(make: Make, tmp_path: Path) -> None:
-    """Of memory and of the distance: both scatter about their lines."""
+    """The upper ends of memory and of the distance count, because both scatter about their lines."""
     file = file_of("scaling_points", {"scan": (1e-8, 1.0)})
     for i, case in enumerate(file.cases):
         case["peak_bytes"] = round(case["peak_bytes"] * (1.3, 1 / 1.3)[i % 2])
@@ -204,7 +204,7 @@ def test_shards_are_sized_by_the_upper_ends(make: Make, tmp_path: Path) -> None:
         return points * 48 + (at.high if upper else at.value)
 
     assert needed(tasks, upper=True) <= memory < needed(tasks - max(1, tasks // 20), upper=True)
-    assert needed(round(0.8 * tasks), upper=False) <= memory  # the values alone would ask for fewer
+    assert needed(round(0.8 * tasks), upper=False) <= memory  # the values alone would give fewer
 
 
 def test_a_forecast_without_a_line_has_no_picture(make: Make, tmp_path: Path) -> None:
@@ -221,7 +221,7 @@ def test_a_forecast_without_a_line_has_no_picture(make: Make, tmp_path: Path) ->
 def test_a_margin_that_takes_in_too_much_is_said(make: Make, tmp_path: Path) -> None:
     file = file_of("scaling_points", {"scan": (1e-8, 1.0)})
     for case in file.cases:
-        case["lower"] = case["upper"] = 0.06  # cells would fit, of which each takes thirteen times its points
+        case["lower"] = case["upper"] = 0.06  # the cells would fit, but each takes thirteen times its points
     make(file)
     text = (tmp_path / "tables" / "scaling_billion.md").read_text(encoding="utf-8")
     cells = [cell.strip() for cell in next(line for line in text.splitlines() if line.startswith("| near | scan")).split("|")[1:-1]]

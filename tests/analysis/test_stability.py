@@ -1,4 +1,4 @@
-"""The three stems of the stability suite: every outcome of a row, the cells, the claims, and that all are drawn from one result file."""
+"""The three stems of the stability suite: every outcome of a row, the cells, the claims, and that one result file suffices for all."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ def written(sweeps: Sweeps, folder: Path, monkeypatch: pytest.MonkeyPatch, shape
 @pytest.mark.parametrize(("columns", "outcome"), [
     (BOUNDS, Outcome.TIGHT),
     (BOUNDS | {"upper": 0.6}, Outcome.TIGHT),
-    (BOUNDS | {"status": "floor"}, Outcome.TIGHT),  # within its tolerance whatever the solver says
-    (BOUNDS | {"status": "timeout"}, Outcome.TIGHT),  # answered, and stopped while it was timed
+    (BOUNDS | {"status": "floor"}, Outcome.TIGHT),  # within its tolerance, whatever the solver reports
+    (BOUNDS | {"status": "timeout"}, Outcome.TIGHT),  # it answered, and was stopped while timed
     (BOUNDS | {"lower": KNOWN.upper, "upper": KNOWN.upper}, Outcome.TIGHT),  # one ulp is allowed
     (BOUNDS | {"lower": np.nextafter(KNOWN.upper, 1), "upper": 0.6}, Outcome.WRONG),
     (BOUNDS | {"lower": 0.45, "upper": np.nextafter(KNOWN.lower, 0)}, Outcome.WRONG),
@@ -56,12 +56,12 @@ def written(sweeps: Sweeps, folder: Path, monkeypatch: pytest.MonkeyPatch, shape
     (BOUNDS | {"lower": 0.5 + 1e-7, "upper": 0.6, "certified": False, "slack": 1e-8}, Outcome.WRONG),
     (BOUNDS | {"lower": 0.7, "upper": 0.75, "certified": False, "slack": math.nan}, Outcome.TIGHT),  # an unknown slack shows nothing
     (BOUNDS | {"lower": 0.7, "upper": 0.7, "truth": Interval(math.nan, math.nan)}, Outcome.TIGHT),  # nothing is known
-    (BOUNDS | {"lower": 0.5, "upper": 0.5 - 1e-9, "truth": Interval(0.4, 0.6)}, Outcome.WRONG),  # they cross
+    (BOUNDS | {"lower": 0.5, "upper": 0.5 - 1e-9, "truth": Interval(0.4, 0.6)}, Outcome.WRONG),  # the bounds cross
     (BOUNDS | {"lower": math.inf, "upper": math.inf, "truth": Interval(math.nan, math.nan)}, Outcome.WRONG),
     (BOUNDS | {"status": "unsound"}, Outcome.WRONG),
     (BOUNDS | {"unsound": True}, Outcome.WRONG),
     (BOUNDS | {"upper": math.nan}, Outcome.WRONG),  # it did answer
-    (WIDE, Outcome.WRONG),  # certified, and says that it converged
+    (WIDE, Outcome.WRONG),  # certified, and reported as converged
     (WIDE | {"certified": False}, Outcome.LOOSE),
     (WIDE | {"upper": math.inf, "certified": False}, Outcome.LOOSE),
     (WIDE | STALLED, Outcome.LOOSE),
@@ -73,7 +73,7 @@ def written(sweeps: Sweeps, folder: Path, monkeypatch: pytest.MonkeyPatch, shape
     (WIDE | {"status": "floor", "upper": math.inf}, Outcome.STOPPED),
     ({"status": "timeout", "reason": "killed"}, Outcome.HUNG),
     ({"status": "failed", "reason": "no finite coordinates"}, Outcome.REFUSED),
-    ({"status": "failed"}, Outcome.CRASHED),  # without a word
+    ({"status": "failed"}, Outcome.CRASHED),  # without a reason
     ({"status": "signal", "reason": "SIGSEGV"}, Outcome.CRASHED),
     (BOUNDS | {"status": "out_of_memory"}, Outcome.CRASHED),
     ({"status": "skipped", "reason": "solver 'guthe' takes no points as source"}, Outcome.NOT_APPLICABLE),
@@ -94,7 +94,7 @@ def test_what_is_not_legal_is_to_be_refused(columns: dict[str, Any], outcome: Ou
 
 
 def test_outcomes_are_told_apart_in_grey() -> None:
-    """By how light they are: any two colours are more than 7 of 100 apart in CIE lightness. The ill ones are dark and have letters."""
+    """Any two colours differ by more than 7 of 100 in CIE lightness. The ill ones are dark and have letters."""
     def light(outcome: Outcome) -> float:
         parts = [int(outcome.colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
         red, green, blue = (x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055)**2.4 for x in parts)
@@ -124,7 +124,7 @@ def test_the_letter_of_a_stop_says_at_what(tmp_path: Path, monkeypatch: pytest.M
 
 def test_largest_coordinates_decide_what_can_be_met(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sweeps = small()
-    turned = sweeps.file.cases[0]  # A is moved by 7: its largest coordinate is then at most 8
+    turned = sweeps.file.cases[0]  # A is moved by 7, so its largest coordinate is at most 8
     turned["pose"] = [0.0, 1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 7]
     suite = written(sweeps, tmp_path, monkeypatch)
     found = Judge(suite.results)
@@ -142,7 +142,7 @@ def test_largest_coordinates_decide_what_can_be_met(tmp_path: Path, monkeypatch:
 @pytest.mark.parametrize(("off", "certified", "peer"), [(1e-16, Outcome.TIGHT, Outcome.TIGHT), (4e-15, Outcome.WRONG, Outcome.TIGHT),
                                                         (2e-14, Outcome.WRONG, Outcome.WRONG)])
 def test_certified_rows_get_no_slack(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, off: float, certified: Outcome, peer: Outcome) -> None:
-    """Others get 84 u M, which is 9.3e-15 here."""
+    """Other rows get 84 u M, which is 9.3e-15 here."""
     sweeps = Sweeps()
     sweeps.family("offset", "mesh", [10.0], {label: [{"lower": 0.5 + off, "upper": 0.5 + off}] for label in ("guthe", "cgal")})
     suite = written(sweeps, tmp_path, monkeypatch)
@@ -151,7 +151,7 @@ def test_certified_rows_get_no_slack(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_certified_rows_that_contradict_each_other_are_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where no distance is stated, nobody knows which of them is: both are, and what holds both is not."""
+    """If no distance is stated, either may be the wrong one: both count as wrong, but an interval that holds both does not."""
     sweeps = Sweeps()
     answers = {"guthe": (0.5, 0.5), "cover": (0.75, 0.75), "sampling": (0.25, 1.0)}
     sweeps.family("offset", "mesh", [10.0], {label: [{"lower": low, "upper": high, "exact": np.nan, "status": "ok" if low == high else "budget"}]
@@ -251,7 +251,7 @@ def test_matrix_draws_every_strip(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     points, meshes, surfaces = (figure.axes[0] for figure in stability_picture.draw(suite).values())
     assert [label.get_text() for label in meshes.get_yticklabels()] == ["needle", "not numbers", "missing"]
     assert [label.get_text() for label in surfaces.get_xticklabels()] == ["below floor", "surface enclosure (ours)"]
-    # A strip a severity: 3 of 5 solvers, with those of the first column.
+    # A strip per severity: 3 of 5 solvers, and the strips of the first column.
     assert len(points.patches) == 3 * (5 + 1) and len(meshes.patches) == (2 + 1 + 1) * (6 + 1)
     dark = [patch for patch in points.patches if patch.get_x() < 0 and patch.get_facecolor()[0] < 0.5]
     assert len(dark) == 1  # M is 1e12 at the last severity
@@ -376,7 +376,7 @@ def test_time_table_and_timeouts_at_the_limit(tmp_path: Path, monkeypatch: pytes
     at_limit = [line for line in times.lines if len(line.get_xdata()) == 1 and line.get_ydata()[0] == 2.0]
     assert len(at_limit) == 2 and all(line.get_markerfacecolor() == "white" for line in at_limit)
     assert [text.get_text() for text in times.texts] == ["C"] and sorted(text.get_text() for text in work.texts) == ["C", "H"]
-    assert times.get_xlim()[0] > times.get_xlim()[1]  # the severest, which is the least, at the right
+    assert times.get_xlim()[0] > times.get_xlim()[1]  # the most severe value, which is the smallest, is on the right
     plt.close(figure)
 
 

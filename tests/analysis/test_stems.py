@@ -33,14 +33,14 @@ def test_table3_cells(make: Make) -> None:
     header, pears = rows["scene"][0], rows["(a) pears"][0]
     # Nine times, 1.9 to 2.1 in steps of 0.025: the interval runs from the second to the eighth.
     assert pears[header.index("NAIVEHDD")] == "2.00 [1.93, 2.08]"
-    # Ten seeds whose medians are all 0.5.
+    # Ten seeds, whose medians are all 0.5.
     assert pears[header.index("EARLYBREAK")] == "0.500 [0.500, 0.500]"
     assert pears[header.index("NAIVEHDD / EARLYBREAK")] == "4.00 [3.80, 4.20]"
-    assert pears[header.index("INC")] == "0.130 [0.126, 0.134]"  # 0.11 and 0.02 of preparation
+    assert pears[header.index("INC")] == "0.130 [0.126, 0.134]"  # 0.11 plus 0.02 of preparation
     assert pears[1] == "1,075 / 1,076"
     distances, work, each, paper = rows[""][:4]
     assert distances[0] == "distances" and work[0] == "distances, bounds and nodes" and each[0] == "ns a distance"
-    # 1M and 0.2M distances (of ten seeds, the median); 0.1M and 0.05M bounds and nodes.
+    # 1M and 0.2M distances (the median of ten seeds); 0.1M and 0.05M bounds and nodes.
     assert distances[2] == "1,000,000" and distances[header.index("NAIVEHDD / EARLYBREAK")] == "5.00 [5.00, 5.00]"
     assert work[header.index("EARLYBREAK / framework")] == "1.25 [1.25, 1.25]"
     assert each[2] == "2000"  # 2 s for 1M
@@ -82,7 +82,7 @@ def test_table3_takes_milliseconds_where_times_are_short(make: Make) -> None:
 
 def test_table3_pairs_rounds_where_there_are_enough(make: Make) -> None:
     file = ResultFile("zhang2017_table3", wall=1.25, cpu=1.0)
-    slow = [2.0 * (i + 1) for i in range(8)]  # ever slower: only pairs tell the two apart
+    slow = [2.0 * (i + 1) for i in range(8)]  # ever slower: only pairs separate the two
     file.case("naive", "a_pears", slow, rounds=8, lower=1.0, upper=1.0)
     file.case("earlybreak", "a_pears", [x / 1.25 for x in slow], rounds=8, lower=1.0, upper=1.0)
     _, rows, _ = make(file)
@@ -106,7 +106,7 @@ def test_points_speed_takes_the_best_of_the_others(make: Make) -> None:
     assert outlier[header.index("scan (ours)")] == "2.00 [1.93, 2.08]"
     assert outlier[-1] == "5.00 [4.82, 5.19]"  # EARLYBREAK's 10 ms, not the 60 ms of the tree; paired by round
     assert near[header.index("EARLYBREAK")] == "timeout" and near[-1].startswith("4.00")
-    # 80 ms by its own clock; its repeats, with the start of Python, are not looked at.
+    # 80 ms by its own clock; its repeats, which include the start of Python, are ignored.
     assert near[header.index("SciPy cKDTree")] == "80.0"
     assert rows["geometric mean"][0][-1] == "4.47" and "least 4.00, over 2 of 2" in text
     assert rows[""][0][header.index("scan (ours)")] == "8.00"
@@ -125,9 +125,9 @@ def test_points_hostile_finds_where_scan_is_slower(make: Make) -> None:
 
 def test_fig13_means_over_all_pairs_only(make: Make) -> None:
     records, rows, text = make(synthetic.sacht2024_fig13())
-    # Preparation 20 ms and a step of 10 ms a decade, times 1, 2, 3, 4: mean 2.5 (20 + 10 j).
+    # Preparation takes 20 ms and a decade 10 ms, times 1, 2, 3, 4: the mean is 2.5 (20 + 10 j).
     assert rows["Sacht 2024"][0] == ["75.0", "100", "125", "150", "175", "200", "225", "250", "242"]
-    # A case a tolerance, of seven rounds 5 % around the middle.
+    # One case per tolerance, with seven rounds 5 % around the middle.
     assert rows["CGAL"][0][:2] == ["113 [107, 118]", "158 [150, 165]"] and rows["CGAL"][0][7:] == ["428 [406, 449]", "—"]
     assert rows["Zheng 2022"][0][5:] == ["532", "3 of 4", "3 of 4", "1288"]
     assert rows["Kang 2018"][0][-1] == "762"
@@ -154,7 +154,7 @@ def test_fig13_never_reads_an_unsound_row(make: Make) -> None:
 
 @pytest.mark.parametrize("stem", STEMS)
 def test_command_line(stem: str, tmp_path: Path) -> None:
-    """As make calls it; and the results are opened read-only."""
+    """As make calls it; results are opened read-only."""
     path = STEMS[stem]().write(tmp_path)
     before = path.read_bytes()
     path.chmod(0o444)
@@ -166,9 +166,9 @@ def test_command_line(stem: str, tmp_path: Path) -> None:
     written = [Path(line) for line in lines if line not in said]
     suffixes = [output.suffix for output in written]
     assert [suffix for suffix in suffixes if suffix not in (".json", ".txt")] == [".csv", ".md", ".tex", ".pdf", ".png"]
-    assert suffixes.count(".txt") == (suffixes[-1] == ".txt")  # the caption of a figure that has its own
+    assert suffixes.count(".txt") == (suffixes[-1] == ".txt")  # the caption of a figure with its own caption
     text = written[1].read_text(encoding="utf-8")
-    assert suffixes.count(".json") == bool(said) == ("- Claim: " in text)  # the verdicts, of a stem that has some
+    assert suffixes.count(".json") == bool(said) == ("- Claim: " in text)  # the verdicts of a stem that has some
     assert all(f"- {line}" in text for line in said)
     assert all(output.stat().st_size for output in written)
     assert path.read_bytes() == before

@@ -1,4 +1,4 @@
-"""The stems of Tang et al. 2009, from files with known numbers; every verdict each way that it can come out."""
+"""The stems of Tang et al. 2009, from files with known numbers; every verdict in each of its outcomes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def make(tmp_path: Path) -> Make:
 
 
 def claim(text: str, part: str) -> str:
-    """What came out of the one claim whose text has this part."""
+    """Returns the outcome of the one claim whose text has this part."""
     lines = [line for line in text.splitlines() if line.startswith("- Claim: ") and part in line.split(". Here")[0]]
     assert len(lines) == 1, (part, lines)
     return lines[0].split(". Here", 1)[1]
@@ -40,7 +40,7 @@ def test_table2_cells(make: Make) -> None:
     tang = rows["Bird1/Bird2"][0]
     assert tang[:3] == ["Tang 2009", "1,000 / 2,000", "21"]
     assert tang[3].startswith(f"{mean:.2f} [") and tang[4:6] == ["0.476", "10.0"]
-    assert tang[6:] == ["99.00", "98.00", "5", "954.5"]  # depth, and the median of the queries of all poses but the first
+    assert tang[6:] == ["99.00", "98.00", "5", "954.5"]  # depth, and the median of the queries over all poses but the first
     others = {row[0]: row for row in rows[""]}
     assert others["paper"][3:] == ["84.31", "0.04", "670.6", "98.03", "99.99", "—", "—"]  # of the last pair that is in the paper
     assert others["cover, warm"][6:9] == ["—"] * 3
@@ -73,7 +73,7 @@ def test_culling_that_nobody_tells(make: Make) -> None:
 
 @pytest.mark.parametrize(("poses", "outcome"), [(range(10), " it holds"), (range(12), " it does not hold")])
 def test_depth_is_typical(make: Make, poses: range, outcome: str) -> None:
-    """At fewer than half of 21 poses it is deeper."""
+    """It is deeper at fewer than half of the 21 poses."""
     file = motion("tang2009_table2", PAIRS, ALL)
     for case in file.cases:
         if case["label"] == "tang" and case["pose_index"] in poses:
@@ -95,7 +95,7 @@ def test_a_fraction_of_a_second(make: Make, wall: float, outcome: str) -> None:
 
 @pytest.mark.parametrize(("seconds", "average", "slowest"), [(0.5, " it does not hold", " it holds"), (2.0, " it does not hold", " it does not hold"), (0.02, " it holds", " it holds")])
 def test_a_slow_pose_is_looked_at_on_its_own(make: Make, seconds: float, average: str, slowest: str) -> None:
-    """The first pose of every pair takes `seconds`, each other one 0.05 s, or 0.01 s if the first is fast, too."""
+    """The first pose of every pair takes `seconds`, each other one 0.05 s, or 0.01 s if the first is fast."""
     file = motion("tang2009_table2", PAIRS, ALL)
     for row in [*file.repeats, *file.answers]:
         first = file.cases[row["case"]]["pose_index"] == 0
@@ -119,7 +119,9 @@ def test_bounds_are_within_the_tolerance(make: Make, changed: dict[str, Any], ou
     (0.005, 1000, 5, " it holds"),  # no more are subdivided than are left
     (0.5, 20, 5, " it holds"), (0.5, 300, 1, " it does not hold"), (0.5, 300, 5, ": not separated"), (None, 20, 5, ": not tested")])
 def test_few_triangles_are_subdivided(make: Make, left: float | None, count: int, deepest: int, outcome: str) -> None:
-    """A has 1,000 triangles and B 2,000. 300 subdivisions are of 300 triangles if none is deeper than one, and may be of one if they are five deep."""
+    """A has 1,000 triangles and B 2,000. 300 subdivisions need 300 triangles if none is deeper than one, but perhaps only one if
+    they are five deep.
+    """
     file = motion("tang2009_table2", PAIRS, ALL)
     for case in file.cases:
         if case["label"] == "tang":
@@ -153,7 +155,7 @@ def test_fig9_stages(make: Make) -> None:
     assert rows["Watch1/Watch2, nearest tenth"][0][1:3] == ["2", "10.0 to 20.0"]
     assert rows["Watch1/Watch2, nearest tenth"][0][6:] == ["15.0", "7.50"]  # 2 / 0.1 and 2 / 0.2 ms
     assert len(records) == 42
-    assert float(records[20]["subdivide"]) == pytest.approx(0.01)  # of both directions: each half of 10 ms
+    assert float(records[20]["subdivide"]) == pytest.approx(0.01)  # over both directions: each takes half of 10 ms
 
 
 @pytest.mark.parametrize(("tang", "rounds", "tenth", "less"), [
@@ -259,7 +261,7 @@ def test_the_witness_is_drawn_where_it_is(tmp_path: Path) -> None:
     ends = tang_pictures.SIDE.seen(np.array([[0.25, 0.25, 0.0], [3.0, 0.25, 0.0]]))
     (line,) = axes[0].lines
     assert np.allclose(np.stack(line.get_data()).T, ends[:, :2])
-    assert not axes[1].lines  # nobody knows it
+    assert not axes[1].lines  # the point is not known
     moved = tang_pictures.placed(results, "any", results.cases.pose[0]).corners
     assert np.allclose(moved, [[2, 0, 0], [3, 0, 0], [2, 1, 0], [2, 0, 1]])
     plt.close(figure)
@@ -327,7 +329,7 @@ def test_nearest_finds_the_same(make: Make, tmp_path: Path, wrong: tuple[int, ..
 def test_nearest_with_two_that_are_too_close_to_tell(make: Make, tmp_path: Path) -> None:
     matrix = synthetic_tang.similarity()
     near = next(row for row in matrix.cases if row["source"] == "king_centred" and row["target"] == "bunny_cgal_centred")
-    near.update(lower=0.0095, upper=0.0105)  # of the queen 0.01 to 0.011
+    near.update(lower=0.0095, upper=0.0105)  # the queen's is 0.01 to 0.011
     matrix.write(tmp_path)
     _, rows, text = make(synthetic_tang.nearest())
     assert claim(text, SAME).startswith(": not separated (not so for 0 of 11 shapes out of 12)")
@@ -353,7 +355,7 @@ def test_nearest_without_the_matrix_or_an_answer(make: Make, tmp_path: Path) -> 
     assert claim(text, LESS).startswith(": not separated (above 1 for 11 of 11 shapes, no ratio for 1")
     assert claim(text, SAME).startswith(": not separated (not so for 0 of 11 shapes out of 12)")
     assert rows["cover (ours)"][0][4].endswith(", 1 failed")
-    # A matrix of other shapes under the same names is none.
+    # A matrix of other shapes under the same names does not count.
     other = synthetic_tang.similarity()
     for model in other.models:
         model["sha256"] = "another"
@@ -388,7 +390,7 @@ def test_time_of_measuring_depths(make: Make, cover: float, frames: int, domino:
 @pytest.mark.parametrize(("cover", "frames", "outcome"), [
     (2e-3, 30, " it holds"), (2.381e-3, 30, ": not separated"), (3e-3, 30, " it does not hold"), (2e-3, 15, ": not judged")])
 def test_measuring_takes_a_few_milliseconds(make: Make, cover: float, frames: int, outcome: str) -> None:
-    """Tang takes twice as long as `cover` for a pair, and a frame has two pairs; every other one takes a tenth more."""
+    """Tang takes twice as long as `cover` per pair, and a frame has two pairs; every other frame takes a tenth more."""
     text = make(synthetic_tang.depths(cover=cover, frames=frames))[2]
     for scene in ("Alphabet Domino", "Falling Bunnies"):
         assert claim(text, f"{scene}: Measuring the depths of a frame takes less than 10 ms").startswith(outcome)

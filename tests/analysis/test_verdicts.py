@@ -1,4 +1,4 @@
-"""Each verdict comes out every way that it can, and errs no more often than it says."""
+"""Each verdict has each of its outcomes, and errs no more often than it claims."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, NOT_REFUTED, OPEN
 
 
 def ratio(factor: float, rounds: int = 10, odd: int = 0) -> Estimate:
-    """Of so many rounds that say `factor`, but for the odd ones, which say 1 / factor."""
+    """Returns the ratio over `rounds` rounds with the value `factor`, except `odd` ones with 1 / factor."""
     return paired_ratio([factor] * (rounds - odd) + [1 / factor] * odd, [1.0] * rounds)
 
 
@@ -35,14 +35,14 @@ def test_everywhere(ratios: list[Estimate], outcome: str) -> None:
     ([FASTER] * 3 + [SLOWER], HOLDS), ([FASTER] * 2 + [SLOWER] * 2, FAILS), ([FASTER, SLOWER, SLOWER, SLOWER], FAILS),
     ([FASTER] * 2 + [LEVEL] * 2, OPEN), ([FASTER] * 3 + [NO_DATA], HOLDS), ([FASTER] * 2 + [NO_DATA] * 2, OPEN), ([NO_DATA], UNTESTED), ([], UNTESTED),
     ([FEW] * 4, NOT_JUDGED), ([FEW] * 3 + [FASTER], NOT_JUDGED), ([FEW] + [FASTER, LEVEL] * 2, OPEN), ([exact(2.0), exact(2.0), exact(0.5)], HOLDS), ([exact(2.0), exact(0.5), exact(0.5)], FAILS),
-    # Six rounds: each of four alone is 1/64, and the clearest of two that are left may be chance, 2/64 not.
+    # Six rounds: each of four alone is 1/64, and the clearest of the two remaining may be chance; 2/64 is not.
     ([ratio(2.0, 6)] * 3 + [SLOWER], HOLDS), ([ratio(2.0, 6, odd=1)] * 3 + [SLOWER], OPEN)])
 def test_most_of(ratios: list[Estimate], outcome: str) -> None:
     assert verdicts.most_of("x", ratios).outcome == outcome
 
 
 def test_most_of_errs_seldom() -> None:
-    """Where half of the ratios are 2 and the others 1, "most are above" comes out in 5 % of cases at most (and 3.5 % more for 150 trials)."""
+    """If half of the ratios are 2 and the others 1, "most are above" results in 5 % of cases at most (and 3.5 % more for 150 trials)."""
     found = rate(HOLDS, lambda rng: verdicts.most_of("x", [noisy(rng, truth, 8) for truth in (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)]))
     assert found <= 0.085
 
@@ -61,7 +61,7 @@ def test_everywhere_says_what_its_rounds_cannot_refute() -> None:
     assert evidence(6, 15, 1).endswith("n = 6 refutes it only where at least 5 of 15 pairs are below 1")
     assert evidence(4, 3).endswith("n = 4 cannot refute it for 3 pairs")
     assert "refute" not in evidence(10, 15) and "refute" not in evidence(6, 3)
-    assert "refute" not in verdicts.everywhere("x", [FASTER] * 2 + [ratio(2.0, 6)] * 13).evidence  # it holds
+    assert "refute" not in verdicts.everywhere("x", [FASTER] * 2 + [ratio(2.0, 6)] * 13).evidence  # the claim holds
     assert verdicts.everywhere("x", [one_draw(2.0)] * 5).outcome == NOT_JUDGED
     assert verdicts.everywhere("x", [one_draw(2.0)] * 5).evidence.endswith("n = 1 cannot refute it for 5 pairs")
 
@@ -77,8 +77,8 @@ def noisy(rng: np.random.Generator, truth: float, rounds: int) -> Estimate:
 
 @pytest.mark.parametrize(("pairs", "rounds"), [(6, 6), (15, 10)])
 def test_everywhere_errs_seldom(pairs: int, rounds: int) -> None:
-    """Where all ratios are 1, "one is below" comes out in 5 % of cases at most (and 1.7 % more for 150 trials), and not in
-    as many as a test for each would give; where one of them is 1 and the others 2, "all are above" does.
+    """If all ratios are 1, "one is below" results in 5 % of cases at most (and 1.7 % more for 150 trials), and less often than
+    with a separate test for each. If one of them is 1 and the others 2, the same is true for "all are above".
     """
     def level(rng: np.random.Generator) -> list[Estimate]:
         return [noisy(rng, 1.0, rounds) for _ in range(pairs)]
@@ -87,7 +87,7 @@ def test_everywhere_errs_seldom(pairs: int, rounds: int) -> None:
                                                     ""))
     assert each > 0.08
     assert rate(HOLDS, lambda rng: verdicts.everywhere("x", [noisy(rng, 1.0, rounds)] + [noisy(rng, 2.0, rounds)] * 5)) <= 0.067
-    # And it finds what is there.
+    # And it detects true differences.
     assert rate(FAILS, lambda rng: verdicts.everywhere("x", level(rng)[2:] + [noisy(rng, 0.5, rounds)] * 2)) == 1
     assert rate(HOLDS, lambda rng: verdicts.everywhere("x", [noisy(rng, 2.0, rounds) for _ in range(pairs)]), 20) == 1
 
@@ -104,7 +104,7 @@ def test_above_one() -> None:
 def test_never_is_never_proven() -> None:
     assert [verdicts.never("x", wrong, of, "cases").outcome for wrong, of in ((0, 28), (0, 29), (1, 10**6), (0, 0))] == \
         [OPEN, NOT_REFUTED, FAILS, UNTESTED]
-    # 1 - 0.05^(1/150) = 2.0 %; of ten independent ones, 26 %.
+    # 1 - 0.05^(1/150) = 2.0 %; for ten independent trials, 26 %.
     assert verdicts.never("x", 0, 150, "answers are wrong").evidence == "0 of 150 answers are wrong; the rate is below 2.0 % at 95 %"
     few = verdicts.never("x", 0, 150, "answers are wrong", 10)
     assert few.outcome == OPEN and few.evidence.endswith("below 26 % at 95 %, from 10 independent trials")
@@ -112,7 +112,7 @@ def test_never_is_never_proven() -> None:
 
 
 def test_never_against_the_rate_of_a_variant() -> None:
-    """Thirty trials leave 9.5 %."""
+    """Thirty trials allow 9.5 %."""
     def of(bar: float) -> verdicts.Verdict:
         return verdicts.never("x", 0, 6000, "answers are wrong", 30, bar, "of variants")
     assert of(0.1).outcome == NOT_REFUTED and of(0.09).outcome == OPEN and of(0.0038).outcome == OPEN
@@ -136,7 +136,7 @@ def test_rising() -> None:
     assert verdicts.rising("x", up, up).outcome == HOLDS and verdicts.rising("x", up, up[::-1]).outcome == FAILS
     assert verdicts.rising("x", up, [2.0, 1, 4, 3, 6, 5]).outcome == OPEN  # p = 0.056 for 3 inversions
     assert verdicts.rising("x", [1.0], [1.0]).outcome == UNTESTED and verdicts.rising("x", up, [1.0] * 6).outcome == OPEN
-    # A tie is no pair in order: 0.0167 if it were.
+    # A tie does not count as a pair in order; otherwise p would be 0.0167.
     assert verdicts.rising("x", up[:5], [1.0, 1, 2, 3, 4]).evidence == "Kendall's tau 0.95 over 5, p = 0.023"
 
 
@@ -160,8 +160,8 @@ def test_constant() -> None:
 
 
 def test_constant_errs_seldom() -> None:
-    """Twenty places with one constant and 10 % of noise: the greatest and the least differ by more than the factor in
-    most trials, and that must not refute it.
+    """Twenty places share one constant with 10 % of noise: the greatest and the least differ by more than the factor in most
+    trials, and that must not refute it.
     """
     def noise(rng: np.random.Generator) -> verdicts.Verdict:
         return verdicts.constant("x", np.exp(0.1 * rng.standard_normal((20, 10))).tolist(), 1.05)
@@ -173,16 +173,16 @@ def test_greatest() -> None:
         return verdicts.greatest("x", ratios, rival, "").outcome
     assert of([FASTER, FASTER], FASTER) == HOLDS and of([FASTER, LEVEL], LEVEL) == OPEN
     assert of([FASTER, SLOWER], SLOWER) == FAILS and of([], NO_DATA) == UNTESTED
-    assert of([FASTER, NO_DATA], NO_DATA) == OPEN  # nothing is known of one place
+    assert of([FASTER, NO_DATA], NO_DATA) == OPEN  # nothing is known about one place
     assert verdicts.greatest("x", [one_draw(2.0)], one_draw(2.0), "at 0") == verdicts.Verdict("x", NOT_JUDGED, "n = 1; at 0")
-    assert of([FASTER, SLOWER], FASTER) == OPEN  # chosen by the times themselves: no proof
+    assert of([FASTER, SLOWER], FASTER) == OPEN  # chosen by the times themselves, so not a proof
 
 
 def test_least_among() -> None:
     def of(*rivals: tuple[Estimate, ...], among: int = 2) -> str:
         return verdicts.least_among("x", [(str(i), r) for i, r in enumerate(rivals)], "5", ["5", "6", "7"][:among]).outcome
     assert of((FASTER, SLOWER), (FASTER, LEVEL)) == HOLDS
-    assert of((FASTER, LEVEL), (LEVEL, FASTER)) == OPEN  # no one setting beats both
+    assert of((FASTER, LEVEL), (LEVEL, FASTER)) == OPEN  # no single setting beats both
     assert of((SLOWER, SLOWER), (FASTER, FASTER)) == FAILS and of((SLOWER, FASTER)) == HOLDS and of() == UNTESTED
     # One-sided 2^-6 times four rivals is above 5 %.
     six = [(ratio(0.5, 6),)] + [(ratio(2.0, 6),)] * 3
@@ -190,7 +190,7 @@ def test_least_among() -> None:
 
 
 def test_least_among_tells_level_from_less() -> None:
-    """Eight rivals: below 1 in all of six rounds is 8 / 2^6; in all of ten it is enough."""
+    """Eight rivals: being below 1 in all of six rounds has the chance 8 / 2^6; being below in all of ten is enough."""
     def evidence(rounds: int, odd: int = 0) -> str:
         first = (ratio(0.5, rounds, odd),)
         return verdicts.least_among("x", [("a", first), *[(c, (ratio(1.1, 10, odd=4),)) for c in "bcdefg"], ("h", (FASTER,))],
@@ -204,7 +204,7 @@ def test_least_among_tells_level_from_less() -> None:
 
 
 def test_least_among_errs_seldom() -> None:
-    """Nine rivals that take as long as the setting, all compared with the same times of it."""
+    """Nine rivals that take as long as the setting, all compared with the same times of the setting."""
     def level(rng: np.random.Generator) -> verdicts.Verdict:
         own, others = np.exp(0.02 * rng.standard_normal(10)), np.exp(0.02 * rng.standard_normal((9, 10)))
         return verdicts.least_among("x", [(str(i), [paired_ratio(x, own)]) for i, x in enumerate(others)], "", ["5"])

@@ -1,4 +1,4 @@
-"""The picture of the fastest certified solvers: who takes part, who wins, and whether that is separated."""
+"""The picture of the fastest certified solvers: the participants, the winners, and whether a win is separated."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_what_is_not_separated(tmp_path: Path, rounds: int, rival: float) -> Non
 
 
 def test_a_tolerance_that_was_read_off_a_trace_has_no_cell(tmp_path: Path) -> None:
-    """Who is faster there is not known."""
+    """The fastest solver at that tolerance is not known."""
     file = peers()
     for case in file.cases:
         if case["label"] == "tang":
@@ -62,7 +62,7 @@ def test_the_fastest_is_ahead_by_the_ratio_that_is_shown(tmp_path: Path) -> None
 
 
 def test_sweeps(tmp_path: Path) -> None:
-    """Of seeds the first stands for the solver; a sweep over another parameter takes no part."""
+    """The first seed stands for the solver; a sweep over another parameter takes no part."""
     file = peers()
     for seed, seconds in ((1, 0.7), (2, 0.2)):
         file.case("kang", "near", [seconds] * 7, lower=0.5, upper=0.5, certified=1, tolerance=1e-6, tolerance_of="diagonal", prepare_seconds=0.0,

@@ -29,8 +29,8 @@ def test_table1_gives_both_variants_the_same_preparation(make: Make) -> None:
     records, rows, text = make(synthetic_zhang.table1())
     header = rows["pair"][0]
     first = rows["1"][0]
-    assert first[1:4] == ["35.89", "22.47", "1.60"]  # the paper's, in ms
-    # Ratios of (solve + 1 ms), not of the 0.5 s that one preparation took by accident.
+    assert first[1:4] == ["35.89", "22.47", "1.60"]  # the paper's values, in ms
+    # Ratios of (solve + 1 ms); the 0.5 s that one preparation took by accident does not count.
     assert first[header.index("here: ratio")] == "1.50 [1.50, 1.50]" and first[header.index("distances: ratio")] == "2.00"
     assert first[header.index("distances, bounds and nodes: ratio")] == "2.00"
     assert first[header.index("here: with")] == "3.06 [3.00, 3.12]"
@@ -54,7 +54,7 @@ def test_table2_says_what_was_culled_and_what_was_wrong(make: Make) -> None:
 
 
 def test_table2_pairs_seeds(make: Make) -> None:
-    """Ten seeds, twice as long and three times the work without culling; of one seed, no more than one draw."""
+    """Ten seeds take twice as long and three times the work without culling; a single seed is only one draw."""
     for seeds, ratio in ((10, "3.00 [3.00, 3.00]"), (1, "3.00 (not judged, n = 1)")):
         file = ResultFile("zhang2017_table2", cpu=1.0)
         for seed in range(1, seeds + 1):
@@ -65,7 +65,7 @@ def test_table2_pairs_seeds(make: Make) -> None:
         _, rows, text = make(file)
         header, first = rows["pair"][0], rows["1"][0]
         assert first[header.index("here: ratio")] == "2.00 [2.00, 2.00]" and first[header.index("distances: ratio")] == ratio
-        assert "Counted in distances it is not judged (n = 1; geometric mean 3.00 over 1 pairs)" in text  # one pair is no average
+        assert "Counted in distances it is not judged (n = 1; geometric mean 3.00 over 1 pairs)" in text  # one pair is not an average
         assert ("paired by seeds" in text) == (seeds > 1)
 
 
@@ -84,7 +84,7 @@ def test_fig8_finds_the_best_depth(make: Make) -> None:
 def test_fig9_pools_seeds(make: Make) -> None:
     _, rows, text = make(synthetic_zhang.fig9())
     assert [row[0] for row in rows["4K"]] == ["1/400", "1/100", "1/80", "1/2"]
-    assert rows["4K"][3][-1] == "40.0"  # culled, %
+    assert rows["4K"][3][-1] == "40.0"  # culled, in %
     assert "lambda = 1/80. Here: not separated (least at 1/100; not separated from it: 1/400, 1/100)" in text
     assert "a much larger lambda makes OHD, mended, slower (1/2 against 1/80). Here it holds" in text and "n = 7" in text
     assert "OHD, mended, is fastest at lambda = 1/100. Here: not separated (least at 1/100" in text
@@ -114,7 +114,7 @@ def test_motion_is_read_by_overlap(file: ResultFile, make: Make) -> None:
 
 
 def outcome_of(text: str, part: str) -> str:
-    """What came out of the one claim whose text has this part, with its evidence."""
+    """Returns the outcome of the one claim whose text has this part, with its evidence."""
     (line,) = [line for line in text.splitlines() if line.startswith("- Claim: ") and part in line.split(". Here")[0]]
     return line.split(". Here", 1)[1].removeprefix(":").strip()
 
@@ -144,7 +144,7 @@ def test_time_rises_as_the_distance_falls(power: float, rounds: int, outcome: st
     (100, 900, 6, "it holds", "it holds"), (900, 100, 6, "it does not hold", "it does not hold"), (500, 500, 6, "not separated", "not separated"),
     (100, 900, 1, "not judged", "not judged"), (None, None, 6, "not tested", "not tested")])
 def test_motion_says_what_is_culled(touching: int | None, overlapping: int | None, seeds: int, few: str, many: str, make: Make) -> None:
-    """Of the 1,000 points of A; seeds cull up to 30 points more or fewer."""
+    """Culled points, out of the 1,000 points of A; seeds cull up to 30 points more or fewer."""
     file = synthetic_zhang.fig10()
     for case in [case for case in file.cases if case["solver"] == "ohd"]:
         culled = touching if abs(case["pose"][9]) > 0.35 else overlapping
@@ -161,7 +161,7 @@ def test_motion_says_what_is_culled(touching: int | None, overlapping: int | Non
 
 @pytest.mark.parametrize(("counted", "outcome"), [(2_000_000, "it holds (not so for 0 of 1"), (1_999_999, "it does not hold (not so for 1 of 1"), (None, "not tested")])
 def test_the_worst_case_of_early_breaking(counted: int | None, outcome: str, make: Make) -> None:
-    """At the pose whose distance is 0; A has 1,000 points, B 2,000. Without such a pose there is no claim."""
+    """At the pose with distance 0; A has 1,000 points, B 2,000. Without such a pose there is no verdict."""
     file = synthetic_zhang.fig10()
     for case in file.cases:
         changed: dict[str, Any] = {"counter_point_distances": counted} if counted else {"status": "timeout", "lower": float("nan"), "upper": float("nan")}
@@ -234,8 +234,8 @@ def test_counted_work_of_one_seed_is_one_draw(make: Make) -> None:
 
 
 def test_counted_work_of_several_seeds_has_an_interval(make: Make) -> None:
-    """Seeds 2 to 7 differ by up to 6 % in their counts, and take no part in the times. At the pose of x = 0.9 EARLYBREAK's
-    first seed counts most of all, its others as little as there is: the first seed chooses, and refutes nothing.
+    """Seeds 2 to 7 differ by up to 6 % in their counts, and take no part in the times. At the pose x = 0.9, EARLYBREAK's first
+    seed counts the most of all, and its other seeds the least: the first seed chooses, and refutes nothing.
     """
     file = synthetic_zhang.fig10()
     for case in [case for case in file.cases if case["solver"] != "nohd"]:
@@ -272,7 +272,7 @@ POINTS = {"A": [[0.0, 0.0, 0.0]] * 4, "B": [[0.5, 0.0, 0.0]] + [[2.0, 0.0, 0.0]]
 
 @pytest.fixture()
 def shapes_of_a_and_b(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A cache that has them, as datasets/shape_file.cpp writes it."""
+    """Makes a cache that holds the shapes, as datasets/shape_file.cpp writes them."""
     (tmp_path / "shapes").mkdir()
     for name, points in POINTS.items():
         with h5py.File(tmp_path / "shapes" / f"made_of_{name}.h5", "w") as file:
@@ -291,7 +291,7 @@ def test_steps_expected_and_counted(make: Make, shapes_of_a_and_b: None) -> None
 
 def test_expectations_where_no_point_is_near() -> None:
     a, b = np.array([[0.0, 0, 0], [9.0, 0, 0]]), np.array([[1.0, 0, 0], [1.0, 0, 0], [3.0, 0, 0]])
-    # The first has two of three in reach, the second none: 1/p = 3, and (4/3 + 3) / 2.
+    # The first point has two of three points within reach, the second none: 1/p = 3, and (4/3 + 3) / 2.
     expected, by_point = zhang2017_steps.expectations(a, b, 2.0)
     assert expected == pytest.approx(3.0) and by_point == pytest.approx((4 / 3 + 3) / 2)
 
@@ -346,8 +346,8 @@ def test_as_printed_counts_wrong_answers(make: Make) -> None:
 @pytest.mark.parametrize(("seeds", "bad_blocks", "outcome"), [
     (4, 20, "not refuted"), (4, 2, "not separated"), (1, 20, "not separated"), (4, 0, "not refuted")])
 def test_what_is_mended_is_held_against_what_is_printed(seeds: int, bad_blocks: int, outcome: str, make: Make) -> None:
-    """As printed, seed 3 is wrong in so many of 40 blocks of poses: 7.2 % is what 40 without an error leave. The mended one with
-    seed 1 alone is never asked where the printed one is wrong, and has 10 blocks, which leave 26 %.
+    """As printed, seed 3 is wrong in `bad_blocks` of 40 blocks of poses; 40 blocks without an error allow a rate of 7.2 %. The
+    mended solver with seed 1 alone is never run where the printed one is wrong, and has 10 blocks, which allow 26 %.
     """
     file = ResultFile("zhang2017_as_printed")
     for pose in range(0, 200, 5):
@@ -364,7 +364,7 @@ def test_what_is_mended_is_held_against_what_is_printed(seeds: int, bad_blocks: 
 
 
 def test_as_printed_says_no_more_than_the_data(make: Make) -> None:
-    """No answer is wrong, no certified solver is there, and one block of poses is no sample."""
+    """No answer is wrong, there is no certified solver, and one block of poses is not a sample."""
     file = ResultFile("zhang2017_as_printed")
     for solver in ("ohd_as_printed", "nohd_as_printed"):
         file.case(solver, "clouds", [0.1], lower=2.0, upper=2.0, certified=0)
@@ -386,11 +386,11 @@ def test_shares_are_of_blocks_of_poses(tmp_path: Path) -> None:
     rows = list(range(200))
     assert [len(block) for block in zhang2017_as_printed.blocks(results, rows)] == [20] * 10
     low, high = zhang2017_as_printed.share_interval(results, rows)
-    assert low == 0 and 0.2 <= high <= 0.4  # of ten blocks one; as 200 answers it would be 0.06 to 0.15
+    assert low == 0 and 0.2 <= high <= 0.4  # one of ten blocks; as 200 answers it would be 0.06 to 0.15
 
 
 def test_preparation_widens_the_interval(tmp_path: Path) -> None:
-    """Solving takes the same time in every round, preparing does not."""
+    """Solving takes the same time in every round, but preparing does not."""
     file = ResultFile("spread", cpu=1.0)
     file.case("kdtree", "x", [x for x in [1.0] * 6 for _ in range(3)], rounds=6, prepare=[0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
               lower=1.0, upper=1.0)
@@ -418,7 +418,7 @@ def test_clocks_are_named(tmp_path: Path) -> None:
 
 
 def motion_of(times: list[list[float]], folder: Path, work: list[int] | None = None) -> Motion:
-    """Of EARLYBREAK: rows are poses from x = -1 to 1, columns rounds; the least distance is in the middle."""
+    """Returns EARLYBREAK's motion: rows are poses from x = -1 to 1, columns are rounds; the least distance is in the middle."""
     file, half = ResultFile("zhang2017_fig10", cpu=1.0), len(times) // 2
     for i, seconds in enumerate(times):
         x = (i - half) / half
@@ -437,7 +437,7 @@ def test_a_peak_can_come_out_three_ways(level: list[int], rounds: int, outcome: 
 
 
 def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
-    """Noise alone seldom makes a peak there, and seldom one elsewhere, however many poses there are."""
+    """Noise alone seldom makes a peak in the middle or elsewhere, however many poses there are."""
     rng, outcomes = np.random.default_rng(4), []
     for _ in range(15):
         outcomes.append(motion_of(np.exp(0.01 * rng.standard_normal((21, 6))).tolist(), tmp_path).peak("earlybreak").outcome)
@@ -445,14 +445,14 @@ def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
 
 
 def test_who_refutes_a_peak_is_not_chosen_by_its_times(tmp_path: Path) -> None:
-    """The first pose is the slowest in every round. Of many poses one is by chance; the one of most work is not slower."""
+    """The first pose is the slowest in every round, which happens by chance for one of many poses; the pose with the most work is not slower."""
     times = [[y] * 6 for y in (2.1, 1.0, 1.0, 2.0, 1.0, 1.0, 1.0)]
     assert motion_of(times, tmp_path, [10, 10, 10, 20, 10, 10, 15]).peak("earlybreak").outcome == "not separated"
     assert motion_of(times, tmp_path, [15, 10, 10, 20, 10, 10, 10]).peak("earlybreak").outcome == "does not hold"
 
 
 def test_poses_are_no_independent_trials(tmp_path: Path) -> None:
-    """One slow process makes every pose slow: a sign test over poses would tell equal solvers apart."""
+    """One slow process makes every pose slow: a sign test over poses would separate equal solvers."""
     file, rng = ResultFile("zhang2017_fig10", cpu=1.0), np.random.default_rng(8)
     process = {label: np.exp(0.01 * rng.standard_normal(3)) for label in ("earlybreak", "nohd")}
     for i in range(40):

@@ -29,7 +29,7 @@ double area(const TriangleMesh& mesh) {
     return sum;
 }
 
-// The volume within a closed, outward oriented mesh.
+// Returns the volume enclosed by a closed mesh with outward faces.
 double volume(const TriangleMesh& mesh) {
     double sum = 0;
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
@@ -39,7 +39,7 @@ double volume(const TriangleMesh& mesh) {
     return sum;
 }
 
-// Every edge has two triangles, which run through it in opposite directions.
+// Returns whether every edge has two triangles, which traverse it in opposite directions.
 bool closed(const TriangleMesh& mesh) {
     std::map<std::pair<Index, Index>, int> edges;
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
@@ -128,7 +128,7 @@ TEST(Generate, MeshesAreWhatTheySay) {
     EXPECT_EQ(element_count(torus), 2 * 50 * 12);
     EXPECT_TRUE(closed(mesh_of(torus)));
     EXPECT_GT(volume(mesh_of(torus)), 0);
-    for (int i = 0; i < 50; ++i) {  // against libm, which the recipe may not use
+    for (int i = 0; i < 50; ++i) {  // compared with libm, which the recipe may not use
         const double angle = 2 * M_PI * i / 50;
         EXPECT_NEAR(mesh_of(torus).vertices(12 * i, 0), 2.5 * std::cos(angle), 4e-15);
         EXPECT_NEAR(mesh_of(torus).vertices(12 * i, 1), 2.5 * std::sin(angle), 4e-15);
@@ -192,7 +192,7 @@ TEST(Generate, HardPointSetsAreWhatTheySay) {
     const Numbers numbers{{"count", 1000}, {"seed", 1},     {"clusters", 4}, {"layout", 5},
                           {"spread", 10},  {"sigma", 1e-3}, {"shrink", 0}};
     const Points clusters = points_of(generate("cluster_points", numbers));
-    EXPECT_EQ(clusters.row(1), clusters.row(5));  // of the second cluster, whose sigma is 0
+    EXPECT_EQ(clusters.row(1), clusters.row(5));  // points of the second cluster, whose sigma is 0
     EXPECT_NE(clusters.row(0), clusters.row(4));
     EXPECT_LT((clusters.row(0) - clusters.row(4)).norm(), 0.02);
     EXPECT_GT((clusters.row(1) - clusters.row(2)).norm(), 0.1);
@@ -234,7 +234,7 @@ TEST(Derive, ShuffleKeepsTheTriangles) {
     const Shape ball = sphere(2);
     const Shape other = derived("shuffle", {{"seed", 5}}, ball).shape;
     EXPECT_NE(content_hash(ball), content_hash(other));
-    const auto triangles = [](const Shape& shape) {  // each from its least corner on, turned the same way round
+    const auto triangles = [](const Shape& shape) {  // each starts at its least corner and keeps its orientation
         std::multiset<std::vector<double>> all;
         for (Index t = 0; t < element_count(shape); ++t) {
             std::array<std::array<double, 3>, 3> corners{};
@@ -268,7 +268,7 @@ TEST(Derive, OutlierAddsOnePoint) {
 }
 
 TEST(Derive, VerticesAndWeld) {
-    TriangleMesh soup;  // two triangles that share an edge by coordinates only
+    TriangleMesh soup;  // two triangles that share an edge only by coordinates
     soup.vertices.resize(6, 3);
     soup.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, -0.0, 1, 1, 0, -0.0, 1, 0;
     soup.triangles.resize(2, 3);
@@ -281,7 +281,7 @@ TEST(Derive, VerticesAndWeld) {
 }
 
 TEST(Derive, ConnectedParts) {
-    TriangleMesh soup;  // the first and the last share a corner by coordinates only (0 = -0); the second is apart
+    TriangleMesh soup;  // the first and the last share a corner only by coordinates (0 = -0); the second is apart
     soup.vertices.resize(9, 3);
     soup.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5, 6, 5, 5, 5, 6, 5, -0.0, 0, -0.0, -1, 0, 0, 0, -1, 0;
     soup.triangles.resize(3, 3);
@@ -293,20 +293,20 @@ TEST(Derive, ConnectedParts) {
 }
 
 TEST(Derive, SampleSpreadsByArea) {
-    TriangleMesh mesh;  // a large triangle at z = 0, one of a ninth of its area at z = 1, one of none
+    TriangleMesh mesh;  // a large triangle at z = 0, one with a ninth of its area at z = 1, and one without area
     mesh.vertices.resize(6, 3);
     mesh.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1;
     mesh.triangles.resize(3, 3);
     mesh.triangles << 0, 0, 1, 0, 1, 2, 3, 4, 5;
     const Points points = points_of(derived("sample", {{"count", 10000}, {"seed", 5}}, mesh).shape);
     EXPECT_EQ(points.rows(), 10000);
-    EXPECT_NEAR(points.col(2).sum(), 1000, 100);  // those on the small one
+    EXPECT_NEAR(points.col(2).sum(), 1000, 100);  // points on the small triangle
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
         EXPECT_GE(points.row(i).minCoeff(), 0);
         EXPECT_LE(points(i, 0) + points(i, 1), points(i, 2) == 0 ? 3 + 1e-14 : 1 + 1e-14);
     }
     EXPECT_NEAR(points.col(0).mean(), 0.9 * 1 + 0.1 / 3, 0.03);
-    for (const double scale : {0x1p-269, 0x1p-600, 0x1p400}) {  // the squares of areas underflow, or overflow
+    for (const double scale : {0x1p-269, 0x1p-600, 0x1p400}) {  // the squares of areas underflow or overflow
         const TriangleMesh other{scale * mesh.vertices, mesh.triangles};
         EXPECT_EQ(points_of(derived("sample", {{"count", 10000}, {"seed", 5}}, other).shape), Points(scale * points));
     }
@@ -414,7 +414,7 @@ TEST(Derive, SimplifyAndRemesh) {
     EXPECT_NEAR(volume(mesh_of(even.shape)), volume(mesh_of(ball)), 0.05);
     EXPECT_NEAR(diagonal(points_of(even.shape)), diagonal(points_of(ball)), 0.1);
 
-    // A soup: no two triangles share a vertex, one is there twice, one stands on an edge, one has no area.
+    // A soup: no two triangles share a vertex, one occurs twice, one stands on an edge, one has no area.
     const TriangleMesh& shared = mesh_of(ball);
     TriangleMesh soup;
     soup.vertices.resize(3 * shared.triangles.rows() + 1, 3);
@@ -458,7 +458,8 @@ protected:
         std::ofstream(folder_.path() / "cache" / "raw" / hash / name, std::ios::binary) << bytes;
         return hash;
     }
-    // A stand-in for the reading program (its last argument is the file to write): the same shape whatever the file; notes each call.
+    // A stand-in for the reading program, whose last argument is the file to write: writes the
+    // same shape for every file, and notes each call.
     std::string reader() const {
         write_shape(folder_.path() / "read.h5", {sphere(0), {}});
         const std::filesystem::path script = folder_.path() / "reader";
@@ -502,7 +503,7 @@ TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = '1'\nradius = 1\n",
            {"line 4", "must be a number"});
     expect("[model.ball]\nsource = 'generated'\nrecipe = 'icosphere'\nlevel = 1\nradius = 9007199254740993\n",
-           {"line 5", "radius", "which a double does not hold"});
+           {"line 5", "radius", "which is not a double"});
     expect("[model.'a b']\nsource = 'generated'\n", {"letters"});
     expect(package("12"), {"line 6", "64 digits"});
     expect("[model.bunny]\nsource = 'debian'\npackage = 'x'\n", {"has no 'version'"});
@@ -510,7 +511,7 @@ TEST_F(Manifest, MistakesAreNamedWithTheirLine) {
     expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'bal'\noperation = 'weld'\n",
            {"'half'", "'bal'", "did you mean 'ball'"});
     expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = \"we\\nld\"\n",
-           {"unknown operation 'we ld'", "did you mean 'weld'?"});  // one line
+           {"unknown operation 'we ld'", "did you mean 'weld'?"});  // the message is one line
     expect(ball + "[model.half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'simplify'\n",
            {"one of 'ratio' and 'triangles'"});
     expect(
@@ -541,7 +542,7 @@ TEST_F(Manifest, GeneratedAndDerivedShapesAreCachedByContent) {
     EXPECT_EQ(std::get<ResolvedModel>(all.resolve("half")).shape_file, resolved.shape_file);
     EXPECT_EQ(std::filesystem::last_write_time(resolved.shape_file), written);
 
-    std::string edited = ball;  // another origin, another key: never a stale shape
+    std::string edited = ball;  // another origin gives another key: never a stale shape
     edited.replace(edited.find("1.0"), 3, "4.0");
     const auto anew = std::get<ResolvedModel>(catalogue(edited + half).resolve("half"));
     EXPECT_NE(anew.shape_file, resolved.shape_file);
@@ -587,19 +588,19 @@ TEST_F(Manifest, TheCorpusAddsItsMeshesAndWhatItsRulesDerive) {
     const std::string mine = "[model.ball_half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'weld'\n";
     Catalogue all = catalogue(ball + mine);
     EXPECT_EQ(all.corpus(), (std::vector<std::string>{"ball", "cube"}));
-    EXPECT_EQ(all.models().size(), 2u + 1 + 3);  // of ball the manifest has a half of its own
+    EXPECT_EQ(all.models().size(), 2u + 1 + 3);  // the manifest has its own `half` of ball
     EXPECT_EQ(all.find("ball_half").recipe, "weld");
     EXPECT_FALSE(all.find("ball").of_corpus);
     EXPECT_TRUE(all.find("cube").of_corpus && !all.find("cube").by_rule() && all.find("cube_half").by_rule());
     const auto halved = std::get<ResolvedModel>(all.resolve("cube_half"));
     EXPECT_EQ(halved.elements, 96);
-    EXPECT_GT(std::get<ResolvedModel>(all.resolve("cube_remeshed")).elements, 10'000);  // edges of 0.017
-    // By hand it is the same shape, under the same key.
+    EXPECT_GT(std::get<ResolvedModel>(all.resolve("cube_remeshed")).elements, 10'000);  // edges of length 0.017
+    // Defined by hand, it is the same shape under the same key.
     const std::string by_hand =
         "[model.c]\nsource = 'generated'\nrecipe = 'cube'\nsubdivisions = 4\n"
         "[model.h]\nsource = 'derived'\nfrom = 'c'\noperation = 'simplify'\nratio = 0.5\n";
     EXPECT_EQ(std::get<ResolvedModel>(catalogue(ball + by_hand).resolve("h")).shape_file, halved.shape_file);
-    // An experiment's own model takes the place of a rule's, and of no other.
+    // An experiment's own model replaces a model made by a rule, but no other.
     ModelInfo own = all.find("ball");
     own.name = "cube_half";
     all.add("s.toml", {own});
@@ -623,7 +624,7 @@ TEST_F(Manifest, MistakesInTheCorpusAreNamedWithTheirLine) {
     expect_of("manifest = 'ball'\n", {"corpus.toml: line 1", "list of names"});
     expect_of("\nmanifset = ['ball']\n", {"corpus.toml: line 2", "did you mean 'manifest'"});
     expect_of("manifest = ['ball', 'ball']\n", {"'ball' is listed twice"});
-    expect_of(ball, {"corpus.toml", "'ball' is one of datasets/manifest.toml too"});
+    expect_of(ball, {"corpus.toml", "'ball' is also in datasets/manifest.toml"});
     expect_of("[model.a]\nsource = 'debian'\n", {"corpus.toml: line 1", "'package'"});
     expect_of("[model.a\n", {"corpus.toml: line 1"});
 }
@@ -646,7 +647,7 @@ TEST_F(Manifest, ACrashOfCgalIsToldWithTheModel) {
     std::string line;
     std::getline(in, line);
     EXPECT_TRUE(line.starts_with("derive --set ratio=0x1p-2 -- simplify /")) << line;
-    // What is not CGAL's needs no process.
+    // Operations without CGAL need no process.
     EXPECT_EQ(std::get<ResolvedModel>(catalogue(ball + half, script.string()).resolve("half")).elements, 80);
 }
 

@@ -1,4 +1,4 @@
-// Point clouds: lines of decimal numbers (.xyz, .pts, .csv) and PCD; what each may hold, and every way each can be bad.
+// Point clouds: lines of decimal numbers (.xyz, .pts, .csv) and PCD: their valid contents, and every way each can be bad.
 #include "algorithms/error.h"
 #include "datasets/load.h"
 #include "tests/support/temporary_folder.h"
@@ -34,7 +34,7 @@ protected:
                 EXPECT_EQ(points(Eigen::Index(i), Eigen::Index(k)), expected[i][k]) << bytes << ": " << i << ", " << k;
         EXPECT_EQ(loaded.report.precision, "float64");
     }
-    // The message must begin with the file, hold every text of `parts`, and be one line.
+    // The message must begin with the file name, contain every text of `parts`, and be one line.
     void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts) const {
         try {
             load(name, bytes);
@@ -61,13 +61,13 @@ TEST_F(PointFiles, LinesOfNumbers) {
         reads(name, "1\t-2.5\t3e-3\r\n4\t5\t6", two);
         reads(name, "\xef\xbb\xbf# x y z\n\n  +1, -2.5 ,3e-3 # here\n// no more\n4,5,6\n", two);
         reads(name, "1;-2.5;3e-3;0.5;255\r4;5;6;0.5;255\r", two);          // old line ends; intensity and a colour
-        reads(name, "1 -2.5 3e-3\r4 5 6\r\n", two);                        // the same, saved again
-        reads(name, "1 -2.5 3e-3 nan nan nan\n4 5 6 nan nan nan\n", two);  // normals that are unknown
+        reads(name, "1 -2.5 3e-3\r4 5 6\r\n", two);                        // the same file, saved again
+        reads(name, "1 -2.5 3e-3 nan nan nan\n4 5 6 nan nan nan\n", two);  // unknown normals
     }
 }
 
 TEST_F(PointFiles, EveryDigitCounts) {
-    // Halfway cases, a subnormal, and the largest double: as strtod rounds them.
+    // Halfway cases, a subnormal and the largest double must be rounded as strtod rounds them.
     const std::vector<std::string> hard = {
         "9007199254740993",       "0.1", "2.2250738585072011e-308", "4.9e-324", "1e-400",
         "1.7976931348623157e308", "-0",  "0.30000000000000004441",  "8.41e21"};
@@ -96,9 +96,9 @@ TEST_F(PointFiles, HeadersOfColumns) {
     reads("a.csv", "easting,northing,height\n1,2,3\n", one);
     reads("a.xyz", "X Y Z R G B\n1 2 3 4 5 6\n", one);
     refused("a.csv", "x,y,height\n1,2,3\n", {"line 1", "names only some of x, y and z"});
-    refused("a.csv", "1.0.0,2,3\n4,5,6\n", {"line 1", "'1.0.0'"});  // no header
+    refused("a.csv", "1.0.0,2,3\n4,5,6\n", {"line 1", "'1.0.0'"});  // not a header
     refused("a.csv", "id,z,y,x\n7,3,2\n", {"line 2", "column 4 (x) is missing"});
-    refused("a.csv", "x,y,z\nx,y,z\n", {"line 2", "column 1 (x) is 'x', which is no number"});
+    refused("a.csv", "x,y,z\nx,y,z\n", {"line 2", "column 1 (x) is 'x', which is not a number"});
     refused("a.csv", "x,y,z\n", {"holds no vertices"});
     refused("a.csv", "x,y,z\n1,2,3\n1,5,2,0,3,0\n",
             {"line 3: 6 columns, and the header names 3", "decimals with a point"});
@@ -114,12 +114,12 @@ TEST_F(PointFiles, BadLines) {
     refused("a.xyz", "1 2 3\n1 nan 3\n", {"line 2", "not finite"});
     refused("a.xyz", "1 2 -inf\n", {"line 1", "not finite"});
     refused("a.xyz", "1 2 1e400\n", {"line 1", "not finite"});
-    refused("a.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n", {"line 2", "no number"});  // a chemist's
+    refused("a.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n", {"line 2", "not a number"});  // a file of atoms
     refused("a.xyz", "1 2 0x3\n", {"line 1", "column 3 (z) is '0x3'"});
     refused("a.xyz", "1 2 +-3\n", {"line 1", "'+-3'"});
     refused("a.xyz", std::string("\xff\xfe\x31\x00\x20\x00", 6), {"UTF-16", "UTF-8"});
     refused("a.xyz", "# nothing\n", {"holds no vertices"});
-    refused("a.laz", "LASF", {"LAZ is not read", "convert it to .xyz or .ply", "las2txt"});
+    refused("a.laz", "LASF", {"LAZ cannot be read", "convert it to .xyz or .ply", "las2txt"});
 }
 
 std::string pcd(const std::string& types, const std::string& sizes, int points, const std::string& data,
@@ -145,7 +145,7 @@ TEST_F(PointFiles, PcdAsText) {
             {"line 13", "point 1 (from 0) is not finite", "remove such points"});
 }
 
-// Two points, each with a byte before and two after.
+// Two points, each with one byte before it and two after it.
 std::string binary_records() {
     std::string body;
     for (const float first : {0.5f, 4.f}) {
@@ -210,14 +210,14 @@ TEST_F(PointFiles, BadPcdHeaders) {
         return text.replace(text.find(from), from.size(), to);
     };
     reads("a.pcd", good, {{1, 2, 3}});
-    refused("a.pcd", "hello\n1 2 3\n", {"line 1", "'hello' is no word of a PCD header"});
+    refused("a.pcd", "hello\n1 2 3\n", {"line 1", "'hello' is not a word of a PCD header"});
     refused("a.pcd", good.substr(0, good.find("DATA")), {"no DATA line"});
     refused("a.pcd", with("FIELDS x y z", "FIELDS x y w"), {"FIELDS has no 'z'"});
     refused("a.pcd", with("SIZE 4 4 4", "SIZE 4 4"), {"line 4", "SIZE has 2 values for 3 FIELDS"});
     refused("a.pcd", with("SIZE 4 4 4", "SIZE 4 4 3"), {"'z' is of type F3"});
     refused("a.pcd", with("COUNT 1 1 1", "COUNT 1 1 2"), {"'z'", "count 2"});
     refused("a.pcd", with("POINTS 1", "POINTS 2"), {"POINTS is 2, and WIDTH times HEIGHT 1"});
-    refused("a.pcd", with("POINTS 1", "POINTS -1"), {"line 10", "'-1' is no whole number"});
+    refused("a.pcd", with("POINTS 1", "POINTS -1"), {"line 10", "'-1' is not a whole number"});
     refused("a.pcd", with("WIDTH 1", "WIDTH 1099511627776"), {"WIDTH times HEIGHT"});
     refused("a.pcd", with("DATA ascii", "DATA asci"), {"unknown DATA 'asci'", "did you mean 'ascii'"});
 }

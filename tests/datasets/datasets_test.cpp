@@ -2,8 +2,8 @@
 #include "algorithms/error.h"
 #include "datasets/hash.h"
 #include "datasets/hdf5.h"
-#include "datasets/isolated.h"
 #include "datasets/load.h"
+#include "datasets/separate_process.h"
 #include "datasets/shape_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -28,7 +28,7 @@ protected:
     LoadedShape load(const std::string& name, const std::string& bytes, const std::string& format = "") const {
         return load_file(write(name, bytes), format);
     }
-    // The message must name the file and hold every text of `parts`, in one line.
+    // The message must name the file and contain every text of `parts`, in one line.
     void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts) const {
         const std::filesystem::path file = write(name, bytes);
         try {
@@ -53,7 +53,7 @@ bool same_bits(const Points& a, const Points& b) {
            std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
-// A tetrahedron whose coordinates need all of a double.
+// A tetrahedron whose coordinates need the full precision of a double.
 TriangleMesh awkward() {
     TriangleMesh mesh;
     mesh.vertices.resize(4, 3);
@@ -137,7 +137,7 @@ TEST_F(Files, AsciiStlKeepsDoublesAndSharesVertices) {
                      "FACET NORMAL 0 0 0\nOUTER LOOP\nVERTEX -0.0 0 0\nVERTEX 1 0 0\nVERTEX 0 0.12345678901234567 1\n"
                      "ENDLOOP\nENDFACET\nENDSOLID\n");
     ASSERT_EQ(mesh_of(loaded).triangles.rows(), 2);
-    EXPECT_EQ(mesh_of(loaded).vertices.rows(), 4);  // -0 = +0
+    EXPECT_EQ(mesh_of(loaded).vertices.rows(), 4);  // -0 equals +0
     EXPECT_EQ(mesh_of(loaded).vertices(3, 1), 0.12345678901234567);
     EXPECT_EQ(loaded.report.objects, 2);
 }
@@ -165,7 +165,7 @@ TEST_F(Files, ObjTraps) {
     EXPECT_EQ(mesh_of(load("wide.obj", wide)).triangles.rows(), 1);
 }
 
-// As old Macs wrote them: until now an OBJ file of this kind was one line, and so one point.
+// Line ends of old Macs: such an OBJ file was once read as one line, and so as one point.
 TEST_F(Files, LinesMayEndWithACarriageReturnAlone) {
     const std::vector<std::pair<std::string, std::string>> files = {
         {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0 # corner\nv 0 0 1\nf 1 2 3\nf 1 \\\n2 4\n"},
@@ -230,7 +230,7 @@ TEST_F(Files, VerticesWithoutFacesAreAPointSet) {
 }
 
 TEST_F(Files, ConcavePolygonsKeepTheirOutline) {
-    // An arrow head of area 1: its fan from the first corner would cover more.
+    // An arrow head of area 1; the fan from its first corner would cover more.
     const LoadedShape loaded = load("a.obj", "v 0 2 0\nv -1 0 0\nv 0 1 0\nv 1 0 0\nf 2 3 4 1\n");
     const TriangleMesh& mesh = mesh_of(loaded);
     double area = 0;
@@ -370,7 +370,7 @@ TEST_F(Files, AssimpReadsTheRestInFloat32) {
         "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
         "bufferViews":[{"buffer":0,"byteLength":36}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}]})");
-    EXPECT_EQ(mesh_of(loaded).triangles.rows(), 2);  // both instances, the second moved
+    EXPECT_EQ(mesh_of(loaded).triangles.rows(), 2);  // both instances, the second one moved
     EXPECT_EQ(mesh_of(loaded).vertices.col(0).maxCoeff(), 11);
     EXPECT_EQ(loaded.report.precision, "float32");
     EXPECT_FALSE(loaded.report.unreferenced.has_value());
@@ -457,7 +457,7 @@ TEST_F(Files, Hdf5ColumnsComeBack) {
     EXPECT_FALSE(file.has("a/c/doubles"));
     EXPECT_FALSE(file.has_attribute("nowhere", "x"));
     EXPECT_EQ(file.children("a"), (std::vector<std::string>{"b", "integers", "none", "texts", "unsigned"}));
-    EXPECT_THROW(file.read_integers("a/unsigned"), std::runtime_error);  // would be clamped without a word
+    EXPECT_THROW(file.read_integers("a/unsigned"), std::runtime_error);  // the value would be clamped silently
     EXPECT_THROW(file.read_unsigned("a/integers"), std::runtime_error);
     EXPECT_THROW(file.read_doubles("a/texts"), std::runtime_error);
     EXPECT_THROW(file.read_doubles("absent"), std::runtime_error);
@@ -482,7 +482,7 @@ protected:
     }
     std::string message(const std::string& body, double seconds = 60, std::int64_t bytes = 0) const {
         try {
-            load_isolated(script(body), "mesh.obj", "", seconds, bytes);
+            load_separately(script(body), "mesh.obj", "", seconds, bytes);
         } catch (const InputError& error) {
             return error.what();
         }
@@ -494,7 +494,7 @@ TEST_F(Isolated, TheChildsShapeComesBack) {
     write_shape(folder_.path() / "shape.h5", {awkward(), {}});
     const auto program = script(fmt::format(
         "[ \"$1 $2 $3 $4 $5\" = 'load --format obj -- mesh.obj' ] && cp {}/shape.h5 \"$6\"", folder_.path().string()));
-    EXPECT_TRUE(same_bits(points_of(load_isolated(program, "mesh.obj", "obj").shape), awkward().vertices));
+    EXPECT_TRUE(same_bits(points_of(load_separately(program, "mesh.obj", "obj").shape), awkward().vertices));
 }
 
 TEST_F(Isolated, TheChildsFailuresAreTold) {
@@ -508,15 +508,15 @@ TEST_F(Isolated, TheChildsFailuresAreTold) {
     EXPECT_NE(message("echo oh >&2; exit 3").find("exit code 3: oh"), std::string::npos);
     EXPECT_NE(message("echo 'hausbench: out of memory' >&2; exit 4").find("ran out of memory"), std::string::npos);
     EXPECT_NE(message("exit 0").find("shape.h5"), std::string::npos);
-    EXPECT_THROW(load_isolated(folder_.path() / "absent", "mesh.obj"), InputError);
+    EXPECT_THROW(load_separately(folder_.path() / "absent", "mesh.obj"), InputError);
 }
 
 TEST_F(Isolated, TheProgramItselfReads) {
     const char* program = std::getenv("HAUSBENCH_PROGRAM");
     if (!program || !std::filesystem::exists(program)) GTEST_SKIP() << "the program is not built";
-    EXPECT_TRUE(same_bits(points_of(load_isolated(program, write("a.ply", ply_text())).shape), awkward().vertices));
+    EXPECT_TRUE(same_bits(points_of(load_separately(program, write("a.ply", ply_text())).shape), awkward().vertices));
     try {
-        load_isolated(program, write("bad.obj", "v 0 0 0\nv 1 nan 0\n"));
+        load_separately(program, write("bad.obj", "v 0 0 0\nv 1 nan 0\n"));
         FAIL();
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("line 2: vertex 1 (from 0)"), std::string::npos) << error.what();

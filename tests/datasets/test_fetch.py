@@ -47,7 +47,7 @@ target = { points = [[0, 0, 0]] }
     assert fetch.asked_by(file, "quick", catalogue) == ["man1", "bunny", "man2"]
 
 
-# Stand-ins for the programs: packages are plain tar archives in the folder `shelf`, every call is written down.
+# Stand-ins for the programs: packages are plain tar archives in the folder `shelf`, and every call is recorded.
 APT = """#!/bin/sh
 echo "apt-get $*" >> "$CALLS"
 [ "$1" = update ] && { touch "$LISTS/x_Packages"; exit 0; }
@@ -231,7 +231,7 @@ def test_scripts_become_obj_files(world: World) -> None:
 
 
 def small_font() -> bytes:
-    """A font of 64 units with an H, which is a square, and an O: a square with a square hole."""
+    """Returns a font of 64 units with an H, which is a square, and an O, a square with a square hole."""
     pytest.importorskip("fontTools")
     from fontTools.fontBuilder import FontBuilder
     from fontTools.pens.ttGlyphPen import TTGlyphPen
@@ -345,7 +345,7 @@ def test_the_command_line(world: World, monkeypatch: pytest.MonkeyPatch, capsys:
 
 
 def with_corpus(world: World) -> None:
-    """In the manifest a; in the corpus a, b and c."""
+    """Puts a into the manifest, and a, b and c into the corpus."""
     (world.shelf / "pack=1.0.deb").write_bytes(tar({f"{name}.obj": name.encode() for name in "abc"}))
     world.model("a", "debian", "a.obj", sha(b"a"))
     manifest, world.manifest = world.manifest, world.folder / "corpus.toml"
@@ -427,7 +427,7 @@ def test_the_corpus_of_the_project() -> None:
         assert all(isinstance(table[key], str) and table[key].strip() for key in REAL_KEYS - {"note"}), name
         assert not table["path"].startswith("/") and ".." not in table["path"].split("/"), name
         assert 200 <= table["triangles"] <= 120_000, name
-    # A file is listed once: one that the manifest has is in `manifest`.
+    # A file is listed once: if the manifest has it, it is in `manifest`.
     hashes = [table["sha256"] for table in [*REAL.values(), *own.values()]]
     assert len(set(hashes)) == len(hashes)
     assert all(catalogue.models[name]["source"] in ("debian", "npm") for name in catalogue.corpus)

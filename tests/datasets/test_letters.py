@@ -36,13 +36,13 @@ def dot(a: Vector, b: Vector) -> int:
 
 
 def side(a: Vector, b: Vector, c: Vector) -> int:
-    """Of c from ab, seen from above: 1, 0 or -1."""
+    """Returns the side of c from ab, seen from above: 1, 0 or -1."""
     value = product(minus(b, a), minus(c, a))[2]
     return (value > 0) - (value < 0)
 
 
 def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) -> int:
-    """Checks a solid, in integers; returns its number of holes."""
+    """Checks a solid, in integers, and returns its number of holes."""
     vertices, faces = mesh
     unit = lcm(*(c.denominator for vertex in vertices for c in vertex))
     at: list[Vector] = [(int(x * unit), int(y * unit), int(z * unit)) for x, y, z in vertices]
@@ -67,7 +67,8 @@ def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) ->
             if a < b and i not in (a, b) and product(along, minus(at[i], at[a])) == (0, 0, 0):
                 assert not 0 <= dot(along, minus(at[i], at[a])) <= dot(along, along), "a vertex lies on an edge that is not its own"
 
-    # No two edges of a cap cross. Together with the turn of its triangles: the cap covers the region once, and the walls stand apart.
+    # No two edges of a cap cross. Together with the orientation of its triangles: the cap covers
+    # the region once, and the walls stand apart.
     flat = [(at[a], at[b]) for a, b in directed if a < b and vertices[a][2] == vertices[b][2] == 0]
     for i, (p, q) in enumerate(flat):
         assert not any(side(p, q, r) * side(p, q, s) < 0 and side(r, s, p) * side(r, s, q) < 0 for r, s in flat[:i])
@@ -87,14 +88,14 @@ def contour(*points: tuple[int, int, bool]) -> list[tuple[Fraction, Fraction, bo
     return [(Fraction(x), Fraction(y), on) for x, y, on in points]
 
 
-SQUARE = ring((0, 0), (0, 8), (8, 8), (8, 0))  # clockwise, as the outer contours of TrueType are
+SQUARE = ring((0, 0), (0, 8), (8, 8), (8, 0))  # clockwise, like the outer contours of TrueType
 HOLE = ring((2, 2), (4, 2), (4, 4), (2, 4))
 NOTCH = ring((5, 3), (7, 3), (6, 4), (7, 6), (5, 5))
-# A needle points into the ear whose cut is the shortest, or ends on the cut.
+# A needle points into the ear with the shortest cut, or ends on the cut.
 NEEDLES = [ring((0, 0), (10, 0), (20, 0), (20, 18), (tip, tip), (18, 20), (0, 20), (0, 10)) for tip in (2, 5)]
 # A point of the outer ring is next to two holes; only one bridge may begin there.
 SPIKE = [ring((0, 0), (0, 8), (8, 8), (8, 0), (5, 0), (4, 4), (3, 0)), ring((3, 4), (2, 5), (2, 3)), ring((5, 4), (6, 5), (6, 3))]
-# The points that are nearest to each other stand on either side of a long hole.
+# The nearest points are on opposite sides of a long hole.
 BAR = [ring((0, 0), (0, 16), (6, 16), (8, 14), (10, 16), (16, 16), (16, 0)), ring((2, 12), (14, 12), (14, 13), (2, 13)),
        ring((8, 11), (9, 10), (7, 10))]
 
@@ -111,7 +112,7 @@ def test_solids_of_rings_with_holes(rings: list[letters.Ring], area: Fraction, h
 
 
 def test_a_curved_outline_with_a_hole() -> None:
-    """A disc of four curves, whose points between two control points TrueType leaves out, and a hole with one curved side."""
+    """A disc of four curves, with points between two control points left out as in TrueType, and a hole with one curved side."""
     disc = letters.flatten(contour((0, 0, False), (0, 8, False), (8, 8, False), (8, 0, False)), 2)
     assert len(disc) == 8 and (Fraction(1), Fraction(1)) in disc and (Fraction(0), Fraction(4)) in disc
     hole = letters.flatten(contour((3, 3, True), (5, 3, True), (5, 5, False), (3, 5, True)), 4)
@@ -152,7 +153,7 @@ def test_letters_of_the_font(name: str) -> None:
     pytest.importorskip("fontTools")
     letter = MODELS[name]["path"].rpartition("/")[2][0]
     mesh = letters.letter_solid(FONT.read_bytes(), letter)
-    height = Fraction(1493, 2048)  # of the H
+    height = Fraction(1493, 2048)  # height of the H
     assert check(mesh, height / 4) == {"A": 1, "B": 2, "D": 1, "O": 1, "R": 1}.get(letter, 0)
     assert len(mesh[1]) == MODELS[name]["triangles"] and 200 <= len(mesh[1]) <= 204
     assert hashlib.sha256(letters.obj_text(mesh)).hexdigest() == MODELS[name]["sha256"]

@@ -1,4 +1,4 @@
-// VRML 2.0: where nodes put the vertices, which faces are read, and every way in which a file can be bad.
+// VRML 2.0: where nodes place the vertices, which faces are read, and every way in which a file can be bad.
 #include "algorithms/error.h"
 #include "datasets/load.h"
 #include "tests/support/temporary_folder.h"
@@ -37,7 +37,7 @@ protected:
         std::ofstream(file, std::ios::binary) << text;
         return load_file(file);
     }
-    // Corners of the triangles, in order.
+    // Returns the corners of the triangles, in order.
     std::vector<Vec3> corners(const std::string& scene) const {
         const LoadedShape loaded = load(head + scene);
         const auto& mesh = std::get<TriangleMesh>(loaded.shape);
@@ -45,7 +45,7 @@ protected:
         for (const Index v : mesh.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(mesh.vertices.row(v));
         return all;
     }
-    // `triangle` with these fields of a Transform around it: where (0, 0, 0), (1, 0, 0) and (0, 2, 0) go.
+    // Checks where (0, 0, 0), (1, 0, 0) and (0, 2, 0) of `triangle` go if a Transform with these fields encloses it.
     void expect_at(const std::string& fields, const std::vector<Vec3>& where, double off = 0) const {
         const auto found = corners(transform(fields, triangle));
         ASSERT_EQ(found.size(), 3u);
@@ -91,12 +91,12 @@ TEST_F(Vrml, TheReportSaysWhatWasThere) {
     EXPECT_EQ(loaded.report.polygons, 1);
     EXPECT_FALSE(loaded.report.unreferenced);
     const auto& mesh = std::get<TriangleMesh>(loaded.shape);
-    EXPECT_EQ(mesh.triangles.rows(), 4);  // a face of two corners is none
-    EXPECT_EQ(mesh.vertices.rows(), 4);   // those of both shapes are equal
+    EXPECT_EQ(mesh.triangles.rows(), 4);  // a face with two corners is skipped
+    EXPECT_EQ(mesh.vertices.rows(), 4);   // both shapes have the same vertices
 }
 
 TEST_F(Vrml, PolygonsAreCutByTheirShape) {
-    // An arrowhead with a notch at its second corner, which the fan from the first would cover.
+    // An arrowhead with a notch at its second corner, which the fan from the first corner would cover.
     const auto notched =
         corners(shape("coord Coordinate { point [ 0 3 0, 0.5 0 0, 0 -3 0, 4 0 0 ] } coordIndex [ 0 1 2 3 -1 ]"));
     ASSERT_EQ(notched.size(), 6u);
@@ -111,7 +111,7 @@ TEST_F(Vrml, TransformsPutVerticesInTheOrderOfTheStandard) {
     expect_at("translation 0.1 -2 3", {{0.1, -2, 3}, {1.1, -2, 3}, {0.1, 0, 3}});
     expect_at("scale 2 3 4", {{0, 0, 0}, {2, 0, 0}, {0, 6, 0}});
     expect_at("rotation 0 0 1 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
-    expect_at("rotation 0 0 5 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);  // any length
+    expect_at("rotation 0 0 5 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);  // any axis length
     expect_at("rotation 0 0 2e-162 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
     expect_at("rotation 0 0 1e-300 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
     expect_at("rotation 1 0 0 1.5707963267948966", {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}}, 2e-16);
@@ -119,13 +119,13 @@ TEST_F(Vrml, TransformsPutVerticesInTheOrderOfTheStandard) {
     expect_at("rotation 1 1 1 2.0943951023931953", {{0, 0, 0}, {0, 1, 0}, {0, 0, 2}}, 1e-15);  // x to y to z
     expect_at("rotation 0 0 0 0", {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}});
     expect_at("scale 2 1 1 rotation 0 0 1 1.5707963267948966", {{0, 0, 0}, {0, 2, 0}, {-2, 0, 0}},
-              4e-16);  // the scale first
+              4e-16);  // the scale comes first
     expect_at("rotation 0 0 1 1.5707963267948966 translation 1 0 0", {{1, 0, 0}, {1, 1, 0}, {-1, 0, 0}}, 2e-16);
     expect_at("center 1 0 0 rotation 0 0 1 1.5707963267948966", {{1, -1, 0}, {1, 0, 0}, {-1, -1, 0}}, 4e-16);
     expect_at("center 1 0 0 scale 3 1 1 translation 0 0 7", {{-2, 0, 7}, {1, 0, 7}, {-2, 2, 7}});
-    // Along the diagonal of x and y by 3: (1, 0) is half along it and half across.
+    // Scaled by 3 along the diagonal of x and y: (1, 0) is half along it and half across.
     expect_at("scale 3 1 1 scaleOrientation 0 0 1 0.78539816339744831", {{0, 0, 0}, {2, 1, 0}, {2, 4, 0}}, 2e-15);
-    // The orientation does not move the rotation: it is undone after the scale.
+    // The orientation does not affect the rotation, because it is undone after the scale.
     expect_at("scale 3 1 1 scaleOrientation 0 0 1 0.78539816339744831 rotation 0 0 1 1.5707963267948966",
               {{0, 0, 0}, {-1, 2, 0}, {-4, 2, 0}}, 2e-15);
 }
@@ -151,7 +151,7 @@ TEST_F(Vrml, UseRepeatsWhatDefNamed) {
     ASSERT_EQ(found.size(), 12u);
     EXPECT_EQ(found[4], Vec3(6, 0, 0));
     EXPECT_EQ(found[6], Vec3(0, 0, 7));
-    // Vertices of a node that is not read itself, and the last of two nodes of a name.
+    // The vertices of a node that is not read itself; and if two nodes share a name, the last one counts.
     const auto shared = corners(
         "Shape { geometry IndexedLineSet { coord DEF C Coordinate { point [ 9 9 9 ] } } }"
         "Shape { geometry PointSet { coord DEF C Coordinate { point [ 1 2 3 4 5 6 7 8 10 ] } } }" +
@@ -213,7 +213,7 @@ TEST_F(Vrml, GzippedFilesAreRead) {
 
 TEST_F(Vrml, WhatIsNotReadIsToldWithItsLine) {
     refused("#VRML V1.0 ascii\nSeparator { }\n", {"line 1", "VRML 1.0", "convert"});
-    refused("#X3D V3.0 utf8\n", {"line 1", "no VRML file"});
+    refused("#X3D V3.0 utf8\n", {"line 1", "not a VRML file"});
     refused("Shape {}", {"line 1", "#VRML V2.0"});
     for (const char* kind : {"Box", "Sphere", "Cylinder", "Cone", "Extrusion", "ElevationGrid", "Text"})
         refused(head + triangle + fmt::format("\nShape {{ geometry\n {} {{ size 1 1 1 }} }}", kind),
@@ -221,7 +221,7 @@ TEST_F(Vrml, WhatIsNotReadIsToldWithItsLine) {
     refused(head + "PROTO Bolt [ field SFInt32 n 0 ] { Group {} }\n", {"line 2", "PROTO", "convert"});
     refused(head + "Group { EXTERNPROTO Bolt [ ] \"a.wrl\" }\n", {"line 2", "EXTERNPROTO"});
     refused(head + triangle + "Group {\n children Inline { url \"b.wrl\" } }", {"line 4", "Inline"});
-    EXPECT_EQ(corners(triangle + "Switch { choice Shape { geometry Sphere {} } }").size(), 3u);  // it is not seen
+    EXPECT_EQ(corners(triangle + "Switch { choice Shape { geometry Sphere {} } }").size(), 3u);  // not visible
     refused(head, {"holds no IndexedFaceSet"});
     refused(head + shape(points), {"holds no IndexedFaceSet with a face"});
     refused(head + shape("coordIndex [ 0 1 2 ]"), {"holds no IndexedFaceSet with a face"});
@@ -232,7 +232,7 @@ TEST_F(Vrml, MistakesAreToldWithTheirLine) {
     refused(head +
                 "\nShape { geometry IndexedFaceSet { coord Coordinate {\npoint [ 0 0 0,\n1 x 0, 0 1 0 ] } coordIndex [ "
                 "0 1 2 ] } }",
-            {"line 5", "'x' is no number"});
+            {"line 5", "'x' is not a number"});
     for (const char* bad : {"nan", "inf", "-inf", "1e999"})
         refused(
             head + shape(fmt::format("coord Coordinate {{ point [ 0 0 0 1 0 {} 0 1 0 ] }} coordIndex [ 0 1 2 ]", bad)),
@@ -244,7 +244,7 @@ TEST_F(Vrml, MistakesAreToldWithTheirLine) {
     refused(head + transform("translation 1 2", triangle), {"line 2", "'translation' has 2 numbers, not 3"});
     refused(head + shape("coord Coordinate { point [ 0 0 0 1 ] } coordIndex [ 0 0 0 ]"),
             {"line 2", "'point' has 4 numbers"});
-    // Of the next shape there are enough vertices.
+    // The next shape would have enough vertices.
     refused(head + shape(points + " coordIndex [ 0 1\n4 -1 ]") + triangle,
             {"line 3", "'4' names none of the 4 vertices"});
     for (const char* bad : {"-2", "1.5", "x", "99999999999999999999"})
@@ -257,7 +257,7 @@ TEST_F(Vrml, MistakesAreToldWithTheirLine) {
     refused(head + "Group { children [ [ ] ] }\n", {"line 2", "'['"});
     refused(head + "Group { 7 }\n", {"line 2", "'7'", "name of a field"});
     refused(head + "DEF T 7 }\n", {"line 2", "'}'", "'{'"});
-    refused(head + "Shape\n", {"line 2", "'Shape' is no node"});
+    refused(head + "Shape\n", {"line 2", "'Shape' is not a node"});
     refused(head + triangle + "}\n", {"line 3", "'}'"});
     refused(head + triangle + std::string(1, '\0') + "garbage", {"zero byte"});
     refused(head + "WorldInfo {\n title \"never ends\\\" }\n", {"line 3", "does not end"});
@@ -291,7 +291,7 @@ TEST_F(Vrml, RepetitionThatNoMemoryHoldsIsRefused) {
     for (int i = 1; i < 60; ++i)
         doubled += fmt::format("DEF T{0} Group {{ children [ USE T{1} USE T{1} ] }}\n", i, i - 1);
     refused(head + doubled, {"USE repeats"});
-    std::string empty = "DEF T0 Group {}";  // no vertex either
+    std::string empty = "DEF T0 Group {}";  // without any vertex
     for (int i = 1; i < 60; ++i)
         empty += fmt::format("DEF T{0} Group {{ children [ USE T{1} USE T{1} ] }}\n", i, i - 1);
     refused(head + empty, {"USE repeats"});
@@ -300,7 +300,7 @@ TEST_F(Vrml, RepetitionThatNoMemoryHoldsIsRefused) {
     refused(head + "DEF T " + many + repeated("USE T ", 3000), {"USE repeats"});
 }
 
-// 2^12 and 2^17 triangles of 3 vertices and 4 words each; the file has 2 KB at most.
+// 2^12 and 2^17 triangles of 3 vertices and 4 words each, from files of at most 2 KB.
 TEST_F(Vrml, ASmallFileMayRepeatSome) {
     const auto doubled = [](int times) {
         std::string text = "DEF T0 " + triangle;
@@ -308,7 +308,7 @@ TEST_F(Vrml, ASmallFileMayRepeatSome) {
             text += fmt::format("DEF T{0} Group {{ children [ USE T{1} USE T{1} ] }}\n", i, i - 1);
         return text;
     };
-    EXPECT_EQ(corners(doubled(12)).size(), 3 * 8191u);  // each group is drawn where it is defined, too
+    EXPECT_EQ(corners(doubled(12)).size(), 3 * 8191u);  // each group is also drawn where it is defined
     refused(head + doubled(17), {"USE repeats", "200 nodes, points and corners for each byte"});
 }
 

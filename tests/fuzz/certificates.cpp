@@ -1,6 +1,7 @@
-// Bytes as a certificate of small fixed scenes. Whatever they are, the bound that the checker finds must hold: it is held against the exact
-// distances of points of A. The first byte chooses the scene, the next two `proven`. A first byte of 255 says that the rest is a certificate
-// file; one of 254, that it is a file without its seal, which is added, and that the second byte chooses the scene.
+// Takes bytes as a certificate of small fixed scenes. Whatever the bytes are, the bound that the checker
+// finds must hold; it is compared with the exact distances of points of A. The first byte chooses the
+// scene, the next two `proven`. If the first byte is 255, the rest is a certificate file. If it is 254,
+// the rest is a file without its seal, which is added, and the second byte chooses the scene.
 #include "algorithms/kernel/triangle.h"
 #include "datasets/shape_file.h"
 #include "harness/check/certificate_check.h"
@@ -21,7 +22,7 @@ using exact::Rational;
 
 struct Known {
     Scene scene;
-    Rational squared;  // the largest at the corners and middles of A's triangles: h(A,B) is no smaller
+    Rational squared;  // the largest at the corners and middles of A's triangles; h(A,B) is at least that
 };
 
 std::vector<exact::RVec3> samples(const Shape& shape) {
@@ -62,7 +63,7 @@ const std::vector<Known>& scenes() {
     return all;
 }
 
-// What a terminal may get: no control characters, of which U+0080 to U+009F are two bytes.
+// Checks that text is safe for a terminal: no control characters. U+0080 to U+009F take two bytes.
 void expect_plain(std::string_view text) {
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);
@@ -71,14 +72,14 @@ void expect_plain(std::string_view text) {
     }
 }
 
-// Whatever a file says of the scene, what is accepted of it holds, and what is printed of it is plain text.
+// Whatever a file claims about the scene, an accepted file must be true, and the printed description must be plain text.
 void verify_file(CertificateFile content, const Known& one) {
-    content.source.sha256 = content_hash(one.scene.source);  // else every file would be of other shapes
+    content.source.sha256 = content_hash(one.scene.source);  // otherwise every file would be about other shapes
     content.target.sha256 = content_hash(one.scene.target);
     const CertificateVerdict verdict = verify_certificate(content, one.scene.source, one.scene.target);
     expect(verdict.accepted == verdict.refusal.empty(), "neither accepted nor refused");
     expect_plain(describe(content, verdict));
-    // A pose rounds the points that the exact distance is of.
+    // A pose rounds the points, so the exact distance is known only without poses.
     if (!verdict.accepted || !content.source.pose.is_identity() || !content.target.pose.is_identity()) return;
     const Rational proven = verdict.proven;
     expect(proven * proven >= one.squared, "accepted, although the bound does not hold");

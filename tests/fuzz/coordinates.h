@@ -1,5 +1,5 @@
-// Coordinates from bytes, hard ones on purpose: points on small grids, one ulp beside another, on the line or in the plane of earlier ones, far
-// away, or any double of moderate exponent.
+// Makes deliberately hard coordinates from bytes: points on small grids, one ulp beside another
+// point, on the line or in the plane of earlier points, far away, or any double of moderate exponent.
 #pragma once
 
 #include "tests/fuzz/target.h"
@@ -16,7 +16,7 @@ class Coordinates {
 public:
     explicit Coordinates(Bytes& in) : in_(in) {}
 
-    // All points so far, so that others can be made of them.
+    // Makes a point and remembers it, so that later points can depend on it.
     Vec3 point() {
         made_.push_back(made_.empty() ? fresh() : any());
         return made_.back();
@@ -25,7 +25,7 @@ public:
 private:
     double grid() { return (static_cast<int>(in_.byte()) - 128) / 8.0; }
 
-    // Any mantissa, the exponent within 2^-60 .. 2^60.
+    // Makes a number with any mantissa and an exponent within 2^-60 .. 2^60.
     double wide() {
         const auto bits = in_.next<std::uint64_t>();
         const int exponent = static_cast<int>(bits >> 52 & 0x7f) - 64;
@@ -51,7 +51,7 @@ private:
             }
             case 4:
                 return earlier();
-            case 5: {  // beside an earlier one
+            case 5: {  // beside an earlier point
                 Vec3 point = earlier();
                 const std::uint32_t ways = in_.byte();
                 for (int k = 0; k < 3; ++k)
@@ -59,16 +59,16 @@ private:
                         point[k] = std::nextafter(point[k], way == 1 ? -1e300 : 1e300);
                 return point;
             }
-            case 6: {  // on the line of two
+            case 6: {  // on the line through two points
                 const Vec3 a = earlier(), b = earlier();
                 return a + grid() / 8 * (b - a);
             }
-            case 7: {  // in the plane of three
+            case 7: {  // in the plane of three points
                 const Vec3 a = earlier(), b = earlier(), c = earlier();
                 const double s = grid() / 8, t = grid() / 8;
                 return a + s * (b - a) + t * (c - a);
             }
-            case 8: {  // a needle's end
+            case 8: {  // the end of a needle
                 const Vec3 a = earlier();
                 const double size = std::ldexp(1.0, -static_cast<int>(in_.below(60)));
                 return a + size * fresh();

@@ -1,5 +1,6 @@
-// Two small shapes, and every certified solver that takes them, each with one of its options: all intervals must overlap, and must hold
-// the exact distances of A's vertices, of points of a grid on its triangles, and of all of A where both shapes are point sets.
+// Gives two small shapes to every certified solver that takes them, each with one of its options.
+// All intervals must overlap, and must contain the exact distances of A's vertices, of points of a
+// grid on its triangles, and of all of A if both shapes are point sets.
 #include "algorithms/kernel/triangle.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -16,7 +17,7 @@ namespace {
 
 using exact::Rational;
 
-constexpr double most_seconds = 5;  // CPU time of one solve: more is a hang
+constexpr double most_seconds = 5;  // CPU time of one solve; more counts as a hang
 
 struct Case {
     Scene scene;
@@ -24,13 +25,13 @@ struct Case {
     std::uint32_t variant;
 };
 
-// 2^-k with k up to 1074, where the least double is; 1 in a quarter of all cases.
+// Returns 2^-k with k up to 1074, the least double; 1 in a quarter of all cases.
 double own_size(Bytes& in) {
     const int k = in.next<std::uint16_t>() % 1433;
     return k <= 1074 ? std::ldexp(1.0, -k) : 1;
 }
 
-// `sizes`: each triangle, or point, gets a size of its own from there.
+// If `sizes` is given, each triangle or point gets its own size from it.
 Shape shape_of(bool points, std::uint32_t count, double scale, const Vec3& offset, Coordinates& coordinates,
                Bytes* sizes) {
     Points all(static_cast<Index>(points ? count : 3 * count), 3);
@@ -68,7 +69,7 @@ Case decode(Bytes& in) {
     return {{std::move(a), std::move(b)}, query, variant};
 }
 
-// The largest squared distance of a vertex, or of the middle of a triangle, of `a`.
+// Returns the largest squared distance of a vertex or of the middle of a triangle of `a`.
 Rational squared_at_samples(const Shape& a, const Shape& b) {
     Rational most = 0;
     for (Index i = 0; i < points_of(a).rows(); ++i)
@@ -83,7 +84,7 @@ Rational squared_at_samples(const Shape& a, const Shape& b) {
     return most;
 }
 
-// No point of A is farther from a vertex of its triangle than this, squared.
+// Returns the squared longest edge: no point of A is farther than that from a vertex of its triangle.
 Rational squared_longest_edge(const Shape& a) {
     Rational most = 0;
     if (kind_of(a) == ShapeKind::points) return most;
@@ -97,7 +98,7 @@ Rational squared_longest_edge(const Shape& a) {
 }
 
 struct Known {
-    Rational at_samples;    // lower <= h, squared
+    Rational at_samples;    // squared; a lower bound of h
     Rational longest_edge;  // h <= at_samples + this, both as lengths
 };
 
@@ -116,7 +117,7 @@ Known known(const Case& one) {
     return all;
 }
 
-// x <= sqrt(a) + sqrt(b), for x >= 0: x^2 - a - b <= 2 sqrt(a b).
+// Returns whether x <= sqrt(a) + sqrt(b) for x >= 0, that is x^2 - a - b <= 2 sqrt(a b).
 bool at_most_sum(const Rational& x, const Rational& a, const Rational& b) {
     const Rational left = x * x - a - b;
     return left <= 0 || left * left <= 4 * a * b;
@@ -130,7 +131,7 @@ bool legal(const Query& query, const Result& result) {
         case Status::below_floor:
         case Status::above_cutoff:
         case Status::time_limit:
-            return false;  // nobody asked for these
+            return false;  // the query did not ask for these
         case Status::budget:
         case Status::precision_floor:
         case Status::stalled:
@@ -194,7 +195,7 @@ void differential(std::string_view bytes) {
     Bytes in(bytes);
     try {
         solvers_agree(decode(in));
-    } catch (const InputError& error) {  // a pose that leaves the range of doubles
+    } catch (const InputError& error) {  // a pose leaves the range of doubles
         expect_one_line(error);
     }
 }

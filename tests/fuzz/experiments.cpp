@@ -1,4 +1,5 @@
-// Files that people write: experiments, the manifest, surfaces, poses and recordings. The first byte chooses which; the rest is the file.
+// Reads files that people write: experiments, the manifest, surfaces, poses and recordings. The
+// first byte chooses the kind; the rest is the file.
 #include "datasets/catalogue.h"
 #include "datasets/surface_file.h"
 #include "harness/plan/experiment.h"
@@ -49,7 +50,8 @@ void read_frames(const std::filesystem::path& file) {
         for (const auto* poses : {&pair.source_poses, &pair.target_poses}) {
             for (const Pose& pose : *poses) {
                 const Eigen::Matrix3d off = pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity();
-                expect(off.cwiseAbs().maxCoeff() < 1e-14 && pose.translation.allFinite(), "a pose that is no rotation");
+                expect(off.cwiseAbs().maxCoeff() < 1e-14 && pose.translation.allFinite(),
+                       "a pose that is not a rotation");
             }
         }
     }

@@ -1,11 +1,12 @@
 """Runs the fuzz targets that `make fuzz` has built.
 
-    python3 tests/fuzz/fuzz.py [--seconds S] [--seed N] [TARGET ...]   goes on where earlier runs stopped
-    python3 tests/fuzz/fuzz.py --short                                 what CI runs: the kept files, then a few seconds each
-    python3 tests/fuzz/fuzz.py --keep [TARGET ...]                     the smallest files that reach what all reach, into tests/fuzz/corpus
+    python3 tests/fuzz/fuzz.py [--seconds S] [--seed N] [TARGET ...]   continue where earlier runs stopped
+    python3 tests/fuzz/fuzz.py --short                                 as in CI: the kept files, then a few seconds each
+    python3 tests/fuzz/fuzz.py --keep [TARGET ...]                     keep the smallest files with the same coverage, in tests/fuzz/corpus
 
-Inputs accumulate in build/fuzz/corpus/TARGET, and each run adds a line to build/fuzz/totals.jsonl (tests/fuzz/report.py prints their sums).
-Exit code 1: a target failed; its input is in build/fuzz/failures, and belongs into tests/fuzz/crashes/TARGET once the fault is mended.
+Inputs accumulate in build/fuzz/corpus/TARGET, and each run adds a line to build/fuzz/totals.jsonl (tests/fuzz/report.py prints
+their sums). Exit code 1: a target failed; its input is in build/fuzz/failures, and belongs in tests/fuzz/crashes/TARGET once the
+fault is fixed.
 """
 
 from __future__ import annotations
@@ -26,13 +27,13 @@ ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "tests" / "fuzz"
 BUILD = ROOT / "build" / "fuzz"
 TARGETS = ["certificates", "differential", "experiments", "journals", "kernels", "polynomials", "readers", "results"]
-# Longest inputs, in bytes: what a target can make use of.
+# Longest inputs, in bytes, that a target can use.
 LENGTHS = {"differential": 600, "kernels": 256, "polynomials": 220, "certificates": 2000, "results": 600}
 # Executions of a short run: less than ten seconds on an idle machine.
 SHORT = {"certificates": 3000, "differential": 300, "experiments": 2000, "journals": 2000, "kernels": 5000,
          "polynomials": 2000, "readers": 20000, "results": 300}
 SHORT_SECONDS = 10
-KEPT_BYTES = 22_000  # of the corpus of each target
+KEPT_BYTES = 22_000  # for the corpus of each target
 
 
 def program(target: str) -> Path:
@@ -40,7 +41,9 @@ def program(target: str) -> Path:
 
 
 def options(target: str) -> list[str]:
-    """One solve of `differential` may take 5 s; 100 s for all of them, and for the 60 s that a reader of results may take."""
+    """Returns the options of a target. One solve of `differential` may take 5 s; 100 s allows for all of them, and for the 60 s
+    of a results reader.
+    """
     failures = BUILD / "failures"
     failures.mkdir(parents=True, exist_ok=True)
     words = [f"-max_len={LENGTHS.get(target, 4096)}", "-timeout=100", "-rss_limit_mb=2048", f"-artifact_prefix={failures}/{target}-"]
@@ -53,7 +56,7 @@ def kept(target: str) -> list[Path]:
 
 
 def call(target: str, words: list[str]) -> tuple[int, str, float]:
-    """Exit code, output and CPU seconds of the target with these arguments."""
+    """Runs the target with these arguments; returns exit code, output and CPU seconds."""
     before = os.times()
     done = subprocess.run([program(target), *options(target), *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, errors="replace", cwd=BUILD)
@@ -75,7 +78,7 @@ def replay(target: str) -> bool:
 
 
 def number(pattern: str, text: str) -> int:
-    """The last one that the pattern finds; 0 where there is none."""
+    """Returns the last number that the pattern finds, or 0."""
     found = re.findall(pattern, text)
     return int(found[-1]) if found else 0
 
@@ -118,7 +121,7 @@ def long(targets: list[str], seconds: int, seed: int) -> bool:
 
 
 def keep(targets: list[str]) -> bool:
-    """What was kept before stays: a new file is one that reaches more, the smallest first, while there is room."""
+    """Keeps new files that reach more, the smallest first, while there is room. Files kept before stay."""
     for target in targets:
         folder = KEPT / "corpus" / target
         folder.mkdir(parents=True, exist_ok=True)

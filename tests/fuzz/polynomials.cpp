@@ -1,5 +1,5 @@
-// Text as a polynomial: its ranges over a box, in every form, must hold its exact value at a point of the box. The value is found from the text
-// by a second reader, in rationals.
+// Reads text as a polynomial. Its ranges over a box, in every form, must contain its exact value
+// at a point of the box. A second reader finds that value from the text, in rationals.
 #include "algorithms/kernel/interval_form.h"
 #include "tests/fuzz/target.h"
 
@@ -13,12 +13,12 @@ namespace {
 
 using Rational = CGAL::Exact_rational;
 
-// What the comment of kernel/polynomial.h says, without any check: the text is known to be a polynomial.
+// A reader that follows the comment of kernel/polynomial.h without any checks: the text is known to be a polynomial.
 class ExactValue {
 public:
     ExactValue(std::string_view text, const std::array<Rational, 3>& at) : text_(text), at_(at) {}
 
-    // None where a power of ten is too far from 1 to be written out.
+    // Returns nothing if a power of ten is too far from 1 to be written out.
     std::optional<Rational> value() {
         const Rational all = sum();
         return given_up_ ? std::nullopt : std::optional(all);
@@ -58,7 +58,7 @@ private:
                 if (below != 0)
                     all /= below;
                 else
-                    given_up_ = true;  // or 1e-99999, which was passed over
+                    given_up_ = true;  // or 1e-99999, which was skipped
             } else {
                 return all;
             }
@@ -120,7 +120,7 @@ private:
 };
 
 bool holds(const Interval& range, const Rational& value) {
-    if (std::isnan(range.inf()) || std::isnan(range.sup())) return true;  // overflow: nothing is said
+    if (std::isnan(range.inf()) || std::isnan(range.sup())) return true;  // overflow: the range says nothing
     return (std::isinf(range.inf()) || Rational(range.inf()) <= value) &&
            (std::isinf(range.sup()) || value <= Rational(range.sup()));
 }

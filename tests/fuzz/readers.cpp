@@ -1,4 +1,5 @@
-// Files of meshes and points, through load_file(): a valid shape or an InputError. The first byte chooses the format, the rest is the file.
+// Reads files of meshes and points with load_file(): gives a valid shape or an InputError. The
+// first byte chooses the format; the rest is the file.
 #include "datasets/load.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
@@ -8,7 +9,7 @@
 namespace hausbench::fuzz {
 namespace {
 
-// Written apart from shape_problem(), which the program uses.
+// Written independently of shape_problem(), which the program uses.
 void expect_valid(const LoadedShape& loaded) {
     const Points& points = points_of(loaded.shape);
     expect(points.rows() > 0, "a shape without points");

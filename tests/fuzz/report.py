@@ -1,8 +1,8 @@
-"""What all runs of the fuzz targets come to, as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`. Corpus, edges and features
-are those after the last run of each target.
+"""Prints the totals of all runs of the fuzz targets as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`.
 
-By default of results/reference/fuzzing.jsonl, the runs that are kept, and of build/fuzz/totals.jsonl, those since; add these to the former
-(>>) once they are done. A line may sum up several `runs`.
+Corpus, edges and features are the values after the last run of each target. By default it reads results/reference/fuzzing.jsonl,
+the kept runs, and build/fuzz/totals.jsonl, the runs since; append these to the former (>>) when they are done. A line may sum up
+several `runs`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def table(records: list[dict[str, str | int | float]]) -> list[str]:
             return sum(float(record[key]) for record in of)
 
         def last(key: str) -> int:
-            """Of the target as it is now: earlier ones had other edges."""
+            """Returns the latest value, because earlier versions of the target had other edges."""
             return int(of[-1][key])
 
         runs = sum(int(record.get("runs", 1)) for record in of)

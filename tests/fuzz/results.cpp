@@ -1,5 +1,6 @@
-// Result files with a seal that fits. The bytes say what is changed in a small file of two rows: a column is left out, is of another type or
-// length, or holds other values. Or, where the first byte is 255, they are the file, under the seal that it would have.
+// Reads result files with a valid seal. The bytes say how a small file of two rows is changed: a
+// column is missing, has another type or length, or has other values. If the first byte is 255,
+// the other bytes are the file, and get the seal that fits.
 #include "datasets/hdf5.h"
 #include "harness/result/result_file.h"
 #include "tests/fuzz/target.h"
@@ -64,7 +65,7 @@ void read_all(const h5::File& file, const std::string& group, std::map<std::stri
         try {
             take(file.read_texts(name));
             continue;
-        } catch (const std::exception&) {  // of another type, or a group
+        } catch (const std::exception&) {  // another type, or a group
         }
         try {
             take(file.read_integers(name));
@@ -154,7 +155,7 @@ void change(std::map<std::string, Column>& columns, Bytes& in) {
     }
 }
 
-// How many values of fields the file has.
+// Writes the changed file and returns how many values its fields have.
 std::size_t write_changed(const std::filesystem::path& path, Bytes& in) {
     static const std::map<std::string, Column> original = template_columns();
     static const ResultFile meta = small_result();
@@ -182,7 +183,7 @@ void results(std::string_view bytes) {
     if (!whole) {
         try {
             values = write_changed(file, in);
-        } catch (const std::runtime_error&) {  // a text that HDF5 does not write
+        } catch (const std::runtime_error&) {  // HDF5 does not write this text
             return;
         }
     }

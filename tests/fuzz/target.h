@@ -1,5 +1,6 @@
-// What the fuzz targets share. A target is a function of bytes that throws where something is wrong. libFuzzer calls it (`make fuzz`,
-// HAUSBENCH_LIBFUZZER), and so does tests/fuzz/replay/fuzz_replay_test.cpp, which any compiler builds: it replays the files of tests/fuzz/corpus.
+// Common parts of the fuzz targets. A target is a function of bytes that throws if something is wrong.
+// libFuzzer calls it (`make fuzz`, HAUSBENCH_LIBFUZZER), and so does tests/fuzz/replay/fuzz_replay_test.cpp,
+// which any compiler builds and which replays the files of tests/fuzz/corpus.
 #pragma once
 
 #include "algorithms/error.h"
@@ -33,7 +34,8 @@ inline void expect(bool holds, const std::string& what) {
     if (!holds) throw Wrong(what);
 }
 
-// Numbers from bytes; 0 for ever after their end. libFuzzer's FuzzedDataProvider is part of clang, and GCC builds the replay.
+// Makes numbers from bytes; after their end all numbers are 0. libFuzzer's FuzzedDataProvider is
+// part of clang, but GCC builds the replay.
 class Bytes {
 public:
     explicit Bytes(std::string_view bytes) : rest_(bytes) {}
@@ -60,7 +62,7 @@ private:
     std::string_view rest_;
 };
 
-// An error that a user reads is one line with something on it.
+// An error message for users is one non-empty line.
 inline void expect_one_line(const InputError& error) {
     const std::string_view text = error.what();
     expect(!text.empty() && text.find('\n') == std::string_view::npos, "the message is not one line");

@@ -1,4 +1,5 @@
-// A solver that breaks its contract as the environment variable BROKEN says; without it, it keeps it.
+// A solver that breaks its contract in the way that the environment variable BROKEN names; without
+// the variable, it keeps the contract.
 #include <hausbench/plugin.h>
 #include <hausbench/structures/octree.h>
 

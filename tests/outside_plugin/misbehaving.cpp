@@ -1,5 +1,5 @@
-// Solvers that do what no solver should, at one pose; at all others they answer as vertex_only does. The harness has to give
-// each case its row and go on.
+// Solvers that misbehave at one pose; at all others they answer like vertex_only.
+// The harness must still give each case its row and go on.
 #include <hausbench/plugin.h>
 
 #include <unistd.h>
@@ -51,7 +51,7 @@ void leak(const std::string& how, Result&) {
 void lie(const std::string& how, Result& result) {
     Bounds& bounds = result.bounds;
     if (how == "upper below") bounds = {0, 0.5 * bounds.lower};
-    if (how == "lower above") bounds = {2 * bounds.lower, 2 * bounds.upper};  // the witness is still the true one
+    if (how == "lower above") bounds = {2 * bounds.lower, 2 * bounds.upper};  // the witness is still true
     if (how == "far witness") bounds = {2 * bounds.lower, 2 * bounds.upper}, result.witness.source_point.array() += 100;
     if (how == "no such element") result.witness.source_element = 1000000;
     if (how == "crossed") std::swap(bounds.lower, bounds.upper), bounds.lower *= 1.5;
@@ -99,7 +99,7 @@ void chatter(const std::string&, Result&) {
     }
 }
 
-// As a solver does that runs into a time limit of one second.
+// Behaves like a solver that reaches a time limit of one second.
 void dawdle(const std::string&, Result& result) {
     ::usleep(999'999);
     result.status = Status::time_limit;
@@ -155,7 +155,7 @@ template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vecto
             }};
 }
 
-// Is out of time wherever the target has more triangles than the source.
+// A solver that runs out of time if the target has more triangles than the source.
 class StopsEarly final : public Solver {
 public:
     explicit StopsEarly(const Options&) : good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
@@ -176,7 +176,7 @@ private:
     std::unique_ptr<Solver> good_;
 };
 
-// Never gets ready.
+// A solver that never finishes preparing.
 class NeverReady final : public Solver {
 public:
     explicit NeverReady(const Options&) {}

@@ -1,2 +1,2 @@
-// What a plug-in looks like that was built against another hausbench.
+// A plug-in that was built against another version of hausbench.
 extern "C" __attribute__((visibility("default"))) int hausbench_plugin_interface() { return 999; }

@@ -1,5 +1,5 @@
-// Solvers that answer as vertex_only does, and spend a known amount of memory or CPU time besides: what the harness records
-// of it can then be held against what was spent.
+// Solvers that answer like vertex_only and also spend a known amount of memory or CPU time, so
+// that the harness's records can be compared with the amount spent.
 #include <hausbench/plugin.h>
 
 #include <time.h>
@@ -13,14 +13,14 @@ SolverEntry vertex_only_solver();  // vertex_only.cpp
 
 namespace {
 
-// Every page of it, and gives it back.
+// Touches every page of so much memory, and frees it.
 void touch(std::int64_t megabytes) {
     const std::size_t size = std::size_t(megabytes) << 20;
     std::vector<char> memory(size);
     for (std::size_t i = 0; i < size; i += 4096) static_cast<volatile char&>(memory[i]) = 1;
 }
 
-// So much CPU time of the calling thread, however long it takes.
+// Spends so much CPU time of the calling thread, however long that takes.
 void burn(double seconds) {
     const auto now = [] {
         timespec t{};

@@ -1,5 +1,6 @@
-// A sampler, as many are written: the largest distance of a vertex of A, and that plus `share` of A's longest edge. Every point of a triangle is
-// within 1/sqrt(3) of its longest edge from a corner, so smaller shares give upper bounds that are wrong on some scenes and right on others.
+// A sampler like many others: it returns the largest distance of a vertex of A, and that plus `share`
+// of A's longest edge. Every point of a triangle is within 1/sqrt(3) of its longest edge from a
+// corner, so smaller shares give upper bounds that are wrong on some scenes and right on others.
 #include <hausbench/plugin.h>
 
 #include <cmath>

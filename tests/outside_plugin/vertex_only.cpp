@@ -1,9 +1,9 @@
-// A whole solver in one file, small and slow: every vertex of A against every triangle (or point) of B.
+// A complete solver in one file, small and slow: every vertex of A against every triangle (or point) of B.
 //
-// Lower bound: the largest distance of a vertex of A. Upper bound: the distance to one triangle S of B is convex, so over a
-// triangle T of A it is largest at a corner; T is covered best by the S that is least far from its farthest corner.
-// O(|A| |B|) time, O(|B|) memory for each corner of T. Certified: vertices are exact, and the distances are bounded by the
-// kernels' own proofs (kernel/point_triangle.h, kernel/rounding.h).
+// Lower bound: the largest distance of a vertex of A. Upper bound: the distance to a single triangle S of B is
+// convex, so over a triangle T of A it is largest at a corner of T; the best S is the one whose distance to its
+// farthest corner of T is least. O(|A| |B|) time, O(|B|) memory for each corner of T. Certified: vertices are
+// exact, and the distances are bounded by the proofs of the kernels (kernel/point_triangle.h, kernel/rounding.h).
 #include <hausbench/certificate/cover_certificate.h>
 #include <hausbench/kernel/deadline.h>
 #include <hausbench/kernel/point_triangle.h>
@@ -16,7 +16,7 @@ using namespace hausbench;
 
 namespace {
 
-// A point counts as a triangle whose corners coincide.
+// Returns the elements of a shape; a point becomes a triangle whose corners coincide.
 std::vector<Triangle> elements_of(const Shape& shape, const Points& points) {
     std::vector<Triangle> elements;
     for (Index i = 0; i < element_count(shape); ++i) {
@@ -53,10 +53,10 @@ public:
             if (deadline.passed()) {
                 result.status = Status::time_limit;
                 result.why_no_certificate = "time was out before each triangle of A had a bound; allow it more time";
-                return result;  // what is known of some triangles bounds h from below only
+                return result;  // bounds of some triangles only bound h from below
             }
             lowers.values.push_back(0);
-            std::vector<double> farthest(target_.size(), 0);  // of the corners so far, from each S
+            std::vector<double> farthest(target_.size(), 0);  // distance of the farthest corner so far, from each S
             for (const Vec3& corner : {elements[i].a, elements[i].b, elements[i].c}) {
                 double lower = std::numeric_limits<double>::infinity(), nearest = lower;
                 Witness witness{corner, corner, Index(i), -1};
@@ -80,10 +80,10 @@ public:
         }
         result.bounds.upper = upper;
         if (query.wanted.fields) result.fields = {lowers, uppers};
-        // With room for the rounding of whoever checks it (cover_certificate.h); no box has a diagonal of more than 2 sqrt(3) `size`.
+        // Leaves room for the checker's own rounding (cover_certificate.h); no box has a diagonal above 2 sqrt(3) `size`.
         if (query.wanted.certificate) result.certificates = {*proof.finish(upper + 100 * unit_roundoff * 4 * size)};
         const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
-        result.status = close ? Status::converged : Status::budget;  // it knows no other way to come closer
+        result.status = close ? Status::converged : Status::budget;  // the solver cannot come closer
         if (!close) result.note = "a solver that looks at vertices only comes no closer than this";
         return result;
     }

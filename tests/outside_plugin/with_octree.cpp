@@ -1,4 +1,5 @@
-// A solver that includes the header of a structure, which it may share with solvers of the program: of A's vertices alone.
+// A solver that includes the header of a structure, which it may share with solvers of the
+// program. It measures only the vertices of A.
 #include <hausbench/plugin.h>
 #include <hausbench/structures/octree.h>
 

@@ -1,4 +1,5 @@
-// Scratch folders: what happens where none can be made, and while other processes clear theirs away. The memory of several processes.
+// Scratch folders: errors when none can be made, and races with other processes that clear theirs
+// away. Also the memory of several processes.
 #include "process/scratch.h"
 #include "algorithms/error.h"
 #include "process/child.h"
@@ -23,9 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Ends this process with 0 if a folder is refused for want of file descriptors, with one line and nothing left behind.
+// Ends this process with 0 if a folder is refused for lack of file descriptors, with one line and nothing left behind.
 [[noreturn]] void make_one_without_descriptors(const fs::path& temporary) {
-    ::alarm(2);  // it must not try for ever
+    ::alarm(2);  // it must not try forever
     ::setenv("TMPDIR", temporary.c_str(), 1);
     { const ScratchFolder first("worker"); }
     rlimit before{};
@@ -36,7 +37,7 @@ namespace fs = std::filesystem;
     try {
         const ScratchFolder second("worker");
     } catch (const InputError& error) {
-        ::setrlimit(RLIMIT_NOFILE, &before);  // sanitizers need a descriptor to look at the error
+        ::setrlimit(RLIMIT_NOFILE, &before);  // sanitizers need a descriptor to inspect the error
         said = error.what();
     }
     const bool told = said.find("TMPDIR") != std::string::npos && said.find("opened") != std::string::npos;
@@ -48,7 +49,7 @@ TEST(ScratchFolder, IsRefusedAtOnceWhereItCannotBeOpened) {
     EXPECT_EXIT(make_one_without_descriptors(temporary.path()), testing::ExitedWithCode(0), "");
 }
 
-// As the first folder of another process does it, but all the time.
+// Clears away like the first folder of another process, but all the time.
 void clear_away(const fs::path& from, const std::atomic<bool>& stop, std::atomic<int>& taken) {
     std::error_code ignored;
     while (!stop) {
@@ -84,8 +85,8 @@ TEST(ScratchFolder, IsMadeWhileOthersClearAwayTheirs) {
     ::unsetenv("TMPDIR");
 }
 
-// Touches `bytes`, and starts three processes that wait for a byte and then write to their copy of it. What all of them hold together is
-// measured before and after.
+// Touches `bytes`, and starts three processes that wait for a byte and then write to their copy.
+// Measures the memory of all of them before and after.
 TEST(Memory, PagesThatForksShareCountOnce) {
     constexpr std::int64_t bytes = std::int64_t(64) << 20;
     int go[2], done[2];

@@ -1,4 +1,4 @@
-"""The program as its users start it: every test here runs the built executable and looks at what it prints and writes."""
+"""The program as its users start it: every test here runs the built executable and checks its output and files."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# A shell that starts the tests in the background has SIGINT ignored, and so would every program that they start.
+# A shell that starts the tests in the background ignores SIGINT, and so would every program that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class Program:
-    """Runs hausbench in a folder of its own."""
+    """Runs hausbench in a separate folder."""
 
     def __init__(self, path: str, folder: Path) -> None:
         self.path = path
@@ -36,7 +36,7 @@ class Program:
         return {**os.environ, "HAUSBENCH_ROOT": str(ROOT)}
 
     def fails(self, *arguments: str | Path) -> str:
-        """The one line that bad input gets, with exit code 2 and nothing on standard output."""
+        """Runs the program on bad input; returns its one line. Expects exit code 2 and an empty standard output."""
         done = self(*arguments)
         assert done.returncode == 2, (done.returncode, done.stdout, done.stderr)
         assert done.stdout == ""
@@ -70,7 +70,7 @@ def tetrahedron(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def raised(tmp_path: Path) -> Path:
-    """The tetrahedron, a quarter higher."""
+    """The tetrahedron, raised by a quarter."""
     file = tmp_path / "raised.off"
     file.write_text("OFF\n4 4 0\n0 0 0.25\n1 0 0.25\n0 1 0.25\n0 0 1.25\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
     return file
@@ -113,15 +113,17 @@ def built(command: list[str | Path], folder: Path) -> str:
 
 @pytest.fixture(scope="session")
 def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder with the built plug-ins, made from nothing but what `cmake --install` puts down. Tests that run side by side share one."""
+    """Returns the folder with the built plug-ins, made only from the files that `cmake --install` installs. Tests that run side
+    by side share one.
+    """
     shared = tmp_path_factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:  # then the folder above belongs to all workers of this run
+    if "PYTEST_XDIST_WORKER" in os.environ:  # then the folder above is shared by all workers of this run
         shared = shared.parent
     folder = shared / "outside"
     with open(shared / "outside.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "done").exists():
-            shutil.rmtree(folder, ignore_errors=True)  # of a worker that failed
+            shutil.rmtree(folder, ignore_errors=True)  # left by a worker that failed
             shutil.copytree(SOURCES, folder / "sources")
             built(["cmake", "--install", Path(program_file).parent, "--prefix", folder / "installed"], folder)
             built([*RECIPE, f"-DCMAKE_PREFIX_PATH={folder / 'installed'}"], folder)
@@ -154,5 +156,5 @@ name = "guthe"
 
 
 def head(case_seconds: float = 60) -> str:
-    """So long that no limit is met but by a solver that hangs, however busy the machine is."""
+    """Returns the head of an experiment with limits so long that only a hanging solver meets them, however busy the machine is."""
     return HEAD.replace("CASE_SECONDS", str(case_seconds))

@@ -1,4 +1,4 @@
-"""How the program is compiled: directed rounding where bounds depend on it, and every flag in the result."""
+"""How the program is compiled: directed rounding for code whose bounds depend on it, and every flag in the result."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_libraries_with_directed_rounding_are_compiled_for_it(program_file: str)
 
 
 def test_the_program_does_not_load_libhwy(program_file: str) -> None:
-    """Its initialiser measures a timer that some virtual machines hide, and valgrind then ends the program before main()."""
+    """The initialiser of libhwy measures a timer that some virtual machines hide; valgrind then ends the program before main()."""
     done = subprocess.run(["readelf", "--dynamic", program_file], capture_output=True, text=True, check=True)
     assert "(NEEDED)" in done.stdout and "libhwy" not in done.stdout
 

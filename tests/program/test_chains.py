@@ -1,4 +1,4 @@
-"""Warm chains of poses: whole passes from the head, whatever ends them."""
+"""Warm chains of poses: complete passes from the head, whatever ends them."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ tolerances = [1e-5]
 
 @pytest.fixture
 def chains(tmp_path: Path) -> Path:
-    file = tmp_path / "slow.toml"  # the name that start() and records() of test_run.py know
+    file = tmp_path / "slow.toml"  # the name that start() and records() of test_run.py expect
     file.write_text(CHAIN.format(trace="false"))
     return file
 
@@ -55,7 +55,7 @@ def test_a_warm_chain_is_right_and_saves_work(hausbench: Program, chains: Path, 
     assert (lower[fine] <= upper[cold]).all() and (lower[cold] <= upper[fine]).all()
     work = numbers(file, "cases/counter_closest_point_queries")
     assert work[fine][0] == work[cold][0] and sum(work[fine]) < sum(work[cold])
-    # Each pose is timed as often as was asked for, and names the pose before it.
+    # Each pose is timed as often as requested, and names the pose before it.
     case, chain, identity = numbers(file, "repeats/case"), texts(file, "cases/chain"), texts(file, "cases/identity")
     assert all((case == i).sum() == 3 for i in warm)
     assert chain[fine[0]] == "" and [chain[i] for i in fine[1:]] == [identity[i] for i in fine[:-1]]
@@ -74,7 +74,7 @@ def test_each_repeat_and_the_trace_are_whole_passes(hausbench: Program, chains: 
 
 
 def test_kill_inside_a_chain_starts_it_at_its_head(hausbench: Program, chains: Path, tmp_path: Path) -> None:
-    """A state cannot be written down, so a chain is in the journal as a whole or not at all."""
+    """A state cannot be stored, so the journal has a complete chain or none of it."""
     begin = time.monotonic()
     whole = run(hausbench, chains, tmp_path / "whole")
     seconds = time.monotonic() - begin
@@ -113,7 +113,7 @@ def test_a_trace_that_is_asked_for_later_is_made(hausbench: Program, chains: Pat
 
 
 def test_a_pose_that_is_refused_is_passed_over(hausbench: Program, chains: Path, tmp_path: Path) -> None:
-    """The session refuses it before the solver is asked, so the state is as it was."""
+    """The session refuses it before the solver runs, so the state is unchanged."""
     poses = ["1 0 0  0 1 0  0 0 1  0 0 0", "1e307 0 0  0 1e307 0  0 0 1e307  1.79e308 1.79e308 0", "1 0 0  0 1 0  0 0 1  0.1 0 0"]
     (tmp_path / "poses.txt").write_text("\n".join(poses) + "\n")
     chains.write_text(chains.read_text().replace('{ kind = "rotation", axis = [0, 1, 3], degrees = 40, steps = 12 }', '{ kind = "poses", file = "poses.txt" }'))

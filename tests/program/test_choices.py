@@ -1,4 +1,4 @@
-"""Which rows: `show --where`, `--meta` and `--ledger`, `compare --scene`, `run --again` and `--strict`, and experiments by their stem."""
+"""Choosing rows: `show --where`, `--meta` and `--ledger`, `compare --scene`, `run --again` and `--strict`, and experiments by their stem."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_numbers_are_compared(hausbench: Program, result: Path) -> None:
     assert len(chosen(hausbench, result, f"upper<{middle!r}")) == sum(x < middle for x in upper)
     assert len(chosen(hausbench, result, f"upper<={middle!r}", "lower_error<1")) == sum(x <= middle for x in upper)
     assert chosen(hausbench, result, "upper>nan") == [] and len(chosen(hausbench, result, "tolerance==0.01")) == len(chosen(hausbench, result, "tolerance=0.01"))
-    for wrong, said in (("upper", "column>number"), (">1", "column>number"), ("upper>", "holds numbers"), ("status>ok", "holds texts"),
+    for wrong, said in (("upper", "column>number"), (">1", "column>number"), ("upper>", "is a number"), ("status>ok", "is a text"),
                         ("uper>1", "did you mean 'upper'"), ("upper!1", "column>number")):
         assert said in hausbench.fails("show", result, "--where", wrong)
 
@@ -54,7 +54,7 @@ def test_scenes_and_profiles_are_compared_apart(hausbench: Program, seen: Path, 
     part = hausbench("compare", result, result, "--scene", "clouds of points").stdout
     assert "clouds of points" in whole and "spheres" in whole and "spheres" not in part and "clouds of points" in part
     assert "spheres" in hausbench("compare", result, result, "--profile", "quick").stdout
-    assert "no row of it" in hausbench.fails("compare", result, result, "--profile", "huge")
+    assert "no row of this profile" in hausbench.fails("compare", result, result, "--profile", "huge")
     assert "no such scene" in hausbench.fails("compare", result, result, "--scene", "cones")
 
 
@@ -70,7 +70,7 @@ def test_chosen_cases_are_run_again(hausbench: Program, seen: Path, result: Path
 
 
 def test_how_many_cases_are_run_again_is_said(hausbench: Program, seen: Path, result: Path, tmp_path: Path) -> None:
-    """Not counted are those that are read off a finer answer."""
+    """Cases that are read off a finer answer are not counted."""
     assert "2 finished cases are run again" in hausbench("run", seen, "--results", tmp_path, "--again", "tolerance=0.01").stderr
     assert "0 finished cases are run again" in hausbench("run", seen, "--results", tmp_path, "--again", "tolerance=7").stderr
 

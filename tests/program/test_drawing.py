@@ -1,17 +1,18 @@
-"""`hausbench draw`, from a plug-in, an experiment with claims of its own and no script to a figure and a verdict."""
+"""`hausbench draw` leads from a plug-in and an experiment with its own claims, without a script, to a figure and a verdict."""
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
 
-from conftest import Program, head
+from conftest import ROOT, Program, head
 
 
 @pytest.fixture
 def own(plugin: Path, tmp_path: Path) -> Path:
-    """An experiment that names its plug-in by a path from its own folder."""
+    """An experiment that names its plug-in by a path relative to its folder."""
     (tmp_path / "libmine.so").symlink_to(plugin)
     file = tmp_path / "own.toml"
     text = head().replace("repeats = 1", "repeats = 1\nrounds = 6")
@@ -58,7 +59,10 @@ def test_width_and_format_of_figures(hausbench: Program, experiment: Path, tmp_p
 
 
 def test_models_are_fetched_to_where_the_program_looks(hausbench: Program, tmp_path: Path) -> None:
-    done = hausbench("fetch", "--help")
-    assert done.returncode == 0 and "datasets/cache" in done.stdout
+    python = tmp_path / "python3"
+    python.write_text('#!/bin/sh\necho "$HAUSBENCH_CACHE"\n')
+    python.chmod(0o755)
+    done = subprocess.run([hausbench.path, "fetch"], env={**hausbench.environment(), "PYTHON": str(python)}, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == str(ROOT / "datasets" / "cache")
     done = hausbench("fetch", "no_such_model")
     assert done.returncode == 2 and "no_such_model" in done.stderr

@@ -17,7 +17,7 @@ NAMES = ["ball", "cube", "torus"]
 
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
-    """Of the corpus one model is in the manifest, two are not."""
+    """One model of the corpus is in the manifest, two are not."""
     folder = tmp_path / "root"
     (folder / "datasets").mkdir(parents=True)
     (folder / "datasets" / "manifest.toml").write_text(
@@ -60,7 +60,7 @@ def test_each_is_the_same_as_scenes_written_out(hausbench: Program, root: Path, 
 
 
 def test_the_whole_corpus_has_more(hausbench: Program, root: Path, tmp_path: Path) -> None:
-    """Tables and models of the manifest that the corpus itself does not take; and the rules hold for them."""
+    """It also has tables and models of the manifest that the corpus leaves out, and the rules apply to them."""
     file = root / "datasets" / "corpus.toml"
     text = file.read_text()
     file.write_text('whole_manifest = ["other"]\n' + text + '[whole.plain]\nsource = "generated"\nrecipe = "cube"\nsubdivisions = 3\n')
@@ -102,7 +102,7 @@ BAD = {
     "each = ['bal']": "no model 'bal', did you mean 'ball'",
     "each = ['other']": "'other' is not of the corpus: list it under 'manifest' in datasets/corpus.toml",
     "": "'name' has {}, but the scene no 'each'",
-    "each = ['ball']\nexact = 0.5": "'exact' does not go with 'each'",
+    "each = ['ball']\nexact = 0.5": "'exact' cannot be combined with 'each'",
     "each = ['ball']\ntargets = ['ball']": "'targets'",
 }
 

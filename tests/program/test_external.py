@@ -1,4 +1,4 @@
-"""`external`, any program as a peer, with a small Python script as the program; `export`, which hands models to programs."""
+"""`external`, any program as a peer, with a small Python script as the program; and `export`, which gives models to programs."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Sweep:
         return self.file
 
     def __call__(self, code: int = 0, **changes: Any) -> dict[str, list[Any]]:
-        """The rows of the outside program; the others are under "good". `code`: the exit code of the run."""
+        """Runs the sweep and returns the rows of the outside program; the others are under "good". `code` is the exit code of the run."""
         done = self.hausbench("run", self.write(**changes), "--results", self.folder, "--fresh")
         assert done.returncode == code, done.stderr
         with h5py.File(self.folder / "outside.h5") as f:
@@ -96,17 +96,17 @@ def test_meshes(sweep: Sweep, tmp_path: Path, format: str) -> None:
     assert rows["status"] == ["ok", "ok"], rows["reason"]
     for lower, upper, low, high in zip(rows["lower"], rows["upper"], rows["good lower"], rows["good upper"]):
         assert 0 < lower <= high and low <= upper
-    # The program's own seconds are part of what a whole answer took.
+    # The program's own seconds are part of the time of a complete answer.
     for own, whole in zip(rows["reported_seconds"], rows["solve_seconds"]):
         assert 0 < own < whole
     assert rows["certified"] == [0, 0] and rows["lower_check"] == ["no witness"] * 2
     assert all(value != value for value in rows["good reported_seconds"])
-    assert all(peak > 10e6 for peak in rows["peak_bytes"])  # of the Python interpreter, not of the worker
+    assert all(peak > 10e6 for peak in rows["peak_bytes"])  # the Python interpreter's, not the worker's
     assert nothing_left(tmp_path)
 
 
 def test_a_program_that_leaves_its_work_to_others_is_timed_by_wall(sweep: Sweep) -> None:
-    """As the client of a daemon, or of a GPU: it sleeps much longer than it computes."""
+    """Like a client of a daemon or of a GPU, it sleeps much longer than it computes."""
     rows = sweep(deed="; sleep 3", limit=60)
     assert rows["status"] == ["ok", "ok"] and rows["clock"] == ["wall", "wall"], rows["reason"]
     assert rows["good clock"] == ["cpu", "cpu"]
@@ -115,7 +115,7 @@ def test_a_program_that_leaves_its_work_to_others_is_timed_by_wall(sweep: Sweep)
 def test_points(sweep: Sweep) -> None:
     rows = sweep(source="gaussian_1k_a", target="gaussian_1k_b", other="naive")
     assert rows["status"] == ["ok", "ok"], rows["reason"]
-    assert rows["lower"] == pytest.approx(rows["good lower"], rel=1e-12)  # 17 digits went over
+    assert rows["lower"] == pytest.approx(rows["good lower"], rel=1e-12)  # 17 digits were passed on
     assert rows["upper"] == pytest.approx(rows["good upper"], rel=1e-12)
 
 
@@ -145,7 +145,7 @@ def test_a_program_that_is_missing_is_found_before_anything_runs(sweep: Sweep, h
 
 
 def test_a_program_that_changed_is_measured_again(sweep: Sweep, hausbench: Program, tmp_path: Path) -> None:
-    """The script counts from the experiment, wherever that is and wherever the program is called."""
+    """The script's path is relative to the experiment, wherever that is and wherever the program is called."""
     home, elsewhere = tmp_path / "home", tmp_path / "elsewhere"
     (home / "tools").mkdir(parents=True)
     script = home / "tools" / "peer.py"
@@ -166,7 +166,7 @@ def test_a_program_that_changed_is_measured_again(sweep: Sweep, hausbench: Progr
     assert [len(hash) for hash in first["program_sha256"]] == [64 * peer for peer in peers]
     shutil.copytree(home, elsewhere)
     sweep.file = elsewhere / "outside.toml"
-    assert again()["identity"] == first["identity"]  # no path of the machine is in it
+    assert again()["identity"] == first["identity"]  # it contains no path of the machine
     sweep.file = home / "outside.toml"
     script.write_text(script.read_text() + "# changed\n")
     third = again()
@@ -193,7 +193,7 @@ def test_measure_counts_from_the_current_folder(hausbench: Program, tetrahedron:
 def test_bounds_of_no_distance_are_no_answer(sweep: Sweep) -> None:
     for deed in ("; echo h = inf; echo at most inf", "; echo at most -1"):
         rows = sweep(deed=deed, lower=r"^h = (\S+)")
-        assert rows["status"] == ["failed", "failed"] and "no interval of distances" in rows["reason"][0]
+        assert rows["status"] == ["failed", "failed"] and "not an interval of distances" in rows["reason"][0]
 
 
 def test_a_program_that_lies(sweep: Sweep) -> None:
@@ -202,7 +202,7 @@ def test_a_program_that_lies(sweep: Sweep) -> None:
 
 
 def gone(pid: int) -> bool:
-    """Ended, or ended and not waited for. It may end between any two looks at it."""
+    """Returns whether the process has ended, or has ended and not been waited for. It may end between any two looks."""
     try:
         os.kill(pid, 0)
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
@@ -211,19 +211,19 @@ def gone(pid: int) -> bool:
 
 
 def wait_until_gone(pid_file: Path) -> None:
-    """For up to a minute; what is waited for would live for ten."""
+    """Waits for up to a minute; a surviving process would live for ten."""
     wait_for(lambda: gone(int(pid_file.read_text())))
 
 
 def test_a_program_that_hangs_is_killed_in_time(sweep: Sweep, tmp_path: Path) -> None:
-    rows = sweep(limit=1, deed=f"hang {tmp_path / 'pid'} | cat")  # in a pipeline, so that the shell is not all there is
+    rows = sweep(limit=1, deed=f"hang {tmp_path / 'pid'} | cat")  # in a pipeline, so that the shell is not the only process
     assert rows["status"] == ["timeout", "timeout"] and "did not end in time" in rows["reason"][0]
     assert nothing_left(tmp_path)
     wait_until_gone(tmp_path / "pid")
 
 
 def test_a_stray_signal_costs_one_case(sweep: Sweep, tmp_path: Path) -> None:
-    """The shell's parent is the worker. The case that it was running ends by the signal, and the next has an answer."""
+    """The shell's parent is the worker. The case that it was running ends by the signal, and the next one has an answer."""
     once = tmp_path / "once"
     rows = sweep(deed=f"; if mkdir {once} 2> /dev/null; then kill -TERM $PPID; sleep 600; fi")
     assert rows["status"] == ["signal", "ok"], rows["reason"]
@@ -254,13 +254,13 @@ def test_nothing_outlives_the_program(sweep: Sweep, hausbench: Program, tetrahed
     process.send_signal(end)
     assert process.wait(60) == (130 if (verb, end) == ("run", signal.SIGINT) else -end)
     wait_until_gone(pid)
-    if end == signal.SIGKILL:  # the next clears up
+    if end == signal.SIGKILL:  # the next run cleans up
         assert hausbench("measure", tetrahedron, tetrahedron).returncode == 0
     assert nothing_left(tmp_path)
 
 
 def test_daemons_end_with_a_run_that_is_killed(sweep: Sweep, hausbench: Program, tmp_path: Path) -> None:
-    """Also one that left its session and lost its parent, which nobody can find once the worker has ended."""
+    """This includes a daemon that left its session and lost its parent, which cannot be found once the worker has ended."""
     pid = tmp_path / "pid"
     daemon = f"sh -c '(setsid sh -c \"echo \\$\\$ > {pid}; exec sleep 600\" &) ; exec sleep 600'; echo {{A}} {{B}}"
     arguments: list[str | Path] = ["run", sweep.write(python=daemon + " #", limit=600), "--results", tmp_path, "--solver", "peer"]
@@ -321,7 +321,7 @@ def bits(values: list[float]) -> list[bytes]:
 
 
 def numbers_of(file: Path) -> list[float]:
-    """The coordinates of a file that `export` wrote."""
+    """Returns the coordinates of a file that `export` wrote."""
     lines = file.read_text().splitlines()
     if file.suffix == ".obj":
         lines = [line[2:] for line in lines if line.startswith("v ")]
@@ -339,7 +339,7 @@ def test_export_keeps_every_bit(hausbench: Program, tmp_path: Path, faces: str) 
     file = tmp_path / "start.off"
     rows = "".join(" ".join(f"{x:.17g}" for x in NUMBERS[i:i + 3]) + "\n" for i in (0, 3, 6))
     file.write_text(f"OFF\n3 {1 if faces else 0} 0\n{rows}{faces}")
-    for name in ("one.obj", "two.ply", "three.off", "four.PLY", "five.off"):  # each from the last
+    for name in ("one.obj", "two.ply", "three.off", "four.PLY", "five.off"):  # each from the previous one
         to = tmp_path / name
         done = hausbench("export", file, to)
         assert done.returncode == 0, done.stderr

@@ -1,6 +1,6 @@
-"""Files made to do harm: their seal is right, and what is in them is not. Each is refused before it is read.
+"""Malicious files: their seal is right, but their content is not. Each is refused before it is read.
 
-tests/program/test_results.py has the damaged ones, whose seal is wrong.
+tests/program/test_results.py has damaged files, whose seal is wrong.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def seal(file: Path) -> None:
 
 @pytest.fixture(scope="module")
 def good(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A result of four cases with repeats, two of them read off the traces of the others."""
+    """A result of four cases with repeats; two of them are read off the traces of the others."""
     folder = tmp_path_factory.mktemp("good")
     experiment = folder / "tiny.toml"
     experiment.write_text(EXPERIMENT.replace("tolerances = [1e-3]", "tolerances = [1e-3, 1e-1]\ntrace = true") +
@@ -79,7 +79,7 @@ def value(name: str, row: int | slice, new: object) -> Change:
 
 
 def wide_integers(f: h5py.File) -> None:
-    """Integers of 128 bits, which h5py cannot write: only made."""
+    """Creates integers of 128 bits, which h5py cannot write, so there is no data."""
     del f["cases/pose_index"]
     wide = h5py.h5t.STD_I64LE.copy()
     wide.set_size(16)
@@ -100,7 +100,7 @@ def shared_samples(f: h5py.File) -> None:
 
 TEXT = h5py.string_dtype()
 
-# what is done to the file -> what the one line says
+# change of the file -> text of the one line
 HOSTILE: dict[str, tuple[Change, str]] = {
     "an attribute of many integers": (attribute("schema_version", np.ones(8000, "i8")), "schema_version: is not one value"),
     "an attribute of two integers": (attribute("cores", np.ones(2, "i8")), "cores: is not one value"),
@@ -226,7 +226,7 @@ def test_hostile_shapes_in_the_cache_are_refused(hausbench: Program, experiment:
 
 @pytest.mark.parametrize("change", ["the mark of the seal", "a byte more", "a byte less", "text for a seal"])
 def test_what_follows_the_data_is_their_seal_or_nothing(hausbench: Program, good: Path, tmp_path: Path, change: str) -> None:
-    """Else a file with another byte in its data would pass for one that another program changed, which has no seal."""
+    """Otherwise a file with a changed byte in its data could pass as one that another program changed, which has no seal."""
     content = bytearray(good.read_bytes())
     if change == "the mark of the seal":
         content[-72] ^= 1
@@ -315,12 +315,12 @@ def test_texts_of_an_experiment_do_not_steer_the_terminal(hausbench: Program, ex
         done = hausbench(verb, experiment, "--results", tmp_path)
         assert done.returncode == 0, done.stderr
         steers_nothing(done)
-    steers_nothing(hausbench("explain", experiment, "--solver", "x"))  # lists what is known
+    steers_nothing(hausbench("explain", experiment, "--solver", "x"))  # lists the known solvers
     steers_nothing(hausbench("explain", experiment, "--scene", "x\x1b[2J"))
 
 
 def defines(model: str) -> Change:
-    """The file's first model is one that its experiment defines."""
+    """Makes the file's first model one that its experiment defines."""
     def change(f: h5py.File) -> None:
         f["models/name"][0] = "trap"
         toml = f["meta"].attrs["experiment_toml"] + model
@@ -360,7 +360,7 @@ def test_models_of_a_hostile_result_fill_nothing(hausbench: Program, good: Path,
 
 def test_models_of_a_result_stay_out_of_the_cache(hausbench: Program, experiment: Path, tmp_path: Path,
                                                   monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its rows are checked all the same."""
+    """Its rows are still checked."""
     experiment.write_text(experiment.read_text().replace('"sphere1"', '"mine"') + GENERATED.format("mine") + '"icosphere"\nlevel = 2\nradius = 3\n')
     file = run(hausbench, experiment, tmp_path)
     monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
@@ -383,7 +383,7 @@ def test_pipes_among_the_results_are_passed_over(hausbench: Program, experiment:
 
 def test_a_shape_of_another_model_in_its_place_is_refused(hausbench: Program, experiment: Path, tmp_path: Path,
                                                           monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is whole, and its content hash fits; but it was not made from the bytes that its place stands for."""
+    """It is complete, and its content hash fits; but it was not made from the bytes that its place stands for."""
     monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
     run(hausbench, experiment, tmp_path)
     one, other = sorted((tmp_path / "cache" / "shapes").glob("*.h5"))

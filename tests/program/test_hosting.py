@@ -1,4 +1,4 @@
-"""The library of algorithms in a process that is not ours: Python keeps its signal handlers and its children."""
+"""The library of algorithms in a foreign process: Python keeps its signal handlers and its children."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGCHLD, signal.SIGPIPE, signal
 
 
 def host(library: str) -> None:
-    """Runs in a process of its own, so that nothing of pytest's is there."""
+    """Runs in a separate process, without anything of pytest."""
     heard: list[int] = []
     for number in SIGNALS:
         signal.signal(number, lambda which, _: heard.append(which))

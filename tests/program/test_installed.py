@@ -1,4 +1,4 @@
-"""An installed hausbench, far from its sources: experiments, documents, and hints that name what is there."""
+"""An installed hausbench, far from its sources: experiments, documents, and hints that name existing files."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_its_experiments_run_in_any_folder(installed: Installed, tmp_path: Path)
     for verb in readers:
         done = installed(*verb)
         assert done.returncode == 0, done.stderr
-    # Inside of what is installed, the cache is still the user's.
+    # Inside the installed files, the cache is still the user's.
     installed.folder = Path(installed.path).parents[1] / "share" / "hausbench" / "experiments"
     assert installed("list", "smoke").returncode == installed("measure", "sphere1", "sphere2").returncode == 0
     assert not (installed.folder.parent / "datasets" / "cache").exists()
@@ -57,3 +57,9 @@ def test_its_hints_name_what_is_there(installed: Installed) -> None:
     assert installed("fetch", "--help").returncode == 0
     assert "'hausbench run smoke'" in installed("draw", "smoke.h5").stderr
     assert "run it in a checkout" in installed.fails("track")
+
+
+def test_its_manual_and_completion_are_where_they_are_looked_for(installed: Installed) -> None:
+    share = Path(installed.path).parents[1] / "share"
+    assert (share / "man" / "man1" / "hausbench.1").read_text() == installed("describe", "man").stdout
+    assert (share / "bash-completion" / "completions" / "hausbench").read_text() == installed("describe", "bash").stdout

@@ -1,4 +1,4 @@
-"""`hausbench run --jobs`: several cases at a time have the answers of one go, and say that their times compare with none."""
+"""`hausbench run --jobs`: several cases at a time have the same answers as one at a time, and times marked as not comparable."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ z = 0.0
 
 @needs_two_cores
 def workers(folder: Path) -> list[int]:
-    """Workers that run with something of the folder."""
+    """Returns the workers that run with a file of the folder."""
     found = []
     for process in Path("/proc").iterdir():
         try:
@@ -131,7 +131,7 @@ def test_ctrl_c_ends_all_of_them_and_the_same_command_goes_on(hausbench: Program
 
 
 def test_what_needs_more_memory_than_is_allowed_is_not_started(hausbench: Program, tmp_path: Path) -> None:
-    """Its row stays as it is when the same command runs again, and it counts as finished."""
+    """Its row is kept when the same command runs again, and it counts as finished."""
     file = tmp_path / "slow.toml"
     file.write_text(SLOW.replace("repeats = 1", "repeats = 0").replace('[model.a]', '[limits]\nmemory_mb = 1.5\n[model.a]'))
     for _ in range(2):
@@ -186,7 +186,7 @@ def test_times_of_rows_beside_others_are_not_compared(hausbench: Program, tmp_pa
 
 
 def test_what_shards_have_finished_is_collected(hausbench: Program, tmp_path: Path) -> None:
-    """As a cluster does it, without one; a shard that is missing is told, and what there is is in the result."""
+    """Like a cluster, but without one: a missing shard is reported, and the result has the rest."""
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     assert hausbench("run", SMOKE, "--results", whole).returncode == 0
     collect = ("run", SMOKE, "--results", parts, "--collect")
@@ -233,4 +233,4 @@ def test_a_timeout_beside_others_is_tried_again_alone(hausbench: Program, tmp_pa
 
 @pytest.mark.parametrize("more", [("--fresh",), ("--collect",), ("--jobs", "2"), ("--shard", "1/2"), ("--leave-nothing-out",)])
 def test_what_a_cluster_cannot_be_told_is_refused(hausbench: Program, tmp_path: Path, more: tuple[str, ...]) -> None:
-    assert f"does not go with {more[0]}" in hausbench.fails("run", SMOKE, "--engine", "slurm", "--results", tmp_path, *more)
+    assert f"cannot be combined with {more[0]}" in hausbench.fails("run", SMOKE, "--engine", "slurm", "--results", tmp_path, *more)

@@ -1,4 +1,4 @@
-"""`hausbench measure` on shapes whose distance is known."""
+"""`hausbench measure` on shapes with known distances."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def measured(hausbench: Program, *arguments: str | Path) -> dict[str, object]:
 
 @pytest.mark.parametrize("solver", ["guthe", "cgal"])
 def test_one_direction_and_the_other(hausbench: Program, tetrahedron: Path, raised: Path, solver: str) -> None:
-    # The farthest point of the tetrahedron is on its base, 0.25 below the raised base; back, the top is that far above
-    # the lower top, and the nearest point to it is there.
+    # The farthest point of the tetrahedron is on its base, 0.25 below the raised base. In the
+    # other direction, the raised top is 0.25 above the lower top, which is its nearest point.
     for pair in ((tetrahedron, raised), (raised, tetrahedron)):
         result = measured(hausbench, *pair, "--solver", solver, "--tolerance", "1e-9", "--of", "absolute")
         assert result["solver"] == solver and result["status"] == "converged"
@@ -54,7 +54,7 @@ def test_relative_to_the_lower_bound(hausbench: Program, tetrahedron: Path, rais
 
 
 def test_relative_to_the_longest_side_of_a(hausbench: Program, tmp_path: Path) -> None:
-    """Of A's box as loaded, in both directions."""
+    """The longest side of A's box as loaded, in both directions."""
     needle, plate, point = tmp_path / "needle.off", tmp_path / "plate.off", tmp_path / "point.off"
     needle.write_text("OFF\n3 1 0\n0 0 0\n8 0 1\n8 2 0\n3 0 1 2\n")
     plate.write_text("OFF\n3 1 0\n0 0 0\n64 0 0\n0 64 0\n3 0 1 2\n")
@@ -72,7 +72,7 @@ def test_relative_to_the_longest_side_of_a(hausbench: Program, tmp_path: Path) -
 
 @pytest.mark.parametrize("more", [(), ("--symmetric",)])
 def test_is_it_above(hausbench: Program, tetrahedron: Path, raised: Path, more: tuple[str, ...]) -> None:
-    """The distance is 0.25. The tolerance ends nothing: it is far too coarse to tell."""
+    """The distance is 0.25. The tolerance is far too coarse to answer, so it does not end the search."""
     for cutoff, code, answer, status in (("0.2", 1, True, "above_cutoff"), ("0.25000001", 0, False, "below_floor"),
                                          ("0.3", 0, False, "below_floor"), ("0", 1, True, "above_cutoff")):
         done = hausbench("measure", tetrahedron, raised, "--cutoff", cutoff, "--tolerance", "1e3", "--json", *more)
@@ -100,7 +100,7 @@ def test_point_sets_get_a_point_solver(hausbench: Program, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("of", ["diagonal", "absolute", "lower"])
 def test_both_directions(hausbench: Program, tmp_path: Path, of: str) -> None:
-    """h(A,B) = 0 since A is a part of B; h(B,A) = 3. Each has its bounds, its status and its witness, to the full tolerance."""
+    """h(A,B) = 0, because A is a part of B; h(B,A) = 3. Each direction has its bounds, its status and its witness, to the full tolerance."""
     a, b = tmp_path / "a.xyz", tmp_path / "b.xyz"
     a.write_text("0 0 0\n4 0 0\n")
     b.write_text("0 0 0\n4 0 0\n4 3 0\n")
@@ -121,7 +121,7 @@ def test_both_directions(hausbench: Program, tmp_path: Path, of: str) -> None:
 
 
 def test_the_second_direction_is_not_stopped_by_the_first(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
-    """h(B,A) = 0.25 is far below h(A,B) = 5, and as exact."""
+    """h(B,A) = 0.25 is far below h(A,B) = 5, and just as exact."""
     b = tmp_path / "b.xyz"
     b.write_text("0 0 -0.25\n0 0 1\n")
     result: Any = measured(hausbench, tetrahedron, b, "--symmetric")
@@ -156,10 +156,10 @@ def test_a_default_tolerance_takes_every_input(hausbench: Program, tmp_path: Pat
     assert measured(hausbench, other, point)["tolerance_of"] == "diagonal"
     for extreme in (huge, tiny):
         assert measured(hausbench, extreme, extreme)["lower"] == 0
-    # One that was given has to mean what it says.
+    # A given tolerance must be meaningful.
     for given in (("--tolerance", "1e-6"), ("--of", "diagonal"), ("--of", "longest")):
         assert "its box has no" in hausbench.fails("measure", point, other, *given)
-    # Where the product leaves the range of doubles, the tolerance is the nearest one that is above 0 and finite.
+    # If the product leaves the range of doubles, the tolerance is the nearest one that is above 0 and finite.
     for extreme, length in ((huge, sys.float_info.max), (tiny, 5e-324)):
         for of in ("diagonal", "longest"):
             assert measured(hausbench, extreme, extreme, "--tolerance", "0.4" if extreme == tiny else "2", "--of", of)["tolerance_absolute"] == length
@@ -171,7 +171,7 @@ def stl(x: float) -> bytes:
 
 
 def test_coordinates_coarser_than_the_tolerance(hausbench: Program, tmp_path: Path) -> None:
-    """Near 5.1e6 float32 has steps of 0.5."""
+    """Near 5.1e6, float32 has steps of 0.5."""
     far, near = tmp_path / "far.stl", tmp_path / "near.stl"
     far.write_bytes(stl(5.1e6))
     near.write_bytes(stl(0))
@@ -226,7 +226,7 @@ def test_a_name_that_begins_with_a_dash(hausbench: Program, tetrahedron: Path) -
 
 def test_no_answer_is_no_success(hausbench: Program, tetrahedron: Path) -> None:
     given = ("--solver", "external", "--set", "lower=(.*)", "--set")
-    for command, why in (("false {A} {B}", "exit code 1"), ("echo inf # {A} {B}", "no interval of distances"), ("echo '\xff' # {A} {B}", "no number")):
+    for command, why in (("false {A} {B}", "exit code 1"), ("echo inf # {A} {B}", "not an interval of distances"), ("echo '\xff' # {A} {B}", "no number")):
         done = hausbench("measure", tetrahedron, tetrahedron, *given, "command=" + command, "--json")
         assert done.returncode == 1 and "no answer" in done.stderr
         answer = json.loads(done.stdout)
@@ -257,7 +257,7 @@ def test_an_interrupted_reader_leaves_nothing(hausbench: Program, tetrahedron: P
     process.send_signal(end)
     assert process.wait(10) == -end
     wait_for(lambda: not reader.exists() or "State:\tZ" in (reader / "status").read_text())
-    if end == signal.SIGKILL:  # the next clears up
+    if end == signal.SIGKILL:  # the next run cleans up
         assert hausbench("measure", tetrahedron, tetrahedron).returncode == 0
     assert scratch_folders(tmp_path) == []
 
@@ -279,7 +279,7 @@ def test_no_more_workers_than_can_be_used(hausbench: Program, tetrahedron: Path,
 @pytest.mark.parametrize("more", [("--fields", "a.off.ply"), ("--fields", "b.ply"), ("--fields", "link.ply"), ("--certificate", "./b.ply"),
                                   ("--fields", "x.ply", "--certificate", "../{folder}/x.ply"), ("--symmetric", "--fields", "a.off.ply")])
 def test_no_shape_is_written_over(hausbench: Program, tmp_path: Path, more: tuple[str, ...]) -> None:
-    """Neither A nor B, by whichever name; nor two files into one."""
+    """Neither A nor B, under any name; nor are two outputs written into one file."""
     for name, model in (("a.off.ply", "sphere1"), ("b.ply", "sphere2"), ("a.off.back.ply", "sphere2")):
         assert hausbench("export", model, tmp_path / name).returncode == 0
     (tmp_path / "link.ply").symlink_to("a.off.ply")
@@ -287,12 +287,12 @@ def test_no_shape_is_written_over(hausbench: Program, tmp_path: Path, more: tupl
     b = "a.off.back.ply" if "--symmetric" in more else "b.ply"
     a = "sphere1" if "--symmetric" in more else "a.off.ply"
     assert "is the same file: choose another name" in hausbench.fails("measure", a, b, *(text.format(folder=tmp_path.name) for text in more))
-    assert "is the file that is read" in hausbench.fails("export", "a.off.ply", "link.ply")
+    assert "is the input file" in hausbench.fails("export", "a.off.ply", "link.ply")
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
 
 
 def test_nor_the_file_of_a_model(hausbench: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A model named in the manifest, or derived from one that is a file."""
+    """The model is named in the manifest, or derived from a model that is a file."""
     root = tmp_path / "root"
     (root / "datasets").mkdir(parents=True)
     scan = root / "datasets" / "scan.ply"
@@ -304,7 +304,7 @@ def test_nor_the_file_of_a_model(hausbench: Program, tmp_path: Path, monkeypatch
     for more in (("--certificate", scan), ("--fields", scan)):
         assert "is the same file" in hausbench.fails("measure", "mine", "half", *more)
         assert "is the same file" in hausbench.fails("measure", "half", "half", *more)
-    assert "is the file that is read" in hausbench.fails("export", "half", scan)
+    assert "is the input file" in hausbench.fails("export", "half", scan)
     assert scan.read_bytes() == before and hausbench("measure", "mine", "half", "--certificate", tmp_path / "proof").returncode == 0
 
 

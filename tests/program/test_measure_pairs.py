@@ -145,7 +145,7 @@ def test_the_part_of_the_witness(hausbench: Program, tmp_path: Path) -> None:
 
 
 def test_warnings_stand_in_the_table(hausbench: Program, tmp_path: Path) -> None:
-    """Of another unit, and of a file that was cut short after its vertices."""
+    """One for another unit, and one for a file that was cut off after its vertices."""
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
     whole = "".join(f"v {x} {x * x} 0\n" for x in range(9)) + "f 1 2 3\nf 4 5 6\nf 7 8 9\n"
@@ -155,7 +155,7 @@ def test_warnings_stand_in_the_table(hausbench: Program, tmp_path: Path) -> None
     (tmp_path / "b" / "two.obj").write_text(whole)
     done = hausbench("measure", tmp_path / "a" / "*.obj", tmp_path / "b" / "*.obj")
     one, two = rows(done.stdout)
-    assert "6 of the 9 vertices of A belong to no triangle" in one["warnings"] and "one unit" in two["warnings"]
+    assert "6 of the 9 vertices of A belong to no triangle" in one["warnings"] and "same unit" in two["warnings"]
     assert one["error"] == two["error"] == "" and one["status"] == "converged"
     assert len(json.loads(hausbench("measure", tmp_path / "a" / "one.obj", tmp_path / "b" / "one.obj", "--json").stdout)["warnings"]) == 1
     assert rows(hausbench("measure", tmp_path / "b" / "*.obj", tmp_path / "b" / "*.obj").stdout)[0]["warnings"] == ""
@@ -167,8 +167,8 @@ def test_another_unit_is_asked_about(hausbench: Program, tetrahedron: Path, tmp_
     small = tmp_path / "small.off"
     small.write_text("OFF\n3 1 0\n0 0 0\n0.001 0 0\n0 0.001 0\n3 0 1 2\n")
     done = hausbench("measure", tetrahedron, small)
-    assert done.returncode == 0 and "times as large as the other: are both in one unit?" in done.stdout
-    assert "one unit" not in hausbench("measure", tetrahedron, tetrahedron).stdout
+    assert done.returncode == 0 and "times as large as the other: are both in the same unit?" in done.stdout
+    assert "same unit" not in hausbench("measure", tetrahedron, tetrahedron).stdout
 
 
 def test_errors_are_json_for_programs(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
@@ -179,7 +179,7 @@ def test_errors_are_json_for_programs(hausbench: Program, tetrahedron: Path, tmp
 
 
 def test_lists_as_other_programs_write_them(hausbench: Program, folders: Path) -> None:
-    """With a head, as this program writes it; and two mistakes, each with its place."""
+    """With a head, as this program writes it; and two mistakes, each reported with its place."""
     file = folders / "pairs.csv"
     file.write_text("A,B\na/one.off,b/one.obj\n")
     found = rows(hausbench("measure", "--pairs", file).stdout)

@@ -1,4 +1,4 @@
-"""The picture of the README, from an experiment like its own to the figure."""
+"""The picture of the README, from an experiment like the README's to the figure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Models that a user brings along: in the experiment, by a path, in a folder of its own; and what becomes of them in results."""
+"""Models of a user: in the experiment, by a path, in a separate folder; and their traces in results."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def run(hausbench: Program, own: Path, *more: str | Path) -> Path:
 
 
 def test_models_of_the_experiment_and_by_path(hausbench: Program, own: Path) -> None:
-    """Paths count from the experiment, not from the folder where the program is started."""
+    """Paths are relative to the experiment, not to the folder where the program is started."""
     with h5py.File(run(hausbench, own)) as f:
         assert set(f["cases/status"].asstr()[:]) == {"ok"} and set(f["cases/lower_check"].asstr()[:]) == {"holds"}
         rows = dict(zip(zip(f["cases/source"].asstr()[:], f["cases/target"].asstr()[:]), f["cases/upper"][:]))
@@ -94,7 +94,7 @@ def test_identities_hold_no_place(hausbench: Program, own: Path, tmp_path: Path)
 
 def test_verify_finds_them_again(hausbench: Program, own: Path, tmp_path: Path) -> None:
     result = run(hausbench, own)
-    own.unlink()  # the result holds its text
+    own.unlink()  # the result contains its text
     assert hausbench("verify", result).returncode == 0
     scan = own.parent / "clouds" / "scan.xyz"
     text = scan.read_text()
@@ -126,7 +126,7 @@ def test_shards_are_merged(hausbench: Program, own: Path, tmp_path: Path) -> Non
      (('sources = ["twice",', 'sources = [\n  "sphere1",\n  "sphree1",'), (":24:", "no model 'sphree1' (did you mean 'sphere1'?)")),
      (('target = "clouds/other.csv"', 'target = "clouds/othre.csv"'), (":18:", "there is no file", "clouds/othre.csv", "experiment's folder")),
      (('path = "clouds/scan.xyz"', 'path = "scan.xyz"'), ("model 'mine'", "there is no file", "own/scan.xyz")),
-     (("[model.mine]", "[model.sphere1]"), ("model 'sphere1'", "datasets/manifest.toml too", "another name")),
+     (("[model.mine]", "[model.sphere1]"), ("model 'sphere1'", "also in datasets/manifest.toml", "another name")),
      (('note = "my own"', 'nore = "my own"'), ("line 7", "model 'mine'", "unknown key 'nore'", "did you mean 'note'")),
      (('from = "mine"', 'from = "yours"'), ("model 'twice' is derived from 'yours', which does not exist",)),
      (('path = "clouds/scan.xyz"', 'path = "clouds/scan.xyz"\nsource = "npm"'), ("line 7", "packages are fetched for datasets/manifest.toml alone",)),
@@ -136,7 +136,7 @@ def test_what_is_wrong_with_them(hausbench: Program, own: Path, change: tuple[st
     text = own.read_text()
     assert change[0] in text
     own.write_text(text.replace(*change, 1))
-    if says is None:  # another file than the table says spoils the rows of that model alone
+    if says is None:  # a file that differs from the table spoils only the rows of that model
         with h5py.File(run(hausbench, own)) as f:
             reasons = {source: reason for source, reason in zip(f["cases/source"].asstr()[:], f["cases/reason"].asstr()[:])}
         assert "has SHA-256" in reasons["mine"] and "or correct sha256" in reasons["mine"] and reasons["./clouds/scan.xyz"] == ""
@@ -185,7 +185,7 @@ path = "clouds/other.csv"
 
 
 def test_a_name_of_a_model_is_no_path(hausbench: Program, own: Path) -> None:
-    """A model that is called like a file is that model."""
+    """A model with the name of a file is that model."""
     own.write_text(EXPERIMENT.replace("[model.mine]", '[model."scan.xyz"]').replace('source = "mine"', 'source = "scan.xyz"')
                    .replace('from = "mine"', 'from = "scan.xyz"'))
     (own.parent / "scan.xyz").write_text("not a cloud\n")
@@ -194,7 +194,7 @@ def test_a_name_of_a_model_is_no_path(hausbench: Program, own: Path) -> None:
 
 
 def test_a_folder_of_its_own_is_a_root(program_file: str, own: Path) -> None:
-    """datasets/manifest.toml makes a folder a root: models from there, results and the cache into it."""
+    """datasets/manifest.toml makes a folder a root: models come from there, results and the cache go into it."""
     (own.parent / "datasets").mkdir()
     (own.parent / "datasets" / "manifest.toml").write_text('[model.sphere1]\nsource = "file"\npath = "../clouds/scan.xyz"\n')
     environment = {name: value for name, value in os.environ.items() if name not in ("HAUSBENCH_ROOT", "HAUSBENCH_CACHE")}

@@ -1,4 +1,4 @@
-"""The penetration depth and recorded simulations, from end to end: rows, refusals, checks, and the command line."""
+"""The penetration depth and recorded simulations, end to end: rows, refusals, checks, and the command line."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_some_frames(hausbench: Program, tmp_path: Path, more: str, frames: list
 @pytest.mark.parametrize(("more", "error"), [
     ("every = 2\nframes = [1]", "'every' and 'frames' both choose frames"), ("frames = [4]", "a frame is a whole number from 0 to 3"),
     ("frames = [1]", "no objects overlap in the frames"), ("frames = 2", "must be a list"), ("every = 0", "'every' must be a whole number"),
-    ('source = "box"', "'source' does not go with 'recording'"), ('motion = { kind = "static" }', "'motion' does not go with 'recording'")])
+    ('source = "box"', "'source' cannot be combined with 'recording'"), ('motion = { kind = "static" }', "'motion' cannot be combined with 'recording'")])
 def test_keys_that_do_not_fit(hausbench: Program, tmp_path: Path, more: str, error: str) -> None:
     done = hausbench("run", experiment(tmp_path, more), "--results", tmp_path)
     assert done.returncode == 2 and error in done.stderr and "depths.toml:" in done.stderr
@@ -175,8 +175,8 @@ def test_measure(hausbench: Program, tmp_path: Path) -> None:
     assert told["direction"] == "penetration" and told["upper"] == pytest.approx(0.5, abs=1e-5)
     assert hausbench("measure", a, b, "--penetration", "--cutoff", "0.4").returncode == 1
     assert hausbench("measure", a, b, "--penetration", "--cutoff", "0.6").returncode == 0
-    for options, error in ((["--penetration", "--symmetric"], "ask for two quantities"), (["--solver", "penetration"], "computes the penetration depth only, not h(A,B)"),
-                           (["--penetration", "--solver", "cover"], "choose one that does with --solver: penetration"), (["--penetration", "--fields", str(tmp_path / "f.ply")], "has none")):
+    for options, error in ((["--penetration", "--symmetric"], "are different quantities"), (["--solver", "penetration"], "computes the penetration depth only, not h(A,B)"),
+                           (["--penetration", "--solver", "cover"], "choose one that does with --solver: penetration"), (["--penetration", "--fields", str(tmp_path / "f.ply")], "has no fields")):
         done = hausbench("measure", a, b, *options)
         assert done.returncode == 2 and error in done.stderr, done.stderr
     opened = box(tmp_path / "open.off", (0, 0, 0), (1, 1, 1), faces=11)

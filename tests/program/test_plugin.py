@@ -1,5 +1,6 @@
-"""Solvers from outside the tree: an installed hausbench, a project built against it, and what the harness does with solvers
-that crash, hang, eat memory, lie, babble, throw and chatter.
+"""Solvers from outside the tree: an installed hausbench, a project built against it, and the harness's handling of bad solvers.
+
+They crash, hang, eat memory, lie, babble, throw and chatter.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from conftest import RECIPE, SOURCES, Program, built, head
 from test_run import wait_for
 
 def compiled(results: Path) -> dict[str, str]:
-    """How each plug-in of a result was compiled, by file name."""
+    """Returns how each plug-in of a result was compiled, by file name."""
     with h5py.File(results) as f:
         return {plugin["file"]: plugin["compiled"] for plugin in json.loads(f["meta"].attrs["plugins"])}
 
@@ -40,7 +41,7 @@ def test_the_documented_recipe_runs_at_full_speed(hausbench: Program, outside: P
 def test_a_plugin_that_is_not_optimized_is_said_to_be_so(
     hausbench: Program, outside: Path, tetrahedron: Path, raised: Path, experiment: Path, tmp_path: Path
 ) -> None:
-    # What the author chose stays.
+    # The author's choices are kept.
     built([*RECIPE, f"-DCMAKE_PREFIX_PATH={outside.parent / 'installed'}", "-DCMAKE_BUILD_TYPE=Debug",
                   "-S", str(SOURCES), "-B", str(tmp_path / "debug")], tmp_path)
     built(["cmake", "--build", "debug", "--target", "with_octree"], tmp_path)
@@ -65,13 +66,13 @@ def test_an_installed_program_knows_its_commit(program_file: str, outside: Path,
         assert (f["meta"].attrs["commit"], f["meta"].attrs["dirty"]) == (built_from["commit"], built_from["dirty"])
 
 
-# What the solver `broken` does -> what is said of it, wherever it is loaded.
+# A fault of the solver `broken` -> the error message, wherever it is loaded.
 DECLARED = {
     "no name": "without a name",
-    "known name": "'guthe' already",
+    "known name": "'guthe' exists already",
     "no title": "title is empty",
     "no target": "no shape as target",
-    "unknown paper": "'zhang2071' is no key of papers.bib (did you mean 'zhang2017'?)",
+    "unknown paper": "'zhang2071' is not a key of papers.bib (did you mean 'zhang2017'?)",
     "wrong and certified": "never certified",
     "parameter twice": "parameter 'how' twice",
     "default is no choice": "'well' is not one of its choices",
@@ -129,7 +130,7 @@ def test_bounds_that_no_distance_can_have_are_no_answer(
         for more, code in (((), 1), (("--symmetric",), 1), (("--cutoff", "0.5"), 3)):
             done = hausbench(*arguments, *more)
             assert done.returncode == code, (how, more, done.stdout)
-            assert "are no interval of distances" in done.stderr + done.stdout
+            assert "are not an interval of distances" in done.stderr + done.stdout
             assert "converged" not in done.stdout.replace("reports converged", "") and "below_floor" not in done.stdout.replace("reports below_floor", "")
             if code == 3:
                 assert "above 0.5? open" in done.stdout
@@ -139,7 +140,7 @@ def test_rows_that_end_at_the_budget_are_timed(hausbench: Program, plugin: Path,
     experiment = tmp_path / "wide.toml"
     text = (head().replace("[2.0]", "[1e-9]").replace("guthe", "vertex_only").replace('source = "sphere1"', 'source = "sphere0"')
             .replace("to = [3, 0, 0], steps = 4", "to = [1, 0, 0], steps = 2"))
-    for repeats in (2, 3):  # more than are there are measured
+    for repeats in (2, 3):  # more repeats than there are, so they are measured
         experiment.write_text(text.replace("repeats = 1", f"repeats = {repeats}\nrounds = 2"))
         assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
         with h5py.File(tmp_path / "wide.h5") as f:
@@ -160,11 +161,11 @@ def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Pa
     done = hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--json", "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     answer = json.loads(done.stdout)
-    # The lower face sinks a quarter below the other tetrahedron; both solvers' intervals hold it.
+    # The lower face sinks a quarter below the other tetrahedron; the intervals of both solvers contain that distance.
     assert answer["lower"] == pytest.approx(0.25) and answer["upper"] >= answer["lower"]
     guthe = json.loads(hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--json").stdout)
     assert answer["lower"] <= guthe["upper"] and guthe["lower"] <= answer["upper"]
-    # Without the plug-in there is no such solver.
+    # Without the plug-in, the solver does not exist.
     line = hausbench.fails("measure", tetrahedron, raised, "--solver", "vertex_only")
     assert "'vertex_only'" in line and "--plugin" in line
 
@@ -229,7 +230,7 @@ def test_files_that_are_no_plugins(hausbench: Program, outside: Path, plugin: Pa
     assert "folder" in hausbench.fails("list", "--plugin", tmp_path)
     library = next(Path("/usr/lib").rglob("libz.so.1"))
     assert "not a plug-in" in hausbench.fails("list", "--plugin", library)
-    # A name is given once.
+    # A name may be used once.
     assert "'vertex_only'" in hausbench.fails("list", "--plugin", plugin, "--plugin", plugin)
 
 
@@ -239,7 +240,7 @@ def test_the_layout_of_a_structure_counts_where_its_header_is_included(
     ask = ("measure", tetrahedron, raised, "--json", "--plugin")
     done = hausbench(*ask, outside / "libwith_octree.so", "--solver", "with_octree")
     assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(0.25), done.stderr
-    # A later hausbench, whose octree has one member more.
+    # A later hausbench, whose octree has one more member.
     installed = tmp_path / "installed"
     shutil.copytree(outside.parent / "installed", installed)
     header = installed / "include" / "hausbench" / "structures" / "octree.h"
@@ -255,7 +256,7 @@ def test_the_layout_of_a_structure_counts_where_its_header_is_included(
     assert "libwith_octree.so" in line and "'octree'" in line and "build it again" in line
 
 
-# solver, how -> status at the second pose, what the reason says
+# solver, how -> status at the second pose, text of the reason
 DEEDS = {
     ("crashes", ""): ("signal", "signal 11"),
     ("hangs", ""): ("timeout", "no answer within 0.6 s"),
@@ -263,8 +264,8 @@ DEEDS = {
     ("eats_memory", "bit by bit"): ("out_of_memory", "400 MB"),
     ("eats_memory", "at once"): ("out_of_memory", "refused memory"),
     ("lies", "upper below"): ("unsound", "below the verified lower bound"),
-    ("lies", "lower above"): ("unsound", "above what its witness shows"),
-    ("lies", "far witness"): ("unsound", "above what its witness shows"),
+    ("lies", "lower above"): ("unsound", "above the distance of its witness"),
+    ("lies", "far witness"): ("unsound", "above the distance of its witness"),
     ("lies", "crossed"): ("unsound", "below"),
     ("lies", "not a number"): ("unsound", "not a number"),
     ("lies", "wide"): ("failed", "reports converged, but its gap 4e+09 is above the tolerance 2"),
@@ -277,7 +278,7 @@ DEEDS = {
     ("throws", "an exception"): ("failed", "it was too hard"),
     ("throws", "a number"): ("failed", "not a std::exception"),
     ("chatters", ""): ("ok", ""),
-    ("vertex_only", ""): ("ok", ""),  # last: the sweep went on to the end
+    ("vertex_only", ""): ("ok", ""),  # last: the sweep continued to the end
 }
 
 
@@ -289,7 +290,7 @@ WRONG = [label(*deed) for deed, (status, _) in DEEDS.items() if status == "unsou
 
 
 def sweep(hanging: bool) -> str:
-    """All deeds, or those that only end with the time limit, which is short there."""
+    """Returns an experiment with all deeds, or with those that only end with the time limit, which is short there."""
     text = head(0.6) if hanging else f"expected_unsound = {json.dumps(WRONG)}\n{head()}"
     for solver, how in DEEDS:
         if (DEEDS[solver, how][0] == "timeout") != hanging:
@@ -304,7 +305,7 @@ Rows = dict[str, list[dict[str, Any]]]
 
 
 def rows_of(file: Path) -> Rows:
-    """By label, in the order of poses."""
+    """Returns the rows by label, in the order of poses."""
     rows: Rows = {}
     with h5py.File(file) as f:
         texts = {name: f[f"cases/{name}"].asstr()[:] for name in ("label", "status", "reason", "identity", "build")}
@@ -389,7 +390,7 @@ def test_a_chain_that_breaks_keeps_what_came_before(hausbench: Program, plugin: 
     with h5py.File(tmp_path / "breaking.h5") as f:
         timed = {int(case) for case in f["repeats/case"][:]}
         answered = {i for i, status in enumerate(f["cases/status"].asstr()[:]) if status == "ok"}
-    assert timed == answered  # what was answered before the break is timed, in a pass from the head
+    assert timed == answered  # answers before the break are timed, in a pass from the head
     journal = tmp_path / "breaking.journal"
     before = journal.read_bytes()
     assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
@@ -410,7 +411,7 @@ def test_a_crash_in_a_matrix_costs_its_case_alone(hausbench: Program, plugin: Pa
 
 
 def test_a_chain_is_waited_for_as_long_as_a_pass_takes(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
-    """Poses that are not timed are solved in every pass all the same, and nothing is said of them meanwhile."""
+    """Poses that are not timed are still solved in every pass, and nothing is reported about them meanwhile."""
     experiment = tmp_path / "patient.toml"
     experiment.write_text(head(1.0).replace("from = [0, 0, 0], to = [3, 0, 0], steps = 4", "from = [0, 0, 0], to = [7, 0, 0], steps = 8")
                           .replace('name = "guthe"', 'name = "dawdles"\nwarm = true\nparameters = { at = 6.0 }'))
@@ -428,7 +429,7 @@ def test_a_matrix_that_runs_out_of_memory_goes_on_in_a_fresh_worker(hausbench: P
                           .replace('source = "sphere0"\ntarget = "sphere0"', f"sources = {names}").replace("HOW", "from repeat to repeat"))
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
-    with h5py.File(tmp_path / "full.h5") as f:  # 44 MB a pair, which the worker keeps
+    with h5py.File(tmp_path / "full.h5") as f:  # 44 MB per pair, which the worker keeps
         assert set(f["cases/status"].asstr()[:]) == {"ok"}, set(f["cases/reason"].asstr()[:])
         assert len(f["cases/status"]) == 9
 
@@ -468,7 +469,7 @@ def off(points: list[tuple[float, float, float]], faces: int) -> str:
 
 
 def test_the_status_of_both_directions_is_that_of_the_larger(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
-    # The solver stops early from four triangles to five, and comes to its end from five to four.
+    # The solver stops early from four triangles to five, and converges from five to four.
     flat = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0)]
     tall = [*flat[:3], (0, 0, 4)]
     for name, points, faces in (("flat4", flat, 4), ("flat5", flat, 5), ("tall4", tall, 4), ("tall5", tall, 5)):
@@ -482,7 +483,7 @@ def test_the_status_of_both_directions_is_that_of_the_larger(hausbench: Program,
         assert result["lower"] <= 4 <= result["upper"]
         return result
 
-    for pair in (("tall5", "flat4"), ("flat4", "tall5")):  # the direction that stopped lies in [0, 0.125]
+    for pair in (("tall5", "flat4"), ("flat4", "tall5")):  # the direction that stopped is in [0, 0.125]
         closed = measured(*pair)
         assert closed["upper"] - closed["lower"] <= 0.01
         assert (closed["status"], closed["note"]) == ("converged", "")
@@ -496,7 +497,7 @@ def test_wrong_answers_end_the_run_with_exit_code_1(hausbench: Program, plugin: 
     experiment = tmp_path / "wrong.toml"
     body = head() + '\n[[solver]]\nname = "lies"\nlabel = "liar"\n'
     experiment.write_text(body)
-    for _ in range(2):  # also when nothing is left to run
+    for _ in range(2):  # even if nothing is left to run
         done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
         assert done.returncode == 1, done.stderr
         named = [line for line in done.stderr.splitlines() if "unsound" in line]
@@ -505,7 +506,7 @@ def test_wrong_answers_end_the_run_with_exit_code_1(hausbench: Program, plugin: 
     experiment.write_text('expected_unsound = ["liar"]\n' + body)
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0 and "1 unsound" in done.stdout and "as expected" in done.stdout and "unsound" not in done.stderr
-    # Nothing fails where what was expected never happens; a label that there is not is an error.
+    # Nothing fails if an expected error never happens; an unknown label is an error.
     experiment.write_text('expected_unsound = ["guthe"]\n' + head())
     assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
     experiment.write_text('expected_unsound = ["lair"]\n' + body)
@@ -536,7 +537,7 @@ def test_resume_notices_another_build_of_the_plugin(hausbench: Program, plugin: 
         file.write(b"\0")  # another file, if not another program
     third = again()
     assert times(third, "vertex_only") != times(second, "vertex_only")
-    assert times(third, "guthe") == times(second, "guthe")  # the program's own solvers are as they were
+    assert times(third, "guthe") == times(second, "guthe")  # the program's own solvers are unchanged
     builds = {name: {row["build"] for row in rows} for name, rows in third.items()}
     assert len(builds["guthe"]) == len(builds["vertex_only"]) == 1 and builds["guthe"] != builds["vertex_only"]
     assert builds["vertex_only"] != {row["build"] for row in first["vertex_only"]}

@@ -1,4 +1,4 @@
-"""Reference answers: one for every scene, pose and quantity; every row is held against it, and its true errors follow from it."""
+"""Reference answers: one for every scene, pose and quantity. Every row is compared with it, which gives the row's true errors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from conftest import EXPERIMENT, Program
 from test_run import numbers, run, texts
 
-# A program that claims what it is told, and shows no point.
+# A program that claims the given bounds, and shows no point.
 LIAR = """
 [[solver]]
 name = "external"
@@ -82,7 +82,7 @@ def test_a_wrong_bound_without_a_witness_is_unsound(hausbench: Program, experime
 @pytest.mark.parametrize("quantity", ["directed", "symmetric"])
 def test_a_lower_bound_between_points_is_refuted_by_a_proven_upper_bound_alone(hausbench: Program, experiment: Path, tmp_path: Path, seconds: float,
                                                                               quantity: str) -> None:
-    """`scan` writes no certificate; its upper bound is checked point by point, for which a millionth of a second is too little."""
+    """`scan` writes no certificate; its upper bound is checked point by point, for which a millionth of a second is too short."""
     experiment.write_text(f'quantity = "{quantity}"\n' + EXPERIMENT.replace("sphere1", "gaussian_1k_a").replace("sphere2", "gaussian_1k_b").replace(
         '[[solver]]\nname = "guthe"\n', "") + f"[limits]\nreference_seconds = {seconds}\n" + claims(50, 50.0001))
     done = hausbench("run", experiment, "--results", tmp_path, "--quiet")
@@ -118,7 +118,7 @@ def test_references_are_resumed_kept_and_merged(hausbench: Program, experiment: 
 
 
 def test_a_reference_that_is_not_closed_says_how_wide_it_is(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """Within no time at all it knows little; its bounds hold, and the row is not refuted."""
+    """With almost no time it knows little; its bounds hold, and the row is not refuted."""
     experiment.write_text(EXPERIMENT.replace("sphere1", "ball").replace("sphere2", "cube") + "[limits]\nreference_seconds = 1e-6\n" +
                           '[model.ball]\nsource = "generated"\nrecipe = "icosphere"\nlevel = 5\nradius = 1\n'
                           '[model.cube]\nsource = "generated"\nrecipe = "cube"\nsubdivisions = 40\n')

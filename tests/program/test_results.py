@@ -1,4 +1,4 @@
-"""Result files: written whole on a full disk, read without trust, verified, merged and compared."""
+"""Result files: written completely or not at all on a full disk, read without trust, verified, merged and compared."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SMOKE = ROOT / "experiments" / "smoke.toml"
 
 
 def with_small_files(hausbench: Program, largest: int, *arguments: str | Path, **more: str) -> str:
-    """The one line that a run gets whose files may not grow beyond so many bytes: as on a full disk."""
+    """Runs with files that may not grow beyond so many bytes, as on a full disk; returns the one line of the error."""
     done = subprocess.run(
         hausbench.command(*arguments), cwd=hausbench.folder, env={**hausbench.environment(), **more}, capture_output=True, text=True,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest)), timeout=120,
@@ -66,7 +66,7 @@ def test_disk_full_while_a_shape_is_written(hausbench: Program, experiment: Path
 
 @pytest.fixture
 def scaled(tmp_path: Path) -> Callable[[str, dict[str, float]], Path]:
-    """A project folder whose models are tetrahedra, one and the other a quarter higher, times some power of ten."""
+    """A project folder whose models are tetrahedra, one and another a quarter higher, times some power of ten."""
 
     def make(experiment: str, scales: dict[str, float]) -> Path:
         root = tmp_path / "root"
@@ -175,12 +175,12 @@ def test_a_reason_is_that_of_every_row_it_is_said_of(hausbench: Program, tmp_pat
         for i in rows:
             f["cases/lower"][i], f["cases/upper"][i] = 99.0, 100.0
     done = hausbench("verify", bad)
-    shown = [line.rsplit("(", 1)[1] for line in done.stdout.splitlines() if "above what its witness shows" in line]
+    shown = [line.rsplit("(", 1)[1] for line in done.stdout.splitlines() if "above the distance of its witness" in line]
     assert done.returncode == 1 and len(shown) >= len(rows) and not any(text.startswith("0)") for text in shown)
 
 
 def without_the_models(root: Path) -> None:
-    """From now on they are files of packages that nobody fetched."""
+    """Turns the models into files of packages that were never fetched."""
     manifest = root / "datasets" / "manifest.toml"
     manifest.write_text(manifest.read_text().replace('source = "file"', 'source = "debian"\npackage = "absent"\nversion = "1"'))
     shutil.rmtree(root / "cache")
@@ -194,7 +194,7 @@ def test_verify_without_the_models_says_so(hausbench: Program, scaled: Callable[
     without_the_models(root)
     done = run_in(hausbench, root, "verify", bad)
     assert done.returncode == 1
-    assert done.stdout.splitlines()[1].split()[1:5] == ["0", "0", "1", "(0)"]  # not checked, whatever the file says
+    assert done.stdout.splitlines()[1].split()[1:5] == ["0", "0", "1", "(0)"]  # not checked, whatever the file claims
     assert "'one_raised' is not here" in done.stderr and "absent" in done.stderr
 
 
@@ -262,7 +262,7 @@ def test_merge_overwrites_nothing_by_mistake(hausbench: Program, experiment: Pat
     assert "at least two results" in hausbench.fails("merge", one, two)
     assert "exists" in hausbench.fails("merge", one, two, three)
     assert one.read_bytes() == before
-    done = hausbench("merge", one, one, two)  # that is meant
+    done = hausbench("merge", one, one, two)  # intentionally
     assert done.returncode == 0 and str(one) in done.stdout and "1 cases of 2 results" in done.stdout
 
 
@@ -275,21 +275,21 @@ def test_merge_names_the_shards_that_are_missing(hausbench: Program, experiment:
         parts.append(tmp_path / f"tiny.shard-{i}-of-3.h5")
     twice = hausbench("merge", tmp_path / "twice.h5", parts[0], parts[0])
     assert twice.returncode == 1 and "2 of 4 cases" in twice.stderr and "missing, 1/3, 3/3: run them with --shard" in twice.stderr
-    assert texts(tmp_path / "twice.h5", "cases/status").count("skipped") == 2  # it is written all the same
+    assert texts(tmp_path / "twice.h5", "cases/status").count("skipped") == 2  # it is written nonetheless
     two = hausbench("merge", tmp_path / "two.h5", parts[2], parts[0])
     assert two.returncode == 1 and "missing, 1/3: run" in two.stderr
     done = hausbench("merge", tmp_path / "three.h5", tmp_path / "two.h5", parts[1])
     assert done.returncode == 0 and done.stderr == "" and set(texts(tmp_path / "three.h5", "cases/status")) == {"ok"}
     with h5py.File(parts[1]) as f, h5py.File(tmp_path / "three.h5") as whole:
         assert (f["meta"].attrs["shard"], whole["meta"].attrs["shard"]) == ("1/3", "")
-    # A result that says nonsense, or more than can be listed.
+    # A result whose shard is nonsense, or longer than can be listed.
     for text in ("0/3", "1/2000000000", "a, b", ",", "1/2, 1/3"):
         with h5py.File(parts[0], "r+") as f:
             f["meta"].attrs["shard"] = text
         done = hausbench("merge", tmp_path / "odd.h5", parts[0], parts[0])
         assert done.returncode == 1 and "2 of 4 cases" in done.stderr and "run the others" in done.stderr
         (tmp_path / "odd.h5").unlink()
-    # A result that does not say which shard it is, as an older one.
+    # A result that does not name its shard, such as an older one.
     for part in parts:
         with h5py.File(part, "r+") as f:
             del f["meta"].attrs["shard"]
@@ -312,7 +312,7 @@ def test_merge_keeps_the_time_saved(hausbench: Program, experiment: Path, tmp_pa
 
 
 def clocked_by_cpu(*results: Path) -> None:
-    """A busy machine can make a solve of a millisecond look like several threads; then it is wall time that is compared."""
+    """Marks times as CPU times: on a busy machine a solve of a millisecond can look like several threads, and then wall times are compared."""
     for result in results:
         with h5py.File(result, "r+") as f:
             f["cases/clock"][:] = "cpu"
@@ -328,9 +328,9 @@ def test_compare_says_what_it_cannot(hausbench: Program, experiment: Path, tmp_p
     done = hausbench("compare", one, two)
     assert done.returncode == 0 and "machines differ" in done.stdout and "builds differ" not in done.stdout
     assert "answers: all the same" in done.stdout
-    assert "too few rounds" in done.stdout and "slower" not in done.stdout  # two pairs are 50 % confidence
+    assert "too few rounds" in done.stdout and "slower" not in done.stdout  # two pairs give a confidence of 50 %
     ratio = next(line for line in done.stdout.splitlines() if "too few rounds" in line)
-    assert " CPU " in ratio and float(ratio.split("diagonal")[1].split()[0]) > 2  # one thread: its CPU time is what counts
+    assert " CPU " in ratio and float(ratio.split("diagonal")[1].split()[0]) > 2  # one thread, so its CPU time counts
     with h5py.File(two, "r+") as f:
         f["cases/clock"][0] = "wall"
     assert "1 cases without a ratio: their times are by different clocks" in hausbench("compare", one, two).stdout
@@ -397,3 +397,13 @@ def test_facts_are_columns_and_survive_resume_and_merge(hausbench: Program, tmp_
             assert exact == 0.5 if scene == "balls" else np.isnan(exact)
             assert json.loads(facts) == ({"chosen": "ohd"} if (solver, status) == ("adaptive", "ok") else {}), (scene, solver)
         assert sum(status == "ok" for status in texts(file, "cases/status")) == 4
+
+
+def test_a_result_has_the_titles_of_its_solvers(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
+    """Tables and figures take them from there."""
+    listed = {solver["name"]: solver["title"] for solver in json.loads(hausbench("list", "--json").stdout)["solvers"]}
+    with h5py.File(run(hausbench, experiment, tmp_path)) as result:
+        titles = json.loads(result["meta"].attrs["titles"])
+        used = {name.decode() for name in result["cases/solver"][:]}
+    assert used and titles.keys() >= used
+    assert {name: titles[name] for name in used} == {name: listed[name] for name in used}

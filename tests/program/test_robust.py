@@ -1,4 +1,4 @@
-"""What nothing may break: kill -9 at any moment, damaged and foreign files, full disks and folders that cannot be written."""
+"""Robustness: kill -9 at any moment, damaged and foreign files, full disks and folders that cannot be written."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def test_kill_at_twenty_random_moments(hausbench: Program, slow: Path, tmp_path:
         journal = folder / "slow.journal"
         lines = journal.read_bytes().splitlines(True) if journal.exists() else []
         done = sum(line.endswith(b"\n") for line in lines)
-        assert done >= done_before  # nothing that was finished is lost
+        assert done >= done_before  # no finished case is lost
         done_before = done
         result = folder / "slow.h5"
         if result.exists():
-            same_answers(result, undisturbed)  # whole or not at all
+            same_answers(result, undisturbed)  # complete or absent
     finished = run(hausbench, slow, folder)
     same_answers(finished, undisturbed)
     identities = texts(finished, "cases/identity")
@@ -87,7 +87,7 @@ def test_verify_finds_bounds_that_do_not_hold(hausbench: Program, tmp_path: Path
     assert done.returncode == 0 and "unsound:" not in done.stdout
     solvers, status = texts(good, "cases/solver"), texts(good, "cases/status")
     row = next(i for i, s in enumerate(solvers) if s == "guthe" and status[i] == "ok" and numbers(good, "cases/lower")[i] > 0)
-    for column, wrong, said in (("lower", 1 + 1e-12, "above what its witness shows"), ("upper", 1 - 1e-3, "below")):
+    for column, wrong, said in (("lower", 1 + 1e-12, "above the distance of its witness"), ("upper", 1 - 1e-3, "below")):
         bad = tmp_path / "bad.h5"
         shutil.copy(good, bad)
         with h5py.File(bad, "r+") as f:
@@ -133,7 +133,7 @@ def test_results_that_are_not(hausbench: Program, experiment: Path, tmp_path: Pa
 
 
 def test_files_of_older_and_newer_programs(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """What a file lacks takes its default, and what nobody here knows is passed over; a counter is kept."""
+    """A missing item takes its default, and an unknown one is skipped; a counter is kept."""
     good = run(hausbench, experiment, tmp_path)
     shutil.copy(good, tmp_path / "older.h5")
     with h5py.File(tmp_path / "older.h5", "r+") as f:
@@ -216,8 +216,9 @@ def test_explain_says_what_run_does(hausbench: Program, tmp_path: Path) -> None:
 
 
 def test_harness_overhead_per_case(hausbench: Program, tmp_path: Path) -> None:
-    # A case costs the harness little beyond solving it: workers and journal included, five runs, the best. Machines are noisy and other tests
-    # run beside this one, so the limit is that of a process for each case, not of the 2 to 4 ms that a case takes on an idle machine.
+    # The harness costs little per case besides solving, including workers and journal: the best of
+    # five runs. Machines are noisy and other tests run beside this one, so the limit is the time
+    # of a process per case, not the 2 to 4 ms that a case takes on an idle machine.
     text = (
         'title = "many small cases"\ntolerances = [1e-3]\nof = "diagonal"\nrepeats = 0\n'
         '[[scene]]\nname = "s"\nsource = "sphere0"\ntarget = "sphere1"\n'

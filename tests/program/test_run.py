@@ -1,4 +1,4 @@
-"""`hausbench run`: every case has its row; what is finished is safe; the same command goes on."""
+"""`hausbench run`: every case has its row, finished cases are safe, and the same command continues."""
 
 from __future__ import annotations
 
@@ -55,15 +55,15 @@ def test_smoke_end_to_end(hausbench: Program, tmp_path: Path) -> None:
     answered = np.array([s == "ok" for s in status])
     assert answered.sum() >= 15
     assert np.all(lower[answered] <= upper[answered])
-    # A solver that cannot take the shapes has its row too, with the reason.
+    # A solver that cannot take the shapes also has a row, with the reason.
     refused = [r for s, r in zip(status, texts(file, "cases/reason")) if s == "skipped"]
     assert refused and all("takes no" in r for r in refused)
-    # Different solvers' intervals of one distance meet.
+    # The intervals of different solvers for one distance overlap.
     pose = numbers(file, "cases/pose_index")
     for name, index in {(s, int(p)) for s, p in zip(scene, pose)}:
         rows = np.array([a and s == name and p == index for a, s, p in zip(answered, scene, pose)])
         assert lower[rows].max() <= upper[rows].min(), name
-    # The witness was re-checked wherever the solver gave one.
+    # The witness was re-checked whenever the solver gave one.
     check = texts(file, "cases/lower_check")
     assert {c for c, s, o in zip(check, status, solver) if s == "ok" and o != "cgal"} == {"holds"}
     # Bounds read off the trace are within their tolerance.
@@ -92,11 +92,11 @@ def test_another_experiment_of_the_same_name_does_not_replace_a_result(hausbench
     other = tmp_path / "other" / experiment.name
     other.parent.mkdir()
     other.write_text(experiment.read_text())
-    assert hausbench("run", other, "--results", tmp_path).returncode == 0  # the same text: it was copied, or moved
+    assert hausbench("run", other, "--results", tmp_path).returncode == 0  # the same text: it was copied or moved
     run(hausbench, experiment, tmp_path)
     other.write_text(experiment.read_text() + "# edited\n")
     said = hausbench.fails("run", other, "--results", tmp_path)
-    assert f"is the result of {experiment}, another experiment" in said and "--results" in said and "--fresh" in said
+    assert f"is the result of another experiment of this name, {experiment}:" in said and "--results" in said and "--fresh" in said
     assert file.stat().st_size == len(before)
     experiment.write_text(other.read_text() + "# edited in place\n")
     run(hausbench, experiment, tmp_path)
@@ -151,7 +151,7 @@ def test_more_repeats_are_measured_when_asked_for(hausbench: Program, experiment
 
 
 def test_certified_is_said_of_the_options(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    # The rows that promise nothing may be wrong in the last digits.
+    # Rows that are not certified may be wrong in the last digits.
     experiment.write_text('expected_unsound = ["guthe"]\n' + experiment.read_text() + 'parameters = { kernel = ["robust", "textbook"], certify = [true, false] }\n')
     file = run(hausbench, experiment, tmp_path)
     for options, certified in zip(texts(file, "cases/options"), numbers(file, "cases/certified")):
@@ -206,7 +206,7 @@ def test_journals_that_are_none(hausbench: Program, experiment: Path, tmp_path: 
     ):
         journal.write_text(text)
         assert said in hausbench.fails("run", experiment, "--results", tmp_path)
-        assert journal.read_text() == text  # nobody's file is lost
+        assert journal.read_text() == text  # foreign files are kept
     for length in (0, 5, 16, 17, 30, len(header) - 1):  # a header whose write never finished
         journal.write_text(header[:length])
         run(hausbench, experiment, tmp_path)
@@ -269,13 +269,13 @@ def test_ctrl_c_leaves_a_resumable_state(hausbench: Program, slow: Path, tmp_pat
     process.send_signal(signal.SIGINT)
     assert process.wait(30) in (130, 0)
     cut = folder / "slow.h5"
-    assert texts(cut, "cases/identity") == texts(undisturbed, "cases/identity")  # every case has its row even now
+    assert texts(cut, "cases/identity") == texts(undisturbed, "cases/identity")  # every case already has its row
     same_answers(run(hausbench, slow, folder), undisturbed)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_keeps_the_rows_of_earlier_runs(hausbench: Program, slow: Path, tmp_path: Path, number: signal.Signals) -> None:
-    """The file is read once more while the signal is still there: that must not pass for a file that cannot be read."""
+    """The file is read once more while the signal is still pending; that must not look like an unreadable file."""
     whole = run(hausbench, slow, tmp_path)
     before = texts(whole, "cases/identity")
     os.remove(tmp_path / "slow.journal")
@@ -288,7 +288,7 @@ def test_ctrl_c_keeps_the_rows_of_earlier_runs(hausbench: Program, slow: Path, t
 
 
 def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """They are columns, as lengths, and part of the identity only where they are given."""
+    """They are columns, as lengths, and part of the identity only if given."""
     plain = run(hausbench, experiment, tmp_path / "plain")
     h, diagonal = numbers(plain, "cases/lower")[0], numbers(plain, "cases/source_diagonal")[0]
     text = experiment.read_text()
@@ -359,4 +359,4 @@ def test_both_poses_and_both_directions_are_measured(hausbench: Program, tmp_pat
     moved = [i for i, pose in enumerate(numbers(file, "cases/target_pose")) if pose[9] == 4]
     assert len(moved) == 2 and {texts(file, "cases/scene")[i] for i in moved} == {"together"}
     assert hausbench("verify", file).returncode == 0
-    assert hausbench("merge", tmp_path / "merged.h5", file, file).returncode == 0  # rows of h and H are not taken for each other
+    assert hausbench("merge", tmp_path / "merged.h5", file, file).returncode == 0  # rows of h and H are not mistaken for each other

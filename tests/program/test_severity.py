@@ -1,4 +1,4 @@
-"""Scenes that are swept over a severity, and shapes that a scene describes in place."""
+"""Scenes that are swept over a severity, and shapes that a scene describes itself."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ exact = 3
         models = dict(zip(content["models"]["name"].asstr()[()], content["models"]["unreferenced"][()]))
         assert models["squares_1e8.A"] == 1  # the vertex that no face uses
         assert models["points.A"] == 0
-    checked = hausbench("verify", results / "sweep.h5")  # finds the shapes in the experiment that the result holds
+    checked = hausbench("verify", results / "sweep.h5")  # finds the shapes in the experiment that the result contains
     assert checked.returncode == 0, checked.stderr
 
 
@@ -124,7 +124,7 @@ def test_scenes_without_severity_have_neither(hausbench: Program) -> None:
     ("[9, 9, 9]", '[9, 9, "x"]', ("'vertices' must be a number",)),
     ("severity = [0.25, 1e8]", 'severity = 1\nfamily = "f"', ("'z' must be a number: {} stands for one in a scene with a list of severities",)),
     ("n = 4", 'n = 4, tolerances = "x"', ("unknown key 'tolerances'",)),
-    ('exact = "{}"', 'exact = "{}"\neach = ["cow"]', ("'each' does not go with a list of severities",)),
+    ('exact = "{}"', 'exact = "{}"\neach = ["cow"]', ("'each' cannot be combined with a list of severities",)),
 ])
 def test_mistakes_name_the_place(hausbench: Program, before: str, after: str, said: tuple[str, ...]) -> None:
     assert before in SQUARES

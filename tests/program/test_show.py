@@ -1,4 +1,4 @@
-"""What people see: `show`, `compare --solver`, `list`, and the end of `run`; and that a run adds to a result."""
+"""The displays for people: `show`, `compare --solver`, `list`, and the end of `run`; and that a run adds to a result."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def result(hausbench: Program, seen: Path, tmp_path: Path) -> Path:
 
 
 def on_terminal(hausbench: Program, columns: int, *arguments: str | Path, **environment: str) -> str:
-    """What the program writes on a terminal of that width."""
+    """Returns the program's output on a terminal of that width."""
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     surroundings = {key: value for key, value in hausbench.environment().items() if key not in ("NO_COLOR", "COLUMNS")}
@@ -197,7 +197,7 @@ def test_a_run_adds_to_the_result_and_replaces_nothing(hausbench: Program, seen:
     done = hausbench("run", seen, "--results", tmp_path, "--solver", "surface_enclosure")
     assert done.returncode == 0 and "2 skipped; 4 rows of earlier runs are kept" in done.stdout
     same_answers(result, whole)
-    # Another profile: its rows come to those of the first, and a case of both is one row of both.
+    # Another profile: its rows join the rows of the first, and a case of both profiles is one row.
     assert hausbench("run", seen, "--results", tmp_path, "--profile", "paper").returncode == 0
     profile = dict(zip(zip(texts(result, "cases/label"), texts(result, "cases/scene"), numbers(result, "cases/tolerance")), texts(result, "cases/profile")))
     assert profile["guthe", "spheres", 0.01] == "paper,quick" and profile["scan", "clouds of points", 0.01] == "paper"
@@ -205,12 +205,12 @@ def test_a_run_adds_to_the_result_and_replaces_nothing(hausbench: Program, seen:
     assert hausbench("run", seen, "--results", tmp_path).returncode == 0
     assert len(texts(result, "cases/label")) == count
     assert set(texts(result, "ledger/profile")) == {"quick", "paper"}
-    # What is measured anew is that part alone.
+    # Only that part is measured anew.
     before = json.loads(hausbench("show", result, "--json", "--scene", "clouds of points").stdout)
     assert hausbench("run", seen, "--results", tmp_path, "--scene", "spheres", "--fresh").returncode == 0
     assert json.loads(hausbench("show", result, "--json", "--scene", "clouds of points").stdout)["rows"] == before["rows"]
     assert "[1/" not in hausbench("run", seen, "--results", tmp_path, "--profile", "paper").stderr  # nothing was left to run
-    # Profiles with other limits ask for other cases, which merge does not take for each other.
+    # Profiles with other limits have other cases, which merge keeps apart.
     seen.write_text(EXPERIMENT + "limits = { case_seconds = 30 }\n")
     assert hausbench("run", seen, "--results", tmp_path, "--profile", "paper").returncode == 0
     assert hausbench("run", seen, "--results", tmp_path).returncode == 0
@@ -270,7 +270,7 @@ def test_outside_a_project(hausbench: Program, tmp_path: Path) -> None:
     assert "guthe" in outside("list").stdout and outside("list").returncode == 0
     assert "no project here" in outside("list", "models").stdout
     assert re.match(r"hausbench \d+\.\d+\.\d+, commit ", outside("--version").stdout)
-    # With what is installed beside it, models have names.
+    # With the files installed beside it, models have names.
     shared = tmp_path / "share" / "hausbench" / "datasets"
     shared.mkdir(parents=True)
     shutil.copy(ROOT / "datasets" / "manifest.toml", shared)

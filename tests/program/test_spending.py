@@ -1,5 +1,6 @@
-"""What a case took, by solvers and programs that spend known amounts: memory while preparing and solving, CPU time in threads and
-in children.
+"""The resources of a case, with solvers and programs that spend known amounts.
+
+Memory while preparing and solving, CPU time in threads and in children.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ import pytest
 from conftest import Program
 
 MEGABYTE = 1 << 20
-# What else may differ between two processes that do the same: pages of the program touched for the first time, what the
-# allocator keeps, and the kernel's own counting in batches.
+# Other differences between two equal processes: pages of the program touched for the first time,
+# memory that the allocator keeps, and the kernel's counting in batches.
 SLACK = 16 * MEGABYTE
 
 EXPERIMENT = """\
@@ -101,7 +102,7 @@ def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin:
         assert (found["repeats/cpu_seconds"] >= threads * 0.06).all() and (found["repeats/wall_seconds"] >= 0.06).all()
     found = rows(hausbench, plugin, "spending", "threads = 0")
     assert list(found["cases/clock"]) == ["cpu"] * 3
-    # Solves of microseconds: what reading the clocks takes is no part of their CPU time.
+    # Solves of microseconds: reading the clocks does not count as CPU time.
     assert (found["repeats/cpu_seconds"] <= found["repeats/wall_seconds"]).all()
     assert json.loads(found["cases/facts"][0]) == {"threads": "0 of its own"}
 

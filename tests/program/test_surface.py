@@ -1,4 +1,4 @@
-"""Algebraic surfaces from a file's text to an answer, and what is said where there is none."""
+"""Algebraic surfaces from a file's text to an answer, and the messages if there is none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `hausbench run` says of the time that is left."""
+"""The remaining time that `hausbench run` prints."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ name = "naive"
 
 
 def seconds_left(said: str) -> dict[int, int]:
-    """By the number of cases that are done."""
+    """Returns the seconds left, by the number of finished cases."""
     found = re.findall(r"^\[(\d)/4\] \d+:\d\d, about (\d+):(\d\d) left", said, re.MULTILINE)
     return {int(done): 60 * int(minutes) + int(seconds) for done, minutes, seconds in found}
 
 
 def test_short_cases_promise_no_short_run(hausbench: Program, tmp_path: Path) -> None:
-    """The last case is a thousand times the work of all before it; those that an earlier run finished tell nothing of it."""
+    """The last case is a thousand times the work of all before it; cases finished by an earlier run reveal nothing about it."""
     experiment = tmp_path / "longest_last.toml"
     experiment.write_text(EXPERIMENT)
     assert seconds_left(hausbench("run", experiment, "--results", tmp_path).stderr)[3] >= 1

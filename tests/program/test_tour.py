@@ -1,4 +1,6 @@
-"""Every command of docs/tour.md, and the output that the page shows. `python3 tests/program/test_tour.py PROGRAM` writes the page's outputs again."""
+"""Runs every command of docs/tour.md, and compares the outputs on the page. `python3 tests/program/test_tour.py PROGRAM` rewrites
+these outputs.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ MARK = "@@ step"
 
 
 def walk(steps: list[str], build: Path, home: Path) -> list[str]:
-    """What each step prints on standard output, all in one shell that begins in a clone."""
+    """Returns the standard output of each step, all in one shell that begins in a clone."""
     script = "".join(f"echo '{MARK} {number}'; date +%s.%N >> ~/times\n{step}" for number, step in enumerate(steps)) + f"echo '{MARK} end'\n"
     script = script.replace("build/release", shlex.quote(str(build)))
     environment = {key: value for key, value in os.environ.items() if not key.startswith("HAUSBENCH")}
@@ -28,7 +30,9 @@ def walk(steps: list[str], build: Path, home: Path) -> list[str]:
 
 
 def pattern(text: str) -> str:
-    """What does not depend on the machine: distances to the last digit; of all else the words, without numbers and times."""
+    """Reduces text to the parts that do not depend on the machine: distances to the last digit, and the words of everything else,
+    without numbers and times.
+    """
     lines = []
     for line in text.splitlines():
         if line.startswith("not all of these times compare"):

@@ -1,6 +1,6 @@
-"""A real Slurm on this machine alone: its controller and two nodes of one core each, all on loopback, in a folder of its own.
+"""A real Slurm on this machine only: a controller and two nodes of one core each, all on loopback, in a folder of its own.
 
-As root, with the Debian packages slurm-wlm and munge; no systemd, and nothing of a Slurm that may be installed is touched.
+Needs root and the Debian packages slurm-wlm and munge, but not systemd. An installed Slurm is left alone.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ NODES = ("n1", "n2")
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol")
 
 def missing() -> str:
-    """Returns why there is no Slurm here; an empty text if there is one."""
+    """Returns the reason why Slurm cannot run here; an empty string if it can."""
     if os.geteuid() != 0:
         return "it needs root"
     lacking = [name for name in NEEDED if not shutil.which(name)]
@@ -60,7 +60,7 @@ def configuration(folder: Path) -> str:
 
 
 class Slurm:
-    """`with Slurm(folder) as slurm`: up when it begins, ended when it ends."""
+    """A running Slurm: `with Slurm(folder) as slurm` starts it, and the end of the block stops it."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -107,7 +107,7 @@ class Slurm:
         self._start(node, "slurmd", "-D", "-N", node, "-f", self.environment["SLURM_CONF"])
 
     def lose_node(self, node: str) -> None:
-        """As if its power went: its daemon and all that runs on it, at once."""
+        """Kills the node's daemon and all its tasks at once, as a power failure would."""
         daemon = self._daemons[node]
         daemon.send_signal(signal.SIGKILL)
         daemon.wait()
@@ -122,7 +122,7 @@ class Slurm:
                     pass
 
     def steps(self, node: str) -> list[int]:
-        """The processes of Slurm that watch over the node's tasks: each has the node's spool folder open, or its log."""
+        """Returns the processes of Slurm that watch the node's tasks; each has the node's spool folder or log open."""
         found = []
         for process in Path("/proc").iterdir():
             if not process.name.isdecimal():
@@ -138,7 +138,7 @@ class Slurm:
         return found
 
     def states(self) -> dict[str, str]:
-        """`idle`, `mixed`, `down*`, ... of each node."""
+        """Returns the state of each node: `idle`, `mixed`, `down*`, ..."""
         done = subprocess.run(["sinfo", "--noheader", "--Node", "--format=%N %T"], env=self.environment, capture_output=True, text=True, check=False)
         return dict(line.split() for line in done.stdout.splitlines())
 

@@ -1,4 +1,4 @@
-// A checker of certificates in rational arithmetic, written from docs/certificate.md alone. Slow, and never off by rounding.
+// A certificate checker in rational arithmetic, written from docs/certificate.md alone: slow, but without rounding errors.
 #pragma once
 
 #include "tests/support/certificates.h"
@@ -11,21 +11,21 @@
 namespace hausbench::certificates {
 
 enum class Claim {
-    holds,     // every leaf shows at most what is claimed
-    is_open,   // but for leaves of the kind `centre`, which are above it by no more than rounding their centre may take
-    is_false,  // a leaf shows more
-    no_format,  // the bytes are no certificate of A
+    holds,     // every leaf shows at most the claim
+    is_open,   // some leaves of kind `centre` exceed the claim, but by no more than the rounding of their centre allows
+    is_false,  // a leaf shows more than the claim
+    no_format,  // the bytes are not a certificate of A
 };
 
 class ExactChecker {
 public:
-    // Both where they stand.
+    // Both shapes are at rest.
     ExactChecker(const Shape& a, const Shape& b)
         : source_(triangles_of(a)), target_(triangles_of(b)), size_(both_diagonal(points_of(a), points_of(b))) {}
 
     Claim claim(const std::string& bytes, double proven) {
         bytes_ = &bytes, at_ = 0;
-        claim_ = proven >= 0 ? Claim::holds : Claim::is_false;  // not where it is a NaN
+        claim_ = proven >= 0 ? Claim::holds : Claim::is_false;  // a NaN is false, too
         limit_ = std::isfinite(proven) && proven >= 0 ? proven : 0;
         limited_ = std::isfinite(proven);
         try {
@@ -38,7 +38,7 @@ public:
         return claim_;
     }
 
-    // The nodes that were read last, to be changed and written again.
+    // The nodes that were read last, for tests that change and write them again.
     Proof proof;
 
 private:
@@ -94,7 +94,7 @@ private:
 
     // --- cuts and leaves ---------------------------------------------------------------------------------------------
 
-    // Corners that lie between the two on the way round.
+    // Counts the corners strictly between two points of the boundary, in the order of the corners.
     static std::size_t between(const CutPoint& from, const CutPoint& to, std::size_t corners) {
         const auto place = [](const CutPoint& p) { return 2 * p.place + (p.t < 0 ? 0 : 1); };
         demand(place(from) != place(to));
@@ -177,7 +177,7 @@ private:
         claim_ = open ? Claim::is_open : Claim::is_false;
     }
 
-    // sqrt(a) + sqrt(b) <= limit: where 2 sqrt(ab) <= limit^2 - a - b.
+    // Checks sqrt(a) + sqrt(b) <= limit without roots: limit^2 - a - b >= 0 and 2 sqrt(ab) <= limit^2 - a - b.
     static bool roots_at_most(const Rational& a, const Rational& b, const Rational& limit) {
         const Rational rest = limit * limit - a - b;
         return rest >= 0 && 4 * a * b <= rest * rest;

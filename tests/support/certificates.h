@@ -1,4 +1,4 @@
-// Certificates for tests: a slow writer that cuts and tries triangles at random, and the exact value of what it wrote, in rationals.
+// Certificates for tests: a slow writer that tries random cuts and triangles, and the exact rational value of its proofs.
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"
@@ -16,11 +16,11 @@ using V = MeshReference::V;
 
 struct Node {
     enum class Kind { cut, one, centre, vertex } kind = Kind::one;
-    Index k = 0, v = 0;                                         // of a leaf
-    CutPoint p = CutPoint::corner(0), q = CutPoint::corner(0);  // of a cut
+    Index k = 0, v = 0;                                         // for a leaf
+    CutPoint p = CutPoint::corner(0), q = CutPoint::corner(0);  // for a cut
 };
 using Tree = std::vector<Node>;
-using Proof = std::vector<Tree>;  // one of each triangle of A
+using Proof = std::vector<Tree>;  // one tree for each triangle of A
 
 inline CertificateTree written(const Tree& tree) {
     CertificateTree out;
@@ -33,7 +33,7 @@ inline CertificateTree written(const Tree& tree) {
     return out;
 }
 
-// Empty bytes where a triangle has no node at all.
+// Returns empty bytes if a triangle has no node at all.
 inline Certificate written(const Proof& proof, double proven) {
     CertificateBuilder builder(static_cast<Index>(proof.size()));
     for (std::size_t i = proof.size(); i-- > 0;) builder.set(static_cast<Index>(i), written(proof[i]));  // in any order
@@ -48,11 +48,11 @@ inline TriangleMesh triangles_of(const Shape& shape) {
     return mesh;
 }
 
-// The corners of both children of a polygon, of anything: as the writer's header says.
+// The corners of the two children of a cut polygon, as cover_certificate.h defines them, for any type of point.
 template <class Point> struct Children {
     std::vector<Point> first, second;
 
-    template <class Between>  // of two corners and t
+    template <class Between>  // between(corner, corner, t)
     Children(const std::vector<Point>& whole, const CutPoint& p, const CutPoint& q, const Between& between) {
         const std::size_t n = whole.size();
         const auto at = [&](const CutPoint& c) {
@@ -61,7 +61,7 @@ template <class Point> struct Children {
         };
         const auto part = [&](const CutPoint& from, const CutPoint& to) {
             std::vector<Point> corners = {at(from)};
-            for (std::size_t i = from.place + 1;; ++i) {  // a corner on the way, until that of a cut, or past its edge
+            for (std::size_t i = from.place + 1;; ++i) {  // up to `to`, or to the start of its edge
                 if (to.t < 0 && i % n == to.place) break;
                 corners.push_back(whole[i % n]);
                 if (to.t >= 0 && i % n == to.place) break;
@@ -74,7 +74,7 @@ template <class Point> struct Children {
     }
 };
 
-// Proves that A lies within tau of B, as random polygons: A and B at rest.
+// A writer that proves with random polygons that A lies within tau of B. Both shapes are at rest.
 class Writer {
 public:
     Writer(const Shape& a, const Shape& b, Real tau, Random& random) : a_(triangles_of(a)), tau_(tau), random_(random) {
@@ -83,7 +83,7 @@ public:
             targets_.emplace_back(TriangleMesh{target.vertices, target.triangles.row(k)});
     }
 
-    // None where it takes too many cuts.
+    // Returns nothing if the proof would take too many cuts.
     std::optional<Proof> run() {
         Proof proof;
         for (Index i = 0; i < a_.triangles.rows(); ++i) {
@@ -144,7 +144,7 @@ private:
         return targets_[static_cast<std::size_t>(k)].distance(point) + radius;
     }
 
-    // The longest edge in the middle, to the corner that is about opposite.
+    // Cuts from the middle of the longest edge to the corner roughly opposite.
     std::pair<CutPoint, CutPoint> halves(const std::vector<V>& corners) {
         const std::size_t n = corners.size();
         std::size_t longest = 0;
@@ -160,7 +160,7 @@ private:
 
     std::pair<CutPoint, CutPoint> any_cut(const std::vector<V>& corners) {
         const auto n = static_cast<Index>(corners.size());
-        // Corner i is place 2i, edge i is 2i + 1. Either way around there is a corner between.
+        // Corner i is place 2i, edge i is place 2i + 1. Either way around, a corner must lie between the two places.
         const auto least = [](Index place) { return place % 2 == 0 ? 3 : 2; };
         Index p = 0, gap = 0;
         do {
@@ -177,16 +177,17 @@ private:
     }
 
     TriangleMesh a_;
-    std::vector<MeshReference> targets_;  // one a triangle
+    std::vector<MeshReference> targets_;  // one per triangle
     Real tau_;
     Random& random_;
 };
 
-// What the leaves of a proof show, exactly but for the last root and sum: `squared` for leaves of the kind `one`, `length` of all.
+// The bound that the leaves of a proof show, exact except for the last root and sum: `squared`
+// covers leaves of kind `one` only, `length` all leaves.
 struct ExactValue {
     exact::Rational squared = 0;
     Real length = 0;
-    std::size_t depth = 0;  // most cuts above a leaf
+    std::size_t depth = 0;  // the largest number of cuts above a leaf
 };
 
 inline ExactValue exact_value(const Shape& a, const Shape& b, const Proof& proof) {

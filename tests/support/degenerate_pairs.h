@@ -1,6 +1,7 @@
-// Pairs of one triangle A and one triangle B of every kind that rounding makes hard, each by a number of its own.
+// Numbered pairs of one triangle A and one triangle B, of every kind that rounding makes hard.
 //
-// The distance to one triangle is convex, so h(A,B) is the largest of the distances of A's three corners, which rationals hold exactly.
+// The distance to a single triangle is convex, so h(A,B) is the largest distance of A's three
+// corners. Its square is exact in rationals.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -74,7 +75,7 @@ inline double one_ulp_away(double x, Random& random) {
 
 inline Vec3 combined(const Triangle& t, double r, double s) { return t.a + r * (t.b - t.a) + s * (t.c - t.a); }
 
-// B moved into the relation to A.
+// Changes B, and in some relations A, to bring them into the given relation.
 inline void relate(std::size_t relation, Triangle& a, Triangle& b, Random& random) {
     switch (relation) {
         case 1:
@@ -124,14 +125,14 @@ inline void put(std::size_t place, Triangle& a, Triangle& b, Random& random) {
     }
     if (place == 4) transform(a, 1e12, Vec3::Zero());
     if (place == 5) transform(a, 1e-12, Vec3::Zero());
-    if (place == 6) {  // whole multiples of the smallest double
+    if (place == 6) {  // integer multiples of the smallest double
         const double units = std::ldexp(1.0, static_cast<int>(random.below(30)));
         for (Triangle* t : {&a, &b})
             for (Vec3* corner : corners(*t)) *corner = (*corner * units).array().round() * 0x1p-1074;
     }
 }
 
-// Every form of A and of B, relation and place comes in turn.
+// Cycles through all forms of A and of B, relations and places.
 inline Pair pair(std::uint64_t seed, std::uint64_t number) {
     Random random(seed * 0x100000001 + number);
     for (int i = 0; i < 4; ++i) random.bits();
@@ -158,7 +159,7 @@ inline exact::Rational squared_distance(const Pair& pair) {
     return most;
 }
 
-// Whether lower <= h <= upper may be, where h^2 is between `least` and `most`.
+// Returns whether lower <= h <= upper is possible for an h with least <= h^2 <= most.
 inline bool contains(double lower, double upper, const exact::Rational& least, const exact::Rational& most) {
     if (!(lower >= 0 && std::isfinite(lower) && upper >= lower)) return false;
     const exact::Rational low = lower;

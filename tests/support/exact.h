@@ -1,4 +1,4 @@
-// Exact rational geometry for tests, written apart from the code that it judges.
+// Exact rational geometry for tests, written independently of the code under test.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -44,7 +44,7 @@ inline Rational squared_distance_to_triangle(const RVec3& p, const RVec3& a, con
                      squared_distance_to_segment(p, c, a)});
 }
 
-// To about 60 bits where the square is a normal double; for printing and measuring.
+// Accurate to about 60 bits if the square is a normal double; for printing and measuring.
 inline long double root(const Rational& squared) {
     const double high = CGAL::to_double(squared);
     if (std::isinf(high)) return high;

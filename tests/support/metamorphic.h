@@ -1,8 +1,8 @@
-// Relations between answers that hold whatever the true distance is: of a scene and the same scene scaled, reordered, moved, turned, cut
-// finer, with more of A or of B; and the triangle inequality.
+// Relations between answers that hold whatever the true distance is. They compare a scene with the same scene
+// scaled, reordered, moved, turned, cut finer, or with more of A or of B; one is the triangle inequality.
 //
-// They are for coordinates that are multiples of 2^-16 below 1, so that sums, midpoints and squares are exact: a relation is then one
-// between the same reals.
+// Coordinates must be multiples of 2^-16 below 1, so that sums, midpoints and squares are exact:
+// both sides of a relation are then about the same reals.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -26,14 +26,14 @@ struct Instance {
     Shape a, b, c;
 };
 
-// Tolerances, of shapes of extent 1 to 2. By the fine one a bound that is off by a rounding shows; on needles it would take some solvers
-// seconds, so they stop at a budget.
+// Tolerances for shapes of extent 1 to 2. The fine one reveals a bound that is off by one
+// rounding. On needles it would take some solvers seconds, so they stop at a budget of `most`.
 inline constexpr double coarse = 0x1p-11, fine = 0x1p-36;
 inline constexpr std::uint64_t most = 20'000;
 
 class Relation {
 public:
-    // `tight`: the solver comes as close as it is asked to. `exact`: it computes the distance of point sets in closed form.
+    // `tight`: the solver reaches the tolerance. `exact`: it computes the distance of point sets in closed form.
     Relation(const Ask& ask, const Instance& on, double tolerance, bool tight, bool exact)
         : ask_(ask), on_(on), tolerance_(tolerance), tight_(tight), exact_(exact) {}
     virtual ~Relation() = default;
@@ -52,7 +52,7 @@ protected:
             violations.push_back(fmt::format("{}, {}: [{:.17g}, {:.17g}] against [{:.17g}, {:.17g}]", on_.name, what,
                                              x.lower, x.upper, y.lower, y.upper));
     }
-    // Of one and the same distance; so they are no farther apart than the tolerance if each is as close as that.
+    // Both intervals hold the same distance, so they overlap. A tight solver also reaches the tolerance in both.
     void expect_same(const Bounds& x, const Bounds& y, const std::string& what) {
         expect(x.lower <= y.upper && y.lower <= x.upper, x, y, what);
         expect(!tight_ || (x.gap() <= tolerance_ && y.gap() <= tolerance_), x, y, what + ", as close as asked");
@@ -82,7 +82,7 @@ inline std::vector<Index> shuffled(Index count, Random& random) {
     return order;
 }
 
-// Vertices, faces and the corners of each face in another order; half of the faces turned over.
+// Reorders vertices, faces and the corners of each face, and flips about half of the faces.
 inline Shape reordered(const Shape& shape, std::uint64_t seed) {
     Random random(seed);
     Shape copy = shape;
@@ -101,7 +101,7 @@ inline Shape reordered(const Shape& shape, std::uint64_t seed) {
     return copy;
 }
 
-// Each triangle in four, at the midpoints of its sides.
+// Splits each triangle into four at the midpoints of its sides.
 inline Shape subdivided(const Shape& shape) {
     const TriangleMesh& mesh = mesh_of(shape);
     Points corners(12 * mesh.triangles.rows(), 3);
@@ -127,7 +127,7 @@ inline Shape joined(const Shape& first, const Shape& second) {
     return all;
 }
 
-// Each triangle with corners of its own.
+// Gives each triangle its own corners.
 inline Shape unshared(const Shape& shape) {
     const TriangleMesh& mesh = mesh_of(shape);
     Points corners(3 * mesh.triangles.rows(), 3);
@@ -135,7 +135,7 @@ inline Shape unshared(const Shape& shape) {
     return soup(corners);
 }
 
-// Vertices that no face uses, far away and in the middle.
+// Adds vertices that no face uses: one far away, one in the middle.
 inline Shape with_lone_vertices(const Shape& shape) {
     TriangleMesh mesh = mesh_of(shape);
     mesh.vertices.conservativeResize(mesh.vertices.rows() + 2, 3);
@@ -199,7 +199,7 @@ struct GrowsWithA : Relation {
                      nearer = h(on_.a, joined(on_.b, on_.c));
         expect(whole.upper >= part.lower, whole, part, "more of A");
         expect(nearer.lower <= part.upper, nearer, part, "more of B");
-        const Bounds rest = h(on_.c, on_.b);  // of a union the larger of the two
+        const Bounds rest = h(on_.c, on_.b);  // h of a union is the larger of the two
         expect_same(whole, {std::max(part.lower, rest.lower), std::max(part.upper, rest.upper)}, "A in two parts");
     }
 };
@@ -227,7 +227,7 @@ struct ObeysTheTriangleInequality : Relation {
         };
         inequality(on_.a, on_.b, on_.c, "A to C by B");
         inequality(on_.a, on_.c, on_.b, "A to B by C");
-        // From A to A moved and on: where both steps go the same way it is nearly an equation.
+        // A is moved twice in the same direction, which makes the inequality nearly an equality.
         const auto once = moved(on_.a, [](const Vec3& p) { return Vec3(p + Vec3(4, 0, 0)); });
         const auto twice = moved(on_.a, [](const Vec3& p) { return Vec3(p + Vec3(8, 0, 0)); });
         inequality(on_.a, once, twice, "along a line");

@@ -1,4 +1,4 @@
-// Scenes whose triangles have every size from 1 to the least double within one mesh, each by a number of its own.
+// Numbered scenes whose meshes mix triangles of every size from 1 to the smallest double.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -17,7 +17,7 @@ struct Soups {
     std::vector<Triangle> a, b;
 };
 
-// 2^-k: the whole range, and often where squares of lengths underflow, or those of parts of them.
+// Returns about 2^-k, over the whole range and often where squares of lengths, or of parts of them, underflow.
 inline double size(Random& random) {
     const Index kind = random.below(8);
     const Index exponent = kind < 2 ? 0 : kind < 4 ? random.below(1075) : kind < 7 ? 480 + random.below(70) : 1074;
@@ -31,7 +31,7 @@ inline Vec3 vector(Random& random, double length) {
     return v;
 }
 
-// Of what is farther than its own ulp from the origin, nothing tiny is left: so most are near it, at least along an axis.
+// Rounding swallows details smaller than an ulp of their place, so most places are near the origin, at least in one axis.
 inline Vec3 place(Random& random, const std::vector<Triangle>& others) {
     switch (random.below(5)) {
         case 0:
@@ -62,7 +62,7 @@ inline Triangle triangle(Random& random, const std::vector<Triangle>& others) {
     }
 }
 
-// Up to four triangles each.
+// Makes up to four triangles for each shape.
 inline Soups soups(std::uint64_t seed, std::uint64_t number) {
     Random random(seed * 0x100000001 + number);
     for (int i = 0; i < 4; ++i) random.bits();
@@ -73,7 +73,8 @@ inline Soups soups(std::uint64_t seed, std::uint64_t number) {
     return made;
 }
 
-// Of the square of h(A,B). The farthest corner is at most as far; a triangle of A is as far as its corners are from one triangle of B at most.
+// Bounds of h(A,B)^2. `low` is the squared distance of the farthest corner of A. A whole triangle of A is
+// no farther from a triangle of B than its farthest corner; `high` takes the best triangle of B for each.
 struct Bracket {
     exact::Rational low = 0, high = 0;
 };

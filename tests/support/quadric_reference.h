@@ -1,8 +1,9 @@
-// Quadrics in a box, and the distance between two of them by means that share nothing with the solvers: plain doubles, the
-// exact Taylor expansion of a polynomial of degree two, roots of parabolas along lines, and d(p, B) being 1-Lipschitz in p.
+// Quadrics in a box, and the distance between two of them by means that share nothing with the
+// solvers: plain doubles, the exact Taylor expansion of a polynomial of degree two, roots of
+// parabolas along lines, and d(p, B) being 1-Lipschitz in p.
 //
-// Rounding: values here are below 1e4, so errors of double arithmetic are below 1e-10, which is what decisions leave free;
-// `slack` covers what that moves a distance by. Bounds are otherwise proven.
+// Rounding: values are below 1e4, so errors of double arithmetic are below 1e-10, a margin that all decisions
+// leave. `slack` covers what such an error moves a distance by. Apart from that, bounds are proven.
 #pragma once
 
 #include "tests/support/random.h"
@@ -30,7 +31,7 @@ struct Quadric {
     double value(const Vec3& p) const { return p.dot(form * p) + linear.dot(p) + constant; }
     Vec3 gradient(const Vec3& p) const { return 2 * form * p + linear; }
 
-    // Adds sign * (n.x + d)^2, or the plain linear form.
+    // Adds sign * (n.x + d)^2.
     void add_square(double sign, const Vec3& n, double d) {
         form += sign * n * n.transpose();
         linear += sign * 2 * d * n;
@@ -55,7 +56,7 @@ inline std::string linear_text(const Vec3& n, double d) {
     return fmt::format("(({})*x + ({})*y + ({})*z + ({}))", n[0], n[1], n[2], d);
 }
 
-// One of eleven kinds in turn; all numbers are multiples of 1/8, so that text and coefficients mean the same polynomial.
+// Makes one of eleven kinds in turn. All numbers are multiples of 1/8, so text and coefficients mean the same polynomial.
 inline Quadric random_quadric(Random& random, int kind) {
     Quadric q;
     const auto eighths = [&](int least, int most) { return double(least + int(random.below(most - least + 1))) / 8; };
@@ -72,8 +73,8 @@ inline Quadric random_quadric(Random& random, int kind) {
     const auto square = [&](int i) { return linear_text(n[i], d[i]) + "^2"; };
     struct Kind {
         const char* name;
-        int squares[3];  // signs
-        int linear;      // sign of the last form, taken plainly
+        int squares[3];  // signs of the squares
+        int linear;      // sign of the last form, which is not squared
         double constant;
     };
     static constexpr Kind kinds[] = {{"ellipsoid", {1, 1, 1}, 0, -1},
@@ -109,12 +110,12 @@ namespace quadric_reference {
 
 constexpr double slack = 1e-7;
 
-// No point of the quadric is in the box of this middle and these half widths.
+// Returns whether the box with this middle and these half widths certainly contains no point of the quadric.
 inline bool misses(const Quadric& q, const Vec3& c, const Vec3& half) {
     return std::abs(q.value(c)) > q.gradient(c).cwiseAbs().dot(half) + half.dot(q.form.cwiseAbs() * half) + 1e-9;
 }
 
-// A point of the quadric in the box, on a line along an axis through the middle: a root next to which the sign changes.
+// Returns a point of the quadric in the box, on an axis-parallel line through the middle: a root where the sign changes.
 inline std::optional<Vec3> point_in(const Quadric& q, const Vec3& c, const Vec3& half) {
     for (int k = 0; k < 3; ++k) {
         const double a = q.form(k, k), b = q.gradient(c)[k], f = q.value(c), root = b * b - 4 * a * f;
@@ -149,10 +150,10 @@ template <class Do> void children(const Entry& e, Do&& act) {
     }
 }
 
-// d(p, B), to `precision`; the upper end is infinite where B was not shown to have a point.
+// Bounds d(p, B) to `precision`. The upper end is infinite if no point of B was found.
 inline Range distance(const Vec3& p, const Quadric& b, double precision) {
     double best = std::numeric_limits<double>::infinity();
-    std::priority_queue<Entry> open;  // by minus the distance to the box
+    std::priority_queue<Entry> open;  // keyed by minus the distance to the box
     open.push({0, 0.5 * (b.low + b.high), 0.5 * (b.high - b.low)});
     for (int looked = 0; !open.empty(); ++looked) {
         const Entry top = open.top();
@@ -168,11 +169,11 @@ inline Range distance(const Vec3& p, const Quadric& b, double precision) {
     return {best == std::numeric_limits<double>::infinity() ? best : std::max(best - 2 * slack, 0.0), best};
 }
 
-// h(A,B) to `precision`, as far as `most` boxes allow. Empty where a surface was not shown to have a point.
+// Bounds h(A,B) to `precision`, or as well as `most` boxes allow. Returns nothing if no point of a surface was found.
 inline std::optional<Range> hausdorff(const Quadric& a, const Quadric& b, double precision, int most) {
     Range h{0, std::numeric_limits<double>::infinity()};
     bool some = false;
-    std::priority_queue<Entry> open;  // by an upper bound of the distance of what A has in the box
+    std::priority_queue<Entry> open;  // keyed by an upper bound of the distance of A's part in the box
     open.push({h.upper, 0.5 * (a.low + a.high), 0.5 * (a.high - a.low)});
     for (int looked = 0; !open.empty(); ++looked) {
         const Entry top = open.top();
@@ -195,7 +196,7 @@ inline std::optional<Range> hausdorff(const Quadric& a, const Quadric& b, double
     return h;
 }
 
-// Shown to have no point in its box.
+// Returns whether the quadric is proven to have no point in its box.
 inline bool empty(const Quadric& q) {
     std::vector<Entry> open{{0, 0.5 * (q.low + q.high), 0.5 * (q.high - q.low)}};
     while (!open.empty()) {

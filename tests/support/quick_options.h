@@ -8,13 +8,13 @@
 
 namespace hausbench {
 
-// The defaults, but for `sampling`, which gets fewer samples than MESH takes by default.
+// Returns the defaults, except for a larger step of `sampling`, whose default (MESH's) takes many samples.
 inline Options quick_options(const SolverEntry& entry, ParameterMap given = {}) {
     if (entry.info.name == "sampling") given.try_emplace("step", 0.05);
     return {entry.info.name, entry.info.parameters, given};
 }
 
-// The defaults, and each flag and each choice otherwise.
+// Returns the defaults, and one variant for each flag and each choice that differs from them.
 inline std::vector<ParameterMap> variants_of(const SolverEntry& entry) {
     std::vector<ParameterMap> variants{{}};
     for (const ParameterSpec& spec : entry.info.parameters) {
@@ -26,7 +26,8 @@ inline std::vector<ParameterMap> variants_of(const SolverEntry& entry) {
     return variants;
 }
 
-// Whether it comes as close as the tolerance asks, on any scene that doubles hold easily. What samples prove is as wide as their step.
+// Returns whether the solver reaches the tolerance on any scene well within the range of doubles.
+// The interval of `sampling` is as wide as its step.
 inline bool reaches_the_tolerance(const SolverInfo& info) { return info.certified && info.name != "sampling"; }
 
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// Slow, independent answers that solvers are judged by; they share no code with the solvers.
+// Slow, independent reference answers for solvers; they share no code with the solvers.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -11,7 +11,7 @@
 
 namespace hausbench {
 
-// The squared distance of point sets, exactly. O(nm) rational operations.
+// Returns h(A,B)^2 of two point sets exactly, in O(nm) rational operations.
 inline exact::Rational exact_squared_hausdorff(const Points& a, const Points& b) {
     exact::Rational most = 0;
     for (Index i = 0; i < a.rows(); ++i) {
@@ -24,8 +24,8 @@ inline exact::Rational exact_squared_hausdorff(const Points& a, const Points& b)
     return most;
 }
 
-// Meshes: plain branch and bound in long double (64-bit mantissa, 15-bit exponent: nothing over- or underflows), each
-// distance against every triangle of the target.
+// A reference for meshes: plain branch and bound in long double (64-bit mantissa, 15-bit exponent,
+// so nothing over- or underflows). Each distance tries every triangle of the target.
 class MeshReference {
 public:
     using Real = long double;
@@ -36,12 +36,13 @@ public:
             targets_.push_back(corners(target.vertices, target.triangles, i));
     }
 
-    // An interval of h(a, target) whose width is at most `gap`.
+    // Returns an interval that contains h(a, target) and whose width is at most `gap`.
     std::pair<Real, Real> hausdorff(const Points& vertices, const Triangles& triangles, Real gap) const {
         std::vector<Piece> stack;
         Real low = 0;
         for (Index i = 0; i < triangles.rows(); ++i) stack.push_back(piece(corners(vertices, triangles, i), low));
-        // Lower bounds first, so that little is split.
+        // All lower bounds are known before the first split, and the largest upper bound comes
+        // first, so that little is split.
         std::sort(stack.begin(), stack.end(), [](const Piece& x, const Piece& y) { return x.upper < y.upper; });
         Real high = low;
         while (!stack.empty()) {
@@ -98,7 +99,7 @@ private:
         if (!(det > 0)) return least;
         V r = minus(p, a);
         Real s = 0, u = 0;
-        for (int step = 0; step < 3; ++step) {  // refined, as the normal equations are ill-conditioned
+        for (int step = 0; step < 3; ++step) {  // refined, because the normal equations are ill-conditioned
             const Real re = dot(r, e), rf = dot(r, f);
             s += (re * ff - rf * ef) / det;
             u += (rf * ee - re * ef) / det;

@@ -22,7 +22,7 @@ inline Points rows(std::initializer_list<Vec3> list) {
     return points;
 }
 
-// In the cube [-2, 2]^3.
+// Returns the surface in the cube [-2, 2]^3.
 inline AlgebraicSurface surface_in_cube(const std::string& polynomial) {
     AlgebraicSurface s{polynomial, Points(2, 3)};
     s.box.row(0).setConstant(-2);
@@ -42,7 +42,7 @@ inline Points lattice(Index n, double z) {
     return points;
 }
 
-// The triangles of an n x n grid of vertices.
+// Returns an n x n grid of vertices with its triangles.
 inline TriangleMesh sheet(Index n, double z, double bump = 0) {
     TriangleMesh mesh;
     mesh.vertices = lattice(n, z);
@@ -60,7 +60,7 @@ inline TriangleMesh sheet(Index n, double z, double bump = 0) {
     return mesh;
 }
 
-inline TriangleMesh soup(Points vertices) {  // each three rows a triangle
+inline TriangleMesh soup(Points vertices) {  // every three rows form a triangle
     TriangleMesh mesh{std::move(vertices), {}};
     mesh.triangles.resize(mesh.vertices.rows() / 3, 3);
     for (Index i = 0; i < mesh.triangles.rows(); ++i) mesh.triangles.row(i) << 3 * i, 3 * i + 1, 3 * i + 2;
@@ -89,7 +89,7 @@ inline void transform(SharedShape& shape, double scale, const Vec3& offset) {
     shape = std::move(copy);
 }
 
-inline Pose turned(double c, double s, const Vec3& translation) {  // about z, then a permutation of the axes
+inline Pose turned(double c, double s, const Vec3& translation) {  // a turn about z, then a permutation of the axes
     Pose pose;
     pose.rotation << c, -s, 0, 0, 0, 1, s, c, 0;
     pose.translation = translation;

@@ -1,4 +1,5 @@
-// The last line of result and certificate files, written apart from the code that is tested: the SHA-256 of all bytes before it.
+// The last line of result and certificate files: the SHA-256 of all bytes before it. Written
+// independently of the code under test.
 #pragma once
 
 #include "datasets/hash.h"

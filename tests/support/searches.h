@@ -1,5 +1,5 @@
-// How much a random search tries. `make test` tries a fifth, so that it ends in minutes; HAUSBENCH_SEARCHES=all tries everything, as CI and the
-// mutants do (`make searches` runs these programs alone). The first fifth is the same in both.
+// How much a random search tries. `make test` tries a fifth, so that it ends in minutes. HAUSBENCH_SEARCHES=all tries
+// everything, as CI and the mutants do; `make searches` runs only these programs. The first fifth is the same in both.
 #pragma once
 
 #include <cstdlib>

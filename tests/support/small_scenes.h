@@ -1,4 +1,4 @@
-// Small pairs of meshes of every kind that is hard for a search, and what their intervals must satisfy.
+// Small pairs of meshes of every kind that is hard for a search, and the conditions that their intervals must satisfy.
 #pragma once
 
 #include "algorithms/solver.h"

@@ -39,7 +39,7 @@ inline TriangleMesh scaled(TriangleMesh mesh, double factor) {
     return mesh;
 }
 
-// An octahedron whose triangles are cut in four so many times, with its vertices on the unit sphere.
+// Returns an octahedron whose triangles are split into four `levels` times, with its vertices on the unit sphere.
 inline TriangleMesh sphere(int levels) {
     TriangleMesh mesh;
     mesh.vertices.resize(6, 3);
@@ -67,7 +67,8 @@ inline TriangleMesh sphere(int levels) {
     return mesh;
 }
 
-// How far the mesh lies inside of the unit sphere at most: 1 less the least distance of a triangle's plane.
+// Returns how far the mesh lies inside the unit sphere at most: 1 minus the least distance of a
+// triangle's plane from the origin.
 inline double sphere_flatness(const TriangleMesh& mesh) {
     double least = 1;
     for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {

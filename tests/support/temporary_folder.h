@@ -1,4 +1,4 @@
-// An empty folder for a test's files, gone at its end.
+// An empty folder for the files of a test, deleted at its end.
 #pragma once
 
 #include <cstdlib>

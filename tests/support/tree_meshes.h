@@ -1,4 +1,4 @@
-// Meshes, tame and hostile, for trees to be tried on.
+// Meshes, tame and hostile, for tests of trees.
 #pragma once
 
 #include "tests/support/random.h"
@@ -24,7 +24,7 @@ inline TriangleMesh triangle_soup(Random& random, Index count, double size) {
     return mesh;
 }
 
-// A grid of n x n vertices, the highest bump high: most closest points lie on shared edges and vertices.
+// A grid of n x n vertices with heights up to `bump`: most closest points lie on shared edges and vertices.
 inline TriangleMesh triangle_grid(Random& random, Index n, double bump) {
     TriangleMesh mesh;
     mesh.vertices.resize(n * n, 3);
@@ -65,7 +65,7 @@ inline std::vector<NamedMesh> tree_meshes() {
     add("far from the origin", triangle_soup(random, 300, 0.1)).vertices.array() += 1e8;
     add("tiny", triangle_soup(random, 300, 0.1)).vertices *= 0x1p-380;
     add("huge", triangle_soup(random, 300, 0.1)).vertices *= 0x1p399;
-    // Ever closer to a corner: deep trees.
+    // Triangles that shrink towards one corner make deep trees.
     TriangleMesh& nested = add("nested", triangle_soup(random, 300, 0.5));
     for (Index i = 0; i < nested.vertices.rows(); ++i)
         nested.vertices.row(i) *= std::ldexp(1.0, -static_cast<int>(i / 9));

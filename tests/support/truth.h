@@ -1,4 +1,5 @@
-// The exact answer of a scene, and what every result must show of it. Shapes are posed before they come here: shapes at rest.
+// The exact answer of a scene, and the checks that every result must pass against it. Shapes are
+// posed beforehand, so all are at rest.
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -11,7 +12,7 @@ namespace hausbench {
 
 using Real = long double;
 
-// Both shapes where their poses put them.
+// Returns the scene with both shapes moved by their poses.
 inline Scene posed(const Scene& scene, const Pose& source, const Pose& target = {}) {
     const auto moved = [](const Shape& shape, const Pose& pose) {
         Shape copy = shape;
@@ -23,12 +24,11 @@ inline Scene posed(const Scene& scene, const Pose& source, const Pose& target = 
 
 struct Truth {
     Scene posed;
-    bool points;             // both shapes are point sets, so that `squared` is exact
-    Real low = 0, high = 0;  // of the distance; unused for point sets
-    exact::Rational
-        squared;       // of the distance of point sets; of meshes, that of the farthest vertex: at most the distance
-    double magnitude;  // largest |coordinate|
-    double tolerance;  // a millionth of the extent
+    bool points;              // both shapes are point sets, so `squared` is exact
+    Real low = 0, high = 0;   // interval of the distance; unused for point sets
+    exact::Rational squared;  // squared distance of point sets; for meshes only of the farthest vertex, a lower bound
+    double magnitude;         // largest |coordinate|
+    double tolerance;         // a millionth of the extent
 };
 
 inline exact::Rational exact_squared_distance(const Vec3& point, const TriangleMesh& mesh) {
@@ -41,7 +41,7 @@ inline exact::Rational exact_squared_distance(const Vec3& point, const TriangleM
     return least;
 }
 
-// h(A,B) of a scene at rest; of meshes, to a fraction of the extent.
+// Returns h(A,B) of a scene at rest; for meshes, to the fraction `gap` of the extent.
 inline Truth truth_of(const Scene& scene, Real gap = 1e-7L) {
     Truth truth{scene, kind_of(scene.source) == ShapeKind::points, 0, 0, 0, 0, 0};
     const Points &source = points_of(scene.source), &target = points_of(scene.target);
@@ -61,13 +61,13 @@ inline Truth truth_of(const Scene& scene, Real gap = 1e-7L) {
     std::tie(truth.low, truth.high) = reference.hausdorff(source, mesh_of(scene.source).triangles, gap * extent);
     for (Index v = 0; v < source.rows(); ++v)
         truth.squared = std::max(truth.squared, exact_squared_distance(source.row(v), mesh));
-    const Real error = 0x1p-58L * truth.magnitude;  // of the reference's own arithmetic
+    const Real error = 0x1p-58L * truth.magnitude;  // rounding in the reference itself
     truth.low -= error;
     truth.high += error;
     return truth;
 }
 
-// H(A,B) of a scene at rest.
+// Returns H(A,B) of a scene at rest.
 inline Truth symmetric_truth_of(const Scene& scene, Real gap = 1e-7L) {
     Truth truth = truth_of(scene, gap);
     const Truth other = truth_of({scene.target, scene.source}, gap);
@@ -86,11 +86,11 @@ inline bool encloses(const Bounds& bounds, const Truth& truth, double slack) {
     return below && high * high >= truth.squared;
 }
 
-// A solver that is not certified may be off by 1e-10 of the largest coordinate.
+// Checks bounds against the truth. A solver that is not certified may be off by 1e-10 of the largest coordinate.
 inline void check_bounds(const SolverInfo& info, const Truth& truth, const Bounds& bounds, const std::string& where) {
     EXPECT_GE(bounds.lower, 0) << where;
     EXPECT_LE(bounds.lower, bounds.upper) << where;
-    if (info.certified && std::isfinite(bounds.upper)) {  // to the last bit, where a vertex decides
+    if (info.certified && std::isfinite(bounds.upper)) {  // to the last bit if a vertex attains the distance
         const exact::Rational high = bounds.upper;
         EXPECT_TRUE(high * high >= truth.squared) << where << ": upper " << bounds.upper;
     }
@@ -101,7 +101,7 @@ inline void check_bounds(const SolverInfo& info, const Truth& truth, const Bound
 
 namespace check {
 
-// The far point of the witness, on `source`, and the near one, on `target`.
+// The far point of the witness, on `source`, and its near point, on `target`.
 struct Pair {
     Vec3 far, near;
     Index far_element, near_element;
@@ -128,7 +128,7 @@ inline void meshes(const TriangleMesh& source, const TriangleMesh& target, const
     EXPECT_LE(one(target, w.near_element).distance(near), slack) << where;
     for (Index v = 0; v < source.vertices.rows(); ++v) {
         if (Vec3(source.vertices.row(v)) != w.far) continue;
-        const exact::Rational low = lower;  // to the last bit: the point is exactly on the shape
+        const exact::Rational low = lower;  // to the last bit, because the point is exactly on the shape
         EXPECT_TRUE(low * low <= exact_squared_distance(w.far, target)) << where;
         break;
     }
@@ -141,11 +141,11 @@ inline void meshes(const TriangleMesh& source, const TriangleMesh& target, const
 
 }  // namespace check
 
-// The witness of an answer about these shapes at rest: its far point is on the shape that its direction names, is at least the lower
-// bound away from the other shape, and its near point is nearest there.
+// Checks the witness of an answer about these shapes at rest: its far point is on the shape that its direction
+// names and is at least the lower bound away from the other shape, and its near point is the nearest one there.
 inline void check_witness(const Scene& scene, const Result& result, const std::string& where) {
     const Witness& w = result.witness;
-    if (w.source_element < 0) {  // none, or points that nobody computed would pass for one
+    if (w.source_element < 0) {  // no witness: points that were never computed must not look like one
         EXPECT_FALSE(w.source_point.allFinite() || w.target_point.allFinite()) << where;
         return;
     }

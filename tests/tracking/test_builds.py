@@ -1,4 +1,4 @@
-"""Builds of other commits: in a worktree of their own, as this one is built, with their own models. In a scratch repository."""
+"""Tests builds of other commits: each has its own worktree and models, and is built like this one. Uses a scratch repository."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bench.tracking.builds import NotBuilt, build_of, commit_of, here
 
 @pytest.fixture
 def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    root = tmp_path / "a tree"  # with a blank in its path
+    root = tmp_path / "a tree"  # a path with a blank
     root.mkdir()
     (root / "CMakeLists.txt").write_text("first\n")
     (root / ".gitignore").write_text("/build/\n")
@@ -26,7 +26,7 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def commands(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
-    """What would have been run to build; kernel_bench is built too."""
+    """Records the build commands without running them; fakes only the file kernel_bench."""
     ran: list[list[str]] = []
 
     def call(command: list[str], **rest: object) -> int:

@@ -170,7 +170,7 @@ Solid::Solid(const TriangleMesh& mesh) : vertices_(mesh.vertices), faces_(std::m
     for (std::size_t v = 0; v < points.size(); ++v)
         vertices_.row(Eigen::Index(v)) << points[v].x(), points[v].y(), points[v].z();
     if (!pmp::is_polygon_soup_a_polygon_mesh(polygons)) {
-        flaw_ = "it is no manifold";
+        flaw_ = "it is not a manifold";
         return;
     }
     SurfaceMesh& made = faces_->mesh;
@@ -178,7 +178,7 @@ Solid::Solid(const TriangleMesh& mesh) : vertices_(mesh.vertices), faces_(std::m
     const auto open = std::count_if(made.halfedges().begin(), made.halfedges().end(),
                                     [&](const auto halfedge) { return made.is_border(halfedge); });
     if (open > 0) {
-        flaw_ = fmt::format("it is not closed: {} at its border", count_of(std::size_t(open), "edge"));
+        flaw_ = fmt::format("it is not closed: {} on its border", count_of(std::size_t(open), "edge"));
         return;
     }
     std::vector<std::pair<Face, Face>> crossing;
@@ -209,8 +209,7 @@ CommonVolume common_volume(const Solid& source, const Pose& source_pose, const S
         const bool cut = pmp::corefine_and_compute_intersection(
             a, b, volume, CGAL::parameters::visitor(Origins(a, found)).throw_on_self_intersection(true));
         if (!cut) {
-            common.failure =
-                "the volume that they have in common is no manifold (parts of it meet in an edge or a point)";
+            common.failure = "the common volume is not a manifold (parts of it meet in an edge or a point)";
             return common;
         }
         common.parts = parts_of(volume, b, found);

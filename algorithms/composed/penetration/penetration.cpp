@@ -88,7 +88,7 @@ private:
     std::string flaw() const {
         for (const auto& [name, solid] : {std::pair{"A", &source_}, std::pair{"B", &target_}})
             if (!(*solid)->flaw().empty())
-                return fmt::format("{} bounds no volume, so that nothing lies in it: {}", name, (*solid)->flaw());
+                return fmt::format("{} bounds no volume, so nothing can lie in it: {}", name, (*solid)->flaw());
         return {};
     }
 
@@ -165,7 +165,7 @@ SolverEntry penetration_solver() {
         {.name = "solver",
          .default_value = std::string("cover"),
          .paper_value = "tang",
-         .description = "what measures H of the two sides of each part of the common volume, with its defaults",
+         .description = "solver that measures H between the two sides of each part of the common volume",
          .choices = {"cover", "tang", "guthe", "kang", "zheng", "sacht"}},
         {.name = "each_part",
          .default_value = false,

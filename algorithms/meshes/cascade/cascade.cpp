@@ -1,13 +1,13 @@
 #include "algorithms/meshes/cascade/cascade.h"
 
 #include "algorithms/search/bounds.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
 #include "algorithms/search/piece_bounds.h"
 #include "algorithms/search/piece_proofs.h"
-#include "algorithms/search/split_loop.h"
+#include "algorithms/search/source_vertices.h"
+#include "algorithms/search/split_until_done.h"
 #include "algorithms/search/stages.h"
-#include "algorithms/search/vertices.h"
 #include "algorithms/search/warm_start.h"
 #include "algorithms/structures/bvh.h"
 

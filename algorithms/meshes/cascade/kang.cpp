@@ -19,7 +19,7 @@ SolverEntry kang_solver() {
     info.parameters.push_back({.name = "closest",
                                .default_value = std::string("grid"),
                                .paper_value = "grid",
-                               .description = "what closest points of B are found by: a uniform grid, or a BVH",
+                               .description = "structure that finds the closest points of B: a uniform grid or a BVH",
                                .choices = {"grid", "bvh"}});
     return {info, [](const Options& options) {
                 Cascade cascade = cascade_of(options, {PieceBound::u3});

@@ -35,7 +35,7 @@
 #include "algorithms/meshes/cover/groups.h"
 #include "algorithms/meshes/cover/worker.h"
 #include "algorithms/search/bounds.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
 #include "algorithms/search/stages.h"
 #include "algorithms/search/warm_start.h"
@@ -230,7 +230,7 @@ Result CoverSearch::run() {
     measure_groups();
     if (stop_ == Status::time_limit) {
         Result result = bounds_.result_without_bounds(pair_.source.triangles, pair_.points);
-        result.why_no_certificate = "time was out before the solver had a proof for any of A; allow it more time";
+        result.why_no_certificate = "the time ended before any part of A was proven; allow more time";
         return result;
     }
     stages_.end("measure groups");
@@ -259,7 +259,7 @@ Result CoverSearch::run() {
             result.certificates = {*proof};
         else
             result.why_no_certificate =
-                "the solver ended before it had covered all of A; allow it more time, or a larger tolerance";
+                "the solver ended before it had covered all of A; allow more time or a larger tolerance";
     }
     result.reported = stages_.seconds();
     return result;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "algorithms/meshes/cover/proofs.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/target.h"
 #include "algorithms/solver.h"
 #include "algorithms/structures/triangle_blocks.h"

@@ -1,6 +1,6 @@
 #include "algorithms/meshes/tang/listed_subdivision.h"
 
-#include "algorithms/search/split_loop.h"
+#include "algorithms/search/split_until_done.h"
 
 #include <algorithm>
 

@@ -32,7 +32,7 @@
 #include "algorithms/meshes/tang/source_culling.h"
 #include "algorithms/meshes/tang/target_culling.h"
 #include "algorithms/search/bounds.h"
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
 #include "algorithms/search/stages.h"
 #include "algorithms/search/warm_start.h"
@@ -248,7 +248,7 @@ SolverEntry tang_solver() {
         {.name = "volumes",
          .default_value = std::string("swept_spheres"),
          .paper_value = "swept_spheres",
-         .description = "of the nodes of both BVHs",
+         .description = "bounding volumes of both BVHs",
          .choices = {"swept_spheres", "boxes"}},
         {.name = "group",
          .default_value = true,
@@ -257,7 +257,7 @@ SolverEntry tang_solver() {
         {.name = "lemma4",
          .default_value = false,
          .paper_value = "true, for closed models",
-         .description = "where B is closed: bound a piece by moving it through B"},
+         .description = "if B is closed: bound a piece by moving it through B (lemma 4)"},
     };
     for (ParameterSpec& parameter : cutting_parameters()) info.parameters.push_back(std::move(parameter));
     return {info, make};

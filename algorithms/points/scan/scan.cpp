@@ -200,14 +200,13 @@ SolverEntry scan_solver() {
         {.name = "cells_from",
          .default_value = std::int64_t{1} << 17,
          .unit = "pairs",
-         .description =
-             "from this many undecided points of A times points of B near them on, these are sorted into cells",
+         .description = "sort points into cells from this many undecided points of A times points of B near them",
          .least = 0,
          .most = 1e18},
         {.name = "tree_from",
          .default_value = std::int64_t{1} << 17,
          .unit = "pairs",
-         .description = "from this many pairs that the cells leave undecided on, a tree is built",
+         .description = "build a tree from this many pairs that the cells leave undecided",
          .least = 0,
          .most = 1e18},
     };

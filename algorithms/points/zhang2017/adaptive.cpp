@@ -124,9 +124,9 @@ SolverEntry adaptive_solver() {
     info.may_need = {need<PointOctree>(Side::source), need<PointOctree>(Side::target)};
     info.parameters = {{.name = "theta",
                         .default_value = 0.33,
-                        .unit = "of the smaller box",
+                        .unit = "fraction of the smaller box",
                         .paper_value = "0.33",
-                        .description = "overlap of the boxes up to which EARLYBREAK is chosen",
+                        .description = "largest overlap of the boxes for which EARLYBREAK is chosen",
                         .least = 0,
                         .most = 1}};
     for (const SolverEntry& entry : {nohd_solver(), ohd_solver()}) {

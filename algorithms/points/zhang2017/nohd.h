@@ -50,7 +50,7 @@ inline ParameterSpec nohd_depth_parameter() {
     return {.name = "depth",
             .default_value = std::int64_t{6},
             .paper_value = "6",
-            .description = "of the octree: cells of the largest extent of A over 2^depth",
+            .description = "depth of the octree, whose smallest cells have the longest side of A's box over 2^depth",
             .least = 0,
             .most = PointOctree::max_depth};
 }

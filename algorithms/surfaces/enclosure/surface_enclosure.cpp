@@ -149,11 +149,9 @@ private:
 
     std::optional<Status> hopeless(const EnclosureCell& top) {
         if (!proven_ && result_.counters.subdivisions > unproven_at_most)
-            return stalled(
-                "no point of the source could be proven to exist: its polynomial may not change its sign there");
+            return stalled("no point of the source could be proven to exist: its polynomial may not change sign there");
         if (feet_.empty() && result_.counters.closest_point_queries > unproven_at_most)
-            return stalled(
-                "no point of the target could be proven to exist: its polynomial may not change its sign there");
+            return stalled("no point of the target could be proven to exist: its polynomial may not change sign there");
         if (a_.size() + feet_.tree().size() > most_cells_)
             return stalled("more boxes are needed than 'most_cells' allows");
         if (result_.bounds.gap() <= 8 * resolution()) {
@@ -343,7 +341,8 @@ SolverEntry surface_enclosure_solver() {
         {.name = "most_cells",
          .default_value = std::int64_t{4000000},
          .unit = "boxes",
-         .description = "in both trees together, of about 150 bytes each; beyond, the solver stalls",
+         .description =
+             "most boxes in both trees together, of about 150 bytes each; the solver stalls if it needs more",
          .least = 1000,
          .most = 1e9},
     };

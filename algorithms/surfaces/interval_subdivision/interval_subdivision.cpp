@@ -84,7 +84,7 @@ SolverEntry interval_subdivision_solver() {
         {.name = "depth",
          .default_value = std::int64_t{6},
          .paper_value = "6",
-         .description = "of the octree: 2^depth voxels an axis",
+         .description = "depth of the octree: 2^depth voxels along each axis",
          .least = 1,
          .most = 10},
         {.name = "form",

@@ -1,7 +1,7 @@
-// Attacks on the check of certificates: true ones of every solver that writes them, changed in many ways. What a checker in rational
-// arithmetic (certificate_exact.h) calls false must not be accepted; what is true may be.
+// Attacks on the check of certificates: valid certificates of every solver that writes them, changed in many ways. A claim
+// that the checker in rational arithmetic (certificate_exact.h) finds false must not be accepted; a true claim may be.
 //
-// HAUSBENCH_ATTACKS: how many false ones are tried, 1000 by default. The seed is fixed.
+// HAUSBENCH_ATTACKS: the number of false claims to try, 1000 by default. The seed is fixed.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -38,7 +38,7 @@ std::vector<const SolverEntry*> writers() {
     return all;
 }
 
-// Soups, needles, duplicates; some with coincident vertices, far from the origin, or very large or small.
+// Makes soups, needles and duplicates; some have coincident vertices, lie far from the origin, or are very large or small.
 Scene any_scene(Random& random, int i) {
     Scene scene = small_scene(random, i);
     Shape a = scene.source, b = scene.target;
@@ -62,7 +62,7 @@ struct Truth {
     const Certificate& certificate() const { return file.certificates[0]; }
 };
 
-// None where the solver has none, or one so large that the exact checker takes long.
+// Returns nothing if the solver gives no certificate, or one so large that the exact checker would take long.
 std::optional<Truth> true_one(Random& random, int i) {
     static const auto all = writers();
     const SolverEntry& entry = *all[std::size_t(i) % all.size()];
@@ -155,7 +155,8 @@ void change_bytes(std::string& bytes, const std::string& other, Random& random) 
     }
 }
 
-// And what it claims: as before, less, or just about what the changed bytes show.
+// Changes the bytes of a certificate, and perhaps its claim: smaller than before, or just below
+// what the changed bytes show.
 Certificate changed(const Truth& truth, const std::string& other, Random& random) {
     Certificate bad = truth.certificate();
     Proof proof = truth.proof;
@@ -197,7 +198,7 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
                << c.true_accepted << " of them accepted), " << c.open << " open";
 }
 
-// True: it was accepted although it is false.
+// Returns true if the certificate was accepted although it is false.
 bool fools(ExactChecker& exact, const Truth& truth, const Certificate& certificate, Count& count) {
     const Claim claim = exact.claim(certificate.bytes, certificate.proven);
     const bool accepted = check_certificate(truth.scene.source, {}, truth.scene.target, {}, certificate).accepted;
@@ -236,7 +237,7 @@ TEST(CertificateAttack, NoFalseClaimIsAccepted) {
     }
 }
 
-// A byte of the header or the body, and the seal that fits.
+// Changes a byte of the header or the body, and adjusts the seal.
 TEST(CertificateAttack, NoResealedFileProvesWhatIsFalse) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
@@ -286,7 +287,7 @@ TEST(CertificateAttack, ClaimsThatAreNoLengths) {
         bad.proven = proven;
         EXPECT_FALSE(check_certificate(a, {}, a, {}, bad).accepted) << proven;
     }
-    // The largest polygon, the most that wait, and one more of either.
+    // The largest polygon and the largest number of waiting polygons that are allowed, and one more of each.
     for (const int more : {0, 1}) {
         Tree round, deep;
         for (int i = 0; i < 61 + more; ++i) {

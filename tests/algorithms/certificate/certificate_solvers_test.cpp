@@ -1,5 +1,6 @@
-// Certificates as solvers give them: accepted for every scene, pose, quantity and unit, whatever the status. For every solver of the
-// registry that offers them, and for a slow one of the tests, so that what a session does to them is tried even without others.
+// Certificates of solvers are accepted for every scene, pose, quantity and unit, whatever the
+// status. Tries every registered solver that offers them, and a slow one of these tests, so that
+// Session's own steps are tested even without the others.
 #include "harness/check/certificate_check.h"
 
 #include "algorithms/kernel/rounding.h"
@@ -25,7 +26,7 @@ double diagonal_of_both(const Points& a, const Points& b) {
     return diagonal(corners);
 }
 
-// Proves about what the reference says by random cuts.
+// A solver that proves roughly the reference's answer, with random cuts.
 class Slow final : public Solver {
 public:
     void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
@@ -74,10 +75,10 @@ std::vector<SolverEntry> with_certificates() {
 
 struct Tally {
     int answers = 0, certificates = 0;
-    double anew = 0;  // pieces
+    double anew = 0;  // pieces that had to be bounded anew
 };
 
-// Each one is accepted, and proves the upper bound but for rounding.
+// Checks that each certificate is accepted and proves the upper bound, up to rounding.
 void check_all(const Scene& scene, const Query& query, const Result& result, Tally& tally, const std::string& where) {
     const std::size_t directions = query.quantity == Quantity::symmetric ? 2 : 1;
     ASSERT_TRUE(result.certificates.empty() || result.certificates.size() == directions) << where;
@@ -102,7 +103,7 @@ protected:
     const SolverEntry entry = with_certificates()[GetParam()];
     const bool slow = entry.info.name == "slow";
 
-    // Only what cells bound may have to be bounded anew.
+    // Only pieces that were bounded through cells may have to be bounded anew.
     void expect_own_steps(const Tally& tally) const {
         if (entry.info.name != "sacht" && entry.info.name != "kang") {
             EXPECT_EQ(tally.anew, 0) << entry.info.name;
@@ -157,7 +158,7 @@ TEST_P(Certificates, OfEverySceneAreAccepted) {
         query.tolerance.value = 1e-9;
         ask(scene, query, tally, "H to 1e-9");
     }
-    // The slow one gives up where it would take too many cuts.
+    // The slow solver gives up if it would take too many cuts.
     EXPECT_GT(tally.certificates, tally.answers * 9 / 10);
     expect_own_steps(tally);
 }
@@ -193,7 +194,7 @@ TEST_P(Certificates, OfFiveThousandSoupsAreAccepted) {
     expect_own_steps(tally);
 }
 
-// Every order of the four bounds, either split, regions on and off; and the bounds of the answer are those without a certificate.
+// Every order of the four bounds, both splits, regions on and off. Asking for a certificate does not change the bounds.
 TEST(CertificatesOfCascades, EveryOrderAndSplit) {
     Random random(92);
     std::string digits;
@@ -205,7 +206,7 @@ TEST(CertificatesOfCascades, EveryOrderAndSplit) {
                 const Scene scene = small_scene(random, int(random.below(1000)));
                 Query query;
                 query.tolerance.value = i % 2 ? 1e-2 : 1e-6;
-                query.budget = 3000;  // u1 and u2 alone come close slowly
+                query.budget = 3000;  // u1 and u2 alone converge slowly
                 const Session session(entry, Options(name, entry.info.parameters, given), scene, {});
                 Trace untraced;
                 const Result plain = session.solve(query, untraced);
@@ -221,7 +222,7 @@ TEST(CertificatesOfCascades, EveryOrderAndSplit) {
             }
         }
     };
-    for (int order = 1; order < 625; ++order) {  // numbers to base 5: each digit at most once
+    for (int order = 1; order < 625; ++order) {  // numbers to base 5, with each digit at most once
         digits.clear();
         for (int rest = order; rest > 0; rest /= 5) digits += char('0' + rest % 5);
         std::string sorted = digits;

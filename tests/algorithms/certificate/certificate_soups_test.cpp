@@ -1,5 +1,5 @@
-// Certificates of random scenes, good ones and changed ones: a good one is accepted and its bound is exact but for rounding; a changed one
-// is refused, or what it proves is true all the same.
+// Certificates of random scenes. A valid one is accepted, and its bound is exact up to rounding. A
+// changed one is refused, or its claim is still true.
 #include "harness/check/certificate_check.h"
 
 #include "tests/support/certificates.h"
@@ -17,7 +17,7 @@ using namespace certificates;
 using Kind = Node::Kind;
 
 constexpr double u = 0x1p-53;
-constexpr Real root_loss = 0x1p-58L;  // of exact::root(), relative
+constexpr Real root_loss = 0x1p-58L;  // relative error of exact::root()
 
 double diagonal_of_both(const Points& a, const Points& b) {
     Points both(a.rows() + b.rows(), 3);
@@ -28,7 +28,7 @@ double diagonal_of_both(const Points& a, const Points& b) {
 struct Case {
     Scene scene;  // at rest
     Real low, high;
-    double size;  // of the box of both
+    double size;  // diagonal of the box of both shapes
     Proof proof;
     double proven;
 };
@@ -47,7 +47,8 @@ TriangleMesh random_soup(Random& random, Index triangles) {
     return soup(points);
 }
 
-// Each triangle cut into three and moved a little: near, but no triangle of it alone is near one of the whole.
+// Cuts each triangle into three and moves them a little: the result is near, but no single
+// triangle of it is near a whole triangle.
 TriangleMesh split(const TriangleMesh& whole, Random& random) {
     Points points(9 * whole.triangles.rows(), 3);
     const double noise = std::pow(2.0, -random.real(3, 30)) * diagonal(whole.vertices);
@@ -64,7 +65,7 @@ TriangleMesh split(const TriangleMesh& whole, Random& random) {
     return soup(points);
 }
 
-// None where the slow writer takes too many cuts.
+// Returns nothing if the slow writer would take too many cuts.
 std::optional<Case> random_case(Random& random, Index most_triangles) {
     Shape a = random_soup(random, 1 + random.below(most_triangles));
     transform(a, std::pow(2.0, random.real(-3, 3)), random.vector(random.unit() < 0.2 ? 100 : 0));
@@ -76,7 +77,7 @@ std::optional<Case> random_case(Random& random, Index most_triangles) {
     const MeshReference reference(triangles_of(b));
     const Real gap = 1e-3L * c.size;
     std::tie(c.low, c.high) = reference.hausdorff(mesh.vertices, mesh.triangles, gap);
-    c.low -= 0x1p-58L * std::max(magnitude(points_of(a)), magnitude(points_of(b)));  // the reference's own arithmetic
+    c.low -= 0x1p-58L * std::max(magnitude(points_of(a)), magnitude(points_of(b)));  // rounding in the reference itself
     const Real tau = c.high + static_cast<Real>(std::pow(2.0, -random.real(1, 6))) * c.size;
     const auto proof = Writer(a, b, tau, random).run();
     if (!proof) return std::nullopt;
@@ -89,7 +90,7 @@ CertificateCheck check(const Case& c, const Certificate& certificate) {
     return check_certificate(c.scene.source, Pose{}, c.scene.target, Pose{}, certificate);
 }
 
-// It says nothing false, be it accepted or not.
+// Checks that the certificate proves nothing false, whether it is accepted or not.
 void expect_true(const Case& c, const Certificate& certificate, const char* what) {
     const CertificateCheck found = check(c, certificate);
     EXPECT_GE(found.found, c.low) << what;
@@ -138,7 +139,7 @@ void change_nodes(const Case& c, Random& random) {
     proof = c.proof;
     Tree& tree = proof[std::size_t(random.below(Index(proof.size())))];
     tree.erase(tree.begin() + random.below(Index(tree.size())));
-    if (tree.empty()) tree.push_back({Kind::cut});  // the writer leaves no triangle out
+    if (tree.empty()) tree.push_back({Kind::cut});  // the writer cannot leave a triangle out
     expect_refused(c, written(proof, infinity), "a node dropped");
 }
 
@@ -188,7 +189,7 @@ TEST(CertificateSoups, GoodOnesAreAcceptedAndChangedOnesAreTrueOrRefused) {
     EXPECT_GT(cuts, soups);
 }
 
-// Against the same leaves in rationals: never less, and hardly more.
+// Compared with the same leaves in rationals, the bound is never smaller and hardly larger.
 TEST(CertificateSoups, TheBoundIsExactButForRounding) {
     Random random(72);
     int ones = 0;
@@ -213,7 +214,8 @@ TEST(CertificateSoups, TheBoundIsExactButForRounding) {
     EXPECT_GT(ones, 150);
 }
 
-// The unit is a power of two that all bytes are free of; other scales and places round the shapes, not the certificate.
+// The bytes contain no lengths, so a scale by a power of two scales the bound exactly. Other
+// scales and poses round the shapes, not the certificate.
 TEST(CertificateSoups, ScalesAndPoses) {
     Random random(73);
     for (int i = 0; i < 200; ++i) {
@@ -228,7 +230,7 @@ TEST(CertificateSoups, ScalesAndPoses) {
             const CertificateCheck scaled = check_certificate(scene.source, Pose{}, scene.target, Pose{}, good);
             EXPECT_EQ(scaled.found, std::ldexp(found, exponent)) << exponent;
         }
-        // Both moved in the same way; to the last bit it is the moved shapes that it is about.
+        // Both shapes are moved alike. To the last bit, the certificate is about the moved shapes.
         const Pose pose = turned(0.6, 0.8, random.vector(10));
         const CertificateCheck moved = check_certificate(c->scene.source, pose, c->scene.target, pose, good);
         EXPECT_NEAR(moved.found, found, 1e-13);
@@ -239,7 +241,7 @@ TEST(CertificateSoups, ScalesAndPoses) {
             *shape = std::move(copy);
         }
         EXPECT_EQ(check_certificate(posed.source, Pose{}, posed.target, Pose{}, good).found, moved.found);
-        // Of h(B,A): the shapes change places.
+        // For h(B,A), the shapes change places.
         Certificate backward = good;
         backward.direction = Witness::Direction::target_to_source;
         EXPECT_EQ(check_certificate(c->scene.target, Pose{}, c->scene.source, pose, backward).found,
@@ -252,9 +254,9 @@ TEST(CertificateSoups, TheEndsOfTheRangeOfDoubles) {
         const Certificate one = written(Proof(std::size_t(a.rows()), Tree{{Kind::one}}), infinity);
         return check_certificate(PointSet{std::move(a)}, Pose{}, PointSet{std::move(b)}, Pose{}, one).found;
     };
-    EXPECT_NEAR(found(rows({{1, 0, 0}}), rows({{1, 3e-200, 4e-200}})), 5e-200, 1e-215);  // squares that underflow
+    EXPECT_NEAR(found(rows({{1, 0, 0}}), rows({{1, 3e-200, 4e-200}})), 5e-200, 1e-215);  // squares underflow
     EXPECT_EQ(found(rows({{0x1p1000, 0x1p-1000, 0}}), rows({{0x1p1000, 0, 0}})),
-              0x1p-72);  // a coordinate that scaling loses
+              0x1p-72);  // scaling loses a coordinate
     EXPECT_EQ(found(rows({{5e-324, 0, 0}}), rows({{0, 0, 0}})), 5e-324);
     EXPECT_EQ(found(rows({{5e-324, 5e-324, 0}}), rows({{0, 0, 0}})), 1e-323);  // the root of 2, rounded up
     EXPECT_EQ(found(rows({{1.7e308, 0, 0}}), rows({{-1.7e308, 0, 0}})), infinity);

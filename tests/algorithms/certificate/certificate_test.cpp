@@ -1,5 +1,5 @@
-// The check of certificates: what it accepts is true, whatever the bytes say; what is true and well written it accepts; and its bound is
-// the exact one but for rounding.
+// The check of certificates: everything it accepts is true, whatever the bytes say; it accepts
+// everything that is true and well formed; and its bound is exact up to rounding.
 #include "harness/check/certificate_check.h"
 
 #include "harness/check/verify_exact.h"
@@ -20,7 +20,7 @@ CertificateCheck check_at_rest(const Shape& a, const Shape& b, const Certificate
     return check_certificate(a, Pose{}, b, Pose{}, certificate);
 }
 
-// A right triangle, and triangles of B at height 1 and 2 over all of it.
+// A right triangle, and triangles of B that cover it at heights 1 and 2.
 const TriangleMesh flat = soup(rows({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}));
 const TriangleMesh above = soup(rows({{-9, -9, 1}, {29, -9, 1}, {-9, 29, 1}, {-9, -9, 2}, {29, -9, 2}, {-9, 29, 2}}));
 
@@ -56,13 +56,13 @@ TEST(Certificate, OneTriangleNearAllCorners) {
 }
 
 TEST(Certificate, APointAndARadius) {
-    // The centre is (4/3, 4/3, 0): sqrt(80)/3 from two corners, less from the right angle.
+    // The centre is (4/3, 4/3, 0): at sqrt(80)/3 from two corners, and nearer to the right angle.
     EXPECT_NEAR(check_tree({leaf(Kind::centre, 0)}).found, 1 + std::sqrt(80.0) / 3, 1e-14);
     EXPECT_NEAR(check_tree({leaf(Kind::vertex, 0, 0)}).found, 1 + 4, 1e-14);
     EXPECT_NEAR(check_tree({leaf(Kind::vertex, 1, 2)}).found, 2 + std::sqrt(32.0), 1e-14);
 }
 
-// No reader lets a NaN in; a caller of the library may have one.
+// Readers reject NaN, but a caller of the library may pass one.
 TEST(Certificate, ACoordinateThatIsNotANumberIsRefused) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const Node& node : {leaf(Kind::one, 0), leaf(Kind::centre, 0), leaf(Kind::vertex, 0, 1)}) {
@@ -78,9 +78,9 @@ TEST(Certificate, ACoordinateThatIsNotANumberIsRefused) {
     }
 }
 
-// Every leaf counts, on either side of a cut, and only its own polygon.
+// Every leaf counts, on both sides of a cut, and covers only its own polygon.
 TEST(Certificate, BothChildrenOfACut) {
-    // Triangle 0 is a point above corner 1, and triangle 1 lies 2 above all.
+    // Triangle 0 is a point above corner 1; triangle 1 lies 2 above everything.
     const TriangleMesh corner = soup(rows({{4, 0, 1}, {4, 0, 1}, {4, 0, 1}, {-9, -9, 2}, {29, -9, 2}, {-9, 29, 2}}));
     const auto found = [&](const Tree& tree) {
         const CertificateCheck check = check_at_rest(flat, corner, written(Proof{tree}, infinity));
@@ -88,7 +88,7 @@ TEST(Certificate, BothChildrenOfACut) {
         EXPECT_EQ(check.cuts + 1, check.leaves());
         return check.found;
     };
-    // P (3, 0, 0) and Q (3, 1, 0). The first child is P, corner 1, Q, at most sqrt 3 from the triangle at corner 1.
+    // P = (3, 0, 0) and Q = (3, 1, 0). The first child is (P, corner 1, Q), at most sqrt 3 from the triangle at corner 1.
     const Node at_corner_1 = cut(CutPoint::along(0, 0.75), CutPoint::back(1, 0.75));
     EXPECT_NEAR(found({at_corner_1, leaf(Kind::one, 0), leaf(Kind::one, 1)}), 2, 1e-14);
     EXPECT_NEAR(found({at_corner_1, leaf(Kind::one, 0), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
@@ -96,16 +96,16 @@ TEST(Certificate, BothChildrenOfACut) {
     const Node turned = cut(at_corner_1.q, at_corner_1.p);
     EXPECT_NEAR(found({turned, leaf(Kind::one, 1), leaf(Kind::one, 0)}), 2, 1e-14);
     EXPECT_NEAR(found({turned, leaf(Kind::one, 0), leaf(Kind::one, 1)}), std::sqrt(33.0), 1e-14);
-    // At a corner, and with t = 0 and t = 1.
+    // Cuts at a corner, and with t = 0 and t = 1.
     const Node halved = cut(CutPoint::corner(2), CutPoint::along(0, 0.5));
     EXPECT_NEAR(found({halved, leaf(Kind::one, 1), leaf(Kind::one, 1)}), 2, 1e-14);
     EXPECT_NEAR(found({halved, leaf(Kind::one, 0), leaf(Kind::one, 1)}), std::sqrt(33.0),
-                1e-14);  // from corner 2, 0, P
+                1e-14);  // the first child is (corner 2, corner 0, P)
     const Node ends = cut(CutPoint::along(0, 0), CutPoint::along(1, 1));
     EXPECT_NEAR(found({ends, leaf(Kind::one, 1), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
 }
 
-// A cut so near a corner that 1 - t is no double.
+// The cut is so near a corner that 1 - t is not a double.
 TEST(Certificate, CutsNearACornerAreNotAtIt) {
     Points points(6, 3);
     points << flat.vertices, flat.vertices.row(1).replicate(3, 1);
@@ -113,7 +113,7 @@ TEST(Certificate, CutsNearACornerAreNotAtIt) {
                        leaf(Kind::one, 0)};
     const CertificateCheck check = check_at_rest(flat, soup(points), written(Proof{tree}, infinity));
     EXPECT_TRUE(check.accepted);
-    EXPECT_GE(check.found, 5.65 * 0x1.ffp-54);  // from Q to corner 1, which is sqrt 32 t
+    EXPECT_GE(check.found, 5.65 * 0x1.ffp-54);  // distance from Q to corner 1: sqrt(32) t
 }
 
 TEST(Certificate, RefusalsNameThePlace) {
@@ -169,9 +169,9 @@ TEST(Certificate, OtherFormatsAndBytesAreRefused) {
     EXPECT_NE(check_at_rest(surface, above, {"hausbench cover 1", {}, infinity, "\1"}).refusal, "");
 }
 
-// However many cuts are claimed, memory stays small; and so does the loss by rounding.
+// However many cuts a certificate claims, memory stays small, and so does the loss by rounding.
 TEST(Certificate, ManyCuts) {
-    // A chain of cuts at a corner of the second child: nothing piles up.
+    // A chain of cuts at a corner of the second child: no polygons pile up.
     Tree chain;
     for (int i = 0; i < 20000; ++i) {
         chain.push_back(cut(CutPoint::back(1, 0.25), CutPoint::along(2, i % 2 ? 0.125 : 0.0625)));
@@ -184,13 +184,13 @@ TEST(Certificate, ManyCuts) {
     EXPECT_TRUE(check.accepted) << check.refusal;
     EXPECT_EQ(check.cuts, 40000u);
     EXPECT_LT(check.found, 1 + 1e-11);
-    // First children all the way down: each cut leaves one waiting.
+    // Each cut of a first child leaves one polygon waiting.
     std::string bytes;
     for (int i = 0; i < 5000; ++i)
         bytes += written(Proof{{cut(CutPoint::corner(0), CutPoint::along(1, 0.5))}}, 0).bytes;
     EXPECT_EQ(check_at_rest(flat, above, {"hausbench cover 1", {}, infinity, bytes}).refusal,
               "triangle 0, node 4096: more than 4096 polygons wait for their leaves");
-    // One corner more with each cut.
+    // Each cut adds one corner.
     Tree round;
     for (int i = 0; i < 62; ++i) {
         round.push_back(cut(CutPoint::along(0, 0.5), CutPoint::along(1, 0.5)));

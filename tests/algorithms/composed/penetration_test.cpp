@@ -1,4 +1,4 @@
-// The penetration depth against closed forms, by every solver that can measure it; and what it refuses.
+// The penetration depth against closed forms, for every solver that can measure it; and the inputs that are refused.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -11,7 +11,7 @@
 namespace hausbench {
 namespace {
 
-constexpr double tolerance = 1e-6, slack = 1e-9;  // the latter for cut points, which are rounded
+constexpr double tolerance = 1e-6, slack = 1e-9;  // slack: cut points are rounded
 
 Query query_of() {
     Query query;
@@ -38,7 +38,8 @@ void expect_depth(const Result& result, double exact, double wider = slack) {
 
 double reported(const Result& result, const std::string& name) { return std::get<double>(result.reported.at(name)); }
 
-// A bar sticks into a cube by 0.5: its end is 0.5 from the cube's face, and the face's middle 0.3 from the bar's sides.
+// A bar sticks 0.5 into a cube: its end is 0.5 from the cube's face, and the middle of that face
+// is 0.3 from the bar's sides.
 const TriangleMesh cube = box({0, 0, 0}, {1, 1, 1}), bar = box({0.5, 0.2, 0.2}, {2, 0.8, 0.8});
 
 TEST(Penetration, BoxesBySolver) {
@@ -60,7 +61,8 @@ TEST(Penetration, TheWitnessIsTheDeepestPair) {
     EXPECT_NEAR((result.witness.source_point - result.witness.target_point).norm(), 0.5, slack);
 }
 
-// What lies in one plane bounds the volume on both sides: the far face's middle is 0.5 from the shared sides, not 0.8 from the near face.
+// Faces in a common plane bound the volume on both sides: the middle of the far face is 0.5 from
+// the shared sides, not 0.8 from the near face.
 TEST(Penetration, SidesInOnePlaneAreOfBoth) {
     expect_depth(depth(cube, box({0.2, 0, 0}, {2, 1, 1})), 0.5);
     expect_depth(depth(box({0.2, 0, 0}, {2, 1, 1}), cube), 0.5);
@@ -75,7 +77,7 @@ TEST(Penetration, Nested) {
     EXPECT_EQ(depth(inner, outer).witness.direction, Witness::Direction::source_to_target);
     const Result turned = depth(outer, inner);
     EXPECT_EQ(turned.witness.direction, Witness::Direction::target_to_source);
-    EXPECT_LE(turned.witness.target_point.cwiseAbs().maxCoeff(), 1);  // a point of B, the inner one
+    EXPECT_LE(turned.witness.target_point.cwiseAbs().maxCoeff(), 1);  // a point of B, the inner box
     EXPECT_NEAR(turned.witness.source_point.cwiseAbs().maxCoeff(), 3, slack);
 }
 
@@ -83,14 +85,15 @@ TEST(Penetration, NestedMoves) {
     const TriangleMesh inner = box({-1, -1, -1}, {1, 1, 1}), outer = box({-3, -3, -3}, {3, 3, 3});
     Query query = query_of();
     query.source_pose.translation = {10, 0, 0};
-    query.target_pose.translation = {10.5, 0, 0};  // the middle of one face of the inner one is 2.5 from the outer one
+    query.target_pose.translation = {10.5, 0, 0};  // the middle of one face of the inner box is 2.5 from the outer box
     expect_depth(depth(inner, outer, {}, query), 2.5);
     query.target_pose.rotation *= 2;
     expect_depth(depth(inner, outer, {}, query), 5.5);
     expect_depth(depth(outer, inner, {}, query), 1.5);
 }
 
-// A box within the wall of a hollow one cuts a shell out of it, one part with two surfaces; its corners are the furthest from the cavity's.
+// A box within the wall of a hollow box cuts a shell out of it: one part with two surfaces. Its
+// corners are the farthest from the cavity's surface.
 TEST(Penetration, Hollow) {
     const TriangleMesh shell = joined(box({-3, -3, -3}, {3, 3, 3}), inside_out(box({-2, -2, -2}, {2, 2, 2})));
     const Result result = depth(box({-2.5, -2.5, -2.5}, {2.5, 2.5, 2.5}), shell);
@@ -132,7 +135,7 @@ TEST(Penetration, TheDeepestOfSeveralParts) {
     EXPECT_NEAR(depths[2], 0.3, 2 * tolerance);
 }
 
-// The part with the largest box is measured first, and is not the deepest.
+// The part with the largest box is measured first, but is not the deepest.
 TEST(Penetration, ASmallerPartMayBeDeeper) {
     const TriangleMesh teeth = joined(box({0, 0, 0}, {3, 3, 1.1}), box({5, 0, 0}, {6, 1, 1.3}));
     const TriangleMesh slab = box({-5, -5, 1}, {9, 6, 4});
@@ -152,7 +155,7 @@ TEST(Penetration, ThreadsChangeNothing) {
     EXPECT_EQ(one.witness.source_point, two.witness.source_point);
 }
 
-// Of two parts that are equally deep the second is asked with a floor that is the cutoff, or is above it: the tolerance must end it all the same.
+// With two equally deep parts, the second query has a floor at or above the cutoff. The tolerance must still end it.
 TEST(Penetration, ACutoffAtTheDepthOfAPart) {
     const TriangleMesh teeth = joined(box({0, 0, 0}, {1, 1, 1.25}), box({2, 0, 0}, {3, 1, 1.25}));
     const TriangleMesh slab = box({-5, -5, 1}, {9, 6, 4});
@@ -166,7 +169,8 @@ TEST(Penetration, ACutoffAtTheDepthOfAPart) {
     }
 }
 
-// The poles of two caps are as far apart as the spheres overlap. A mesh lies inside of its sphere, by 1 - cos(half an edge's angle) at most; its poles are vertices.
+// The poles of two caps are as far apart as the spheres overlap. A mesh lies inside its sphere by
+// at most 1 - cos(half an edge's angle), and its poles are vertices.
 TEST(Penetration, Spheres) {
     const TriangleMesh ball = sphere(4);
     Query query = query_of();
@@ -225,7 +229,7 @@ TEST(Penetration, WhatBoundsNoVolumeIsRefusedWhereItOverlaps) {
     expect_refused(depth(bar, open), "B bounds no volume");
     expect_refused(depth(joined(cube, box({0.5, 0.5, 0.5}, {3, 3, 3})), bar),
                    "crosses itself or has triangles without area");
-    TriangleMesh fin = cube;  // three triangles at one edge
+    TriangleMesh fin = cube;  // three triangles share an edge
     fin.vertices.conservativeResize(9, 3);
     fin.vertices.row(8) << 5, 5, 5;
     fin.triangles.conservativeResize(13, 3);

@@ -1,4 +1,5 @@
-// Frames of triangles: their distances are within the error that kernel/triangle_frames.h derives, on triangles of every hard kind.
+// Frames of triangles: their distances are within the error that kernel/triangle_frames.h derives,
+// for triangles of every hard kind.
 #include "algorithms/kernel/triangle_frames.h"
 #include "tests/support/exact.h"
 #include "tests/support/triangle_samples.h"
@@ -13,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// Of a sample moved and scaled so that its coordinates, which it may lie far away with, are at most 1 or so.
+// Moves and scales a sample, which may lie far away, so that its coordinates are about 1 at most.
 Sample local(const Sample& sample) {
     const Vec3 origin = sample.triangle.a;
     Sample moved{{Vec3::Zero(), sample.triangle.b - origin, sample.triangle.c - origin}, sample.point - origin};
@@ -49,7 +50,7 @@ template <class T> void expect_within_the_error() {
                 T squared[frames_width];
                 squared_distances(frames, p, squared);
                 for (std::size_t i = own % 4; i < frames_width;
-                     i += 4) {  // its own, and others: exact numbers take long
+                     i += 4) {  // its own and some others, because exact numbers are slow
                     const auto& [a, b, c] = triangles[i];
                     const long double exactly = exact::root(exact::squared_distance_to_triangle(
                         exact::vector(point), exact::vector(a), exact::vector(b), exact::vector(c)));
@@ -60,7 +61,7 @@ template <class T> void expect_within_the_error() {
                 }
             }
         }
-        // What is proven is not far from what happens, so that a slip in the kernel shows.
+        // The proven error is not far above the worst one observed, so a slip in the kernel shows.
         EXPECT_LE(worst, frame_error<T> / 4) << kind.name;
     }
 }
@@ -68,7 +69,7 @@ template <class T> void expect_within_the_error() {
 TEST(TriangleFrames, FloatIsWithinItsError) { expect_within_the_error<float>(); }
 TEST(TriangleFrames, DoubleIsWithinItsError) { expect_within_the_error<double>(); }
 
-// Where all coordinates are so small that squares underflow.
+// All coordinates are so small that squares underflow.
 template <class T> void expect_underflow_is_counted(double scale) {
     Random random(33);
     for (int turn = 0; turn < 20; ++turn) {
@@ -96,8 +97,8 @@ TEST(TriangleFrames, UnderflowIsCounted) {
     expect_underflow_is_counted<double>(0x1p-560);
 }
 
-// A triangle of the size 2^-exponent or less, in one of the forms in which a length beside it may be smaller still: thin, with one short edge, flat,
-// a segment, a point; its corners begin anywhere.
+// Returns a triangle of size 2^-exponent or less, in one of the forms in which another length may
+// be smaller still: thin, with one short edge, flat, a segment, a point. Any corner may come first.
 Triangle tiny_triangle(Random& random, int exponent, std::size_t form) {
     const auto tiny = [&](int smaller) -> Vec3 {
         Vec3 v = random.vector();
@@ -135,8 +136,8 @@ Triangle tiny_triangle(Random& random, int exponent, std::size_t form) {
     return t;
 }
 
-// Triangles of every size from 1 to the least double beside points of every size, in one leaf: a direction is of length 1 however short
-// its edge is.
+// Puts triangles of every size from 1 to the smallest double beside points of every size in one
+// leaf: a direction has length 1, however short its edge.
 template <class T> void expect_tiny_triangles_are_within_the_error() {
     Random random(34);
     for (int exponent = 0; exponent <= 1074; ++exponent) {
@@ -169,7 +170,8 @@ template <class T> void expect_tiny_triangles_are_within_the_error() {
 TEST(TriangleFrames, FloatHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<float>(); }
 TEST(TriangleFrames, DoubleHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<double>(); }
 
-// A point on the line of a segment or of a triangle that is a point. It is beside no edge, so only its place along the line tells inside from outside.
+// A point on the line of a segment, or of a triangle that is a point, is beside no edge, so only
+// its place along the line tells inside from outside.
 template <class T> void expect_within_the_error_beyond_the_ends_of_a_segment() {
     for (int axis = 0; axis < 3; ++axis) {
         const auto at = [&](double x) -> Vec3 { return x * Vec3::Unit(axis); };
@@ -201,7 +203,7 @@ TEST(TriangleFrames, DoubleHoldsBeyondTheEndsOfASegment) {
     expect_within_the_error_beyond_the_ends_of_a_segment<double>();
 }
 
-// Which corner the longest edge begins at, and which way round the triangle is, is all the same.
+// Neither the corner where the longest edge begins nor the orientation of the triangle matters.
 TEST(TriangleFrames, TakeCornersInAnyOrder) {
     Random random(32);
     for (int i = 0; i < 100; ++i) {

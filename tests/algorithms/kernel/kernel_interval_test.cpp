@@ -1,4 +1,4 @@
-// Polynomials from text, and every interval form against exact rational arithmetic.
+// Polynomials parsed from text, and every interval form against exact rational arithmetic.
 #include "algorithms/error.h"
 #include "algorithms/kernel/interval_form.h"
 #include "tests/support/random.h"
@@ -51,7 +51,7 @@ TEST(Polynomial, PointsAtTheColumn) {
         {"x ^ y", "column 5", "whole number"}, {"x ^ 41", "column 5", "40"},
         {"x +", "column 4", "ends"},           {"x $ y", "column 3", "'$'"},
         {"x + 1e", "column 7", "digits"},      {"", "column 1", "ends"},
-        {"x + .", "column 5", "digits"},       {"x^30*x^30", "column 10", "too many"},
+        {"x + .", "column 5", "digits"},       {"x^30*x^30", "column 10", "above 40"},
         {"x^-1", "column 3", "whole number"}};
     for (const auto& [text, column, word] : wrong) {
         const std::string said = message(text);
@@ -179,10 +179,10 @@ TEST(IntervalForms, TheNewerAreTighterOnSmallBoxes) {
         const Interval range = evaluator.range(static_cast<Form>(form), box);
         width[form] = range.sup() - range.inf();
     }
-    EXPECT_LT(width[3], width[2] * (1 + 1e-12));  // modified affine against affine
+    EXPECT_LT(width[3], width[2] * (1 + 1e-12));  // modified affine against plain affine
     EXPECT_LT(width[2], width[0]);
     EXPECT_LT(width[1], width[0]);
-    // Even powers: [0, 1] and not [-1, 1].
+    // Even powers give [0, 1], not [-1, 1].
     FormEvaluator square(Polynomial("x^2"));
     Box around;
     around.add({-1, 0, 0});
@@ -191,7 +191,7 @@ TEST(IntervalForms, TheNewerAreTighterOnSmallBoxes) {
     EXPECT_LT(square.range(Form::affine, around).inf(), 0);
 }
 
-// x / 3 around 0 has no other term: without the width of its coefficient, `rest` would be 0.
+// x / 3 around 0 has no other term, so without the width of its coefficient `rest` would be 0.
 TEST(IntervalForms, CountTheWidthOfTheSlope) {
     const UpwardRounding upward;
     FormEvaluator evaluator{Polynomial("x/3")};
@@ -204,8 +204,8 @@ TEST(IntervalForms, CountTheWidthOfTheSlope) {
     EXPECT_TRUE(Rational(f.rest.inf()) <= rest && rest <= Rational(f.rest.sup()));
 }
 
-// Terms of high degree, where monomials beyond the sixth degree are bounded term by term: against exact values at corners,
-// where those bounds are attained.
+// Monomials beyond the sixth degree are bounded term by term. Compares them with exact values at
+// corners, where those bounds are attained.
 TEST(IntervalForms, HighDegreesAreEnclosed) {
     Random random(12);
     for (int i = 0; i < 200; ++i) {
@@ -237,7 +237,7 @@ TEST(IntervalForms, HighDegreesAreEnclosed) {
             ASSERT_TRUE(Rational(linear.rest.inf()) <= rest && rest <= Rational(linear.rest.sup())) << s.text;
         }
     }
-    // Even powers beyond the sixth do not change their sign.
+    // Even powers beyond the sixth are never negative.
     FormEvaluator even{Polynomial("x^10*y^2 + z")};
     Box around;
     around.add({-1, -1, 0});
@@ -246,7 +246,7 @@ TEST(IntervalForms, HighDegreesAreEnclosed) {
     EXPECT_GE(even.linear(around).rest.inf(), 0.25 - 1e-12);
 }
 
-// Sums of infinities have no middle: their range is everything, not an interval of NaN, which would hold no value at all.
+// A sum of infinities has no middle. Its range is everything, not an interval of NaN, which would contain no value at all.
 TEST(IntervalForms, OverflowSaysNothing) {
     const UpwardRounding upward;
     Box box;
@@ -263,7 +263,8 @@ TEST(IntervalForms, OverflowSaysNothing) {
     }
 }
 
-// The dense expansion took (degree + 1)^3 places and as many products for each axis and degree: 1331 and 68921 places.
+// A dense expansion takes (degree + 1)^3 places, and as many products for each axis and degree:
+// 1331 and 68921 places here.
 TEST(IntervalForms, WorkGrowsWithTermsAndDegree) {
     const auto products = [](const std::string& text) {
         const UpwardRounding upward;

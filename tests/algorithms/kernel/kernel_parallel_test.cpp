@@ -1,4 +1,5 @@
-// kernel/parallel.h: each block once, by no more workers than asked for, whatever their number; and that structures are built by them.
+// kernel/parallel.h runs each block once, with no more workers than asked for, whatever the number
+// of blocks; and workers build structures.
 #include "algorithms/kernel/parallel.h"
 
 #include "algorithms/session/session.h"
@@ -93,7 +94,7 @@ TEST(Threads, ThrowOnWhatABlockThrows) {
         EXPECT_THROW(Threads(most).for_each(1000000, body), std::runtime_error);
         EXPECT_LT(runs, 1000000u) << "the loop went on";
         runs = 0;
-        Threads(most).for_each(3, body);  // and the next loop is none the worse
+        Threads(most).for_each(3, body);  // the next loop still works
         EXPECT_EQ(runs, 3u);
     }
 }
@@ -130,7 +131,7 @@ struct CountingWithParameters {
     int builders;
 };
 
-// Answers with how many threads built its structures, as bounds.
+// A solver whose bounds tell how many threads built its structures.
 class Asking final : public Solver {
 public:
     Needs needs(const Scene&, const QuerySet&) const override {
@@ -162,7 +163,7 @@ SolverEntry asking(bool threads) {
 
 TEST(Threads, BuildStructuresOfASolverThatOffersThem) {
     const PointSet point{Points::Zero(1, 3)};
-    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // no more workers than these
+    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // the most workers
     const int three = std::min(3, cores), two = std::min(2, cores);
     for (const bool offered : {false, true}) {
         QuerySet queries;
@@ -174,7 +175,7 @@ TEST(Threads, BuildStructuresOfASolverThatOffersThem) {
         const Result kept = session.solve(query, trace);
         EXPECT_EQ(kept.bounds.lower, offered ? three : 1);
         EXPECT_EQ(kept.bounds.upper, offered ? three : 1);
-        // Over a posed copy of the target, as part of an answer: as many as that one may use.
+        // A structure over a posed copy of the target is built as part of the answer, with the threads of that query.
         query.target_pose.translation = {1, 0, 0};
         query.threads = 2;
         const Result copied = session.solve(query, trace);

@@ -1,4 +1,4 @@
-// The point-triangle kernel against exact rational arithmetic, on kind and degenerate triangles.
+// The point-triangle kernel against exact rational arithmetic, on ordinary and degenerate triangles.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
@@ -60,7 +60,8 @@ TEST(PointTriangle, BoundsHoldAgainstExactArithmetic) {
     }
 }
 
-// The upper bounds of all solvers rest on this alone (point_triangle.h). The foot of a foot is at distance zero, as computed.
+// The upper bounds of all solvers rest on this alone (point_triangle.h). The bound must also hold
+// for a foot itself, whose computed distance is about zero.
 TEST(PointTriangle, FeetAreWithin7uMOfTheExactTriangle) {
     Random random(4);
     for (const Kind& kind : kinds()) {
@@ -79,7 +80,7 @@ TEST(PointTriangle, FeetAreWithin7uMOfTheExactTriangle) {
     }
 }
 
-// Any q gives a bound, near or far, also where products or squares underflow.
+// Any q gives a bound, near or far, even if products or squares underflow.
 TEST(PointTriangle, AnyGuessGivesALowerBound) {
     Random random(6);
     int told = 0;
@@ -99,8 +100,9 @@ TEST(PointTriangle, AnyGuessGivesALowerBound) {
     EXPECT_GT(told, 1000);
 }
 
-// A guess far away in the direction of the point. Products with differences of a few 2^-625 are multiples of 2^-1074, and
-// are rounded up as often as down: the quotient is then longer than the distance, and not by a rounding error.
+// The guess lies far away on the line through the point and the triangle. Products with
+// differences of a few 2^-625 are multiples of 2^-1074 and are rounded up as often as down, so the
+// quotient may exceed the distance by much more than a rounding error.
 TEST(PointTriangle, AnyGuessGivesALowerBoundWhereProductsUnderflow) {
     Random random(7);
     int longer = 0;
@@ -116,8 +118,8 @@ TEST(PointTriangle, AnyGuessGivesALowerBoundWhereProductsUnderflow) {
     EXPECT_GT(longer, 500) << "the points do not show what they are for";
 }
 
-// Where coordinates are so large that the foot is off by more than the certificate loses: a second triangle, a point, is
-// then nearer than the first one, although its box seems farther.
+// Coordinates are so large that the foot is off by more than the certificate loses: a second
+// triangle, a point, is then nearer than the first one, although its box seems farther.
 TEST(PointTriangle, CertifiedDistancesHoldForAllTriangles) {
     Random random(5);
     int nearer = 0;
@@ -162,7 +164,7 @@ TEST(PointTriangle, VerticesAreAtDistanceZero) {
     }
 }
 
-// What the textbook kernel is kept for: to show that it errs by far more than rounding.
+// The textbook kernel is kept only to show that it errs by far more than rounding.
 TEST(PointTriangle, TheTextbookErrsByTheSizeOfTheTriangle) {
     Random random(3);
     double worst = 0;

@@ -1,4 +1,5 @@
-// The lemmas of kernel/rounding.h against exact rational arithmetic: each bound at the worst its derivation allows.
+// The lemmas of kernel/rounding.h against exact rational arithmetic, each bound in the worst case
+// that its derivation allows.
 #include "algorithms/kernel/rounding.h"
 
 #include "algorithms/kernel/point_triangle.h"
@@ -28,7 +29,7 @@ TEST(PointDistance, BoundsHoldAgainstExactArithmetic) {
     }
 }
 
-// The derivation asks for f / (1 + u)^3.5 and f / (1 - u)^3.5, which few pairs of points come close to.
+// The derivation requires f / (1 + u)^3.5 and f / (1 - u)^3.5, which few pairs of points come close to.
 TEST(PointDistance, BoundsCoverTheWorstThatIsDerived) {
     Random random(2);
     const Rational u = unit_roundoff, less = power(1 - u, 7), more = power(1 + u, 7);
@@ -52,7 +53,7 @@ TEST(PointDistance, BoundsHoldWhereSquaresUnderflow) {
         const Rational expected = exact::squared_distance(exact::vector(a), exact::vector(b));
         ASSERT_TRUE(low * low <= expected && expected <= high * high) << i;
         vanished += squared == 0;
-        // Distances as large as that are only moved by the underflow, not made useless.
+        // Underflow shifts larger distances only a little and does not make their bounds useless.
         EXPECT_GT(distance_at_least(0x1p-900, true), 0x1p-451);
     }
     EXPECT_GT(vanished, 10);
@@ -60,7 +61,7 @@ TEST(PointDistance, BoundsHoldWhereSquaresUnderflow) {
 
 // --- subdivided triangles --------------------------------------------------------------------------------------------
 
-// A piece of a triangle as solvers compute it, and the exact piece that it stands for.
+// A piece of a triangle as solvers compute it, and the exact piece that it represents.
 struct Chain {
     std::array<Vec3, 3> rounded;
     std::array<RVec3, 3> exact;
@@ -72,7 +73,7 @@ struct Chain {
     }
 };
 
-// Goes to one of the four pieces between corners and midpoints, or to one of the two beside a midpoint.
+// Returns one of the four pieces between corners and midpoints, or one of the two pieces beside a midpoint.
 Chain piece_of(const Chain& chain, Random& random) {
     Chain next = chain;
     ++next.level;
@@ -85,7 +86,7 @@ Chain piece_of(const Chain& chain, Random& random) {
     return next;
 }
 
-// Corners of about 1 whose sums are rounded by the most that there is: half an ulp of 2.
+// Makes corners of about 1 whose sums have the largest rounding error: half an ulp of 2.
 Chain chain_of(Random& random) {
     Chain chain;
     const double size = std::pow(2, random.real(-30, -1));
@@ -129,7 +130,7 @@ TEST(Midpoints, AVertexAfterKHalvingsIsWithinRoot3kuM) {
     EXPECT_GT(most, 1.7) << "the chains do not come near what is derived";
 }
 
-// A distance that is rounded as one of two points, and any foot within 7uM of B.
+// The distance has the rounding error of a distance between two points, and the foot is up to 7uM from B.
 TEST(SurfaceDistance, UpperBoundsCoverTheKernelAndTheMidpoints) {
     Random random(5);
     for_each_chain([&](const Chain& chain, double magnitude) {
@@ -146,13 +147,14 @@ TEST(SurfaceDistance, UpperBoundsCoverTheKernelAndTheMidpoints) {
     });
 }
 
-// As far apart as two points of magnitude M can be, where the sum is rounded by most; and where the square underflows.
+// Distances up to the largest possible between points of magnitude M, so that the sum has its
+// largest rounding error; and a square that underflows.
 TEST(SurfaceDistance, UpperBoundsCoverTheRoundingOfTheSum) {
     Random random(8);
     for (int i = 0; i < 20000; ++i) {
         const double magnitude = random.real(1, 2),
                      away = i % 2 ? 2 * std::sqrt(3.0) * random.unit() : random.real(0, 1e-15);
-        // The least square that a distance can have as computed: f = d (1 - 3.5u).
+        // The least square that can be computed for the distance d: f = d (1 - 3.5u).
         const Rational d = away * magnitude;
         const double f = away * magnitude * (1 - 3.5 * unit_roundoff);
         double squared = f * f;
@@ -164,7 +166,7 @@ TEST(SurfaceDistance, UpperBoundsCoverTheRoundingOfTheSum) {
             ASSERT_TRUE(Rational(surface_distance_at_most(squared, magnitude, level)) >= d + others) << i;
         }
     }
-    // The square of 1.2 2^-537 is 1.44 of the least double, and counts as one.
+    // The square of 1.2 2^-537 is 1.44 times the smallest double and is rounded to it.
     const double d = 1.2 * 0x1p-537, least = smallest_safe_magnitude;
     ASSERT_LT(std::sqrt(d * d), d);
     EXPECT_TRUE(Rational(surface_distance_at_most(d * d, least, 0)) >=
@@ -188,8 +190,8 @@ TEST(SurfaceDistance, LowerBoundsCoverTheMidpoints) {
     });
 }
 
-// Where the distance is more than 4 and M less than 2, the difference is rounded to the distance itself: 2uM is less than half
-// its last place. The exact midpoint may be nearer by sqrt(3) u.
+// If the distance is above 4 and M below 2, the difference is rounded back to the distance,
+// because 2uM is less than half its last place. The exact midpoint may be nearer by sqrt(3) u.
 TEST(SurfaceDistance, LowerBoundsCoverTheRoundingOfTheDifference) {
     Random random(9);
     int absorbed = 0;

@@ -1,4 +1,4 @@
-// kang, zheng and sacht: each of their bounds under rounding, and the intervals of the three against a slow reference.
+// kang, zheng and sacht: each of their bounds under rounding, and their intervals against a slow reference.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/registry.h"
 #include "algorithms/search/piece_bounds.h"
@@ -49,7 +49,7 @@ TEST(SurfaceSum, HasAllOfWhatIsDerivedForIt) {
     EXPECT_EQ(surface_sum_at_most(0, 0, 3), 0);
 }
 
-// A point of an edge, and a barycentre, as computed: how far it is from the exact edge or triangle.
+// Checks how far a computed barycentre is from the exact triangle.
 TEST(InnerPoints, AreWithinTheirLevelOfThePiece) {
     Random random(2);
     for (int i = 0; i < 3000; ++i) {
@@ -63,8 +63,8 @@ TEST(InnerPoints, AreWithinTheirLevelOfThePiece) {
     }
 }
 
-// The least radius of three balls around the corners that cover the triangle, squared: for an acute one that of its circumcircle,
-// for any other one at least that of what two edges need, at most half of the longest edge.
+// Returns the least squared radius of three balls around the corners that cover the triangle. If the triangle is acute,
+// the circumradius is needed; otherwise at least the radius that two edges need, at most half of the longest edge.
 Rational exact_squared_circumradius(const std::array<Vec3, 3>& v, bool& acute) {
     using exact::operator-;
     std::array<Rational, 3> edge;
@@ -88,11 +88,11 @@ std::array<Vec3, 3> any_shape(Random& random, int i) {
         case 1:
             return {a, b, Vec3(a + tiny * c)};  // a needle
         case 2:
-            return {a, b, Vec3(a + tiny * n)};  // about a right angle at a
+            return {a, b, Vec3(a + tiny * n)};  // roughly a right angle at a
         case 3:
-            return {a, b, Vec3(0.5 * (a + b) + std::sqrt(0.75) * n)};  // about equilateral
+            return {a, b, Vec3(0.5 * (a + b) + std::sqrt(0.75) * n)};  // roughly equilateral
         case 4:
-            return {a, b, Vec3(0.5 * (a + b) + (0.5 + tiny * random.real(-1, 1)) * n)};  // about a right angle at c
+            return {a, b, Vec3(0.5 * (a + b) + (0.5 + tiny * random.real(-1, 1)) * n)};  // roughly a right angle at c
         default:
             return {a, b, Vec3(a + random.unit() * e + tiny * n)};  // a cap
     }
@@ -106,16 +106,17 @@ TEST(CoveringRadius, IsThatOfTheExactTriangle) {
         const Rational squared = exact_squared_circumradius(v, acute);
         const Rational g = covering_radius_at_most(v);
         EXPECT_TRUE(g * g >= squared) << i;
-        // It is tight where the triangle is no needle: these lose at most that their largest angle is taken for 60 degrees.
+        // The bound is tight unless the triangle is a needle: for a needle, the largest angle is
+        // taken as 60 degrees at worst.
         EXPECT_TRUE(g * g <= squared * Rational(i % 6 == 0 ? 1.0001 : 1.34)) << i;
     }
 }
 
-// Rounding of right and equilateral triangles, whose two cases meet, needs all that is added.
+// Right and equilateral triangles, where the two cases meet, need the full allowance for rounding.
 TEST(CoveringRadius, IsWidenedByWhatIsDerived) {
     EXPECT_GE(covering_radius_at_most({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.1, 0)}), 0.5 * (1 + 15 * u));
     EXPECT_GE(covering_radius_at_most({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.5, 0)}), 0.5 * (1 + 15 * u));
-    // Needles whose largest angle is far below 90 degrees as rounded: the cosine is not known, so 60 degrees are assumed.
+    // Needles whose computed largest angle is far below 90 degrees: the cosine is not known, so 60 degrees are assumed.
     const double z = 1e-17;
     EXPECT_GE(covering_radius_at_most({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, z, 0)}), 0.57735);
 }
@@ -151,7 +152,7 @@ const std::vector<NamedBound>& all_bounds() {
     return list;
 }
 
-// A piece of A and a small B of every kind: apart, near, points, sharing an edge, folded, the piece itself among them.
+// Makes a piece of A and a small B of every kind: apart, near, points, sharing an edge, folded, or the piece itself.
 std::pair<std::array<Vec3, 3>, TriangleMesh> piece_and_target(Random& random, int i) {
     std::array<Vec3, 3> piece = any_shape(random, i);
     const auto near = [&](double size) {
@@ -162,11 +163,11 @@ std::pair<std::array<Vec3, 3>, TriangleMesh> piece_and_target(Random& random, in
             return {piece, soup(cloud(random, 3 * (1 + i % 5)))};
         case 1:
             return {piece, points_as_triangles({near(0.3), near(0.3), near(0.3)})};
-        case 2: {  // two triangles with an edge in common that crosses the piece
+        case 2: {  // two triangles that share an edge which crosses the piece
             const Vec3 p = near(0.1), q = near(0.1);
             return {piece, soup(rows({p, q, near(0.4), q, p, near(0.4)}))};
         }
-        case 3: {  // the piece cut in three, slightly moved
+        case 3: {  // the piece cut into three and slightly moved
             const Vec3 m = near(0.05);
             return {piece, soup(rows({piece[0], piece[1], m, piece[1], piece[2], m, piece[2], piece[0], m}))};
         }
@@ -177,7 +178,7 @@ std::pair<std::array<Vec3, 3>, TriangleMesh> piece_and_target(Random& random, in
     }
 }
 
-// With nothing to spare: points of the piece and their distances are exact.
+// No slack: points of the piece and their distances are exact.
 TEST(PieceBounds, AreNoLessThanTheDistanceOfAnyPoint) {
     Random random(4);
     for (int i = 0; i < 600; ++i) {
@@ -190,7 +191,7 @@ TEST(PieceBounds, AreNoLessThanTheDistanceOfAnyPoint) {
         std::vector<double> bounds;
         for (const NamedBound& named : all_bounds()) bounds.push_back(named.bound(pieces, v, 0));
         for (int k = 0; k < 12; ++k) {
-            // Corners and edges too, where the largest distances are.
+            // Corners and edges too, because the largest distances are there.
             Rational s = random.unit(), t = k % 3 == 0 ? Rational(0) : Rational(random.unit()) * (1 - s);
             if (k < 3) s = k == 1, t = k == 2;
             if (k == 3) s = t = Rational(1) / 3;
@@ -214,7 +215,7 @@ TEST(PieceBounds, AreNoLessThanTheDistanceOfAnyPoint) {
     }
 }
 
-// B is two or three points, so that the distance of all of the piece is known exactly.
+// B is two or three points, so the distance of the whole piece is known exactly.
 TEST(PieceBounds, HoldExactlyAgainstPoints) {
     Random random(5);
     for (int i = 0; i < 2000; ++i) {
@@ -235,8 +236,8 @@ TEST(PieceBounds, HoldExactlyAgainstPoints) {
     }
 }
 
-// Each is widened by 2uM a level, and what is cut by level_of_inner_point beside: nothing else tells, as roundings never err all in
-// one direction.
+// Each bound is widened by 2uM per level; bounds that cut the piece also by level_of_inner_point.
+// No other test shows this, because roundings never all err in one direction.
 TEST(PieceBounds, AreWidenedByTheirLevel) {
     const TriangleMesh two = points_as_triangles({{0, 0, 1}, {1, 0, 1}});
     const PieceCorners v = measured({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.25, 0)}, two);
@@ -248,13 +249,15 @@ TEST(PieceBounds, AreWidenedByTheirLevel) {
         if (std::isinf(at_0)) continue;
         EXPECT_GE(at_20 - at_0, 39 * u * (1 << 20)) << named.name;
     }
-    // The plane between the two points cuts at x = 1/2, where the distance is sqrt(1.25), or sqrt(1.3125) at the third corner.
+    // The plane between the two points cuts the piece at x = 1/2, where the distance is
+    // sqrt(1.25), or sqrt(1.3125) at the third corner.
     const double cut = std::sqrt(1.3125), inner = 2 * level_of_inner_point * u * (1 << 20);
     EXPECT_GE(pieces.u4(v, 0), cut + 7 * u * (1 << 20) + inner);
 }
 
 TEST(PieceBounds, TwoTrianglesWithACommonEdgeAreExactForThePieceOverIt) {
-    // A flat piece over the ridge of a roof: the plane through the ridge cuts it where the two sides meet.
+    // A flat piece over the ridge of a roof: the plane through the ridge cuts the piece where the
+    // two sides of the roof meet.
     const TriangleMesh roof = soup(rows({{0, -9, 1}, {0, 9, 1}, {-9, 0, 0}, {0, 9, 1}, {0, -9, 1}, {9, 0, 0}}));
     const PieceCorners v = measured({Vec3(-1, 0, 2), Vec3(2, -0.5, 2), Vec3(1.5, 0.5, 2)}, roof);
     ASSERT_NE(v[0].triangle, v[1].triangle);
@@ -280,8 +283,8 @@ TEST(PieceBounds, TheFourthSettlesAThinPieceThatTheThirdDoesNot) {
     EXPECT_GT(pieces.nearest_triangles(v, 0), 0.9);
 }
 
-// Two triangles that lie on one side of their common edge: no plane parts them, so the piece is cut at midpoints, and each cut counts
-// against both. From (1, 1, 0) it is sqrt(1/2) to the one and less to the other.
+// Two triangles lie on the same side of their common edge, so no plane separates them: the piece is cut at midpoints,
+// and each cut counts against both triangles. From (1, 1, 0), one triangle is sqrt(1/2) away, the other less.
 TEST(PieceBounds, TheThirdCountsEachCutAgainstBothTriangles) {
     const TriangleMesh folded = soup(rows({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}, {2, 1, 0}}));
     const Target target(folded, nullptr);
@@ -298,7 +301,7 @@ TEST(PieceBounds, TheThirdCountsEachCutAgainstBothTriangles) {
     }
 }
 
-// Three corners, each at a point of B: the barycentre is farthest.
+// Each of the three corners is at a point of B, so the barycentre is farthest.
 TEST(PieceBounds, TheThirdIsWidenedByWhatItsBarycentreIsOff) {
     const std::array<Vec3, 3> piece{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.75, 0)};
     const TriangleMesh points = points_as_triangles({piece[0], piece[1], piece[2]});
@@ -310,7 +313,7 @@ TEST(PieceBounds, TheThirdIsWidenedByWhatItsBarycentreIsOff) {
     EXPECT_LE(pieces.u3(measured(piece, points), 0), most + off + 2 * u * (1 << 20));
 }
 
-// What is taken for a tie may be farther by rounding, here by 5e-4, and that is in the bound.
+// A triangle that counts as tied may be farther by rounding, here by 5e-4, and the bound includes that.
 TEST(PieceBounds, ATieCountsItsOwnDistances) {
     const TriangleMesh points = points_as_triangles({{0, 0, 0}, {3, 0, 2.9995}});
     const PieceCorners v = measured({Vec3(0, 0, 1), Vec3(3, 0, 0), Vec3(3, 0, 0)}, points);
@@ -383,7 +386,7 @@ TEST(Cascade, AllOrdersAgree) {
     }
 }
 
-// Every corner of the one lies in several triangles of the other, and which of them is named is chance.
+// Every corner of one mesh lies in several triangles of the other; which of them is reported is arbitrary.
 TEST(Cascade, IdenticalMeshesAreDoneAfterFewSplits) {
     const Scene scene{sheet(8, 0, 0.3), sheet(8, 0, 0.3)};
     Query query = asking(1e-9);
@@ -410,7 +413,7 @@ TEST(Cascade, VerticesOfNoTriangleDoNotCount) {
     }
 }
 
-// The barycentre is within 6uM of A, which is in the lower bound; no split is needed to find it.
+// The barycentre is within 6uM of A, which the lower bound takes into account. It is found without a split.
 TEST(Zheng, ABarycentreThatIsFarthestIsWidened) {
     const TriangleMesh a = soup(rows({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
     const TriangleMesh b = points_as_triangles({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});

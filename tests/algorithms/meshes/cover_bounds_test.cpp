@@ -1,5 +1,6 @@
-// Tests of the terms that threshold cover adds to its bounds for rounding and for halved pieces. Without its term, a test finds a wrong interval,
-// or, if other terms hide the fault in a whole search, a part of the search that breaks its contract. Exact numbers decide.
+// Tests of the terms that threshold cover adds to its bounds for rounding and for halved pieces.
+// Without its term, a test finds a wrong interval or, if other terms hide the fault in a complete
+// search, a part of the search that breaks its contract. Exact numbers decide.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/cover/groups.h"
 #include "algorithms/meshes/cover/offset_cover.h"
@@ -61,7 +62,8 @@ Result answer(const TriangleMesh& a, const TriangleMesh& b, double tolerance) {
 
 // --- whole searches -------------------------------------------------------------------------------------------------
 
-// Many triangles of B are near, so neighbouring triangles of A share a landmark. One of these reaches much farther than the others.
+// Many triangles of B are near, so neighbouring triangles of A share a landmark. One of them
+// reaches much farther than the others.
 TEST(Cover, APieceThatReachesFarIsNotSettledByItsNeighbours) {
     TriangleMesh b = sheet(20, 0);
     b.vertices *= 1.0 / 19;
@@ -94,7 +96,8 @@ TEST(Cover, TheRoundingOfAMeasuredDistanceIsCounted) {
     EXPECT_GE(below, 20);
 }
 
-// A is two points above many triangles of B: four triangles each, which share the computed distance of one corner.
+// A is two points above many triangles of B: four triangles of A at each point, which share the
+// computed distance of one corner.
 TEST(Cover, TheRoundingOfASharedDistanceIsCounted) {
     Random random(57);
     TriangleMesh b = sheet(18, 0, 0.3);
@@ -140,7 +143,7 @@ TEST(GroupBoxes, HoldAllTheirTriangles) {
     }
 }
 
-// A triangle of A whose longest edge goes across the cube from -2 to 2, and a small triangle of B beyond each of its corners.
+// A triangle of A whose longest edge crosses the cube from -2 to 2, and a small triangle of B beyond each of its corners.
 struct AcrossThePlace {
     Triangle a;
     TriangleMesh b;
@@ -168,10 +171,10 @@ struct AcrossThePlace {
 
 // --- pieces of a level ----------------------------------------------------------------------------------------------
 //
-// A corner of a piece of level k may be 2kuM off the point of A that it stands for (kernel/rounding.h). The pieces that a search makes are rarely
-// off by half of that, so these tests make pieces by hand.
+// A corner of a piece of level k may be 2kuM off the point of A that it represents (kernel/rounding.h).
+// Pieces of a real search are rarely off by half of that, so these tests make pieces by hand.
 
-// A worker with one triangle of A. M may be given larger than all coordinates, as if something were far away.
+// A worker with one triangle of A. M may be larger than all coordinates, as if something were far away.
 class Alone {
 public:
     Alone(const Triangle& a, TriangleMesh b, double tolerance, double magnitude = 0)
@@ -200,7 +203,7 @@ public:
     // Returns how far a corner of this level may be off.
     double off(int level) const { return 2 * level * u * magnitude_; }
 
-    // Checks that a point is no farther than that from the triangle of A.
+    // Checks that a point is within off(level) of the triangle of A.
     bool is_near(const Vec3& point, int level) const { return is_at_least(off(level), squared_to_mesh(point, a_)); }
 
 private:
@@ -216,7 +219,7 @@ private:
     CoverWorker worker_;
 };
 
-// The plane z = 0 to the left of x = 0, and to the right.
+// The halves of the plane z = 0 on the left and on the right of x = 0.
 TriangleMesh two_halves() {
     return soup(rows({{-20, 0, 0}, {0, -10, 0}, {0, 10, 0}, {20, 0, 0}, {0, 10, 0}, {0, -10, 0}}));
 }
@@ -230,14 +233,14 @@ constexpr double far_away = 0x1p40, um = u * far_away;
 // Returns the tolerance for which tau is `above` uM above the lower bound.
 constexpr double tolerance_of(double above) { return above * um / 0.9; }
 
-// A lower bound of 1.
+// Returns a lower bound of 1.
 Farthest at_one() {
     Farthest farthest;
     farthest.point.squared = 1;
     return farthest;
 }
 
-// The bound by the distances of all corners to one triangle. The measured corner is off by its level as well.
+// The bound uses the distances of all corners to one triangle. The measured corner is off by its level as well.
 TEST(CoverWorker, ABoundByCornersHoldsForTheExactPiece) {
     Alone alone(at_height(1, -3), two_halves(), 0.1, far_away);
     alone.worker().decide(alone.piece(high_level));
@@ -285,8 +288,8 @@ TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
     }
 }
 
-// The tolerance is 0. If the threshold is not above the lower bound by the errors of the frames, no triangle covers anything, and the piece gets
-// its bound by one triangle of B, here more than 1.4.
+// The tolerance is 0. If the threshold did not exceed the lower bound by the errors of the frames, no triangle
+// would cover anything, and the piece would get its bound from one triangle of B, here more than 1.4.
 TEST(CoverWorker, WithoutAToleranceItCoversAllTheSame) {
     for (const int level : {0, high_level}) {
         Alone alone(at_height(1, 0), two_halves(), 0);
@@ -295,7 +298,8 @@ TEST(CoverWorker, WithoutAToleranceItCoversAllTheSame) {
     }
 }
 
-// The same far from the origin, where the lower bound itself errs by parts of M. B is turned, so that closest points are rounded.
+// The same far from the origin, where even the lower bound errs by a fraction of M. B is turned,
+// so that closest points are rounded.
 TEST(CoverWorker, WithoutAToleranceItCoversAllTheSameFarAway) {
     Random random(58);
     for (int i = 0; i < 20; ++i) {
@@ -325,7 +329,7 @@ TEST(CoverWorker, ACornerOfAHalfIsOffByItsLevel) {
     EXPECT_GE(outcome.farthest.level, 5);
 }
 
-// The farthest point is inside a piece, above a gap of B. It is off by as much as the piece, and by its own rounding.
+// The farthest point is inside a piece, above a gap in B. It is off by as much as the piece, plus its own rounding.
 TEST(CoverWorker, APointInsideAPieceIsOffByItsLevel) {
     TriangleMesh b = two_halves();
     for (Index v = 0; v < b.vertices.rows(); ++v) b.vertices(v, 0) += v < 3 ? -0.75 : 0.75;
@@ -336,8 +340,8 @@ TEST(CoverWorker, APointInsideAPieceIsOffByItsLevel) {
     EXPECT_GE(outcome.farthest.level, high_level + 1);
 }
 
-// B is a bowl with many triangles under one triangle of A, so this is halved. The midpoint of its longest edge, which is rounded, is the farthest
-// point.
+// B is a bowl with many triangles under one triangle of A, so A's triangle is halved. The farthest
+// point is the midpoint of its longest edge, which is rounded.
 TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
     Random random(53);
     int off_a = 0, off_a_undecided = 0;
@@ -350,7 +354,7 @@ TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
         const Triangle t{Vec3(-0.9, 0, 0) + random.vector(0.05), Vec3(0.9, 0, 0) + random.vector(0.05),
                          Vec3(0.3, 0.6, 0) + random.vector(0.05)};
         Alone alone(t, bowl, 1e-12);
-        Farthest begin;  // all of the bowl is near
+        Farthest begin;  // the whole bowl is near
         begin.point = {t.a, 0.25, 0};
         begin.source = 0;
         alone.begin(begin);
@@ -374,7 +378,7 @@ TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
     EXPECT_GE(off_a_undecided, 5);
 }
 
-// Points inside a piece are rounded when they are moved back from its place, most of all far from the origin.
+// Points inside a piece are rounded when they are moved back from local coordinates, most of all far from the origin.
 TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
     Random random(54);
     int off_a = 0;
@@ -394,7 +398,8 @@ TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
     EXPECT_GE(off_a, 10);
 }
 
-// The worst of 20000 scenes: after many cuts the farthest point is more than 3uM off A. Moving it back from its place explains less than 2uM.
+// The worst of 20000 scenes: after many cuts, the farthest point is more than 3uM off A. Moving it
+// back from local coordinates explains less than 2uM.
 TEST(CoverWorker, APointAfterManyCutsIsAsNearToAAsItsLevelSays) {
     for (const std::uint64_t seed : {107216, 117211, 118560}) {
         const AcrossThePlace scene(seed);
@@ -429,7 +434,7 @@ CoverPolygon<double> polygon_of(const Triangle& t, const LocalUnits& place, floa
 // Measures points by trying all triangles of B, and checks that each is within its slack of the exact piece.
 class CheckingHost final : public CoverHost {
 public:
-    // The exact corners are those of the piece, moved along z by their slack.
+    // The exact corners are the corners of the piece, moved along z by their slack.
     CheckingHost(const TriangleMesh& mesh, const LocalUnits& units, const CoverPolygon<double>& piece, double tolerance)
         : mesh_(mesh), units_(units), tolerance_(tolerance) {
         for (std::size_t i = 0; i < 3; ++i)
@@ -513,7 +518,7 @@ TEST(OffsetCover, ACutFarAlongALongEdgeIsWithinItsSlack) {
     }
 }
 
-// B is one triangle that is far larger than the place. Its frame errs by parts of its own size.
+// B is one triangle, far larger than the place. Its frame errs by a fraction of its own size.
 TEST(OffsetCover, TheSizeOfATriangleIsInItsError) {
     Random random(56);
     const LocalUnits place = unit_place();
@@ -539,7 +544,7 @@ TEST(OffsetCover, TheSizeOfATriangleIsInItsError) {
     EXPECT_GE(below, 10);
 }
 
-// The corners have the most slack, and the exact corners are farther from B by that much.
+// The corners have the largest slack, and the exact corners are farther from B by that much.
 TEST(OffsetCover, TheMostSlackIsInItsError) {
     const LocalUnits place = unit_place();
     const TriangleMesh mesh = soup(rows({{-3, -3, 0}, {3, -3, 0}, {0, 3, 0}}));
@@ -553,8 +558,8 @@ TEST(OffsetCover, TheMostSlackIsInItsError) {
     EXPECT_LE(result.upper, 1 * place.inverse + 1e-10);
 }
 
-// The corners have the most slack already. A cut would make corners with more, so the piece is not cut. Without slack, two triangles of B cover it
-// together, or three one after the other.
+// The corners already have the largest slack. A cut would make corners with more, so the piece is
+// not cut. Without slack, two triangles of B cover it together, or three one after the other.
 TEST(OffsetCover, NoCutGoesBeyondTheMostSlack) {
     const TriangleMesh three = soup(rows({{-20, 0, 0},
                                           {-0.3, -10, 0},

@@ -1,4 +1,4 @@
-// Threshold cover: its interval against exact samples and the other solvers, hostile meshes, and that it ends.
+// Threshold cover: its interval against exact samples and the other solvers, hostile meshes, and termination.
 #include "algorithms/meshes/cover/offset_cover.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -16,7 +16,7 @@
 namespace hausbench {
 namespace {
 
-// A place around the unit cube, all triangles of a mesh near it.
+// A place around the unit cube, with all triangles of a mesh near it.
 struct Place {
     LocalUnits units;
     OffsetCover<double> exact;
@@ -32,7 +32,7 @@ struct Place {
     }
 };
 
-// Knows the distances of a few triangles by trying all.
+// A host that finds the distances of a few triangles by trying all.
 class Host final : public CoverHost {
 public:
     Host(const TriangleMesh& mesh, const LocalUnits& units, double tolerance)
@@ -93,7 +93,7 @@ TEST(OffsetCover, BoundsAPieceFromAboveAndEnds) {
     }
 }
 
-// Out of work at once: whatever is left has a bound that holds.
+// The work limit is reached early: every remaining part still has a valid bound.
 TEST(OffsetCover, BoundsHoldWhereWorkIsSpent) {
     Random random(42);
     for (int i = 0; i < 200; ++i) {
@@ -114,8 +114,8 @@ TEST(OffsetCover, BoundsHoldWhereWorkIsSpent) {
     }
 }
 
-// In single precision too, no bound is below the exact distance of a corner: the error of a frame is in it. One triangle of B, so
-// that the corner that is farthest is known exactly.
+// In single precision too, no bound is below the exact distance of a corner, because it includes
+// the error of a frame. B is one triangle, so the farthest corner is known exactly.
 TEST(OffsetCover, SinglePrecisionNeverBoundsBelowTheExactDistance) {
     Random random(43);
     double closest_call = 1;
@@ -158,7 +158,7 @@ TEST(OffsetCover, SinglePrecisionNeverBoundsBelowTheExactDistance) {
     EXPECT_LT(closest_call, 1e-4);
 }
 
-// A sample of random scenes with 1, 2 and 5 threads, and with a budget: the same bits.
+// A sample of random scenes gives the same bits with 1, 2 and 5 threads, and with a budget.
 TEST(Cover, TheAnswerDoesNotDependOnTheNumberOfThreads) {
     Random random(44);
     const SolverEntry& entry = find_solver("cover");
@@ -189,8 +189,7 @@ Result answer(const TriangleMesh& a, const TriangleMesh& b, const Query& query) 
     return Session(find_solver("cover"), Options("cover", {}, {}), Scene{a, b}, {}).solve(query, trace);
 }
 
-// Every instruction set that this program was compiled for and this machine has, forced in turn: the same bits.
-// Room for covering is kept from one solve to the next: nothing of what was in it may be seen, whatever was solved before.
+// Buffers for covering are kept from one solve to the next. An answer must not depend on earlier solves.
 TEST(Cover, RoomsThatAreUsedAgainChangeNothing) {
     const SolverEntry& entry = find_solver("cover");
     Random random(11);
@@ -210,14 +209,14 @@ TEST(Cover, RoomsThatAreUsedAgainChangeNothing) {
     };
     constexpr std::uint64_t no_budget = std::numeric_limits<std::uint64_t>::max();
     std::vector<Result> first;
-    std::thread([&] {  // whose rooms are new
+    std::thread([&] {  // its buffers are new
         for (const Scene& scene : scenes) first.push_back(solve(scene, 1e-6, false, no_budget, 1));
     })
         .join();
     for (int round = 0; round < 3; ++round) {
         for (std::size_t i = 0; i < scenes.size(); ++i) {
             (void)solve(scenes[(i + 1) % 3], 1e-9, true, no_budget, 1);
-            (void)solve(scenes[(i + 2) % 3], 1e-9, false, 3, 1);  // ends amid the work
+            (void)solve(scenes[(i + 2) % 3], 1e-9, false, 3, 1);  // ends in the middle of the work
             (void)solve(scenes[(i + 1) % 3], 1e-4, false, no_budget, 2);
             const Result again = solve(scenes[i], 1e-6, false, no_budget, 1);
             EXPECT_EQ(again.bounds.lower, first[i].bounds.lower);
@@ -258,7 +257,7 @@ TEST(Cover, TheAnswerDoesNotDependOnTheInstructionSet) {
     EXPECT_GE(compared, 6);
 }
 
-// The first points that are measured lie on B, so that a tolerance relative to the lower bound is 0 there.
+// The first measured points lie on B, so a tolerance relative to the lower bound is 0 at first.
 TEST(Cover, ARelativeToleranceMayBeginAtZero) {
     const auto mesh = [](std::initializer_list<std::array<double, 3>> vertices,
                          std::initializer_list<std::array<Index, 3>> triangles) {
@@ -281,7 +280,7 @@ TEST(Cover, ARelativeToleranceMayBeginAtZero) {
     EXPECT_NEAR(result.bounds.upper, 0.2572478777137604, 0.003);
 }
 
-// A triangle of B so small that the squares of its edges underflow: its frame shall not shorten the way to it.
+// A triangle of B is so small that the squares of its edges underflow. Its frame must not shorten the distance to it.
 TEST(Cover, ATinyTriangleIsNoNearerThanItIs) {
     const TriangleMesh a = soup(rows({{0.25, 0, 0}, {0.262, 0, 0}, {0.262, 0.012, 0}}));
     for (int exponent = -1074; exponent <= -400; ++exponent) {
@@ -293,14 +292,14 @@ TEST(Cover, ATinyTriangleIsNoNearerThanItIs) {
             query.tolerance = {Tolerance::Of::absolute, 1e-9};
             const Result result = answer(a, b, query);
             EXPECT_EQ(result.status, Status::converged) << s;
-            const double h = 0.26227466518899617;  // to the double next to it: B's triangle is far smaller than that
+            const double h = 0.26227466518899617;  // to the next double: B's triangle is far smaller than one ulp
             EXPECT_LE(result.bounds.lower, std::nextafter(h, 1)) << s;
             EXPECT_GE(result.bounds.upper, std::nextafter(h, 0)) << s;
         }
     }
 }
 
-// All of A is as far from B as the farthest point is, so nothing of it is covered within the distance that was found.
+// All points of A are equally far from B, so no part of A is covered within the distance found so far.
 TEST(Cover, ADistanceAboveTheCutoffEndsTheSearch) {
     TriangleMesh a = soup(rows({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}));
     const TriangleMesh b = soup(rows({{-9, -9, 0}, {9, -9, 0}, {0, 20, 0}}));
@@ -318,7 +317,8 @@ TEST(Cover, ADistanceAboveTheCutoffEndsTheSearch) {
     }
 }
 
-// Tolerances that double precision cannot meet: it ends, near what can be met, and "is h above d?" has its answer.
+// Tolerances that double precision cannot meet: the search ends near the best possible interval,
+// and "is h above d?" is answered.
 TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
     Random random(45);
     TriangleMesh mesh = triangle_grid(random, 20, 0.2);
@@ -338,8 +338,8 @@ TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
     }
 }
 
-// In a hole with parallel edges the distance is the same all along a ridge, and a cover has to be cut there to within the tolerance: with few
-// cuts, also where that is hardly more than rounding.
+// In a hole with parallel edges, the distance is constant along a ridge, and a cover has to be cut
+// there to within the tolerance. Few cuts suffice, even if the tolerance is hardly more than rounding.
 TEST(Cover, AFewCutsAreEnoughAlongARidge) {
     Random random(47);
     for (int scene = 0; scene < 40; ++scene) {

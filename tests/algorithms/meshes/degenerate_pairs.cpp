@@ -1,11 +1,11 @@
-// Every certified mesh solver on pairs of degenerate triangles, and on soups that mix triangles of all sizes, against the exact distance in
-// rationals; and what is not certified, as a control that must be found wrong.
+// Every certified mesh solver on pairs of degenerate triangles, and on soups that mix triangles of all sizes,
+// against the exact distance in rationals. Uncertified variants are the control: they must be found wrong.
 //
 //     HAUSBENCH_PAIRS=1000000 HAUSBENCH_SEED=1 HAUSBENCH_SOLVERS=guthe,tang build/release/tests/degenerate_pairs
 //     HAUSBENCH_PAIRS=100000 HAUSBENCH_SOLVERS=cover build/release/tests/degenerate_pairs --gtest_filter='MixedSizes.*'
 //
-// HAUSBENCH_FIRST: the number of the first pair. A pair depends on the seed and its number alone. results/reference/degenerate_pairs.md
-// has what a million gave.
+// HAUSBENCH_FIRST is the number of the first pair. A pair depends only on the seed and its number.
+// results/reference/degenerate_pairs.md has the results of a million pairs.
 #include "tests/support/degenerate_pairs.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -27,7 +27,7 @@ std::uint64_t setting(const char* name, std::uint64_t otherwise) {
     return text ? std::strtoull(text, nullptr, 10) : otherwise;
 }
 
-// Under sanitizers a solve takes ten times as long.
+// Sanitizers make a solve ten times slower.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr std::uint64_t few = 500;
 #else
@@ -39,16 +39,16 @@ bool chosen(const std::string& name) {
     return !text || fmt::format(",{},", text).find("," + name + ",") != std::string::npos;
 }
 
-// A solver with the sets of options that are tried in turn.
+// A solver and the sets of options that are tried in turn.
 struct Candidate {
     const SolverEntry* entry;
     std::string label;
     std::vector<Options> options;
     std::uint64_t pairs = 0, wrong = 0, converged = 0, unfinished = 0, thrown = 0;
     std::uint64_t far =
-        0;  // wrong by more than 1e-9 of the largest coordinate, a normal double: no rounding explains that
+        0;  // wrong by more than 1e-9 of the largest coordinate, a normal double, which rounding cannot explain
     double worst_gap =
-        0;  // of the largest coordinate, of pairs that converged or reached the precision of normal doubles
+        0;  // relative to the largest coordinate, over pairs that converged or reached the precision of normal doubles
 };
 
 std::vector<Candidate> certified_solvers() {
@@ -87,7 +87,7 @@ TriangleMesh mesh_of(const std::vector<Triangle>& triangles) {
     return soup(points);
 }
 
-// A scene, and between what the square of its distance is.
+// A scene, and bounds of its squared distance.
 struct Case {
     std::string kind;
     TriangleMesh a, b;
@@ -108,7 +108,8 @@ Case mixed_soups(std::uint64_t seed, std::uint64_t number) {
     return {"mixed sizes", mesh_of(soups.a), mesh_of(soups.b), squared.low, squared.high};
 }
 
-// By how much the distance is outside the bounds, in largest coordinates; about, but without overflow or underflow.
+// Returns by how much the distance is outside the bounds, relative to the largest coordinate.
+// Approximate, but without overflow or underflow.
 double excess(const Bounds& bounds, const Case& one, double extent) {
     const exact::Rational unit = std::ldexp(1.0, std::ilogb(extent));
     const auto distance = [&](const exact::Rational& squared) {
@@ -119,7 +120,7 @@ double excess(const Bounds& bounds, const Case& one, double extent) {
                     distance(one.least) - std::ldexp(bounds.upper, exponent));
 }
 
-// Empty where the interval holds the exact distance; else what the solver said.
+// Returns an empty string if the interval contains the exact distance, else the solver's answer.
 std::string try_case(Candidate& candidate, const Case& one, std::uint64_t number) {
     const double extent = one.extent();
     Query query;
@@ -156,12 +157,12 @@ void print(const std::vector<Candidate>& all) {
                    one.converged, one.unfinished, one.thrown, one.worst_gap);
 }
 
-// The first few of each solver are printed, for whoever looks into them.
+// Prints the first few failures of each solver for inspection.
 void run(std::vector<Candidate>& all, Case (*make)(std::uint64_t seed, std::uint64_t number), int shown) {
     const std::uint64_t seed = setting("HAUSBENCH_SEED", 1), first = setting("HAUSBENCH_FIRST", 0),
                         count = setting("HAUSBENCH_PAIRS", few);
     std::vector<int> said(all.size(), 0);
-    std::uint64_t known = 0;  // exactly
+    std::uint64_t known = 0;  // distances known exactly
     for (std::uint64_t number = first; number < first + count; ++number) {
         const Case one = make(seed, number);
         known += one.least == one.most;
@@ -190,8 +191,8 @@ TEST(DegeneratePairs, CertifiedIntervalsHoldTheExactDistance) { expect_none_wron
 
 TEST(MixedSizes, CertifiedIntervalsHoldTheExactDistance) { expect_none_wrong(mixed_soups); }
 
-// What errs by rounding or by its kernel must be seen to, or the pairs are too easy. The textbook kernel with `certify` is there to be
-// counted: what it gets wrong is mostly widened into an upper bound that is too large.
+// Variants that err by rounding or by their kernel must be found wrong, or the pairs are too easy. The textbook
+// kernel with `certify` is only counted: its errors are mostly widened into an upper bound that is too large.
 TEST(DegeneratePairs, WhatIsNotCertifiedIsFoundWrong) {
     std::vector<Candidate> all = controls();
     run(all, degenerate_pair, 0);

@@ -1,4 +1,4 @@
-// What guthe tells of each triangle of A, and of its stages, where it is asked to.
+// The values that guthe reports for each triangle of A and for its stages, if asked to.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -41,14 +41,14 @@ const std::vector<double>& values(const Result& result, const std::string& name)
 
 double largest(const std::vector<double>& numbers) { return *std::max_element(numbers.begin(), numbers.end()); }
 
-// That there is a bound for each triangle, and that they are those of the answer.
+// Checks that each triangle has bounds and that they agree with the bounds of the answer.
 void expect_consistent(const Result& result, Index triangles, const std::string& where) {
     ASSERT_TRUE(result.fields) << where;
     ASSERT_EQ(result.fields->size(), 3u) << where;
     for (const char* name : {"lower", "upper", "level"})
         ASSERT_EQ(values(result, name).size(), static_cast<std::size_t>(triangles)) << where << ", " << name;
     EXPECT_EQ(largest(values(result, "upper")), result.bounds.upper) << where;
-    // That of the witness is one of them; rounding may leave more of another.
+    // The lower bound of the witness's triangle is among them; rounding may leave a larger one for another triangle.
     EXPECT_GE(largest(values(result, "lower")), result.bounds.lower) << where;
     EXPECT_LE(largest(values(result, "lower")), result.bounds.upper) << where;
     for (const Field& field : *result.fields) {
@@ -59,7 +59,7 @@ void expect_consistent(const Result& result, Index triangles, const std::string&
     }
 }
 
-// `a` is posed; B is the points `b`.
+// `a` is posed; `b` holds the points of B.
 void expect_holds_exactly(const Result& result, const TriangleMesh& a, const std::vector<Vec3>& b,
                           const std::string& where) {
     expect_consistent(result, a.triangles.rows(), where);
@@ -140,7 +140,7 @@ TEST(GutheFields, BoundsOfEachTriangleHoldExactly) {
                 query.budget = budget;
                 const Result result = solve(session, query);
                 expect_holds_exactly(result, a, b, std::string(split) + ", scene " + std::to_string(i));
-                // The corners of each were measured.
+                // The corners of each triangle were measured.
                 for (Index t = 0; t < a.triangles.rows(); ++t) {
                     for (const Index v : a.triangles.row(t)) {
                         Rational least = 100;
@@ -173,7 +173,7 @@ TEST(GutheFields, BoundsHoldOnHostileMeshesAndOnPoints) {
     }
 }
 
-// Every point of A is as far from B, so that nothing is left open of any triangle.
+// All points of A are equally far from B, so no triangle keeps a gap.
 TEST(GutheFields, BoundsOfParallelPlanesClose) {
     const TriangleMesh a = sheet(6, 0.25);
     const Result result = solve(session_of({a, sheet(6, 0)}), asking(1e-12));
@@ -187,7 +187,7 @@ TEST(GutheFields, BoundsOfParallelPlanesClose) {
 }
 
 TEST(GutheFields, OnlyTrianglesThatWereSubdividedHaveALevel) {
-    // The largest distance of the second is inside an edge.
+    // The largest distance of the second triangle is inside an edge.
     const TriangleMesh a =
         soup(rows({{0.1, -0.3, 0}, {0.1, -0.29, 0}, {0.11, -0.3, 0}, {0, 0, 0}, {1, 0, 0}, {0.5, 0.01, 0}}));
     const std::vector<Vec3> b{{0.1, -0.3, 0}, {0.8, -0.25, 0}};
@@ -202,7 +202,7 @@ TEST(GutheFields, OnlyTrianglesThatWereSubdividedHaveALevel) {
     EXPECT_EQ(values(solve(session, query), "level")[1], 1);
 }
 
-// At the second pose triangles are settled without a query.
+// At the second pose, triangles are settled without a query.
 TEST(GutheFields, BoundsHoldExactlyAlongAWarmChain) {
     Random random(3);
     for (int i = 0; i < 100; ++i) {
@@ -234,7 +234,7 @@ TEST(GutheFields, BoundsHoldExactlyWhenThereIsNoTime) {
     }
 }
 
-// Without certification they are the distances as computed.
+// Without certification, the bounds are the computed distances.
 TEST(GutheFields, WithoutCertificationNothingIsWidened) {
     const TriangleMesh a = sheet(4, 0.25);
     const Result result = solve(session_of({a, sheet(4, 0)}, "midpoint", {}, false), asking(1e-12));
@@ -244,7 +244,7 @@ TEST(GutheFields, WithoutCertificationNothingIsWidened) {
     }
 }
 
-// Of H(A,B) they are those of h(A,B), whichever direction is the larger one.
+// For H(A,B), the fields are about h(A,B), whichever direction is larger.
 TEST(GutheFields, OfBothDirectionsAreThoseOfTheSourceAndOfAMovedTarget) {
     const TriangleMesh small = sheet(4, 0.1, 0.2), large = sheet(6, 0, 0.3);
     Query query = asking(1e-2);

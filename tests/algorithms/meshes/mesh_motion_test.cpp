@@ -1,5 +1,5 @@
-// Every certified mesh solver along a motion: its intervals, warm and cold, of h and of H, overlap with those of all others at each pose, and
-// with those of a run from scratch on the vertices where the pose puts them.
+// Every certified mesh solver along a motion. At each pose its intervals of h and of H, warm and cold,
+// overlap with the intervals of all other solvers, and with a run from scratch on posed vertices.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/quick_options.h"
@@ -14,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// A bent sheet with bumps: no two parts of it are alike, and it has several levels of groups.
+// Makes a bent sheet with bumps: no two parts are alike, and it has several levels of groups.
 TriangleMesh bent(Index n, double bump, double bend) {
     TriangleMesh mesh = sheet(n, 0, bump);
     mesh.vertices.leftCols(2) /= static_cast<double>(n);
@@ -29,7 +29,8 @@ struct Place {
     Pose source, target;
 };
 
-// From three sizes away into overlap, both turning by rational angles; at the end both lie at one place.
+// Moves from three sizes away into overlap, with both shapes turning by rational angles. At the
+// end both are in the same place.
 std::vector<Place> motion(int steps) {
     std::vector<Place> places;
     for (int i = 0; i < steps; ++i) {
@@ -50,7 +51,7 @@ std::vector<SolverEntry> movers() {
     return chosen;
 }
 
-// The interval that all intervals of one pose have in common.
+// The interval common to all intervals of one pose.
 struct Common {
     Bounds bounds;
     std::string who;
@@ -119,7 +120,7 @@ TEST(MeshMotion, AllIntervalsOverlap) {
     for (const char* name : {"tang", "cover"}) EXPECT_LT(queries[name].first, queries[name].second) << name;
 }
 
-// What a chain carries along is written by all threads that work at a pose: answers and counts are those of one thread.
+// All threads that work at a pose write to the state of the chain. Answers and counts must be the same as with one thread.
 TEST(MeshMotion, ThreadsChangeNothing) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
     QuerySet threaded = moving;
@@ -143,7 +144,7 @@ TEST(MeshMotion, ThreadsChangeNothing) {
     EXPECT_GE(tried, 1);
 }
 
-// Both shapes moved alike: the distance stays, but for what rounding their vertices does.
+// Both shapes are moved alike: the distance stays the same, up to rounding of their vertices.
 TEST(MeshMotion, ARigidMotionOfBothChangesNothing) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
     for (const SolverEntry& entry : movers()) {
@@ -165,7 +166,7 @@ TEST(MeshMotion, ARigidMotionOfBothChangesNothing) {
     }
 }
 
-// H(A,B) and H(B,A), each a run of its own.
+// H(A,B) and H(B,A), in separate runs.
 TEST(MeshMotion, TheOrderOfTheShapesDoesNotMatter) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)}, turned_round{scene.target, scene.source};
     for (const SolverEntry& entry : movers()) {
@@ -183,7 +184,7 @@ TEST(MeshMotion, TheOrderOfTheShapesDoesNotMatter) {
     }
 }
 
-// What one direction found helps the other: together they take less counted work than apart, for the solvers that share pairs.
+// Results of one direction help the other: both together take less counted work than apart.
 TEST(MeshMotion, TwoSidesTakeLessThanEachAlone) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)}, turned_round{scene.target, scene.source};
     for (const SolverEntry& entry : movers()) {
@@ -211,7 +212,7 @@ TEST(MeshMotion, TwoSidesTakeLessThanEachAlone) {
     }
 }
 
-// The pairs of near triangles that the first direction found spare the second one work, of the solvers that pass them on.
+// The pairs of near triangles found in the first direction save work in the second one, for solvers that share them.
 TEST(MeshMotion, TheSecondDirectionLearnsOfTheFirst) {
     const Scene scene{bent(40, 0.3, 0.8), bent(40, 0.31, 0.8)};  // near to each other everywhere
     int tried = 0;
@@ -237,7 +238,7 @@ TEST(MeshMotion, TheSecondDirectionLearnsOfTheFirst) {
     EXPECT_GE(tried, 2);
 }
 
-// A pose need not be rigid: what is built over A before it is posed must be moved with it.
+// A pose need not be rigid: structures built over A before it is posed must be moved with it.
 TEST(MeshMotion, APoseThatStretches) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
     for (const Vec3& factors : {Vec3(4, 4, 4), Vec3(3, 0.5, -2), Vec3(0.25, 6, 1)}) {
@@ -269,8 +270,8 @@ TriangleMesh both_of(const TriangleMesh& a, const TriangleMesh& b) {
     return mesh;
 }
 
-// A strip that the pose makes four times as long, about its middle, where B is: what was known of its size before is not true any more. The rest
-// of A, which is half as far from B, hides nothing of it.
+// The pose makes a strip four times as long about its middle, where B is, so its known size is no
+// longer true. The rest of A is half as far from B and must not hide the strip.
 TEST(MeshMotion, APartThatGrowsWhereItIs) {
     TriangleMesh strip;
     strip.vertices.resize(66, 3);

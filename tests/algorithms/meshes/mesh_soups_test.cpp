@@ -1,5 +1,5 @@
-// 5,000 random pairs of small meshes: the interval of every certified mesh solver, with each of its options in turn, against two slow
-// references that share nothing with it, and against the intervals of all others.
+// 5,000 random pairs of small meshes: the interval of every certified mesh solver, with each of its options in
+// turn, against two slow references that share nothing with it, and against the intervals of all other solvers.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/exact.h"
@@ -16,7 +16,8 @@ namespace {
 
 using exact::Rational;
 
-// Large enough for trees over both, and for groups of triangles; B is much coarser or finer than A, in another place, or folded.
+// Makes a scene large enough for trees over both shapes and for groups of triangles. B is much
+// coarser or finer than A, elsewhere, or folded.
 Scene middling_scene(Random& random, int i) {
     const Index n = 5 + random.below(3), m = 5 + random.below(3);
     TriangleMesh a = sheet(n, 0, 0.5), b = sheet(m, 0.25, 0.25);
@@ -40,7 +41,7 @@ Scene middling_scene(Random& random, int i) {
     return {a, b};
 }
 
-// Of the points (i a + j b + k c) / n of each triangle of A, exactly: the largest squared distance to B.
+// Returns the largest squared distance to B of the points (i a + j b + k c) / n of each triangle of A, exactly.
 Rational exact_squared_at_samples(const TriangleMesh& a, const TriangleMesh& b, int n) {
     using exact::operator-;
     Rational most = 0;
@@ -65,7 +66,7 @@ Rational exact_squared_at_samples(const TriangleMesh& a, const TriangleMesh& b, 
     return most;
 }
 
-// No point is farther from the nearest sample than this, and then some.
+// Returns a length that is slightly more than the distance of any point to its nearest sample.
 double covering_radius(const TriangleMesh& a, int n) {
     double longest = 0;
     for (Index t = 0; t < a.triangles.rows(); ++t) {

@@ -35,7 +35,8 @@ RVec3 combination(const Triangle& t, const Rational& i, const Rational& j, const
     return sum;
 }
 
-// Every point of a triangle is within the covering radius of a grid point: all exact, on slivers, needles and points too.
+// Every point of a triangle is within the covering radius of a grid point. Exact arithmetic, with
+// slivers, needles and points.
 TEST(Grid, CoversTheTriangle) {
     Random random(1);
     for (const Kind& kind : kinds()) {
@@ -57,7 +58,7 @@ TEST(Grid, CoversTheTriangle) {
     }
 }
 
-// A regular triangle attains the radius, so that no smaller factor will do.
+// A regular triangle attains the radius, so no smaller factor is valid.
 TEST(Grid, TheCentreOfARegularTriangleIsAsFarAsAllowed) {
     const Triangle t{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const Rational third = Rational(1) / 3;
@@ -71,7 +72,7 @@ TEST(Grid, TheCentreOfARegularTriangleIsAsFarAsAllowed) {
     }
 }
 
-// Its rounding: of the edge, the quotient, and the sum; each has samples of its own where it is the largest.
+// The roundings of the edge, of the quotient and of the sum; each has samples where it is the largest one.
 TEST(Grid, BoundsHoldAgainstExactArithmetic) {
     Random random(2);
     for (int trial = 0; trial < 30000; ++trial) {
@@ -86,7 +87,7 @@ TEST(Grid, BoundsHoldAgainstExactArithmetic) {
     EXPECT_EQ(grid_distance_at_most(0, 0, 1), 0) << "all is one point at the origin";
 }
 
-// The square of so short an edge is 0 in doubles.
+// The edge is so short that its square is 0 in doubles.
 TEST(Grid, BoundsHoldWhereAnEdgeUnderflows) {
     const double edge = 0x1p-540, at_samples = 8 * unit_roundoff * smallest_safe_magnitude;
     EXPECT_EQ(edge * edge, 0);
@@ -146,7 +147,7 @@ Scene one_triangle(const Triangle& a, const std::vector<Vec3>& b) {
 
 double longest_edge_of(const Triangle& t) { return std::sqrt(squared_edge_as_computed(t)); }
 
-// For which the grid has n steps, 2n for half of it, and so on.
+// Returns the step for which the grid has n steps; half of it gives 2n, and so on.
 double step_for(const Triangle& t, std::int64_t n) {
     return longest_edge_of(t) / ((static_cast<double>(n) - 0.01) * diagonal(rows({t.a, t.b, t.c})));
 }
@@ -158,7 +159,7 @@ void expect_holds(const Result& result, const Rational& squared, const std::stri
     EXPECT_TRUE(upper * upper >= squared) << where;
 }
 
-// The largest distance inside A, on an edge or at a corner; by the exact answer.
+// The largest distance is inside A, on an edge or at a corner; compared with the exact answer.
 TEST(Sampling, IntervalsHoldExactly) {
     Random random(4);
     for (int i = 0; i < 400; ++i) {
@@ -175,7 +176,7 @@ TEST(Sampling, IntervalsHoldExactly) {
     }
 }
 
-// The farthest point is the centre of a small triangle of the grid, so that nothing of the radius is to spare.
+// The farthest point is the centre of a small triangle of the grid, so the complete radius is needed.
 TEST(Sampling, TheWholeRadiusIsNeeded) {
     const Triangle a{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (const int n : {1, 2, 4, 5}) {
@@ -189,7 +190,8 @@ TEST(Sampling, TheWholeRadiusIsNeeded) {
         EXPECT_GE(result.bounds.upper, h) << n;
         EXPECT_LE(result.bounds.upper, h + 1e-14) << n;
         EXPECT_LE(result.bounds.lower, 1e-14) << n;
-        // A finer grid finds points that are far from B, but its bound may be larger than that of a coarser one: 0.79 to 0.58.
+        // A finer grid finds points that are far from B, but its bound may be larger than the
+        // bound of a coarser one: 0.79 against 0.58.
         const Result finer = solve(scene, {.step = step_for(a, 2 * n)});
         EXPECT_GT(finer.bounds.lower, 0.86 * h) << n;
         EXPECT_GE(finer.bounds.upper, h) << n;
@@ -218,7 +220,8 @@ TEST(Sampling, IntervalsOfSoupsContainTheReference) {
     }
 }
 
-// Samples of half the step hold those of the step: the lower bound and the largest gap follow.
+// The samples of half the step include all samples of the full step, so the lower bound cannot
+// fall; the largest gap follows.
 TEST(Sampling, HalfTheStepNeverFindsLess) {
     Random random(6);
     for (int i = 0; i < 100; ++i) {
@@ -237,7 +240,7 @@ TEST(Sampling, HalfTheStepNeverFindsLess) {
     }
 }
 
-// No grid says less than the vertices alone.
+// No grid gives a wider interval than the vertices alone.
 TEST(Sampling, NeverWiderThanByVertices) {
     Random random(7);
     for (int i = 0; i < 100; ++i) {
@@ -251,18 +254,18 @@ TEST(Sampling, NeverWiderThanByVertices) {
     }
 }
 
-// The rounding that is derived is in the bounds, although roundings never err all in one direction: on coordinates of about 1, where
-// distances and radii are small.
+// The bounds include the derived rounding error, although roundings never all err in one
+// direction. Coordinates are about 1, and distances and radii are small.
 TEST(Sampling, BoundsAreWidenedByTheRoundingOfSamples) {
     const Triangle a{{1, 1, 1}, {1 - 0x1p-20, 1, 1}, {1, 1 - 0x1p-20, 1}};
-    const Vec3 b(1 - 0x1p-22, 1 - 0x1p-22, 1 - 0x1p-16);  // nearest to an inner point, and all corners are farther
+    const Vec3 b(1 - 0x1p-22, 1 - 0x1p-22, 1 - 0x1p-16);  // nearest to an inner point; all corners are farther
     const std::int64_t n = 64;
     const Scene corner = one_triangle(a, {b});
     const Result result = solve(corner, {.step = step_for(a, n)});
-    // The farthest is a corner: exact, and so not widened by the error of a sample.
+    // The farthest sample is a corner, which is exact and therefore not widened by the error of a sample.
     EXPECT_LE(result.bounds.upper - result.bounds.lower, 0x1p-19 / 64 + 30 * unit_roundoff);
 
-    // B: the corners, so that inner samples are farthest.
+    // B is the corners, so inner samples are farthest.
     const Result inner = solve(one_triangle(a, {a.a, a.b, a.c}), {.step = step_for(a, n)});
     Rational farthest = 0;
     for (int i = 0; i <= n; ++i) {
@@ -281,7 +284,7 @@ TEST(Sampling, BoundsAreWidenedByTheRoundingOfSamples) {
     EXPECT_GE(inner.bounds.lower, at_samples - 30 * unit_roundoff);
 }
 
-// Corners and edges that triangles share are measured once.
+// Corners and edges shared by triangles are measured once.
 TEST(Sampling, TheNumberOfSamplesIsAsDerived) {
     const TriangleMesh a = sheet(4, 0);  // 18 triangles of longest edge sqrt 2, 16 vertices, 33 edges
     for (const std::uint64_t n : {1, 2, 3, 10}) {
@@ -299,7 +302,7 @@ TEST(Sampling, TheNumberOfSamplesIsAsDerived) {
     }
 }
 
-// Whichever edge is the longest decides.
+// The longest edge decides, whichever it is.
 TEST(Sampling, TheLongestEdgeDecidesTheNumberOfSteps) {
     const Vec3 corner[3] = {{0, 0, 0}, {0.5, 0.1, 0}, {1, 0, 0}};
     for (const std::size_t first : {0, 1, 2}) {
@@ -309,7 +312,7 @@ TEST(Sampling, TheLongestEdgeDecidesTheNumberOfSteps) {
     }
 }
 
-// The same edge in grids of different n is measured for each, and every triangle's grid is whole.
+// An edge shared by grids of different n is measured for each of them, so that every triangle's grid is complete.
 TEST(Sampling, TrianglesOfDifferentSizesAreWhole) {
     Points points = rows({{0, 0, 0}, {1, 0, 0}, {0.5, 0.2, 0}, {0.5, -3, 0}});
     TriangleMesh a{points, Triangles(3, 3)};
@@ -329,7 +332,8 @@ TEST(Sampling, TrianglesOfDifferentSizesAreWhole) {
     EXPECT_GT(fields[2].values[1], 3 * fields[2].values[0]);
     const auto steps = [&](std::size_t i) { return static_cast<std::uint64_t>(fields[2].values[i]); };
     const auto inside = [&](std::uint64_t n) { return (n - 1) * (n - 2) / 2; };
-    // The third triangle finds the edge that it shares with the second in another number of steps, and measures it again.
+    // The third triangle shares an edge with the second one, but with a different number of steps,
+    // so it measures the edge again.
     const std::uint64_t beside = 4 * (steps(0) - 1) + 2 * inside(steps(0)) + 3 * (steps(1) - 1) + inside(steps(1));
     EXPECT_EQ(result.counters.closest_point_queries, 4 + beside + 2);
 }
@@ -404,7 +408,7 @@ TEST(Sampling, PointsAreExactToRounding) {
     expect_holds(fine, exact_squared_hausdorff(points, others), "points");
 }
 
-// The rounding of either shape's coordinates is in the bounds, where the other one is at the origin.
+// The bounds include the rounding of either shape's coordinates when the other shape is at the origin.
 TEST(Sampling, TheCoordinatesOfBothShapesCount) {
     const PointSet origin{rows({{0, 0, 0}})}, far{rows({{1, 0, 0}})};
     for (const Scene& scene : {Scene{origin, far}, Scene{far, origin}}) {

@@ -1,4 +1,4 @@
-// tang: its volumes, cuts and lists one by one, and its intervals under every option against a slow reference.
+// tang: its volumes, cuts and lists one by one, and its intervals with every option against a slow reference.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/tang/enclosed_move.h"
 #include "algorithms/meshes/tang/near_walk.h"
@@ -42,7 +42,7 @@ Query asking(double tolerance) {
 
 double reported(const Result& result, const std::string& name) { return std::get<double>(result.reported.at(name)); }
 
-// Each option changed alone, and all of them.
+// Each option changed alone, and all of them together.
 const std::vector<ParameterMap>& options() {
     const auto text = [](const char* value) { return std::string(value); };
     static const std::vector<ParameterMap> list{
@@ -118,12 +118,12 @@ TEST(Volumes, HoldTheirContentInEveryPose) {
     }
 }
 
-// A volume that is a point with a radius: the exact image of its ball.
+// A volume that is a point with a radius, against the exact image of its ball.
 TEST(Volumes, AMovedRadiusIsThatOfTheExactImage) {
     Random random(2);
     for (int i = 0; i < 2000; ++i) {
         Pose pose = any_pose(random, 1 + i % 3);
-        if (i % 4 == 0) {  // so small, or large, that squares of its entries underflow or overflow
+        if (i % 4 == 0) {  // so small or large that squares of its entries underflow or overflow
             const double scale = std::ldexp(1.0, static_cast<int>(random.below(1201)) - 600);
             pose.rotation *= scale, pose.translation *= scale;
         }
@@ -132,13 +132,13 @@ TEST(Volumes, AMovedRadiusIsThatOfTheExactImage) {
         volume.corner.fill(random.vector());
         volume.radius = random.unit();
         const CornerVolume moved = VolumePose(pose)(volume);
-        // A power iteration for the direction that becomes longest.
+        // A power iteration finds the direction that is stretched most.
         Vec3 d = random.vector();
         const Eigen::Matrix3d turn = pose.rotation / pose.rotation.cwiseAbs().maxCoeff();
         for (int k = 0; k < 40; ++k) d = (turn.transpose() * (turn * d)).normalized();
         const RVec3 c = exact::vector(volume.corner[0]);
         const Rational length = exact::squared_distance(exact::vector(d), RVec3{0, 0, 0});
-        // |d| differs from 1 by a few u: the point c + s d with s |d| <= radius.
+        // |d| differs from 1 by a few u, so s is chosen such that the point c + s d has s |d| <= radius.
         const Rational s = Rational(volume.radius) * (length <= 1 ? Rational(1) : Rational(1) / length);
         const Rational squared =
             exact::squared_distance(mapped(pose, exact::along(c, s, exact::vector(d))), exact::vector(moved.corner[0]));
@@ -146,7 +146,7 @@ TEST(Volumes, AMovedRadiusIsThatOfTheExactImage) {
     }
 }
 
-// What is derived for rounding, which no single rounding needs in full.
+// The derived allowance for rounding, which no single rounding uses up.
 TEST(Volumes, AreWidenedByWhatIsDerived) {
     const TriangleMesh mesh = soup(rows({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}));
     const SweptSphereBvh tree(mesh);
@@ -245,12 +245,13 @@ TEST(EnclosedMove, BoundsAPieceThatGoesIn) {
     EXPECT_EQ(bound_by_move(cube(1), above, {0, 0, -0.125}), next_up(distance_at_most(0x1p-6, false) + 0x1p-500));
     EXPECT_TRUE(std::isinf(bound_by_move(cube(1), above, {0, 0, -0.05})));     // stays outside
     EXPECT_TRUE(std::isinf(bound_by_move(cube(1), above, {0.5, 0, -0.125})));  // T + D touches a side
-    // From inside: through the top as well.
+    // From inside: through the top, too.
     const Triangle inside{{-0.5, -0.5, 0.9}, {0.6, -0.4, 0.9}, {-0.3, 0.7, 0.9}};
     EXPECT_LT(bound_by_move(cube(1), inside, {0, 0, 0.125}), 0.1251);
 }
 
-// As printed the lemma has 0.25 for it: T + D is enclosed, and what is outside of T goes in. But part of T is inside from the start.
+// As printed, the lemma gives 0.25 here: T + D is enclosed, and the part of T outside B moves in.
+// But part of T is inside from the start.
 TEST(EnclosedMove, SaysNothingOfAPieceThatIsNotAllOutside) {
     const Triangle t{{-0.2, 0.1, 1.2}, {0.3, -0.2, 1.2}, {0.9, 0.1, 0.3}};
     const TriangleMesh b = cube(1);
@@ -259,8 +260,8 @@ TEST(EnclosedMove, SaysNothingOfAPieceThatIsNotAllOutside) {
     EXPECT_TRUE(std::isinf(bound_by_move(b, t, {0, 0, -0.25})));
 }
 
-// Through a thin box and out again: a corner that is not above the box is far from it. The second time one of the crossings is at the
-// diagonal of the top, where it is in doubt which triangle is crossed.
+// The move goes through a thin box and out again: a corner that is not above the box is far from it. In the
+// second case, one of the crossings is at the diagonal of the top, where either triangle may be the crossed one.
 TEST(EnclosedMove, SaysNothingWhereBIsCrossedTwice) {
     const TriangleMesh b = box({0.5, 0.5, 0.05});
     EXPECT_TRUE(std::isinf(bound_by_move(b, {{0, 0.1, 0.2}, {0.2, 0, 0.2}, {1.9, 0.1, 0.2}}, {0, 0, -0.5})));
@@ -303,7 +304,8 @@ TEST(EnclosedMove, ClosedIsWhatHasEvenEdges) {
     EXPECT_FALSE(is_closed(open));
 }
 
-// B has something below each corner of A, and below the point whose crossings are counted; what is between them is farther from it.
+// B has small triangles below each corner of A and below the point whose crossings are counted;
+// the points between them are farther from B.
 TEST(Tang, AnOpenMeshIsNotTakenForAClosedOne) {
     const Triangle t{{0, 0, 0.1}, {1, 0, 0.1}, {0, 1, 0.1}};
     Points b(12, 3);
@@ -319,7 +321,7 @@ TEST(Tang, AnOpenMeshIsNotTakenForAClosedOne) {
     EXPECT_EQ(plain.counters, moved.counters);
 }
 
-// A flat top, of two triangles: their planes say nothing of where to cut.
+// A flat top of two triangles, whose planes do not say where to cut.
 TEST(Tang, Lemma4SavesSubdivisions) {
     const TriangleMesh b = cube(1);
     const Triangle t{{-0.5, -0.5, 1.1}, {0.6, -0.4, 1.1}, {-0.3, 0.7, 1.1}};
@@ -352,7 +354,7 @@ TEST(Tang, IntervalsHoldTheAnswerOfTheReference) {
     EXPECT_GE(converged, 0.95 * count);
 }
 
-// In another pose the culling goes by moved volumes: the answer is that of the mesh moved beforehand.
+// In another pose, culling uses moved volumes. The answer must agree with the answer for the mesh moved beforehand.
 TEST(Tang, APoseOfAHasTheAnswerOfTheMovedMesh) {
     Random random(7);
     for (int i = 0; i < 60; ++i) {
@@ -376,7 +378,7 @@ void expect_holds(const Result& result, const Rational& squared, const std::stri
     EXPECT_TRUE(Rational(result.bounds.upper) * result.bounds.upper >= squared) << where;
 }
 
-// B is a few points, so that the answer is known exactly.
+// B is a few points, so the answer is known exactly.
 TEST(Tang, BoundsHoldExactlyAtThePrecisionFloor) {
     Random random(5);
     for (std::size_t k = 0; k < options().size(); ++k) {
@@ -399,7 +401,7 @@ TEST(Tang, BoundsHoldExactlyAtThePrecisionFloor) {
     }
 }
 
-// As in guthe_test.cpp: many cuts never err all in one direction; what is derived for them must be in the bounds all the same.
+// As in guthe_test.cpp: many cuts never all err in one direction, but the bounds must include the derived error.
 TEST(Tang, BoundsAreWidenedByTheLevelOfTheirPiece) {
     const Triangle a{{0, 0, 0}, {1, 0, 0}, {0.5, 0.01, 0}};
     const std::vector<Vec3> b{{0.1, -0.3, 0}, {0.8, -0.25, 0}};
@@ -413,8 +415,8 @@ TEST(Tang, BoundsAreWidenedByTheLevelOfTheirPiece) {
     }
 }
 
-// What is culled with a node keeps the bound of its volume, widened by what the closest point of B may be off. A is nine copies of each
-// of two points that are 1 from B; the floor lets all be culled, but not at the root.
+// A part culled with a node keeps the bound of the node's volume, widened by the error of the closest point of B.
+// A is nine copies of each of two points that are 1 from B; the floor lets all be culled, but not at the root.
 TEST(Tang, ACulledNodeKeepsItsBoundAndIsWidened) {
     std::vector<Vec3> a(9, Vec3(1, 0, 0));
     a.resize(18, Vec3(9, 0, 0));
@@ -435,9 +437,9 @@ TEST(Tang, ACulledNodeKeepsItsBoundAndIsWidened) {
     }
 }
 
-// The cutoff ends culling on A early: what is left of its tree counts, at every level.
+// The cutoff ends culling on A early: the rest of its tree counts, at every level.
 TEST(Tang, WhatIsLeftOfTheTreeCounts) {
-    Random random(8);  // of points, so that nothing is ever queued
+    Random random(8);  // points, so that nothing is ever queued
     const Scene scene{PointSet{cloud(random, 3000)}, PointSet{cloud(random, 40)}};
     const double h = solve(scene, asking(1e-6)).bounds.lower;
     for (const ParameterMap& given : {options()[0], options()[1]}) {
@@ -454,7 +456,7 @@ TEST(Tang, WhatIsLeftOfTheTreeCounts) {
     }
 }
 
-// Fields hold the answer of each triangle, culled with its node or not, wherever the search ends.
+// Fields bound the distance of each triangle, whether culled with its node or not, wherever the search ends.
 TEST(Tang, FieldsHoldOfEachTriangle) {
     const TriangleMesh a = sheet(10, 0.1, 0.2), b = sheet(12, 0, 0.1);
     const MeshReference reference(b);
@@ -483,8 +485,8 @@ TEST(Tang, FieldsHoldOfEachTriangle) {
     }
 }
 
-// Ties: every corner of the one lies in several triangles of the other. Without group traversal it takes a list to see that one of
-// them is nearest to all corners.
+// Ties: every corner of one mesh lies in several triangles of the other. Without group traversal,
+// only a list can show that one of them is nearest to all corners.
 TEST(Tang, IdenticalMeshesNeedNoSplit) {
     const TriangleMesh mesh = sheet(12, 0, 0.3);
     TriangleMesh twice = mesh;
@@ -500,7 +502,7 @@ TEST(Tang, IdenticalMeshesNeedNoSplit) {
     }
 }
 
-// No list holds that many: closest point queries take over.
+// No list holds so many triangles: closest-point queries take over.
 TEST(Tang, StackedDuplicatesConverge) {
     const TriangleMesh one = sheet(3, 0, 0.3);
     TriangleMesh many = one;
@@ -524,7 +526,7 @@ TEST(Tang, ListsTakeThePlaceOfQueries) {
     EXPECT_LE(reported(result, "depth"), 16);
 }
 
-// A peak far from B: all but what is around it is culled with nodes, and most of B is never looked at.
+// A peak far from B: everything except its surroundings is culled with nodes, and most of B is never visited.
 TEST(Tang, CullsOnBothSides) {
     TriangleMesh a = sheet(60, 0.5, 0.1);
     a.vertices(30 * 60 + 30, 2) = 9;
@@ -545,10 +547,10 @@ TEST(Tang, AWarmStartBeginsAtTheFarthestPoint) {
     const Result first = session.solve(asking(1e-6), state.get(), trace);
     EXPECT_EQ(first.counters, session.solve(asking(1e-6), trace).counters);
     Query query = asking(1e-6);
-    query.time_limit = 1e-12;  // nothing but the first point is measured
+    query.time_limit = 1e-12;  // only the first point is measured
     EXPECT_EQ(session.solve(query, trace).bounds.lower, 0);
     EXPECT_EQ(session.solve(query, state.get(), trace).bounds.lower, first.bounds.lower);
-    // A point that no corner of A is: it is found again but for rounding.
+    // The farthest point is not a corner of A. It is found again, up to rounding.
     const Session peak = session_for({soup(rows({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})),
                                       points_as_triangles({{0, 0, 0.25}, {1, 0, 0.25}, {0, 1, 0.25}, {-1000, 0, 0}})},
                                      {}, {.moves = true});

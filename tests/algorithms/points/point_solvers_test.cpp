@@ -1,5 +1,5 @@
-// The exact solvers of point sets against exact arithmetic and against each other, on many small scenes; and the published
-// errors that two registry entries keep, shown to be errors.
+// The exact solvers of point sets against exact arithmetic and against each other, on many small
+// scenes; and proof that the published errors kept by some registry entries are errors.
 #include "algorithms/peers/checked_result.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/shuffle.h"
@@ -17,7 +17,7 @@
 namespace hausbench {
 namespace {
 
-// Random points, some of them moved onto a grid, a line, a plane, one place, or onto each other.
+// Makes random points and moves some of them onto a grid, a line, a plane, one place, or each other.
 Points small_set(Random& random, Index most) {
     Points points = cloud(random, 1 + random.below(most), std::pow(2.0, -random.below(8)));
     switch (random.below(7)) {
@@ -51,7 +51,7 @@ struct SmallScene {
 
 SmallScene small_scene(Random& random, Index most) {
     Points a = small_set(random, most), b = small_set(random, most);
-    for (Index i = 0; i < a.rows(); ++i) {  // points in common, and points that nearly are
+    for (Index i = 0; i < a.rows(); ++i) {  // common points, and nearly common ones
         if (random.below(4) == 0) a.row(i) = b.row(random.below(static_cast<Index>(b.rows())));
         if (random.below(16) == 0) a.row(i) += random.vector(1e-12).transpose();
     }
@@ -88,7 +88,7 @@ TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
         const Result naive = answer(find_solver("naive"), small);
         for (const SolverEntry* entry : exact_solvers) {
             ParameterMap given;
-            if (entry->info.name == "ohd") given["lambda"] = 0.25;  // else the sample is a single point
+            if (entry->info.name == "ohd") given["lambda"] = 0.25;  // by default the sample is a single point
             const Result result = answer(*entry, small, given);
             const std::string where = entry->info.name + " on scene " + std::to_string(i);
             const exact::Rational low = result.bounds.lower, high = result.bounds.upper;
@@ -103,7 +103,7 @@ TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
         EXPECT_GT(chosen[choice], 500) << "the framework hardly ever chose " << choice;
 }
 
-// A point of B at 0.75 keeps the session from scaling, so that the squared distance of the others, `apart` squared, underflows.
+// A point of B at 0.75 keeps the session from scaling, so the squared distance of the other points underflows.
 TEST(PointSolvers, BoundsHoldWhereSquaresUnderflow) {
     for (const double apart : {1e-200, 0x1p-537 * 0.75, 0x1p-537 * 1.25, 0x1p-537 * 1.2, 0x1p-530 * 1.1, 1e-100}) {
         const SmallScene small{{PointSet{rows({{0, 0, 0}})}, PointSet{rows({{apart, 0, 0}, {0.75, 0, 0}})}}, {}};
@@ -116,10 +116,10 @@ TEST(PointSolvers, BoundsHoldWhereSquaresUnderflow) {
     }
 }
 
-// A search that missed the nearest point of B, and one that was stopped before the third point of A.
+// A search that missed the nearest point of B, and one that stopped before the third point of A.
 TEST(PointSolvers, CheckedResultHoldsWhereASearchMissedTheNearestPoint) {
     const Points a = rows({{0, 0, 0}, {3, 0, 0}, {9, 0, 0}}), b = rows({{8, 0, 0}, {1, 0, 0}, {0, 0, 0}});
-    const FarthestPoint missed{.squared = 25, .source = 1, .target = 0};  // the nearest is at 2
+    const FarthestPoint missed{.squared = 25, .source = 1, .target = 0};  // the nearest distance is 2
     const Result ended = checked_result({}, a, b, missed, {});
     EXPECT_NEAR(ended.bounds.lower, 2, 1e-12);
     EXPECT_NEAR(ended.bounds.upper, 5, 1e-12);
@@ -134,7 +134,7 @@ TEST(PointSolvers, CheckedResultHoldsWhereASearchMissedTheNearestPoint) {
     EXPECT_EQ(nothing.witness.source_element, -1);
 }
 
-// Larger sets, where cells are culled and queues grow: compared with NAIVEHDD, which the test above has judged.
+// Larger sets, where cells are culled and queues grow, compared with NAIVEHDD, which the test above has checked.
 TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
     Random random(42);
     double culled = 0;
@@ -160,7 +160,7 @@ TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
     EXPECT_GT(culled, 1000);
 }
 
-// The rule: what keeps a published error is never certified, and is shown to be wrong.
+// A solver that keeps a published error must never be certified, and must be shown to be wrong.
 TEST(PointSolvers, PublishedErrorsAreErrors) {
     for (const SolverEntry& entry : solvers()) {
         if (entry.info.known_wrong.empty()) continue;
@@ -190,8 +190,8 @@ TEST(PointSolvers, OhdWithTheCullingAsPrintedIsNotCertified) {
     EXPECT_FALSE(certified({{"culling", "as_printed"}}));
 }
 
-// What the paper's culling gives, worked out from its words: AHD is the distance of the first points of A in random order; a
-// point of A in a cell of side AHD (from the low corner of B) that holds a point of B is left out.
+// Returns the result of the paper's culling, worked out from its text: AHD is the distance of the first points of A
+// in random order. A point of A is skipped if its cell of side AHD (from the low corner of B) holds a point of B.
 double squared_by_printed_culling(const Points& a, const Points& b, double lambda, std::uint64_t seed) {
     const auto nearest = [&](Index i) {
         double least = std::numeric_limits<double>::infinity();
@@ -236,7 +236,7 @@ TEST(PointSolvers, OhdAsPrintedGivesWhatThePaperSays) {
     EXPECT_GT(wrong, 0);
 }
 
-// Without early breaking, Algorithm 4 inserts every child: all cells that are split enter the queue.
+// Without early breaking, Algorithm 4 inserts every child: all cells of a split enter the queue.
 TEST(PointSolvers, NohdWithoutEarlyBreakInsertsEveryChild) {
     Random random(48);
     for (int i = 0; i < 20; ++i) {
@@ -249,8 +249,7 @@ TEST(PointSolvers, NohdWithoutEarlyBreakInsertsEveryChild) {
     }
 }
 
-// Section 4.4.1: AHD comes from ceil(lambda |A|) outer loops of EARLYBREAK. With lambda = 1 all the distances are theirs but
-// for those of the search, which are far fewer than those of NAIVEHDD.
+// Section 4.4.1: AHD comes from ceil(lambda |A|) outer loops of EARLYBREAK, far cheaper than in NAIVEHDD.
 TEST(PointSolvers, OhdTakesItsFirstBoundByEarlyBreak) {
     Random random(49);
     const SmallScene small{{PointSet{cloud(random, 600)}, PointSet{cloud(random, 600)}}, {}};
@@ -267,9 +266,9 @@ TEST(PointSolvers, OhdTakesItsFirstBoundByEarlyBreak) {
     const Counters sampled = queries(0.5, 300);  // stops after the sample
     EXPECT_EQ(sampled.closest_point_queries, 0U);
     EXPECT_EQ(sampled.node_visits, 0U);
-    EXPECT_GT(sampled.point_distances, 600U);                        // the first outer loop looks at all of B
+    EXPECT_GT(sampled.point_distances, 600U);                        // the first outer loop visits all of B
     EXPECT_LT(sampled.point_distances, 300U * 600U / 4);             // most break early
-    EXPECT_EQ(queries(0.5, 1'000'000).closest_point_queries, 600U);  // then every point of A is searched for
+    EXPECT_EQ(queries(0.5, 1'000'000).closest_point_queries, 600U);  // then every point of A is queried
 }
 
 }  // namespace

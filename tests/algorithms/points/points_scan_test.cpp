@@ -1,4 +1,4 @@
-// scan against naive, bit by bit, on many scenes; and what it is built of.
+// scan against naive, bit by bit, on many scenes; and the parts of scan.
 #include "algorithms/kernel/morton.h"
 #include "algorithms/points/scan/cells.h"
 #include "algorithms/points/scan/near_grid.h"
@@ -38,7 +38,7 @@ Points stacked(const Points& a, const Points& b) {
     return both;
 }
 
-// On a sphere: a surface, unlike a cloud.
+// Returns points on a sphere, which is a surface, unlike a cloud.
 Points sphere(Random& random, Index count) {
     Points points = cloud(random, count);
     points.rowwise().normalize();
@@ -108,7 +108,7 @@ Pair random_pair(Random& random, int kind, Index na, Index nb) {
             const Points b = sphere(random, nb);
             return {"an outlier", stacked(noisy(random, b, small), cloud(random, 1, 5)), b};
         }
-        case 13: {  // a cluster that the grid sees as one cell
+        case 13: {  // the grid sees the cluster as one cell
             const Points b = stacked(cloud(random, nb, 1e-6), rows({{1, 1, 1}, {-1, -1, -1}}));
             return {"cluster", noisy(random, shuffled(random, b), 1e-6 * small), b};
         }
@@ -149,7 +149,8 @@ void expect_same(const Pair& pair, const Pose& pose, const Result& scan, const s
     }
 }
 
-// The numbers of pairs from which on cells and a tree are used: the tree alone, as it comes, plain comparing, cells and then the tree.
+// Numbers of pairs from which cells and a tree are used: the tree alone, the defaults, plain
+// comparisons, cells and then the tree.
 const std::vector<ParameterMap>& variants() {
     constexpr std::int64_t none = 0, many = 1'000'000'000'000;
     static const std::vector<ParameterMap> list = {{{"cells_from", many}, {"tree_from", none}},
@@ -167,7 +168,7 @@ TEST(Scan, SameBitsAsNaiveOnManyScenes) {
         const std::string where = "scene " + std::to_string(i) + ", " + pair.name;
         const ParameterMap& given = variants()[static_cast<std::size_t>(random.below(4))];
         QuerySet queries;
-        queries.moves = random.below(3) == 0;  // then the tree is built beforehand
+        queries.moves = random.below(3) == 0;  // if set, the tree is built beforehand
         expect_same(pair, Pose{}, answer("scan", pair, Pose{}, queries, given), where);
     }
 }
@@ -213,7 +214,7 @@ TEST(Scan, SameWorkOnEveryVectorTarget) {
             const std::string where = std::string(hwy::TargetName(target)) + ", " + pairs[i].name;
             if (first.size() < pairs.size()) {
                 first.push_back(result);
-                expect_same(pairs[i], Pose{}, result, where);  // as naive, which has no vector instructions
+                expect_same(pairs[i], Pose{}, result, where);  // naive has no vector instructions
                 continue;
             }
             EXPECT_EQ(result.bounds.lower, first[i].bounds.lower) << where;
@@ -255,7 +256,7 @@ TEST(Scan, StopsWithBoundsThatHold) {
     }
 }
 
-// Candidates are poor far from B, so the farthest point is often among those that the budget leaves undecided.
+// Candidates far from B are poor, so the farthest point is often among the points that the budget leaves undecided.
 TEST(Scan, PointsThatItLeavesUndecidedMayBeTheFarthest) {
     const SolverEntry& entry = find_solver("scan");
     int stopped_short = 0;
@@ -279,7 +280,7 @@ TEST(Scan, PointsThatItLeavesUndecidedMayBeTheFarthest) {
     EXPECT_GE(stopped_short, 10);
 }
 
-// Sizes that are many blocks of A and of B.
+// A and B span many blocks.
 TEST(Scan, SameWorkAndWitnessWhateverTheThreads) {
     Random random(43);
     for (int i = 0; i < 2 * kinds; ++i) {
@@ -307,7 +308,7 @@ TEST(Scan, SameWorkAndWitnessWhateverTheThreads) {
     }
 }
 
-// Every chosen row in the list of its cell, once; lists that are the same whatever the threads; ranges that hold all near points.
+// Every chosen row is in the list of its cell once, and the lists do not depend on the number of threads.
 TEST(PointCells, HoldEachChosenRowOnce) {
     Random random(44);
     for (int i = 0; i < 3 * kinds; ++i) {
@@ -337,12 +338,13 @@ TEST(PointCells, HoldEachChosenRowOnce) {
     }
 }
 
-// B has a point P at the first double of a cell, and Q, which the grid knows, farther by one unit in the last place of the squared
-// distance. The root of that is short of P: a range of cells that is not widened for rounding ends before P.
+// B has a point P at the first double of a cell. The grid knows only Q, whose squared distance is
+// larger by one unit in the last place. The square root of that falls short of P, so a range of
+// cells that is not widened for rounding ends before P.
 TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
     Random random(45);
     int needed = 0;
-    Points others = cloud(random, 100, 0.05);  // far from both, so that the table has many entries
+    Points others = cloud(random, 100, 0.05);  // far from both P and Q, so that the table has many entries
     others.col(1).array() += 0.95;
     others.col(2).array() += 0.95;
     others = others.cwiseMin(1);
@@ -362,7 +364,7 @@ TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
         const double x = -0.2 * random.unit(), apart = edge - x;
         const Points a = rows({{x, 0, 0}});
         const double least = squared_distance(a.data(), Vec3(edge, 0, 0).data()), more = std::nextafter(least, 10);
-        // Q on the other side, with a small y that makes up for the last bit.
+        // Q lies on the other side, with a small y that adds the last bit.
         Points b = rows({{x - apart, 0, 0}, {edge, 0, 0}});
         for (double y = 1e-9; y < 4e-8 && squared_distance(a.data(), b.data()) < more; y *= 1.02) b(0, 1) = y;
         if (squared_distance(a.data(), b.data()) != more || b(0, 0) < box.low[0]) continue;
@@ -381,7 +383,7 @@ TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
     EXPECT_EQ(needed, 50);
 }
 
-// The closest point is the last of a list that is too long to look at.
+// The closest point is the last in a list that is too long to be searched.
 TEST(PointCells, CrowdedCellsLeaveAPointOpen) {
     Random random(46);
     const Points b =
@@ -402,7 +404,7 @@ TEST(PointBlocks, BoxesHoldTheirPointsAndEveryPointIsThereOnce) {
     Random random(35);
     for (int i = 0; i < 4 * kinds; ++i) {
         const Points points = random_pair(random, i % kinds, 1, 1 + random.below(i < kinds ? 20 : 5000)).b;
-        if (magnitude(points) > 1e100) continue;  // scenes are scaled before
+        if (magnitude(points) > 1e100) continue;  // scenes are scaled before this
         const PointBlocks blocks(points);
         std::multiset<Index> rows;
         ASSERT_TRUE(std::is_sorted(blocks.keys.begin(), blocks.keys.end()));
@@ -412,7 +414,7 @@ TEST(PointBlocks, BoxesHoldTheirPointsAndEveryPointIsThereOnce) {
             for (std::size_t k = 0; k < block_points; ++k) {
                 ASSERT_EQ(Vec3(points.row(leaf.row[k])), Vec3(leaf.x[k], leaf.y[k], leaf.z[k]));
                 if (k == 0 || leaf.row[k] != leaf.row[k - 1]) rows.insert(leaf.row[k]);
-                std::size_t child = l;  // up to the root
+                std::size_t child = l;  // from the leaf up to the root
                 for (std::size_t level = 0; level < blocks.levels(); ++level) {
                     const BlockNode& node = blocks.nodes[blocks.level_begin[level] + child / block_children];
                     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -452,7 +454,7 @@ TEST(NearGrid, CandidatesArePointsOfTheSetAndMarksHoldAllNearOnes) {
     }
 }
 
-// The first double of a cell of the grid along x, on the row y = z = 0: searched for between 0.3 and 0.7 of the size.
+// Returns the first double of a cell of the grid along x, with y = z = 0, searched between 0.3 and 0.7 of the size.
 double first_of_a_cell(const NearGrid& grid, double size = 1) {
     double before = 0.3 * size, first = 0.7 * size;
     const auto cell = [&](double x) { return grid.cell_of(Vec3(x, 0, 0).data()); };
@@ -463,9 +465,9 @@ double first_of_a_cell(const NearGrid& grid, double size = 1) {
     return first;
 }
 
-// The lemma of mark(): cells of all points within the radius along each axis, whose ends need no slack for rounding. Here B
-// has a point at the first double of a cell, and the radius is the least double that holds it: a mark that ends one double too
-// early misses it.
+// The lemma of mark(): it marks the cells of all points within the radius along each axis, and the
+// ends need no slack for rounding. Here B has a point at the first double of a cell, and the
+// radius is the least double that reaches it: a mark that ends one double too early misses it.
 TEST(NearGrid, MarksEndAtTheVeryPoint) {
     Random random(38);
     const NearGrid grid(stacked(cloud(random, 4000), rows({{-1, -1, -1}, {1, 1, 1}})), {-Vec3::Ones(), Vec3::Ones()});
@@ -488,9 +490,10 @@ TEST(NearGrid, MarksEndAtTheVeryPoint) {
     EXPECT_GT(inexact, 200);
 }
 
-// h is known: a is 1.2 from b, its candidate, which is the first double of a cell. Its other points of A, the decoys, have a
-// candidate a little farther and a closest point a little nearer, so that a is decided by the cells marked for it alone. A
-// radius without its slack (the square root of the computed square) ends before b where the difference was rounded down.
+// h is known: one point a of A is 1.2 from its candidate b, which is at the first double of a
+// cell. The other points of A are decoys: their candidates are a little farther and their closest
+// points a little nearer, so a is decided only by the cells marked for it. A radius without slack
+// (the square root of the computed square) ends before b if the difference was rounded down.
 TEST(NearGrid, TheRadiusHoldsTheCandidateItself) {
     Random random(39);
     Points b(4000, 3);
@@ -517,8 +520,8 @@ TEST(NearGrid, TheRadiusHoldsTheCandidateItself) {
     EXPECT_GT(rounded_down, 20);
 }
 
-// The same where squares underflow: with an outlier of B at 0.75, so that nothing is scaled, the others are 2^-537 apart, a squared distance of 20.4 times the
-// least double counts as 20 of them, and its root is too short by 1 %.
+// The same with squares that underflow. An outlier of B at 0.75 prevents scaling. The other points are about 2^-537
+// apart: a squared distance of 20.4 times the least double is rounded to 20 of them, and its root is too short by 1 %.
 TEST(NearGrid, TheRadiusHoldsWhereSquaresUnderflow) {
     Random random(40);
     const double unit = 0x1p-537, size = 25 * unit;
@@ -559,8 +562,8 @@ Index candidates_beyond(double radius, const Points& a, const Points& b) {
     return count;
 }
 
-// The grid must not take its scale from outliers, wherever in the order of B they are: here at every row that a sample of
-// equal steps would take. The same points in random order are the measure.
+// The grid must not take its scale from outliers, wherever they are in the order of B: here at every
+// row that a sample of equal steps would take. The yardstick is the same points in random order.
 TEST(Scan, OutliersAtEqualStepsCostNoMore) {
     Random random(41);
     const Points tame = cloud(random, 40'000);
@@ -575,8 +578,8 @@ TEST(Scan, OutliersAtEqualStepsCostNoMore) {
     EXPECT_LT(static_cast<double>(work), 1.02 * static_cast<double>(measure));
 }
 
-// Nor must it where most points of B coincide. The measure is B without the copies; each copy may cost no more than the twelve
-// points of A that are compared with all of B.
+// Nor may the scale suffer if most points of B coincide. The yardstick is B without the copies. Each
+// copy may add no more than the comparisons with the twelve points of A that are compared with all of B.
 TEST(Scan, CopiesOfOnePointCostAFewPasses) {
     Random random(42);
     const Points tame = cloud(random, 4'000), outliers = cloud(random, 4, 1e4);

@@ -1,4 +1,4 @@
-// What branch-and-bound solvers share: the queue of pieces, the cuts of a triangle, the interval and its end.
+// The parts that branch-and-bound solvers share: the queue of pieces, the cuts of a triangle, the interval and its end.
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/queue.h"
 #include "algorithms/search/subdivision.h"
@@ -61,7 +61,7 @@ struct Marked {
     int mark;
 };
 
-// Twice the signed area in the plane z = 0; exact for coordinates that are small integers.
+// Returns twice the signed area in the plane z = 0; exact for coordinates that are small integers.
 double area(const Vec3& a, const Vec3& b, const Vec3& c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
@@ -93,7 +93,7 @@ TEST(Subdivision, ThePiecesCoverTheTriangleAndShareTheNewVertices) {
             ASSERT_EQ(cut.vertex_count, split == Split::midpoint ? 6u : 4u);
             EXPECT_EQ(measured, static_cast<int>(cut.vertex_count) - 3) << "each new vertex is measured once";
 
-            // Equal parts of the same orientation.
+            // The parts are equal and have the same orientation.
             const double whole = area(corners[0].point, corners[1].point, corners[2].point);
             std::array<int, 6> uses{};
             for (std::size_t p = 0; p < pieces; ++p) {
@@ -104,7 +104,7 @@ TEST(Subdivision, ThePiecesCoverTheTriangleAndShareTheNewVertices) {
             for (std::size_t v = 3; v < cut.vertex_count; ++v)
                 EXPECT_EQ(uses[v], split == Split::midpoint ? 3 : 2) << "pieces share the new vertices";
 
-            // Every point of a grid is in a piece.
+            // Every point of a grid lies in a piece.
             for (int u = 0; u <= 16; ++u) {
                 for (int v = 0; u + v <= 16; ++v) {
                     const Vec3 x = (u * corners[0].point + v * corners[1].point + (16 - u - v) * corners[2].point) / 16;
@@ -147,7 +147,7 @@ TEST(Subdivision, TheLongestEdgeIsHalved) {
     }
 }
 
-// What most_levels promises, of needles too. The pieces stay at corner 0, at the origin, where midpoints are not rounded.
+// The promise of most_levels holds for needles too. The pieces stay at corner 0, at the origin, where midpoints are exact.
 TEST(Subdivision, ThePieceIsSmallerThanRoundingAtTheLastLevel) {
     Random random(4);
     for (const Split split : {Split::midpoint, Split::longest_edge}) {
@@ -175,7 +175,7 @@ TEST(Subdivision, ThePieceIsSmallerThanRoundingAtTheLastLevel) {
 
 constexpr int last_level = 50;
 
-// B is a point, the origin, so that the distance of a point is its length. M is 1.
+// A search in which B is a point, the origin, so that the distance of a point is its length. M is 1.
 struct Search {
     explicit Search(const Query& asked = {}, bool certify = true, Trace::Mode mode = Trace::Mode::off)
         : query(asked), trace(mode), bounds(query, target, {1, certify}, counters, trace) {
@@ -222,7 +222,7 @@ TEST(SearchBounds, UpperIsNeverBelowLower) {
     EXPECT_GE(interval.upper, interval.lower);
 }
 
-// A piece whose vertices are no farther than the farthest point has exactly the bound that is known at its level.
+// A piece whose vertices are no farther than the farthest point has exactly the bound known for its level.
 TEST(SearchBounds, PiecesAreSettledByWhatIsKnownAtTheirLevel) {
     Search search;
     EXPECT_FALSE(search.bounds.settle(1e-3, 7, 0, last_level)) << "nothing was measured";
@@ -246,8 +246,8 @@ TEST(SearchBounds, WhatIsBelowTheFloorIsSettled) {
     EXPECT_EQ(search.interval(0).upper, 0.5625) << "its bound is kept";
 }
 
-// The farthest point counts as computed; in the result it is proven. Lengths of random vectors are rounded up as often as
-// down, and midpoints of level k are 2k units off.
+// The search uses the computed distance of the farthest point, the result a proven one. Lengths of
+// random vectors are rounded up as often as down, and midpoints of level k are off by 2k units.
 TEST(SearchBounds, LowerIsCertifiedAndWidenedByTheLevel) {
     Random random(5);
     int rounded_up = 0;
@@ -272,7 +272,7 @@ TEST(SearchBounds, LowerIsCertifiedAndWidenedByTheLevel) {
     EXPECT_GT(rounded_up, 20) << "certification has nothing to do";
 }
 
-// The lower bound of each triangle is proven like that of the witness, of the farthest point of its own.
+// The lower bound of each triangle is proven like the witness's, from the farthest point of that triangle.
 TEST(SearchBounds, FieldsAreCertifiedAndWidenedByTheLevel) {
     Random random(10);
     TriangleMesh b{Points::Zero(3, 3), Triangles(1, 3)};
@@ -332,7 +332,7 @@ TEST(SearchBounds, TheFarthestPointIsTheWitness) {
     Search search;
     search.offer({0.25, 0, 0});
     search.offer({0, 0.5, 0}, 2);
-    search.offer({0, 0, 0.5});  // as far: the first counts
+    search.offer({0, 0, 0.5});  // equally far: the first point counts
     const Result result = search.bounds.result(Status::budget, 0.75);
     EXPECT_EQ(result.witness.source_point, Vec3(0, 0.5, 0));
     EXPECT_EQ(result.witness.target_point, Vec3(0, 0, 0));
@@ -374,7 +374,7 @@ TEST(SearchBounds, TheSearchGoesOnUntilItIsAnswered) {
     EXPECT_EQ(late.bounds.end(0.75, 64), Status::time_limit);
 }
 
-// The gap as computed is within the tolerance, the certified one is not.
+// The computed gap is within the tolerance, but the certified gap is not.
 TEST(SearchBounds, AnAnswerRestsOnTheCertifiedLowerBound) {
     const Vec3 point(0.5, 0, 0);
     Search probe;
@@ -393,7 +393,7 @@ TEST(SearchBounds, AnAnswerRestsOnTheCertifiedLowerBound) {
     search.offer(point, 30);
     EXPECT_EQ(search.bounds.end(0.75, 0), std::nullopt) << "it only seems to be above the cutoff";
 
-    // A larger tolerance: the search goes on by what certifying costs, and ends as it should.
+    // With a larger tolerance, the search continues until certifying is paid for, and ends with `converged`.
     Search tight(query_of(1.5 * (0.5 - certified)));
     tight.offer(point, 30);
     EXPECT_EQ(tight.bounds.end(certified + 2 * (0.5 - certified), 0), std::nullopt);
@@ -454,7 +454,7 @@ TEST(WarmStart, TheFarthestPointMovesAlong) {
     }
 }
 
-// Whatever the triangle was like: the point is on the new one.
+// Whatever the old triangle looked like, the point lies on the new one.
 TEST(WarmStart, ThePointIsInTheTriangleWhateverWasBefore) {
     Random random(9);
     for (const double size : {0.0, 1e-200, 1e-12, 1.0, 0x1p399}) {
@@ -465,7 +465,7 @@ TEST(WarmStart, ThePointIsInTheTriangleWhateverWasBefore) {
             warm.remember({{a + size * random.vector(), 1, 0}, 0, 1}, {a, a + e, a + f});
             for (const double weight : {warm.second, warm.third})
                 EXPECT_TRUE(weight >= 0 && weight <= 1)
-                    << size << " " << i;  // not NaN, which closest_point promises nothing about
+                    << size << " " << i;  // not NaN, for which closest_point promises nothing
             const Triangle now{random.vector(), random.vector(), random.vector()};
             const Vec3 point = warm.point_in(now);
             EXPECT_EQ(squared_distance_to_box(point, box_of(now)), 0) << size << " " << i;
@@ -494,7 +494,7 @@ TEST(Target, TheTreeAndTheScanAgree) {
             Counters one, two;
             const Vec3 point = random.vector();
             const ClosestPoint by_scan = scan.closest(point, -1, one), by_tree = tree.closest(point, i % 20, two);
-            // A textbook's distances depend on which corner is the first; a tree turns its triangles.
+            // Textbook distances depend on which corner comes first, and a tree rotates its triangles.
             EXPECT_NEAR(by_scan.squared_distance, by_tree.squared_distance, textbook ? 1e-12 : 0);
             EXPECT_EQ(one.closest_point_queries, 1u);
             EXPECT_EQ(two.closest_point_queries, 1u);

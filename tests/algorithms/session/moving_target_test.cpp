@@ -1,5 +1,6 @@
-// A target that moves rigidly is undone: the source moves the other way. Bounds must hold for the shapes where their poses put them, rounded
-// as posed() rounds them: with a solver that is as sharp as double precision, each term of what undoing costs is needed.
+// Session undoes a rigid motion of the target by moving the source the other way. Bounds must hold
+// for the posed shapes, rounded as posed() rounds them. With a solver that is as sharp as double
+// precision, each term of the cost of undoing is needed.
 #include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 
@@ -14,7 +15,7 @@
 namespace hausbench {
 namespace {
 
-// What the last query was, and how wide the interval is made beyond the exact distance, as a part of the tolerance.
+// The last query, and how far the solver widens its interval beyond the exact distance, as a fraction of the tolerance.
 struct Seen {
     Query query;
     int built = 0;
@@ -28,7 +29,7 @@ struct CountedTree {
     std::size_t bytes() const { return 8; }
 };
 
-// The distance of two meshes that are one point each.
+// Computes the distance of two meshes that are one point each.
 class Sharp final : public Solver {
 public:
     Needs needs(const Scene&, const QuerySet&) const override { return {need<CountedTree>(Side::target)}; }
@@ -85,7 +86,7 @@ struct Answer {
     TraceSample sample;
 };
 
-// Checks the bounds, those of the trace and of fields against the exact distance of the points where they are put.
+// Checks the bounds of the answer, of the trace and of fields against the exact distance of the posed points.
 Answer check(const Vec3& a, const Vec3& b, const Pose& p, const Pose& g, const std::string& where) {
     const Session session(sharp(), Options("sharp", {}, {}), {point(a), point(b)},
                           {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});
@@ -103,7 +104,7 @@ Answer check(const Vec3& a, const Vec3& b, const Pose& p, const Pose& g, const s
         EXPECT_TRUE(high * high >= squared) << where << ", " << what << ": upper " << upper;
     };
     holds(result.bounds.lower, result.bounds.upper, "bounds");
-    EXPECT_EQ(trace.samples().size(), 2U) << where;  // that of the solver, and the end
+    EXPECT_EQ(trace.samples().size(), 2U) << where;  // the solver's sample and the end
     holds(trace.samples()[0].lower, trace.samples()[0].upper, "trace");
     if (!result.fields || result.fields->size() != 3) {
         ADD_FAILURE() << where << ": no fields";
@@ -111,14 +112,14 @@ Answer check(const Vec3& a, const Vec3& b, const Pose& p, const Pose& g, const s
     }
     holds((*result.fields)[0].values[0], (*result.fields)[1].values[0], "fields");
     EXPECT_EQ((*result.fields)[2].values[0], 7);
-    // The witness proves the bound where it is shown.
+    // The witness proves the bound for the posed points.
     const double off = (result.witness.source_point - Vec3(posed(rows({a}), p).row(0))).norm();
     const double far = (result.witness.source_point - Vec3(posed(rows({b}), g).row(0))).norm();
     EXPECT_LE(result.bounds.lower, std::max(far - off, 0.0)) << where;
     return {result, trace.samples()[0]};
 }
 
-// By 0.6, 0.8 about z, and longer by `longer`.
+// Returns a turn about z with cosine 0.6 and sine 0.8, stretched by the factor 1 + `longer`.
 Pose turned_and_longer(double longer, const Vec3& translation = Vec3::Zero()) {
     Pose pose;
     pose.rotation << 0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1;
@@ -127,7 +128,7 @@ Pose turned_and_longer(double longer, const Vec3& translation = Vec3::Zero()) {
     return pose;
 }
 
-constexpr double nearly = 0x1p-42;  // longer by this: just within what counts as rigid
+constexpr double nearly = 0x1p-42;  // a stretch just within what counts as rigid
 
 TEST(SessionUndo, AMotionThatStretchesALittle) {
     for (const double longer : {nearly, -nearly})
@@ -164,7 +165,7 @@ TEST(SessionUndo, NothingIsBuiltAgain) {
     seen.built = 0;
     const Session session(sharp(), Options("sharp", {}, {}), {point({0, 0, 0}), point({0.75, 0, 0})},
                           {.moves = true, .finest_tolerance = 1e-6, .target_moves = true, .symmetric = true});
-    EXPECT_EQ(seen.built, 2);  // over B, and over A for h(B,A)
+    EXPECT_EQ(seen.built, 2);  // one over B, and one over A for h(B,A)
     Trace trace;
     for (int i = 1; i < 4; ++i) {
         Query query = query_with(turned_and_longer(0, {0.1 * i, 0, 0}), turned_and_longer(0, {0, 0.1 * i, 0}));
@@ -176,7 +177,8 @@ TEST(SessionUndo, NothingIsBuiltAgain) {
     EXPECT_EQ(seen.built, 2);
 }
 
-// A copy takes the place of what cannot be undone, or would cost more than the tolerance allows, or would prove something else.
+// A copy replaces undoing if the motion cannot be undone, undoing costs more than the tolerance
+// allows, or a proof would be about other shapes.
 TEST(SessionUndo, ACopyWhereItMust) {
     const Session session(sharp(), Options("sharp", {}, {}), {point({0, 0, 0}), point({0.75, 0, 0})},
                           {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});
@@ -204,7 +206,7 @@ TEST(SessionUndo, ACopyWhereItMust) {
     query = good;
     query.wanted.certificate = true;
     EXPECT_EQ(built(query), 1) << "a proof";
-    // What is left of A, and B, would be too small for a solver.
+    // The source after undoing, and B, would be too small for a solver.
     const Session small(sharp(), Options("sharp", {}, {}), {point({0.75, 0, 0}), point({0, 0, 0})},
                         {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});
     query = good;
@@ -215,7 +217,7 @@ TEST(SessionUndo, ACopyWhereItMust) {
     EXPECT_EQ(seen.built, 1) << "tiny";
 }
 
-// The answer is known beforehand, in any unit.
+// Whether targets are copied is known beforehand, in any unit.
 TEST(SessionUndo, WhatIsCopiedIsSaidBeforehand) {
     const ShapeExtent a{ShapeKind::mesh, 0.5}, b{ShapeKind::mesh, 0.75};
     SolverInfo info = sharp().info;
@@ -227,10 +229,10 @@ TEST(SessionUndo, WhatIsCopiedIsSaidBeforehand) {
     EXPECT_TRUE(copies(query_with({}, query.target_pose, 1e-13)));
     EXPECT_TRUE(copies_targets(info, query, {ShapeKind::points, 0.5}, b));
     EXPECT_TRUE(copies_targets(info, query, a, {ShapeKind::points, 0.75}));
-    EXPECT_TRUE(copies_targets(info, query, a, {ShapeKind::mesh, 1e6}));  // rounding, beside this tolerance
+    EXPECT_TRUE(copies_targets(info, query, a, {ShapeKind::mesh, 1e6}));  // rounding exceeds this tolerance
     query = query_with(turned_and_longer(1e-6), {});
     query.quantity = Quantity::symmetric;
-    EXPECT_TRUE(copies(query));  // of h(B,A), A is the target
+    EXPECT_TRUE(copies(query));  // A is the target of h(B,A)
     info.abilities.insert(Ability::moving_target);
     EXPECT_FALSE(copies(query));
     info.abilities.clear();
@@ -239,7 +241,7 @@ TEST(SessionUndo, WhatIsCopiedIsSaidBeforehand) {
     EXPECT_TRUE(copies(query));
 }
 
-// Of a solver that takes a target that moves, the session leaves it alone.
+// If a solver handles a moving target itself, the session does not interfere.
 TEST(SessionUndo, ASolverThatTakesTheMotionGetsIt) {
     SolverEntry entry = sharp();
     entry.info.abilities.insert(Ability::moving_target);
@@ -250,7 +252,7 @@ TEST(SessionUndo, ASolverThatTakesTheMotionGetsIt) {
     EXPECT_FALSE(seen.query.target_pose.is_identity());
 }
 
-// A solver that stops as soon as it may has an answer all the same, once undoing has had its share.
+// A solver that stops as early as it may still gives a valid answer after undoing has taken its share.
 TEST(SessionUndo, PromisesLeaveRoom) {
     const Pose g = turned_and_longer(nearly, {0.5, 0, 0});
     const Session session(sharp(), Options("sharp", {}, {}), {point({0, 0, 0}), point({0.75, 0, 0})},

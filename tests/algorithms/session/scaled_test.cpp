@@ -1,7 +1,8 @@
-// What a session adds to a solver: a status that follows from the bounds, scaling, and bounds widened for what scaling loses.
+// The tasks of a session besides the solver's: a status that follows from the bounds, scaling, and
+// bounds widened for the loss by scaling.
 //
-// Truths are exact: h of point sets in rational arithmetic, of the points that geometry.h defines. Solvers for meshes get every
-// point as a triangle whose corners coincide.
+// Truths are exact: h of point sets in rational arithmetic, for the points that geometry.h
+// defines. Mesh solvers get every point as a triangle whose corners coincide.
 #include "algorithms/error.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
@@ -40,7 +41,7 @@ Query relative(const Pose& pose, double tolerance = 1e-9) {
     return query;
 }
 
-// By name, because what a solver's own bounds leave to spare could hide what the session owes.
+// Takes a particular solver, because the slack of another solver's own bounds could hide an error of the session.
 void expect_enclosed(const SolverEntry& entry, const Points& a, const Points& b, const Pose& pose,
                      const std::string& where = "") {
     const exact::Rational squared = exact_squared_hausdorff(posed(a, pose), b);
@@ -54,7 +55,7 @@ void expect_enclosed(const SolverEntry& entry, const Points& a, const Points& b,
                                         << exact::root(squared);
 }
 
-// Naive: of points of small numbers it computes every distance exactly, and adds nothing to a distance of 0.
+// Uses naive: for points with small coordinates it computes every distance exactly, and adds nothing to a distance of 0.
 void expect_enclosed(const Points& a, const Points& b, const Pose& pose = {}) {
     expect_enclosed(find_solver("naive"), a, b, pose);
 }
@@ -83,7 +84,7 @@ Pose stretched(const Eigen::Matrix3d& rotation, const Vec3& translation = Vec3::
 
 // --- the status follows from the bounds -------------------------------------------------------------------------------
 
-// A solver that says what it is told to say, in scaled units.
+// The solver's answer, in scaled units, chosen by the tests.
 Result said;
 bool samples = false;
 
@@ -123,7 +124,7 @@ TEST(SessionStatus, NothingIsPassedWhereNothingWasAsked) {
     EXPECT_EQ(to_string(wide.status), to_string(Status::stalled));
     EXPECT_NE(wide.note.find("not above the cutoff"), std::string::npos);
     EXPECT_EQ(wide.bounds.upper, 4e9);
-    // The note has the lengths of the input, whatever the scene is scaled by.
+    // The note gives lengths in the unit of the input, whatever the scale of the scene.
     EXPECT_EQ(after(Status::converged, {0, 0.25}, 0, infinity, 1024).note,
               "the solver reports converged, but its gap 512 is above the tolerance 0.02048");
     EXPECT_EQ(after(Status::below_floor, {0, 0.25}, 16, infinity, 1024).note,
@@ -146,10 +147,10 @@ TEST(SessionStatus, FloorAndCutoffAreAnsweredWhereABoundPassesThem) {
     EXPECT_EQ(status({2, 9}, 0, 2), "stalled");
     EXPECT_EQ(status({1, 3}, 2, 2), "stalled");
     EXPECT_EQ(status({1.5, 1.5}, 1.5, 1.5), "below_floor");
-    // A question that is open is not answered by a small gap ...
+    // A small gap does not answer an open question ...
     EXPECT_EQ(status({1.5, 1.5 + 1e-9}, 1.5, 1.5), "stalled");
     EXPECT_EQ(status({1.5, 1.5 + 1e-9}, 0, 1.5), "converged");
-    // ... and what is below the floor does not count.
+    // ... and the interval below the floor does not count.
     EXPECT_EQ(status({0, 1.5 + 1e-9}, 1.5, infinity), "converged");
     EXPECT_EQ(status({0, 1.6}, 1.5, infinity), "stalled");
 }
@@ -165,18 +166,18 @@ TEST(SessionStatus, ConvergedIsAGapWithinTheTolerance) {
     for (const Bounds& none : {Bounds{nan, 1e-9}, Bounds{0, nan}, Bounds{infinity, infinity}, Bounds{-1e-9, -1e-10}}) {
         const Result impossible = after(Status::converged, none);
         EXPECT_EQ(to_string(impossible.status), to_string(Status::stalled)) << none.lower << ", " << none.upper;
-        EXPECT_NE(impossible.note.find("are no interval of distances"), std::string::npos) << impossible.note;
+        EXPECT_NE(impossible.note.find("are not an interval of distances"), std::string::npos) << impossible.note;
         EXPECT_EQ(to_string(after(Status::above_cutoff, none, 0, 0.5).status), to_string(Status::stalled));
         EXPECT_EQ(to_string(after(Status::below_floor, none, 0.5, 0.5).status), to_string(Status::stalled));
     }
-    // What scaling back costs is the floor of double precision, not the solver's fault.
+    // The loss by scaling back is the precision floor, not the solver's fault.
     const double least = std::numeric_limits<double>::denorm_min();
     EXPECT_EQ(to_string(after(Status::converged, {0.3, 0.3}, 0, infinity, least).status), "precision_floor");
     EXPECT_EQ(to_string(after(Status::below_floor, {0.32, 0.6}, 5 * least, 5 * least, 8 * least).status),
               "precision_floor");
 }
 
-// In units of the least double: the point is shown where it is rounded to, up to half of one from where the bound was found.
+// In units of the least double: the shown point is rounded, by up to half a unit from where the bound was found.
 TEST(SessionStatus, ALowerBoundHoldsWithThePointThatIsShown) {
     const double least = std::numeric_limits<double>::denorm_min();
     const auto lower = [&](double bound, double source, double target) {
@@ -264,7 +265,8 @@ TEST(SessionRange, FarPosesOfTheTargetAreScaledByThePosedExtents) {
     EXPECT_THROW((void)answer(find_solver("naive"), 1e308 * a, 1e308 * b, query), InputError);
 }
 
-// Poses that shrink or enlarge both shapes, or one alone. Squares of lengths leave the range of doubles from 2^-537 on, and from 2^512.
+// Poses shrink or enlarge both shapes, or only one. Squares of lengths leave the range of doubles
+// below 2^-537 and above 2^512.
 TEST(SessionRange, PosesOfEverySizeAreAnswered) {
     Random random(7);
     const Points a = cloud(random, 6), b = cloud(random, 20);
@@ -291,7 +293,7 @@ TEST(SessionRange, PosesOfEverySizeAreAnswered) {
     }
 }
 
-// In scaled units all of A and B is 0, in those of the input it is not.
+// All of A and B is 0 in scaled units, but not in the units of the input.
 TEST(SessionRange, PosesThatShrinkBelowWhatScaledUnitsHold) {
     const Points a = rows({{0x1p500, 0, 0}}), b = rows({{0, 0x1p500, 0}});
     Query query = relative(stretched(0x1p-1074 * Eigen::Matrix3d::Identity(), {0x1p-640, 0, 0}));
@@ -303,7 +305,7 @@ TEST(SessionRange, PosesThatShrinkBelowWhatScaledUnitsHold) {
     }
 }
 
-// The coordinates of the input, not what scaling left of them, are what is posed.
+// The coordinates of the input are posed, not the scaled ones, which have lost bits.
 TEST(SessionRange, FarPosesKeepWhatScalingLoses) {
     const Points b = rows({{0x1p10, 0, 0}, {0, 0, 0}});  // scaled by 2^-11
     Eigen::Matrix3d huge = Eigen::Matrix3d::Identity();
@@ -327,14 +329,14 @@ TEST(SessionRange, FarPosesAreTraced) {
 // --- what scaling loses, term by term ---------------------------------------------------------------------------------
 
 TEST(SessionWidening, CoordinatesThatScalingRounds) {
-    const double large = 0x1p1000, tiny = 0x1p-100;  // scaled by 2^-1001, tiny is 0
+    const double large = 0x1p1000, tiny = 0x1p-100;  // tiny becomes 0 when scaled by 2^-1001
     const Points plain = rows({{large, 0, 0}}), raised = rows({{large, tiny, 0}});
     expect_enclosed(plain, raised);
     expect_enclosed(raised, plain);
     Pose turned_over;
     turned_over.rotation = -turned_over.rotation;
     expect_enclosed(plain, -raised, turned_over);
-    EXPECT_EQ(answer(find_solver("naive"), plain, plain, relative({})).bounds.upper, 0);  // and nothing else is widened
+    EXPECT_EQ(answer(find_solver("naive"), plain, plain, relative({})).bounds.upper, 0);  // nothing else is widened
 }
 
 TEST(SessionWidening, APoseEnlargesWhatScalingRounds) {
@@ -347,15 +349,15 @@ TEST(SessionWidening, ProductsThatUnderflow) {
     const double least = 0x1p-1074;
     const Points origin = rows({{0, 0, 0}});
     const Eigen::Matrix3d halves = 0.5 * Eigen::Matrix3d::Ones();
-    // In the units of the input each product is a tie, 0.5 or 1.5 of them, and goes to 0 or 2.
+    // In units of the least double, each product is a tie, 0.5 or 1.5, and is rounded to 0 or 2.
     expect_enclosed(rows({{least, least, least}}), origin, stretched(halves));
     expect_enclosed(rows({{3 * least, 3 * least, 3 * least}}), origin, stretched(halves));
     expect_enclosed(rows({{3 * least, 3 * least, 3 * least}}), origin, stretched(-halves));
-    // An entry that is nearly infinite, and meets nothing but zeros, spoils nothing.
+    // A nearly infinite entry that only meets zeros does no harm.
     Eigen::Matrix3d lopsided = halves;
     lopsided.col(0) = lopsided.row(0).transpose() = Vec3(1e308, 0, 0);
     expect_enclosed(rows({{0, 3 * least, 3 * least}}), origin, stretched(lopsided));
-    // In scaled units the product underflows.
+    // The product underflows in scaled units.
     const Points far = rows({{0, 0, 0}, {0x1p1000, 0, 0}});
     expect_enclosed(rows({{0x1p-20, 0, 0}}), far, stretched(0x1p-60 * Eigen::Matrix3d::Identity()));
 }
@@ -364,7 +366,7 @@ TEST(SessionWidening, ATranslationThatUnderflows) {
     expect_enclosed(rows({{0, 0, 0}}), rows({{0, 0, 0}, {0x1p1000, 0, 0}}), moved_by({0x1p-100, 0, 0}));
 }
 
-// What is lost in posing B counts as what is lost in posing A.
+// A loss in posing B counts like a loss in posing A.
 TEST(SessionWidening, ATargetThatUnderflows) {
     const auto enclosed = [](const Points& a, const Points& b, const Pose& pose) {
         Query query = relative({});
@@ -379,7 +381,7 @@ TEST(SessionWidening, ATargetThatUnderflows) {
     enclosed(rows({{0x1p1000, 0, 0}}), rows({{0x1p1000, 0, 0}}), moved_by({0, 0x1p-100, 0}));
 }
 
-// A lost bit decides a tie, and so moves a sum by one unit in its last place.
+// A lost bit decides a tie and so moves a sum by one unit in its last place.
 TEST(SessionWidening, RoundingsThatGoTheOtherWay) {
     const double one = 0x1p-1000, above = one * (1 + 0x1p-52), half_an_ulp_and_a_bit = 0x1p-53 * (1 + 0x1p-23);
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
@@ -410,7 +412,7 @@ TEST(SessionWidening, SamplesOfATraceAreWidenedToo) {
     EXPECT_EQ(trace.samples()[0].upper, result.bounds.upper);
 }
 
-// Scenes at the ends of the range of doubles, with all that underflows there.
+// Scenes at the ends of the range of doubles, where many terms underflow.
 TEST(SessionWidening, HoldsOnRandomScenesAtTheEndsOfTheRange) {
     Random random(77);
     const std::vector<SolverEntry> all = certified_solvers();
@@ -437,7 +439,7 @@ TEST(SessionWidening, HoldsOnRandomScenesAtTheEndsOfTheRange) {
         Points b = points(1 + random.below(3));
         const Points there = posed(a, pose);
         if (!there.allFinite()) continue;
-        if (random.below(2)) b.row(0) = there.row(0);  // near 0, every term shows
+        if (random.below(2)) b.row(0) = there.row(0);  // every term shows near 0
         ++tried;
         for (const SolverEntry& entry : all) expect_enclosed(entry, a, b, pose, ", scene " + std::to_string(i));
     }

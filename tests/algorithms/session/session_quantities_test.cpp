@@ -1,6 +1,6 @@
-// What a session does for every solver that does not offer it: H(A,B), a target that moves, shapes shared by several pairs, several
-// threads at once. Each solver of the registry is asked, on scenes of ordinary size; symmetric_test.cpp tests the session
-// alone, term by term.
+// The features that a session adds to every solver without them: H(A,B), a moving target, shapes
+// shared by several pairs, several threads at once. Tests each registered solver on scenes of
+// ordinary size; symmetric_test.cpp tests the session alone, term by term.
 #include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 
@@ -24,20 +24,20 @@ struct PosePair {
     Pose source, target;
 };
 
-// The first leaves A and the last B where it is.
+// The first pose pair leaves A at rest, the last one B.
 const std::array<PosePair, 3> pose_pairs{{{{}, turned(0.6, 0.8, {0.25, 0, -0.5})},
                                           {turned(0.28, 0.96, {-0.125, 0.5, 0}), turned(0.6, 0.8, {0.25, 0, -0.5})},
                                           {turned(0.96, 0.28, {0.5, -0.25, 0.125}), {}}}};
 
-// Enough to notice a pose or a direction that is left out; solver_contract_test.cpp looks closer.
+// Fine enough to notice a missing pose or direction; solver_contract_test.cpp looks closer.
 constexpr Real coarse = 1e-3L;
 
 struct Case {
     TestScene test;
-    std::array<Truth, 3> directed, symmetric;  // one a pair of poses
+    std::array<Truth, 3> directed, symmetric;  // one per pair of poses
 };
 
-// Scenes that stay as they are when they are posed: nothing in them comes near the ends of the range of doubles.
+// Picks scenes that can be posed freely: nothing in them is near the ends of the range of doubles.
 std::vector<Case> some_cases(const std::vector<TestScene>& scenes, const std::set<std::string>& names) {
     std::vector<Case> all;
     for (const TestScene& test : scenes) {
@@ -71,7 +71,7 @@ const std::vector<Case>& cases() {
 
 Options defaults(const SolverEntry& entry) { return quick_options(entry); }
 
-// Calls f(entry, case, "solver on scene") for all that fit. Surfaces do not move, and are left to surfaces_test.cpp.
+// Calls f(entry, case, "solver on scene") for all cases that fit. Surfaces do not move; surfaces_test.cpp tests them.
 template <class F> void for_each_fitting(F&& f) {
     int solvers_tried = 0;
     for (const SolverEntry& entry : solvers()) {
@@ -98,12 +98,12 @@ Query query_of(std::size_t i, const Truth& truth, Quantity quantity = Quantity::
     return query;
 }
 
-// Double precision holds a thousandth of the tolerance easily.
+// A tolerance is easy if double precision resolves a thousandth of it.
 bool easy(const SolverInfo& info, const Truth& truth) {
     return reaches_the_tolerance(info) && truth.tolerance > 1e3 * unit_roundoff * truth.magnitude;
 }
 
-// A distance near the exact one, and how far it may be from it.
+// Returns a distance near the exact one.
 Real about(const Truth& truth) { return truth.points ? exact::root(truth.squared) : truth.low; }
 
 void check(const SolverEntry& entry, const Truth& truth, const Query& query, const Result& result,
@@ -120,7 +120,8 @@ void check(const SolverEntry& entry, const Truth& truth, const Query& query, con
     }
 }
 
-// Both shapes scaled by the same exponent as a session scales the scene; for solvers that take it unscaled, as they are.
+// Scales both shapes by the exponent with which a session scales the scene, or not at all for
+// solvers that take it unscaled.
 PreparedPair scaled_alike(const SolverInfo& info, const Scene& scene, int exponent) {
     if (info.original_coordinates) exponent = 0;
     return {std::make_shared<PreparedShape>(Shape(scene.source), exponent),
@@ -149,7 +150,7 @@ TEST(SessionPoses, BothAreHonoured) {
             expect_same_answer(result, other, at);
             EXPECT_EQ(result.counters, other.counters) << at;
 
-            // The same bits as on a target that was posed beforehand.
+            // The bits must equal those on a target that was posed beforehand.
             const int exponent = scale_exponent(
                 std::max(magnitude(points_of(c.test.scene.source)), magnitude(points_of(c.test.scene.target))));
             const Session still(entry, defaults(entry),
@@ -162,7 +163,7 @@ TEST(SessionPoses, BothAreHonoured) {
             query.target_pose = {};
             const Result beforehand = still.solve(query, trace);
             if (undone) {
-                // All but the bits: the motion was undone.
+                // The motion was undone, so only the bits may differ.
                 EXPECT_LE(result.bounds.lower, beforehand.bounds.upper) << at;
                 EXPECT_GE(result.bounds.upper, beforehand.bounds.lower) << at;
                 EXPECT_EQ(to_string(result.status), to_string(beforehand.status)) << at;
@@ -176,7 +177,7 @@ TEST(SessionPoses, BothAreHonoured) {
 
 // --- H(A,B) -----------------------------------------------------------------------------------------------------------
 
-// Also the other way round, so that either direction is the larger one.
+// Scenes are also tried the other way round, so that either direction is the larger one.
 Scene turned_round(const Scene& scene) { return {scene.target, scene.source}; }
 
 Query turned_round(Query query) {
@@ -184,8 +185,8 @@ Query turned_round(Query query) {
     return query;
 }
 
-// Of all scenes of a solver: a floor may make bounds of groups of triangles worth computing, each with a query, which on scenes as small as
-// these cost up to an eighth more than they save.
+// Work summed over all scenes of a solver. A floor may make it worth computing bounds of groups of
+// triangles, each with a query. On scenes as small as these, that costs up to an eighth more than it saves.
 struct Work {
     Counters whole, apart;
 
@@ -230,7 +231,7 @@ TEST(SessionSymmetric, EnclosesTheLargerDirection) {
                 EXPECT_EQ(trace.samples().back().lower, result.bounds.lower) << at;
                 EXPECT_EQ(trace.samples().back().upper, result.bounds.upper) << at;
             }
-            Trace none;  // a trace may cost work
+            Trace none;  // tracing may cost work
             const Result untraced = session.solve(query, none), other = lean.solve(query, none);
             expect_same_answer(result, untraced, at);
             expect_same_answer(result, other, at);
@@ -279,7 +280,7 @@ TEST(SessionSymmetric, BoundsHoldWhenStoppedEarly) {
     });
 }
 
-// A tolerance relative to a lower bound of 0 cannot be met: where A is a part of B, it has to be that of H.
+// A tolerance relative to a lower bound of 0 cannot be met. If A is a part of B, it must be relative to H.
 TEST(SessionSymmetric, ARelativeToleranceIsOfH) {
     const TriangleMesh part = soup(rows({{0.3, 0.2, 0}, {1.7, 0.45, 0}, {0.65, 1.6, 0}}));
     const TriangleMesh whole = sheet(7, 0);
@@ -290,7 +291,7 @@ TEST(SessionSymmetric, ARelativeToleranceIsOfH) {
             Query query;
             query.quantity = Quantity::symmetric;
             query.tolerance = {Tolerance::Of::lower, 1e-3};
-            query.budget = 100000;  // so that a failure ends
+            query.budget = 100000;  // so that a failing search ends
             Trace trace;
             const Result result = session.solve(query, trace);
             check(entry, symmetric_truth_of(scene, coarse), query, result, entry.info.name);
@@ -314,7 +315,7 @@ std::vector<Shape> shapes_for(const SolverInfo& info, int ratio) {
     return {sheet(6, 0, 0.3), resized(sheet(7, 0.1, 0.2), ratio), cube(0.75)};
 }
 
-// Every pair of a matrix, in a worker that scales all shapes alike, against that pair alone.
+// Compares every pair of a matrix, in a worker that scales all shapes alike, with the pair alone.
 void check_matrix(const SolverEntry& entry, int ratio, const std::string& where) {
     const std::vector<Shape> shapes = shapes_for(entry.info, ratio);
     int exponent = -1000;
@@ -367,7 +368,7 @@ TEST(SessionMatrix, SharedShapesHaveTheBitsOfEachPairAlone) {
     }
 }
 
-// A shape so much smaller that it would lose bits with the rest gets an exponent of its own and of each pair.
+// A shape so small that it would lose bits beside the others gets its own exponent in each pair.
 TEST(SessionMatrix, ARatioOf300BinaryOrdersIsSoundInTheScaleOfThePair) {
     for (const SolverEntry& entry : solvers()) {
         if (!entry.info.certified || entry.info.source.surface) continue;
@@ -406,7 +407,7 @@ TEST(SessionChains, WarmAnswersAreAsGoodAsColdOnes) {
         if (!state || !chosen.contains(c.test.name)) return;
         for (int i = 0; i < 20; ++i) {
             const std::string at = where + ", pose " + std::to_string(i);
-            const double t = 0.05 * i;  // (1 - t^2, 2 t) / (1 + t^2): a turn by rational numbers
+            const double t = 0.05 * i;  // (1 - t^2, 2 t) / (1 + t^2): a turn with rational entries
             Query query;
             query.source_pose = turned((1 - t * t) / (1 + t * t), 2 * t / (1 + t * t), {0.1 * t, 0, 0.2});
             const Truth truth = truth_of(posed(c.test.scene, query.source_pose), coarse);
@@ -471,7 +472,7 @@ TEST(SessionThreads, TwoThreadsBuildTheStructuresOfOneShape) {
             if (refusal(entry.info, kind_of(scene.source), kind_of(scene.target)).empty()) chosen = &c;
         }
         ASSERT_TRUE(chosen);
-        // Of one that was not told what is to come, so that the structures of h(B,A) are built by the first answer.
+        // The session is not told of later queries, so the first answer builds the structures of h(B,A).
         const Session session(entry, defaults(entry), chosen->test.scene, {});
         std::array<Result, 2> results;
         const auto ask = [&](std::size_t k) {

@@ -1,5 +1,5 @@
-// How a session makes an answer about H(A,B), or about a target that moves, from answers about h(A,B) and h(B,A) of a solver that
-// knows no more: term by term, with a solver that says what it is told and keeps what it was asked.
+// How a session answers H(A,B), or queries with a moving target, from h(A,B) and h(B,A) of a
+// solver that offers nothing more: term by term, with a scripted solver that records its queries.
 #include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 
@@ -16,13 +16,13 @@
 namespace hausbench {
 namespace {
 
-// What the tests tell it, and what it was asked: first h(A,B), then h(B,A). B has two points, A has one.
+// The scripted answers and the recorded queries: first h(A,B), then h(B,A). B has two points, A has one.
 struct Script {
     Result says[2];
     std::vector<Query> asked;
     std::vector<QuerySet> prepared_for;
     std::chrono::milliseconds preparing{0}, solving{0};
-    int built[2] = {0, 0};  // structures over A and B
+    int built[2] = {0, 0};  // structures built over A and over B
     bool needs_both = true, exact = false;
 } script;
 
@@ -79,7 +79,7 @@ Result result_of(Status status, const Bounds& bounds, const std::string& note = 
     return result;
 }
 
-// The largest coordinate is 0.5: nothing is scaled.
+// The largest coordinate is 0.5, so nothing is scaled.
 const Scene scene{PointSet{rows({{0.5, 0, 0}})}, PointSet{rows({{0, 0, 0}, {0, 0.25, 0}})}};
 
 Query symmetric_query() {
@@ -129,7 +129,7 @@ TEST_F(SessionDirections, TheFirstLowerBoundIsTheFloorOfTheSecond) {
     solve(result_of(Status::converged, {0.2, 0.205}), small);
     ASSERT_EQ(script.asked.size(), 2u);
     EXPECT_EQ(script.asked[0].floor, 0);
-    EXPECT_EQ(script.asked[1].floor, 0.2);  // not the upper bound: h(B,A) could be between the two
+    EXPECT_EQ(script.asked[1].floor, 0.2);  // not the upper bound, because h(B,A) could be between the two
     EXPECT_EQ(script.asked[0].quantity, Quantity::directed);
     EXPECT_EQ(script.asked[1].quantity, Quantity::directed);
 }
@@ -142,7 +142,7 @@ TEST_F(SessionDirections, AFloorThatIsHigherStays) {
     EXPECT_EQ(script.asked[1].floor, 0.3);
 }
 
-// floor >= cutoff would ask "is h above it?", and the tolerance would end nothing.
+// floor >= cutoff would turn the query into "is h above it?", which no tolerance ends.
 TEST_F(SessionDirections, AFloorThatIsTheCutoffAsksNoQuestion) {
     Query query = symmetric_query();
     query.cutoff = 0.2;
@@ -156,7 +156,7 @@ TEST_F(SessionDirections, AFloorThatIsTheCutoffAsksNoQuestion) {
     EXPECT_EQ(script.asked[1].floor, query.cutoff);
 }
 
-// In scaled units it would be infinite, and an upper bound that is infinite would not be above it.
+// The floor would be infinite in scaled units, and even an infinite upper bound would not be above it.
 TEST_F(SessionDirections, AFloorStaysFinite) {
     script.says[0] = small;
     const SolverEntry entry = scripted();
@@ -178,10 +178,10 @@ TEST_F(SessionDirections, PosesChangePlaces) {
     ASSERT_EQ(script.asked.size(), 2u);
     EXPECT_EQ(script.asked[0].source_pose.translation, Vec3(0.125, 0, 0));
     EXPECT_EQ(script.asked[1].source_pose.translation, Vec3(0, 0.25, 0));
-    for (const Query& asked : script.asked) EXPECT_TRUE(asked.target_pose.is_identity());  // a posed copy
+    for (const Query& asked : script.asked) EXPECT_TRUE(asked.target_pose.is_identity());  // the target is a posed copy
 }
 
-// Sleeping takes at least as long as it is told.
+// A sleep takes at least as long as requested.
 TEST_F(SessionDirections, TimeThatIsSpentIsNotThereForTheSecond) {
     script.says[0] = script.says[1] = small;
     script.solving = std::chrono::milliseconds(3);
@@ -210,7 +210,7 @@ TEST_F(SessionDirections, PreparingAPosedCopyIsTimeThatIsSpent) {
     EXPECT_EQ(script.asked[1].time_limit, 0);
 }
 
-// A tolerance relative to a lower bound of 0 cannot be met, so the direction whose bound is larger comes first.
+// A tolerance relative to a lower bound of 0 cannot be met, so the direction with the larger bound comes first.
 TEST_F(SessionDirections, TheLargerDirectionComesFirstWhereTheToleranceIsRelative) {
     Query query = symmetric_query();
     query.tolerance = {Tolerance::Of::lower, 1e-3};
@@ -221,7 +221,7 @@ TEST_F(SessionDirections, TheLargerDirectionComesFirstWhereTheToleranceIsRelativ
         script.asked.clear();
         const Result result = solve(first, second, query);
         EXPECT_EQ(result.bounds.lower, std::max(first.bounds.lower, second.bounds.lower));
-        EXPECT_EQ(result.counters.subdivisions, script.asked.size());  // what was tried counts too
+        EXPECT_EQ(result.counters.subdivisions, script.asked.size());  // trials count too
         EXPECT_EQ(result.reported, (Reported{{"share", 1.0}, {"share (B to A)", 1.0}}));
         EXPECT_EQ(script.asked.back().budget, query.budget);
         std::vector<std::pair<double, std::uint64_t>> asked;
@@ -233,20 +233,20 @@ TEST_F(SessionDirections, TheLargerDirectionComesFirstWhereTheToleranceIsRelativ
     EXPECT_EQ(floors(rich, poor), (Asked{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
     EXPECT_EQ(floors(poor, rich), (Asked{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
     EXPECT_TRUE(script.asked[2].source_pose.is_identity());
-    // Nothing is tried where no lower bound could keep a solver busy.
+    // No trials if no lower bound could keep a solver busy.
     script.exact = true;
     EXPECT_EQ(floors(poor, rich), (Asked{{0, all}, {0.1, all}}));
     script.exact = false;
     query.tolerance = {Tolerance::Of::absolute, 1e-3};
     EXPECT_EQ(floors(poor, rich), (Asked{{0, all}, {0.1, all}}));
     query.tolerance = {Tolerance::Of::lower, 1e-3};
-    // An answer is not asked for twice ...
+    // A settled direction is not queried twice ...
     Result done = result_of(Status::converged, {0.2, 0.2});
     done.counters.subdivisions = 1;
     done.reported = poor.reported;
     EXPECT_EQ(floors(done, poor), (Asked{{0, 64}, {0.2, all}}));
     EXPECT_EQ(floors(poor, done).size(), 4u);
-    // ... and where nothing is known yet, more work is done.
+    // ... and while both lower bounds are 0, the trials get more work.
     poor.bounds.lower = 0;
     query.budget = 5000;
     EXPECT_EQ(floors(poor, poor), (Asked{{0, 64}, {0, 64}, {0, 1024}, {0, 1024}, {0, 5000}, {0, 5000}}));
@@ -278,7 +278,7 @@ TEST_F(SessionDirections, TheWitnessOfTheLargerLowerBoundIsNamedByItsDirection) 
     EXPECT_EQ(backward.target_point, Vec3(3, 0, 0));
     EXPECT_EQ(backward.source_element, 0);
     EXPECT_EQ(backward.target_element, 1);
-    second.bounds.lower = first.bounds.lower;  // no larger: the first one's stays
+    second.bounds.lower = first.bounds.lower;  // no larger, so the first witness stays
     EXPECT_EQ(solve(first, second).witness.source_point, Vec3(1, 0, 0));
 }
 
@@ -290,7 +290,7 @@ TEST_F(SessionDirections, AFirstLowerBoundAboveTheCutoffEndsIt) {
     EXPECT_EQ(script.asked.size(), 1u);
     EXPECT_EQ(to_string(result.status), "above_cutoff");
     EXPECT_EQ(result.bounds.lower, 0.2);
-    EXPECT_EQ(result.bounds.upper, infinity);  // h(B,A) may be any
+    EXPECT_EQ(result.bounds.upper, infinity);  // h(B,A) may have any value
     EXPECT_EQ(result.note, "");
     script.asked.clear();
     query.cutoff = 0.2;
@@ -308,13 +308,13 @@ TEST_F(SessionDirections, TheStatusIsThatOfTheDirectionThatKeepsTheBoundsApart) 
     EXPECT_EQ(status(timeout, small), "time_limit");
     EXPECT_EQ(status(small, timeout), "time_limit");
     EXPECT_EQ(status(small, large), "converged");
-    // What one direction could not do does not count where the other one's bounds are above it.
+    // A direction's failure does not count if the other direction's bounds are above it.
     const Result far = result_of(Status::precision_floor, {0, 0.3}, "tiny");
     EXPECT_EQ(status(far, large), "converged");
     EXPECT_EQ(status(large, far), "converged");
     EXPECT_EQ(solve(far, large).note, "");
     EXPECT_EQ(solve(large, far).note, "");
-    // Neither alone says that the two together are close enough.
+    // Neither direction alone shows that the combined bounds are close enough.
     const Result late = result_of(Status::time_limit, {0.1, 0.405}, "slow");
     const Result near = result_of(Status::converged, {0.4, 0.402});
     EXPECT_EQ(status(late, near), "converged");
@@ -348,7 +348,7 @@ TEST_F(SessionDirections, ATraceHoldsForBoth) {
     solve(result_of(Status::budget, {0.2, 0.3}), result_of(Status::budget, {0.1, 0.4}));
     ASSERT_EQ(trace.samples().size(), 3u);
     EXPECT_EQ(trace.samples()[0].lower, 0.2);
-    EXPECT_EQ(trace.samples()[0].upper, infinity);  // nothing is known of h(B,A)
+    EXPECT_EQ(trace.samples()[0].upper, infinity);  // h(B,A) is not known yet
     EXPECT_EQ(trace.samples()[1].lower, 0.2);
     EXPECT_EQ(trace.samples()[1].upper, 0.4);
     EXPECT_LE(trace.samples()[0].seconds, trace.samples()[1].seconds);
@@ -358,7 +358,7 @@ TEST_F(SessionDirections, ATraceHoldsForBoth) {
     EXPECT_EQ(trace.samples()[1].upper, 0.4);
 }
 
-// --- parts that belong to h(A,B) alone, or that nobody asked for ------------------------------------------------------
+// --- parts that belong only to h(A,B), or that were not requested ------------------------------------------------------
 
 TEST_F(SessionDirections, FieldsAndCertificatesAreThereOnlyWhereTheyAreWanted) {
     Result first = small;
@@ -411,7 +411,7 @@ TEST_F(SessionDirections, CertificatesOfHAreOneForEachDirectionOrNone) {
     first.certificates = {{"text", {}, 0.2, ""}}, second.certificates.clear();
     EXPECT_TRUE(certificates().empty());
     second.certificates = first.certificates;
-    query.cutoff = 0.01;  // the second direction is left out, and H has no upper bound
+    query.cutoff = 0.01;  // the second direction is skipped, so H has no upper bound
     EXPECT_TRUE(certificates().empty());
 }
 
@@ -427,7 +427,7 @@ TEST_F(SessionDirections, CertificatesAreScaledBackOutward) {
         const Session session(entry, Options(entry.info.name, {}, {}), {PointSet{source}, scene.target}, {});
         return session.solve(query, trace).certificates.at(0);
     };
-    EXPECT_EQ(certificate(rows({{4, 0, 0}})).proven, 2);  // scaled by 2^-3
+    EXPECT_EQ(certificate(rows({{4, 0, 0}})).proven, 2);  // the scene is scaled by 2^-3
     EXPECT_GT(certificate(rows({{0x1p1000, 0x1p-100, 0}})).proven, 0x1p999);
     EXPECT_EQ(certificate(rows({{4, 0, 0}})).direction, Witness::Direction::source_to_target);
 }
@@ -446,14 +446,14 @@ TEST_F(SessionDirections, FieldsAreScaledBackOutward) {
         const Result result = session.solve(query, trace);
         return Vec3((*result.fields)[0].values[0], (*result.fields)[1].values[0], (*result.fields)[2].values[0]);
     };
-    EXPECT_EQ(values({PointSet{rows({{4, 0, 0}})}, scene.target}), Vec3(2, 2, 0.25));  // scaled by 2^-3
+    EXPECT_EQ(values({PointSet{rows({{4, 0, 0}})}, scene.target}), Vec3(2, 2, 0.25));  // the scene is scaled by 2^-3
     const Vec3 wider = values({PointSet{rows({{0x1p1000, 0x1p-100, 0}})}, scene.target});
     EXPECT_LT(wider[0], 0x1p999);
     EXPECT_GT(wider[1], 0x1p999);
     EXPECT_EQ(wider[2], 0.25);
 }
 
-// --- what is prepared, and for whom -----------------------------------------------------------------------------------
+// --- preparation ------------------------------------------------------------------------------------------------------
 
 TEST_F(SessionDirections, EveryPoseOfATargetPaysForItsStructures) {
     script.says[0] = script.says[1] = small;
@@ -464,7 +464,7 @@ TEST_F(SessionDirections, EveryPoseOfATargetPaysForItsStructures) {
     Query query = symmetric_query();
     query.quantity = Quantity::directed;
     for (int i = 0; i < 3; ++i) {
-        query.target_pose = i < 2 ? Pose{} : moved_by({0, 0.25, 0});  // at rest too
+        query.target_pose = i < 2 ? Pose{} : moved_by({0, 0.25, 0});  // also at rest
         (void)moving.solve(query, trace);
         EXPECT_EQ(script.built[0], 1);
         EXPECT_EQ(script.built[1], i + 1);
@@ -480,7 +480,7 @@ TEST_F(SessionDirections, AStructureIsBuiltOnceForBothDirections) {
     for (const PreparationTime& time : both.preparation()) names.push_back(time.name + (time.shared ? ", shared" : ""));
     EXPECT_EQ(names, (std::vector<std::string>{"source counted structure", "target counted structure", "solver",
                                                "solver (B to A)"}));
-    EXPECT_EQ(both.prepare_bytes(), 16u);  // each structure once
+    EXPECT_EQ(both.prepare_bytes(), 16u);  // each structure counted once
 }
 
 std::atomic<int> slowly_built{0};
@@ -550,7 +550,7 @@ TEST_F(SessionDirections, MovesChangePlaces) {
     ASSERT_EQ(script.prepared_for.size(), 2u);
     EXPECT_EQ(seen(0), std::pair(true, false));
     EXPECT_EQ(seen(1), std::pair(false, true));
-    // B to A: A, as the target, is a copy at rest, and B does not move.
+    // B to A: A is the target, a copy at rest, and B does not move.
     (void)moving.solve(symmetric_query(), trace);
     EXPECT_EQ(seen(2), std::pair(false, false));
     Query query = symmetric_query();

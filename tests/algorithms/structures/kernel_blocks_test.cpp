@@ -1,4 +1,4 @@
-// Triangle blocks must give the bits of a plain scan, on tame and on hostile meshes; and what they gather is what is near.
+// Triangle blocks must give the bits of a plain scan, on tame and hostile meshes, and must gather the near triangles.
 #include "algorithms/structures/triangle_blocks.h"
 
 #include "algorithms/kernel/morton.h"
@@ -52,7 +52,7 @@ TEST(TriangleBlocks, SameBitsAsAScanOn200Meshes) {
         expect_same_as_scan(mesh, random, mesh.triangles.rows() > 1000 ? 100 : 200, name);
 }
 
-// So far from the origin that computed distances err by more than those in the frames of a leaf.
+// The mesh is so far from the origin that computed distances err by more than the frames of a leaf.
 TEST(TriangleBlocks, SameBitsAsAScanFarFromTheOrigin) {
     Random random(6);
     for (const double away : {1e10, 1e12, 1e13, 1e14}) {
@@ -62,7 +62,8 @@ TEST(TriangleBlocks, SameBitsAsAScanFarFromTheOrigin) {
     }
 }
 
-// Farther than single precision is used for. Along an axis, as what is not much farther is not told apart from a slant.
+// Farther than single precision is used for. The offset is along an axis, because from a slanted direction
+// triangles that are only slightly farther cannot be told apart.
 TEST(TriangleBlocks, SameBitsAsAScanFromVeryFarAway) {
     Random random(7);
     Counters counters;
@@ -98,7 +99,7 @@ TEST(TriangleBlocks, EarlyOutStopsAtATriangleNearEnough) {
     EXPECT_LT(early.node_visits, full.node_visits);
 }
 
-// A stray triangle far away, or a second cluster there, must not make a query look at everything.
+// A stray triangle or a second cluster far away must not make a query search everything.
 TEST(TriangleBlocks, WorkDoesNotGrowWithTheRatioOfScales) {
     Counters tame;
     for (const double ratio : {1.0, 10.0, 1e3, 1e6, 1e9, 1e12}) {
@@ -125,13 +126,13 @@ TEST(TriangleBlocks, WorkDoesNotGrowWithTheRatioOfScales) {
                 expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
         }
         if (ratio == 1) tame = counters;
-        // One level of the tree, that of both scales, tells nothing apart in the small one.
+        // One level of the tree covers both scales and cannot separate anything within the small one.
         EXPECT_LE(counters.node_visits, 8 * tame.node_visits) << ratio;
         EXPECT_LE(counters.point_triangle_distances, 2 * tame.point_triangle_distances) << ratio;
     }
 }
 
-// Whether one of these has the same corners in the same order.
+// Returns whether one of these triangles has the same corners in the same order.
 bool is_copy(const TriangleMesh& mesh, Index t, const std::set<Index>& of) {
     return std::any_of(of.begin(), of.end(), [&](Index i) {
         const Triangle x = triangle_of(mesh, t), y = triangle_of(mesh, i);
@@ -139,7 +140,7 @@ bool is_copy(const TriangleMesh& mesh, Index t, const std::set<Index>& of) {
     });
 }
 
-// A stack of copies is one triangle to a search, and to those who gather.
+// Copies of a triangle count as one for searching and for gathering.
 TEST(TriangleBlocks, CopiesAreLeftOut) {
     Random random(15);
     TriangleMesh mesh = triangle_grid(random, 6, 0.05);
@@ -161,7 +162,8 @@ TEST(TriangleBlocks, CopiesAreLeftOut) {
     for (const Index i : near.triangle) EXPECT_LT(i, triangles);
 }
 
-// Every triangle within the radius, unless there are too many, and none that is clearly farther; in frames whose distances are as near as near_error says.
+// Gathers every triangle within the radius, unless there are too many, and none that is clearly
+// farther. The distances of the frames are within near_error.
 TEST(TriangleBlocks, GatherWhatIsNear) {
     Random random(12);
     int complete = 0, cut_short = 0;
@@ -260,7 +262,7 @@ TEST(TriangleBlocks, TakeFewBytes) {
     EXPECT_LE(TriangleBlocks(mesh).bytes(), 95 * static_cast<std::size_t>(mesh.triangles.rows()));
 }
 
-// Every run of sixteen mixes scales, so that each might become two leaves.
+// Every run of sixteen mixes scales, so each could become two leaves.
 TEST(TriangleBlocks, TakeFewBytesWhereScalesAreMixed) {
     Random random(15);
     TriangleMesh mesh = triangle_soup(random, 8000, 0.001);
@@ -272,7 +274,7 @@ TEST(TriangleBlocks, TakeFewBytesWhereScalesAreMixed) {
     EXPECT_GT(blocks.leaves().size(), 8000U / frames_width);  // some runs were cut
 }
 
-// Cells that follow each other on the curve are neighbours, and each cell has a place.
+// Consecutive cells of the curve are neighbours, and each cell has one place.
 TEST(Hilbert, IsACurveThroughAllCells) {
     constexpr std::uint32_t side = 32, cells = side * side * side;
     std::vector<std::array<std::uint32_t, 3>> cell(cells);
@@ -280,7 +282,7 @@ TEST(Hilbert, IsACurveThroughAllCells) {
     for (std::uint32_t x = 0; x < side; ++x) {
         for (std::uint32_t y = 0; y < side; ++y) {
             for (std::uint32_t z = 0; z < side; ++z) {
-                std::uint32_t key = 0;  // of a cell that is 2^5 times as wide, at its lower corner
+                std::uint32_t key = 0;  // key of a cell 2^5 times as wide, at its lower corner
                 for (int bit = 4; bit >= 0; --bit)
                     key = key << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | (z >> bit & 1);
                 const std::uint32_t place = hilbert_key(key << 15) >> 15;

@@ -1,4 +1,5 @@
-// The octree and the R-tree over points, and bounds of computed distances: nothing is lost, everything lies where it is said to.
+// The octree and the R-tree over points, and bounds of computed distances: no point is lost, and
+// everything lies where the tree says.
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/inc/rtree.h"
@@ -17,7 +18,7 @@ std::vector<Points> point_sets() {
     Random random(31);
     std::vector<Points> sets = {rows({{1, 2, 3}}), Points::Constant(40, 3, 0.25), cloud(random, 1), cloud(random, 500),
                                 lattice(9, 0)};
-    Points pairs(200, 3);  // each twice, an ulp apart
+    Points pairs(200, 3);  // each point twice, an ulp apart
     for (Index i = 0; i < 100; ++i) {
         pairs.row(2 * i) = random.vector();
         pairs.row(2 * i + 1) = pairs.row(2 * i).unaryExpr([](double x) { return std::nextafter(x, 9.0); });
@@ -68,8 +69,7 @@ TEST(PointOctree, HoldsEachPointInEachOfItsCells) {
     }
 }
 
-// Walks the full octree to some depth, with the levels the tree passes over.
-// Down to a depth, it is the full tree without the cells below: NOHD sees the same ones.
+// A tree that ends at a depth is the full tree without the cells below that depth, so NOHD sees the same cells.
 TEST(PointOctree, EndsAtTheDepthAskedFor) {
     for (const Points& points : point_sets()) {
         const PointOctree full(points);
@@ -138,7 +138,7 @@ TEST(RTree, BoxesAreTightAndFull) {
     }
 }
 
-// The corners and points of boxes, moved: computed coordinates and distances are within the computed bounds, to the bit.
+// Boxes and their points are moved: the computed coordinates and distances are within the computed bounds, to the bit.
 TEST(PosedBox, BoundsComputedDistances) {
     Random random(32);
     for (int i = 0; i < 2000; ++i) {
@@ -161,7 +161,7 @@ TEST(PosedBox, BoundsComputedDistances) {
             }
         }
     }
-    // What overflows at a corner that is no point leaves the bounds finite.
+    // An overflow at a corner that is not a point leaves the bounds finite.
     Pose wild;
     wild.rotation.setConstant(1e300);
     const Points far = rows({{-1e10, 1e10, 0}, {1e10, -1e10, 0}});

@@ -45,7 +45,7 @@ TEST(Adjacency, AsByAMapOfEdges) {
 TEST(Adjacency, GridHasTheEdgesOfEuler) {
     Random random(1);
     const Adjacency adjacency(triangle_grid(random, 10, 0));
-    EXPECT_EQ(adjacency.edges(), 100 + 162 - 1);  // vertices + triangles - 1 of a disc
+    EXPECT_EQ(adjacency.edges(), 100 + 162 - 1);  // vertices + triangles - 1, for a disc
     int borders = 0;
     for (Index i = 0; i < 162; ++i) {
         for (int k = 0; k < 3; ++k) borders += adjacency.neighbour(i, k) < 0;
@@ -53,7 +53,7 @@ TEST(Adjacency, GridHasTheEdgesOfEuler) {
     EXPECT_EQ(borders, 36);
 }
 
-// Exactly: distances from q to the points are within the bounds. Roots are compared squared.
+// Checks exactly that the distances from q to the points are within the bounds, by comparing squares.
 void expect_bounds(const SweptSphere& volume, const Vec3& q, std::span<const Vec3> points, const std::string& where) {
     const exact::Rational least = distance_at_least(volume, q), most = distance_at_most(volume, q);
     for (const Vec3& point : points) {
@@ -79,7 +79,7 @@ TEST(SweptSphere, BoundsHoldExactlyAndAreTight) {
                 k % 2 == 0 ? points[static_cast<std::size_t>(random.below(count))] : Vec3(random.vector(3) + offset);
             expect_bounds(volume, q, points, "set " + std::to_string(i));
         }
-        // Not just a ball: a thin set has a thin volume.
+        // The volume is not just a ball: it is thin if the set is thin.
         const double thickness = std::max(std::min(size[1], size[2]), 1e-12 * offset.cwiseAbs().maxCoeff());
         if (count > 10 && thickness < 1e-3) {
             EXPECT_LT(volume.radius, 0.5) << i;
@@ -94,9 +94,9 @@ TEST(SweptSphere, BoundsHoldExactlyAndAreTight) {
     EXPECT_NEAR(distance_at_least(swept_sphere_around(flat), Vec3(0.3, 0.1, 2)), 2, 1e-10);
 }
 
-// The exact rectangle (a parallelogram, where u and v are not orthogonal) of a volume.
+// The exact rectangle of a volume, or parallelogram if u and v are not orthogonal.
 struct ExactRectangle {
-    exact::RVec3 corner[4];  // one after the other around it
+    exact::RVec3 corner[4];  // in order around the rectangle
 
     explicit ExactRectangle(const SweptSphere& volume) {
         const exact::RVec3 centre = exact::vector(volume.centre), u = exact::vector(volume.u),
@@ -116,7 +116,7 @@ struct ExactRectangle {
     }
 };
 
-// Sets that are flat or straight but for rounding, so that the radius is little more than the rounding of the feet.
+// The sets are flat or straight up to rounding, so the radius is little more than the rounding of the feet.
 TEST(SweptSphere, ThePointsAreWithinTheRadiusOfTheExactRectangle) {
     Random random(5);
     for (int i = 0; i < 400; ++i) {
@@ -132,8 +132,8 @@ TEST(SweptSphere, ThePointsAreWithinTheRadiusOfTheExactRectangle) {
     }
 }
 
-// Volumes of any kind, orthogonal or not, of no radius or some, with coordinates that underflow or not; points at any
-// distance from the rectangle or its plane.
+// Any volumes: orthogonal or not, with or without a radius, with coordinates that underflow or
+// not. The points are at any distance from the rectangle or its plane.
 TEST(SweptSphere, BoundsHoldForTheExactRectangle) {
     Random random(6);
     int told = 0;
@@ -170,7 +170,7 @@ TEST(SweptSphere, EveryChildIsAround) {
         if (mesh.triangles.rows() > 400) continue;
         const SweptSphereBvh bvh(mesh);
         Random random(3);
-        // The triangles below each child, from the leaves up.
+        // The corners of all triangles below each child, from the leaves up.
         std::vector<std::vector<Vec3>> below(bvh.tree().nodes.size());
         for (std::size_t n = below.size(); n-- > 0;) {
             const WideNode& node = bvh.tree().nodes[n];
@@ -215,7 +215,7 @@ TEST(Prepared, BuildsWhatIsDeclaredAndNamesIt) {
     EXPECT_FALSE(structure_kind<Adjacency>().fits(ShapeKind::points));
 }
 
-// A structure of somebody else's, with parameters.
+// A foreign structure with parameters.
 struct EveryNth {
     static constexpr std::string_view structure_name = "every n-th point";
     static constexpr int structure_layout = 1;
@@ -242,7 +242,7 @@ TEST(Prepared, StructuresBelongToShapesAndToTheirParameters) {
     EXPECT_EQ(there.get<EveryNth>(Side::source).chosen.size(), 15u);
     EXPECT_EQ(there.get<EveryNth>(Side::target, {3}).chosen.size(), 20u);
     EXPECT_THROW((void)there.get<EveryNth>(Side::target), std::logic_error);
-    // The other way round, one of the two is there, and what it cost is known.
+    // With the shapes swapped, one of the two structures exists already, and its cost is known.
     const Prepared back(second, first, {need<EveryNth>(Side::target), need<EveryNth>(Side::source)});
     EXPECT_EQ(EveryNth::built, 3);
     EXPECT_EQ(&back.get<EveryNth>(Side::target), &there.get<EveryNth>(Side::source));

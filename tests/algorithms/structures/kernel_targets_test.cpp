@@ -1,4 +1,5 @@
-// The same bits on every instruction set that this program was compiled for and this machine has: each is forced in turn.
+// The same bits with every instruction set that this program was compiled for and this machine
+// has; each is forced in turn.
 #include "algorithms/kernel/triangle_block.h"
 #include "algorithms/structures/bvh.h"
 #include "algorithms/structures/octree.h"
@@ -34,7 +35,7 @@ void for_each_target(const std::function<void(const std::string&)>& f) {
     EXPECT_GE(targets, 2) << "nothing was compared";
 }
 
-// The kernel lists what the processor has and the system allows.
+// Linux lists the features that the processor has and the system allows.
 std::set<std::string> processor_flags() {
     std::ifstream in("/proc/cpuinfo");
     for (std::string line; std::getline(in, line);) {
@@ -85,7 +86,7 @@ TEST(Targets, BlocksHaveTheBitsOfTheScalarKernel) {
             TriangleBlock block;
             block.set(mesh, lanes);
             BlockFeet feet;
-            for (int k = 0; k < block_width; ++k) {  // each lane with the point made for it, and with seven others
+            for (int k = 0; k < block_width; ++k) {  // each lane with its own point and with seven others
                 const Vec3& p = points[static_cast<std::size_t>(i + k)];
                 closest_points(p, block, feet);
                 for (int lane = 0; lane < block_width; ++lane) {

@@ -1,4 +1,4 @@
-// Octree, BVH and uniform grid must give the bits of a plain scan, on tame and on hostile meshes.
+// Octree, BVH and uniform grid must give the bits of a plain scan, on tame and hostile meshes.
 #include "algorithms/structures/bvh.h"
 #include "algorithms/structures/octree.h"
 #include "algorithms/structures/triangle_grid.h"
@@ -83,7 +83,7 @@ TEST(TriangleGrid, SameBitsAsAScanFarAway) {
     }
 }
 
-// One triangle spans the grid, the others lie in one cell: what belongs to many cells must not fill the memory.
+// One triangle spans the grid and the others lie in one cell: triangles in many cells must not fill the memory.
 TEST(TriangleGrid, TakesLinearMemoryHoweverTheTrianglesLie) {
     Random random(9);
     for (const double size : {1e-9, 1e-4, 0.05, 0.5, 3.0}) {
@@ -141,7 +141,8 @@ TYPED_TEST(Trees, LooksAtFewTriangles) {
 
 // --- scales far apart --------------------------------------------------------------------------------------------------
 
-// Work of queries near a grid of triangles. `ratio` > 1: beside it lies a triangle that many times its size away.
+// Counts the work of queries near a grid of triangles. If `ratio` > 1, a triangle lies that many
+// times the grid's size away.
 template <class Tree> Counters work_beside_a_stray_triangle(double ratio, bool two_clusters) {
     Random random(11);
     TriangleMesh mesh = triangle_grid(random, 40, 0.05);
@@ -220,7 +221,7 @@ void expect_outward(QuantisedBoxes& quantised, std::span<const Box> boxes, const
     }
 }
 
-// Corners where the difference from the origin is rounded to a whole number of steps, up and down.
+// Corners whose difference from the origin is rounded to an integer number of steps, up or down.
 TEST(QuantisedBoxes, PlanesAreNeverInside) {
     Random random(15);
     for (int i = 0; i < 20000; ++i) {
@@ -243,7 +244,7 @@ TEST(QuantisedBoxes, PlanesAreNeverInside) {
     }
 }
 
-// The extent is 255 steps, or hardly less or more.
+// The extent is 255 steps, or a few ulps less or more.
 TEST(QuantisedBoxes, TheLastPlaneIsTheLastByte) {
     for (const int exponent : {-1074, -1030, -1015, -400, 0, 390}) {
         for (int ulps = -3; ulps <= 3; ++ulps) {
@@ -260,7 +261,7 @@ TEST(QuantisedBoxes, TheLastPlaneIsTheLastByte) {
     }
 }
 
-// 200.5 steps from the origin: the plane after 200 is rounded to the coordinate itself.
+// At 200.5 steps from the origin, the plane after 200 is rounded to the coordinate itself.
 TEST(QuantisedBoxes, PlanesAreNeverInsideBeforeTheyAreRounded) {
     std::array<Box, 1> boxes;
     boxes[0] = {Vec3::Constant(1 - 0x1p-53), Vec3::Constant(1 + 200 * 0x1p-52)};
@@ -269,7 +270,7 @@ TEST(QuantisedBoxes, PlanesAreNeverInsideBeforeTheyAreRounded) {
     expect_outward(quantised, boxes, "halfway");
 }
 
-// A box of subnormal size beside one of 2^400: its distance from the origin in steps underflows.
+// A box of subnormal size beside one of size 2^400: its distance from the origin underflows when counted in steps.
 TEST(QuantisedBoxes, ATinyBoxBesideAHugeOne) {
     std::array<Box, 2> boxes;
     boxes[0] = {Vec3::Zero(), Vec3::Constant(0x1p400)};

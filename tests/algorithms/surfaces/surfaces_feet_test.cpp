@@ -18,7 +18,7 @@ namespace {
 using Rational = CGAL::Exact_rational;
 constexpr int order = TaylorModel::order;
 
-Rational value(const TaylorModel& m, const Rational& u, const Rational& v) {  // of its polynomial
+Rational value(const TaylorModel& m, const Rational& u, const Rational& v) {  // value of the polynomial
     Rational sum = 0, of_u[order + 1], of_v[order + 1];
     of_u[0] = of_v[0] = 1;
     for (int i = 1; i <= order; ++i) of_u[i] = of_u[i - 1] * u, of_v[i] = of_v[i - 1] * v;
@@ -44,13 +44,13 @@ constexpr double at[][2] = {{1, 1}, {-1, 1}, {1, -1}, {-1, -1}, {0.5, -0.25}, {0
 
 TEST(TaylorModel, ProductsEncloseWithTheirErrors) {
     Random random(5);
-    // Each scale needs a term of its own: degrees beyond the order, rounding, underflow.
+    // Each of these scales needs its own error term: degrees beyond the order, rounding, underflow.
     for (const auto& [degree, size] : {std::pair{8, 1.0}, {4, 1.0}, {4, 0x1p-530}, {0, 1.0}}) {
         for (int i = 0; i < 50; ++i) {
             const TaylorModel a = random_model(random, degree, size), b = random_model(random, degree, size);
             const UpwardRounding upward;
             TaylorModel c = a * b, d = c;
-            d.error = 0;  // its polynomial, whose sum with a is inexact
+            d.error = 0;  // the polynomial alone; its sum with a is inexact
             const TaylorModel s = a + d;
             for (const auto& [u, v] : at) {
                 const Rational x = value(a, u, v), y = value(b, u, v);
@@ -61,7 +61,7 @@ TEST(TaylorModel, ProductsEncloseWithTheirErrors) {
     }
 }
 
-// The function meant may be anywhere within the error of each factor: all signs are tried on constants.
+// The represented function may be anywhere within the error of each factor; constants of all signs are tried.
 TEST(TaylorModel, ErrorsOfFactorsArePassedOn) {
     const auto model = [](double middle, double error) {
         TaylorModel m;
@@ -133,7 +133,7 @@ AlgebraicSurface surface(const std::string& polynomial, double size) {
     return s;
 }
 
-// The bound for the piece of `a` in the box around `middle`, from a foot.
+// Bounds the distance of the piece of `a` in the box around `middle`, from a foot.
 double bound(const AlgebraicSurface& a, const AlgebraicSurface& b, const Vec3& middle, double half, const Vec3& foot) {
     const UpwardRounding upward;
     SurfaceTree source(a), target(b);
@@ -150,7 +150,7 @@ TEST(AlongFeet, IsSharpWhereTheDistanceIsConstant) {
     for (const double half : {0.2, 0.1, 0.05}) {
         const double most = bound(ball, large, {0, 0, 1}, half, {0, 0, 1.5});
         EXPECT_GE(most, 0.5);
-        EXPECT_LT(most - 0.5, before / 100) << half;  // 2^9 each time
+        EXPECT_LT(most - 0.5, before / 100) << half;  // by 2^9 each time
         before = std::max(most - 0.5, 1e-13);
     }
     const AlgebraicSurface torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)", 2),
@@ -162,14 +162,14 @@ TEST(AlongFeet, IsSharpWhereTheDistanceIsConstant) {
     EXPECT_LT(bound(ball, surface("2*x^2 + 2*y^2 + 2*z^2 - 2", 2), {0, 0, 1}, 0.05, {0, 0, 1}), 1e-9);
 }
 
-// The polynomial of degree 8 misses all of x^9: without the error of the graph the bound is 8.
+// The polynomial of degree 8 misses x^9 completely: without the error of the graph, the bound would be 8.
 TEST(AlongFeet, CountsHowFarAIsFromItsPolynomial) {
     const double most = bound(surface("z - x^9", 20), surface("z - 8", 20), {0, 0, 0}, 1, {0, 0, 8});
     EXPECT_GE(most, 9);
     EXPECT_LT(most, 10);
 }
 
-// z^2 - 1 over a box around z = 1, started from z = -1: the graph found is the other sheet, which the slope refuses.
+// z^2 - 1 over a box around z = 1, started from z = -1: the graph found is the other sheet, which the slope rejects.
 TEST(AlongFeet, RefusesAnotherSheetOfA) {
     const UpwardRounding upward;
     SurfaceTree source(surface("z^2 - 1", 20)), target(surface("z + 4", 20));
@@ -180,7 +180,7 @@ TEST(AlongFeet, RefusesAnotherSheetOfA) {
     EXPECT_GE(along_feet(piece, source, target, {0, 0, -1}, {0, 0, -4}, 1e300, counters), 5);
 }
 
-// The foot of (-1, y, 0) on z = 1 + x / 2 lies beyond the side x = -1 of the box: its distance is 0.5, not 0.447.
+// The foot of (-1, y, 0) on z = 1 + x / 2 lies beyond the side x = -1 of the box, so the distance is 0.5, not 0.447.
 TEST(AlongFeet, StaysInTheBoxOfB) {
     AlgebraicSurface b = surface("z - 1 - x/2", 2);
     b.box(0, 0) = -1;
@@ -188,7 +188,8 @@ TEST(AlongFeet, StaysInTheBoxOfB) {
     EXPECT_LT(bound(surface("z", 2), b, {0.95, 0, 0}, 0.05, {0.5, 0, 1.25}), 1.4);
 }
 
-// A's plane z = 0 and B's plane z = 0, which ends at x = 0.5 (at y = 0.25): no point of the piece is a point of B.
+// A is the plane z = 0. B is the same plane, but ends at x = 0.5 (then at y = 0.25), so no point
+// of the piece is a point of B.
 TEST(AlongFeet, KnowsWhereBEndsBesideThePiece) {
     AlgebraicSurface b = surface("z", 2);
     b.box(0, 0) = -0.5, b.box(1, 0) = 0.5;
@@ -199,7 +200,7 @@ TEST(AlongFeet, KnowsWhereBEndsBesideThePiece) {
     EXPECT_LT(bound(surface("z", 2), b, {0, 0.1, 0}, 0.05, {0, 0.1, 0}), 1e-9);
 }
 
-// The bound for the piece of `a` in a box, with the way from p to `foot`.
+// Bounds the distance of the piece of `a` in a box, with the move from p to `foot`.
 double bound_beside(const AlgebraicSurface& a, const AlgebraicSurface& b, const Box& box, const Vec3& p,
                     const Vec3& foot) {
     const UpwardRounding upward;
@@ -211,13 +212,13 @@ double bound_beside(const AlgebraicSurface& a, const AlgebraicSurface& b, const 
     return beside(piece, target, p, foot, 1e300, counters);
 }
 
-// z = x crosses the piece of z = 0: moved by 0.15 all of it is above B, and yet (-1, 0, 0) is 0.7 from B.
+// z = x crosses the piece of z = 0. Moved by 0.15, the whole piece is above B, and yet (-1, 0, 0) is 0.7 from B.
 TEST(Beside, WantsOneSignOnThePiece) {
     const Box box{{-1, -0.1, -0.1}, {0.1, 0.1, 0.1}};
     EXPECT_GE(bound_beside(surface("z", 2), surface("z - x", 2), box, {0, 0, 0}, {0, 0, 0.15}), 0.7);
 }
 
-// From the middle of the piece it is 1 to B, z = 1 + x^2 + y^2, and from its corners more.
+// The distance to B, z = 1 + x^2 + y^2, is 1 from the middle of the piece and more from its corners.
 TEST(Beside, GoesFartherThanTheFoot) {
     const Box box{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}};
     const double most = bound_beside(surface("z", 2), surface("x^2 + y^2 + 1 - z", 2), box, {0, 0, 0}, {0, 0, 1});
@@ -225,7 +226,8 @@ TEST(Beside, GoesFartherThanTheFoot) {
     EXPECT_LT(most, 1.05);
 }
 
-// Exact squared distance of p = a + s (b - a) + t (c - a) + h n to the triangle, with n normal to it and s, t inside: |h n|^2.
+// The exact squared distance of p = a + s (b - a) + t (c - a) + h n to the triangle, with n normal
+// to it and s, t inside, is |h n|^2.
 TEST(TriangleDistance, IsNoLessThanTheExactOne) {
     Random random(8);
     int sharp = 0;
@@ -245,13 +247,13 @@ TEST(TriangleDistance, IsNoLessThanTheExactOne) {
             {a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff(), p.cwiseAbs().maxCoeff()});
         const UpwardRounding upward;
         const double most = triangle_distance_at_most(p, a, b, c, magnitude);
-        ASSERT_GE(Rational(most) * Rational(most) * length, height * height) << i;  // the plane is no farther
+        ASSERT_GE(Rational(most) * Rational(most) * length, height * height) << i;  // the plane is at least as near
         sharp += most < 1e-14 * magnitude;
     }
     EXPECT_GT(sharp, 1900);
 }
 
-// The point of B that a foot stands for may be 0.25 farther than the foot, as its error says.
+// The point of B that a foot represents may be 0.25 farther than the foot, according to its error.
 TEST(ProvenFeet, AFootIsAsFarAsItsErrorAllows) {
     AlgebraicSurface a{"z", Points(2, 3)}, b{"z - 5/4", Points(2, 3)};
     a.box << -1, -1, -1, 1, 1, 1;
@@ -262,8 +264,8 @@ TEST(ProvenFeet, AFootIsAsFarAsItsErrorAllows) {
     ProvenFeet feet(SurfaceTree(b), never, counters);
     const std::int32_t foot = feet.add({Vec3(0, 0, 1), 0.25});
     SurfaceTree tree(a);
-    EXPECT_GE(feet.at_most(tree[0], foot), Vec3(1, 1, 1.25).norm() - 0.01);  // of a corner of A
-    // A small piece around the origin, which is 5/4 away.
+    EXPECT_GE(feet.at_most(tree[0], foot), Vec3(1, 1, 1.25).norm() - 0.01);  // a corner of A
+    // A small piece around the origin, which is 5/4 away from B.
     AlgebraicSurface patch = a;
     patch.box *= 0x1p-20;
     EXPECT_GE(feet.at_most(SurfaceTree(patch)[0], foot), 1.25);

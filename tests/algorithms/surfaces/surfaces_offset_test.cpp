@@ -1,4 +1,4 @@
-// Algebraic surfaces far from the origin, in boxes of a few doubles, and with coefficients whose squares overflow.
+// Algebraic surfaces far from the origin, in boxes only a few doubles wide, and with coefficients whose squares overflow.
 #include "algorithms/kernel/polynomial.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -55,7 +55,7 @@ TEST(SurfaceOffset, ASphereFarFromTheOrigin) {
     expect_converged(there, multiplied_out, 0, 1e-3);
 }
 
-// A torus against a sphere: no coefficient of its multiplied polynomial is a double there.
+// A torus against a sphere: the expanded polynomial has no coefficient that is a double.
 TEST(SurfaceOffset, AQuarticFarFromTheOrigin) {
     const std::string x = "(x - 1000003)", y = "(y + 2000005)", z = "(z - 300007)";
     const std::string square = x + "^2 + " + y + "^2 + " + z + "^2";
@@ -73,7 +73,7 @@ TEST(SurfaceOffset, CoefficientsWhoseSquaresOverflow) {
     }
 }
 
-// The surface is the same, so bounds from it enclose the values that are known without an origin.
+// The surface is the same, so bounds from the moved polynomial must enclose the values of the plain one.
 TEST(SurfaceOffset, ThePolynomialIsTheSameAboutAnotherOrigin) {
     const UpwardRounding upward;
     const char* const texts[] = {"x^3 - 3*x*y + z/7", "(x - 4096)^2*(y + z)^2 - x", "x^5*y^2 - 4*z^5 + 1/3"};
@@ -96,10 +96,10 @@ TEST(SurfaceOffset, ThePolynomialIsTheSameAboutAnotherOrigin) {
             EXPECT_NEAR(about.value(at, gradient), one.inf(), 1e-9 * (1 + magnitude(one))) << text;
         }
     }
-    EXPECT_EQ(Polynomial::of(surface("x", {-1, 0, 1}, {1, 1, 2})).origin(), Vec3::Zero());  // near it
+    EXPECT_EQ(Polynomial::of(surface("x", {-1, 0, 1}, {1, 1, 2})).origin(), Vec3::Zero());  // near the origin
 }
 
-// Between the sides of such a box there are 7 doubles at most: what cannot be divided stays whole.
+// At most 7 doubles lie between the sides of such a box; boxes that cannot be divided are kept.
 TEST(SurfaceOffset, BoxesOfAFewDoubles) {
     const Vec3 low(-1, -1, 1e15), high(1, 1, 1e15 + 1);
     const AlgebraicSurface a = surface("z - 1000000000000000 - 1/2", low, high),
@@ -136,13 +136,13 @@ TEST(SurfaceOffset, ABoxThatHoldsNoOtherDoubleIsNotDivided) {
         ASSERT_EQ(tree.size(), 1u);
         EXPECT_FALSE(tree.may_split(0));
     }
-    const Result result = solve("surface_enclosure", one, one, 1e-30);  // it is not taken for empty
+    const Result result = solve("surface_enclosure", one, one, 1e-30);  // the surface is not taken for empty
     EXPECT_GE(result.bounds.upper, 0);
     EXPECT_NE(result.status, Status::budget);
     EXPECT_NE(result.status, Status::time_limit);
 }
 
-// No child is its parent, the children together are the parent, and the tree ends.
+// No child equals its parent, the children together are the parent, and the tree ends.
 TEST(SurfaceOffset, EverySplitMakesSmallerBoxes) {
     const UpwardRounding upward;
     SurfaceTree tree(

@@ -1,5 +1,5 @@
-// The certified solver on 200 pairs of quadrics of every kind, against a reference that shares no code with it, and the
-// bridge to meshes on some of them.
+// The certified solver on 200 pairs of quadrics of every kind, against a reference that shares no
+// code with it; and the bridge to meshes on some of the pairs.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -47,7 +47,7 @@ TEST(QuadricReference, HoldsWhatIsKnown) {
                            {plane, ball, std::sqrt(8.0) - 1, 0.02},
                            {ball, plane, 1, 0.02},
                            {ball, large, 0.5, 0.15},
-                           {plane, above, 0.5, 0.15}};  // constant over A: much to look at
+                           {plane, above, 0.5, 0.15}};  // constant over A, so many boxes are visited
     for (std::size_t i = 0; i < std::size(known); ++i) {
         const auto& [a, b, h, precision] = known[i];
         const auto range = quadric_reference::hausdorff(a, b, precision, 20000);
@@ -69,7 +69,7 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
     int empty = 0, unknown = 0, sharp = 0, converged = 0, swapped_apart = 0, published_misses = 0, done = 0, closed = 0;
     for (int i = 0; done < pairs; ++i) {
         ASSERT_LT(i, 3 * pairs);
-        // Every kind meets every other in turn.
+        // Every kind meets every other kind in turn.
         const Quadric a = random_quadric(random, i), b = random_quadric(random, i + i / 11);
         const std::string where = a.kind + " " + a.text + " to " + b.kind + " " + b.text;
         const Scene scene{a.surface(), b.surface()};
@@ -97,7 +97,7 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
             fmt::print("{}: [{}, {}], {} {}\n", where, result.bounds.lower, result.bounds.upper,
                        to_string(result.status), result.note);
         }
-        if (done % 10 == 0) {  // the other direction is another number, which this test would notice
+        if (done % 10 == 0) {  // the other direction has another distance, and this test would notice a swap
             const Result other = solve("surface_enclosure", {b.surface(), a.surface()}, tolerance);
             swapped_apart += other.bounds.lower > h->upper || other.bounds.upper < h->lower;
         }
@@ -128,7 +128,7 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
     EXPECT_GE(swapped_apart, pairs / 20);
     EXPECT_GE(closed, pairs / 20);
     if (whole_searches()) {
-        EXPECT_GE(published_misses, 1);  // it is not certified, and this shows it
+        EXPECT_GE(published_misses, 1);  // shows that the published solver is not certified
     }
 }
 

@@ -1,4 +1,4 @@
-// What solvers of algebraic surfaces promise, on pairs whose distance is known, and the numbers of Shou 2014.
+// The promises of solvers of algebraic surfaces, on pairs with known distances, and the numbers of Shou 2014.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -55,7 +55,7 @@ TEST(IntervalSubdivision, GivesThePapersInterval) {
     EXPECT_NEAR(all.upper, std::sqrt(103.0) / (8 * std::sqrt(2.0)), 1e-12);
     EXPECT_EQ(all.lower, pruned.lower);
     EXPECT_EQ(all.upper, pruned.upper);
-    // As printed: the midpoint and the half-width, to their last digits.
+    // The midpoint and the half-width as printed, to their last digits.
     EXPECT_NEAR((all.lower + all.upper) / 2, 0.81295637135, 1e-10);
     EXPECT_NEAR((all.upper - all.lower) / 2, 0.08408738455, 1e-10);
 }
@@ -92,7 +92,7 @@ TEST(IntervalSubdivision, PruningChangesNoBitAndSavesAThousandfold) {
 }
 
 TEST(IntervalSubdivision, MissesWhereVoxelsHoldNoSurface) {
-    // Kept by rounding alone: the published lower end takes such voxels for points of the source.
+    // These voxels are kept only because of rounding, but the published lower end takes them for points of the source.
     const AlgebraicSurface almost = surface("(z^2 - 1/4)*(x^2 + y^2 + (z - 1)^2 + 1/1000)"),
                            plane = surface("z^2 - 1/4");
     const Result result = solve("interval_subdivision", almost, plane, 100, subdivision(6, "pruned"));
@@ -145,8 +145,8 @@ TEST(SurfaceSolvers, CertifiedBoundsHoldAndClose) {
     }
 }
 
-// A patch of a plane, as the zeros of a cube that is written out. Its values near the plane are mostly rounding, so points are proven to lie on it
-// only to within about 1e-5, and are that far off it.
+// A patch of a plane, given as the zeros of a cubed form that is expanded. Its values near the plane are mostly
+// rounding errors, so points are proven to lie on it only to within about 1e-5, and may be that far off it.
 TEST(SurfaceSolvers, APointThatIsKnownRoughlyIsNoFartherThanItsError) {
     AlgebraicSurface plane = surface("z");
     plane.box << -0x1p-10, -0x1p-10, -0.25, 0x1p-10, 0x1p-10, 0.25;
@@ -168,7 +168,7 @@ TEST(SurfaceSolvers, APointThatIsKnownRoughlyIsNoFartherThanItsError) {
     }
 }
 
-// Where the distance is constant over A, or has a curve of maxima: boxes need not shrink to the root of the tolerance.
+// If the distance is constant over A, or has a curve of maxima, boxes need not shrink to the square root of the tolerance.
 TEST(SurfaceSolvers, FewBoxesWhereTheDistanceIsConstant) {
     const auto s = [](const std::string& text) { return surface(text); };
     const AlgebraicSurface ball = s("x^2 + y^2 + z^2 - 1"), large = s("x^2 + y^2 + z^2 - 9/4"),
@@ -198,7 +198,8 @@ TEST(SurfaceSolvers, FewBoxesWhereTheDistanceIsConstant) {
     }
 }
 
-// Both surfaces lie in the plane z = 0, and the box of B cuts it off: where the polynomial of B is zero there is no B.
+// Both surfaces lie in the plane z = 0, and the box of B cuts B off. A zero of B's polynomial
+// outside the box is not a point of B.
 TEST(SurfaceSolvers, ATargetThatItsBoxCutsOff) {
     AlgebraicSurface a = surface("z"), b = surface("z");
     a.box.row(0).setConstant(-1);
@@ -263,7 +264,8 @@ TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
         solve("surface_meshes", ball, surface("x^2 + y^2 + z^2 - 9/4"), 1e-3, {{"cells", std::int64_t(8)}});
     EXPECT_EQ(coarse.status, Status::stalled);
     EXPECT_NE(coarse.note.find("cells"), std::string::npos) << coarse.note;
-    // Without a mesh: of a source that may be empty the distance is no larger than the boxes allow, of a target it may be infinite.
+    // Without a mesh: if the source may be empty, the distance is at most what the boxes allow; if
+    // the target may be, it may be infinite.
     const Result from = solve("surface_meshes", square, surface("x^2 + y^2 + z^2 - 9/4"), 1e-3);
     EXPECT_EQ(from.bounds.lower, 0);
     EXPECT_GE(from.bounds.upper, std::sqrt(48.0));
@@ -273,12 +275,12 @@ TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
     EXPECT_EQ(to.bounds.upper, std::numeric_limits<double>::infinity());
     for (const Result& result : {from, to}) {
         EXPECT_EQ(result.status, Status::stalled);
-        EXPECT_NE(result.note.find("change of sign"), std::string::npos) << result.note;
+        EXPECT_NE(result.note.find("one sign at all corners"), std::string::npos) << result.note;
     }
 }
 
-// A coarse mesh of the ball B lies inside it. A is a small patch of a plane, whose mesh is nearly exact. So the distance to the mesh of B is larger
-// than the distance to B.
+// A coarse mesh of the ball B lies inside it. A is a small patch of a plane, whose mesh is nearly
+// exact. So the distance to the mesh of B exceeds the distance to B.
 TEST(MeshBridge, TheMeshOfBMayBeFartherThanB) {
     const AlgebraicSurface ball = surface("(x - 1/8)^2 + (y - 1/5)^2 + (z - 1/6)^2 - 1");
     for (const auto& [x, y] : {std::pair{0.125, 0.25}, {0.375, 0.0}, {-0.25, 0.5}}) {
@@ -312,7 +314,7 @@ TEST(MeshBridge, DeviatesByTheSquareOfACell) {
     for (const int cells : {8, 16, 32}) {
         const TriangleMesh mesh = triangulate(ball, cells);
         const MeshDeviation d = deviation(ball, mesh, cells);
-        double truth = 0;  // of the mesh's vertices and centroids, which lie inside
+        double truth = 0;  // distance of the mesh's vertices and centroids, which lie inside
         for (Index t = 0; t < mesh.triangles.rows(); ++t) {
             Vec3 middle = Vec3::Zero();
             for (int k = 0; k < 3; ++k) middle += mesh.vertices.row(mesh.triangles(t, k)).transpose() / 3;
@@ -412,7 +414,7 @@ TEST(SurfaceSolvers, KeepTheContract) {
     }
 }
 
-// Two spheres, one inside the other: both directions are 0.5.
+// Two spheres, one inside the other: the distance is 0.5 in both directions.
 Result solve_spheres(const Session& session, Quantity quantity) {
     Query query;
     query.quantity = quantity;
@@ -454,7 +456,7 @@ TEST(SurfaceSolvers, BothDirectionsMakeH) {
     });
 }
 
-// A thread of its own inherits no rounding mode that prepare() has set.
+// A new thread does not inherit a rounding mode that prepare() has set.
 TEST(SurfaceSolvers, AFreshThreadGivesTheSameBits) {
     for_each_surface_solver([](const SolverEntry& entry, const Session& session) {
         const Result here = solve_spheres(session, Quantity::symmetric);
@@ -469,7 +471,7 @@ TEST(SurfaceSolvers, AFreshThreadGivesTheSameBits) {
     });
 }
 
-// surface_enclosure computes with directed rounding all through solve(), which sets it, whatever the mode was.
+// surface_enclosure computes with directed rounding throughout solve(), which sets the mode whatever it was.
 TEST(SurfaceSolvers, TheEnclosureSetsItsRoundingItself) {
     for_each_surface_solver([](const SolverEntry& entry, const Session& session) {
         if (entry.info.name != "surface_enclosure") return;

@@ -1,5 +1,6 @@
-// The fuzz targets on their kept corpora, and on every input that was once a crash: tests/fuzz/corpus/TARGET and tests/fuzz/crashes/TARGET.
-// It needs neither clang nor libFuzzer (`make fuzz`), so `make test` has it, and mutants are held against it.
+// Replays the fuzz targets on their corpora and on every input that once crashed:
+// tests/fuzz/corpus/TARGET and tests/fuzz/crashes/TARGET. This needs neither clang nor libFuzzer
+// (`make fuzz`), so `make test` includes it, and mutants are tested with it.
 #include "tests/fuzz/target.h"
 
 #include <filesystem>

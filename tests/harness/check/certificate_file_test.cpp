@@ -1,4 +1,4 @@
-// A certificate in a file: what is read is what was written, and an answer is accepted as a whole or not at all.
+// Certificates in files: reading gives back what was written, and an answer is accepted as a whole or not at all.
 #include "harness/check/certificate_file.h"
 
 #include "algorithms/error.h"
@@ -19,7 +19,7 @@ namespace {
 using namespace certificates;
 using Direction = Witness::Direction;
 
-// A is a triangle at height 0, B the same at height 1, moved there by its pose; h(A,B) = h(B,A) = 1.
+// A is a triangle at height 0; B is the same triangle, moved to height 1 by its pose; h(A,B) = h(B,A) = 1.
 const Shape flat = soup(rows({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}));
 
 CertificateFile proof_of(Quantity quantity) {
@@ -89,7 +89,7 @@ std::string bytes_of(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// Empty: the file was read.
+// Returns an empty string if the file was read.
 std::string problem_of(const std::filesystem::path& file, const std::string& bytes) {
     std::ofstream(file, std::ios::binary).write(bytes.data(), std::ptrdiff_t(bytes.size())).flush();
     try {
@@ -100,7 +100,7 @@ std::string problem_of(const std::filesystem::path& file, const std::string& byt
     return "";
 }
 
-// Its last line says so, but there is a byte that belongs to no certificate, or one too few.
+// The last line fits, but a byte belongs to no certificate, or one is missing.
 TEST(CertificateFile, AWholeFileWithAnotherNumberOfBytes) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
@@ -112,7 +112,7 @@ TEST(CertificateFile, AWholeFileWithAnotherNumberOfBytes) {
               std::string::npos);
 }
 
-// A file whose last line fits what it holds, with this changed for that in its first line.
+// Changes a text in the first line of a file, and makes the last line fit again.
 TEST(CertificateFile, WhatAKeyMayHold) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
@@ -156,7 +156,7 @@ TEST(CertificateFile, APoseTurnsAndMovesAndIsSaid) {
         EXPECT_EQ(refusal(c).find("no rotation"), std::string::npos);
         for (const double entry : {1 + 0.6e-9, 0.0, std::nan("")}) {
             model->pose.rotation(0, 0) = entry;
-            EXPECT_NE(refusal(c).find("is no rotation"), std::string::npos) << entry;
+            EXPECT_NE(refusal(c).find("is not a rotation"), std::string::npos) << entry;
         }
         model->pose = kept;
     }
@@ -183,7 +183,7 @@ TEST(CertificateFile, AWitnessNamesAnElementThatIsThere) {
     }
 }
 
-// Every byte of a small file, and one here and there of a large one; ends that are cut off; and bytes that are added or exchanged.
+// Changes every byte of a small file and some bytes of a large one; cuts off ends; adds and swaps bytes.
 TEST(CertificateFile, NoChangedByteIsRead) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
@@ -200,13 +200,13 @@ TEST(CertificateFile, NoChangedByteIsRead) {
             const std::string problem = problem_of(file, bad);
             ASSERT_NE(problem, "") << at;
             if (at >= seal) continue;
-            ASSERT_NE(problem.find("damaged: its SHA-256 is not what it says"), std::string::npos) << problem;
+            ASSERT_NE(problem.find("damaged: its SHA-256 does not match"), std::string::npos) << problem;
         }
         for (std::size_t size = 0; size < good.size(); size += 9 * step)
             ASSERT_NE(problem_of(file, good.substr(0, size)), "");
         ASSERT_NE(problem_of(file, good + '\n'), "");
         ASSERT_NE(problem_of(file, good.substr(0, seal) + 'x' + good.substr(seal)), "");
-        std::string capitals = good;  // the same number, written otherwise
+        std::string capitals = good;  // the same hash, written differently
         for (std::size_t i = seal + 8; i < good.size(); ++i) capitals[i] = char(std::toupper(capitals[i]));
         ASSERT_NE(problem_of(file, capitals), "");
     }
@@ -234,7 +234,7 @@ TEST(CertificateFile, AnAnswerIsAcceptedAsAWhole) {
             EXPECT_NE(refusal(bad), "");
         }
         CertificateFile bad = good;
-        bad.bounds.upper = 0.9;  // lower than what is proven
+        bad.bounds.upper = 0.9;  // lower than the proven bound
         EXPECT_NE(refusal(bad), "");
         bad = good;
         bad.bounds.upper = std::nan("");
@@ -257,7 +257,7 @@ TEST(CertificateFile, AnAnswerIsAcceptedAsAWhole) {
         EXPECT_THROW((void)refusal(good, other, flat), InputError);
         EXPECT_THROW((void)refusal(good, flat, other), InputError);
         bad = good;
-        bad.target.pose = {};  // then the distance is 0, and the lower bound wrong
+        bad.target.pose = {};  // then the distance is 0, and the lower bound is wrong
         EXPECT_NE(refusal(bad), "");
     }
 }

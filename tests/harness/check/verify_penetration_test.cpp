@@ -1,4 +1,4 @@
-// The harness's own check of penetration depths: right answers hold, and each kind of wrong one is found.
+// The harness's own check of penetration depths: correct answers hold, and each kind of wrong answer is found.
 #include "harness/check/verify_penetration.h"
 
 #include "tests/support/solids.h"
@@ -43,7 +43,7 @@ TEST(VerifyPenetration, RightAnswersHold) {
            Verdict::holds, Verdict::holds);
 }
 
-// An enclosed part is as deep as it is far from the whole of the other mesh, so that what lies outside counts.
+// The depth of an enclosed part is its distance to the whole other mesh, including the mesh's part outside.
 TEST(VerifyPenetration, Enclosed) {
     const TriangleMesh inner = box({-1, -1, -1}, {1, 1, 1}), outer = box({-3, -3, -3}, {3, 3, 3});
     for (const double wrong : {2.1, 3.0, 100.0})
@@ -51,7 +51,7 @@ TEST(VerifyPenetration, Enclosed) {
                "bounded 2");
     expect(check(outer, inner, {2, 2}, from_target({1, 0.3, 0.2})), Verdict::holds, Verdict::holds);
     expect(check(outer, inner, {1.9, 1.9}, from_target({1, 0.3, 0.2})), Verdict::holds, Verdict::unsound, "deeper");
-    // Within the wall of a hollow box the cavity bounds the part, and the outside is nearer and does not count.
+    // Within the wall of a hollow box, the cavity bounds the part. The outside is nearer, but does not count.
     const TriangleMesh shell = joined(outer, inside_out(box({-2, -2, -2}, {2, 2, 2})));
     const double corner = 0.5 * std::sqrt(3.0);
     const Vec3 p(2.5, 2.5, 2.5);
@@ -59,7 +59,7 @@ TEST(VerifyPenetration, Enclosed) {
     expect(check(box(-p, p), shell, {corner + 1e-3, 1}, from_source(p)), Verdict::unsound, Verdict::holds, "bounded");
 }
 
-// A slit just beside the witness separates the two teeth, and another one just before the nearer point.
+// One slit just beside the witness separates the two teeth; another one lies just before the nearer point.
 TEST(VerifyPenetration, NarrowSlitsSeparate) {
     const TriangleMesh teeth = joined(box({0, 0, 0}, {1, 1, 4}), box({1.001, 0, 0}, {3.5, 1, 4}));
     const TriangleMesh slab = box({-5, -5, 1}, {3.4, 6, 9});
@@ -71,7 +71,7 @@ TEST(VerifyPenetration, NarrowSlitsSeparate) {
 TEST(VerifyPenetration, TrianglesThatDoNotCount) {
     TriangleMesh twice = cube;
     twice.triangles.conservativeResize(15, 3);
-    twice.triangles.row(12) = twice.triangles.row(10);  // those that a ray along x leaves through
+    twice.triangles.row(12) = twice.triangles.row(10);  // the triangles through which a ray along x leaves
     twice.triangles.row(14) = twice.triangles.row(11);
     twice.vertices.conservativeResize(9, 3);
     twice.vertices.row(8) << 1, 0.5, 0.5;  // well within the bar
@@ -80,7 +80,7 @@ TEST(VerifyPenetration, TrianglesThatDoNotCount) {
     expect(check(twice, bar, {0, 0.21}, from_target(end)), Verdict::holds, Verdict::holds);
 }
 
-// Squares of lengths underflow: nothing is said of them, and what is right is not refused.
+// If squares of lengths underflow, nothing is claimed, and a correct answer is not refused.
 TEST(VerifyPenetration, SolidsThatAreTiny) {
     for (const double s : {0x1p-490, 0x1p-537, 0x1p-600}) {
         const Check found = check(scaled(cube, s), scaled(bar, s), {0.5 * s, 0.5 * s}, from_target(s * end));
@@ -93,7 +93,7 @@ TEST(VerifyPenetration, BoundsAndCoordinatesThatAreHuge) {
     const double infinity = std::numeric_limits<double>::infinity();
     expect(check(cube, bar, {infinity, infinity}, from_target(end)), Verdict::unsound, Verdict::holds, "infinite");
     expect(check(cube, bar, {0.5, infinity}, from_target(end)), Verdict::holds, Verdict::holds);
-    expect(check(cube, bar, {-1, -0.5}, from_target(end)), Verdict::holds, Verdict::unsound, "no less than 0");
+    expect(check(cube, bar, {-1, -0.5}, from_target(end)), Verdict::holds, Verdict::unsound, "at least 0");
     EXPECT_EQ(check(scaled(cube, 1e200), scaled(bar, 1e200), {1, 2}, from_target(end)).lower, Verdict::not_checked);
 }
 
@@ -101,13 +101,13 @@ TEST(VerifyPenetration, ALowerBoundThatIsTooLarge) {
     expect(check(cube, bar, {0.51, 0.52}, from_target(end)), Verdict::unsound, Verdict::holds,
            "the same part of the volume is bounded 0.5");
     expect(check(cube, bar, {0.5 + 1e-8, 0.52}, from_target(end)), Verdict::unsound, Verdict::holds, "bounded 0.5");
-    // From a corner of the bar the way runs along its edge.
+    // From a corner of the bar, the path runs along the bar's edge.
     expect(check(cube, bar, {0.51, 0.52}, from_target({0.5, 0.2, 0.2})), Verdict::unsound, Verdict::holds, "bounded");
 }
 
 TEST(VerifyPenetration, AWitnessThatIsNone) {
     expect(check(cube, bar, {0.5, 0.5}, from_target({0.4, 0.5, 0.5})), Verdict::unsound, Verdict::holds,
-           "no point of its surface");
+           "is not on its surface");
     expect(check(cube, bar, {0.5, 0.5}, from_target({2, 0.5, 0.5})), Verdict::unsound, Verdict::holds,
            "does not lie in the other solid");
     expect(check(cube, bar, {0.5, 0.5}, from_source(Vec3::Constant(unknown))), Verdict::no_witness, Verdict::holds);
@@ -121,19 +121,20 @@ TEST(VerifyPenetration, AnUpperBoundThatIsTooSmall) {
     expect(check(cube, bar, {0.3, 0.21}, from_target(end)), Verdict::holds, Verdict::unsound, "below lower");
 }
 
-// A plane of B between two teeth of A is nearer, and no bound of the volume: it does not lie in A.
+// A plane of B between two teeth of A is nearer, but does not bound the volume, because it does not lie in A.
 TEST(VerifyPenetration, NearerTrianglesOutsideDoNotCount) {
     const TriangleMesh teeth = joined(box({0, 0, 0}, {1, 1, 2}), box({1.2, 0, 0}, {2.2, 1, 2}));
     const Vec3 side(0.9, 0.5, 2);
     expect(check(teeth, box({-5, -5, 1}, {1.1, 6, 4}), {0.9, 1.2}, from_source(side)), Verdict::holds, Verdict::holds);
     expect(check(teeth, box({-5, -5, 1}, {1.1, 6, 4}), {1.1, 1.2}, from_source(side)), Verdict::unsound, Verdict::holds,
            "same part");
-    // Where it lies in the other tooth it bounds the other part of the volume: nobody proves here which part is which.
+    // Inside the other tooth, that plane bounds the other part of the volume. The check does not
+    // prove which part is which.
     expect(check(teeth, box({-5, -5, 1}, {1.3, 6, 4}), {0.9, 1.2}, from_source(side)), Verdict::not_checked,
            Verdict::holds);
 }
 
-// The nearer point lies in both solids, as does the middle of the way to it, in yet another tooth: it bounds another part.
+// The nearer point and the middle of the path to it lie in both solids, but in another tooth: it bounds another part.
 TEST(VerifyPenetration, AnotherPartRefutesNothing) {
     const TriangleMesh teeth =
         joined(joined(box({0, 0, 0}, {1, 1, 4}), box({1.2, 0, 0}, {2.2, 1, 4})), box({2.4, 0, 0}, {3.4, 1, 4}));

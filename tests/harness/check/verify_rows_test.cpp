@@ -1,4 +1,4 @@
-// The off-clock check on small shapes: what it proves, what it refutes, and that it can be stopped.
+// The off-clock check on small shapes: its proofs, its refutations, and how it stops.
 #include "harness/check/claims.h"
 #include "harness/check/verify.h"
 #include "tests/support/random.h"
@@ -11,7 +11,7 @@
 namespace hausbench {
 namespace {
 
-// Many triangles that are all equally far away: interval arithmetic settles none of them.
+// Makes many triangles that are equally far away, so that interval arithmetic settles none of them.
 TriangleMesh copies_of_a_triangle(int count) {
     TriangleMesh mesh{Points(3, 3), Triangles(count, 3)};
     mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0;
@@ -59,10 +59,10 @@ TEST_F(VerifyRows, TheDistanceHoldsAndTheNextDoubleDoesNot) {
     EXPECT_EQ(rows[1].outcome.status, RowStatus::unsound);
     EXPECT_NE(rows[1].outcome.reason.find("(2)"), std::string::npos) << rows[1].outcome.reason;
     EXPECT_EQ(rows[2].check.lower, Verdict::holds);
-    EXPECT_EQ(rows[2].check.upper, Verdict::unsound);  // below the verified lower bound of the first
+    EXPECT_EQ(rows[2].check.upper, Verdict::unsound);  // below the verified lower bound of the first row
 }
 
-// However little the row claims: its own witness is 2 away.
+// However little the row claims, its own witness is 2 away.
 TEST_F(VerifyRows, AWitnessRefutesItsOwnUpperBound) {
     const Vec3 p(0.25, 0.25, 2);
     for (const auto& [lower, upper] : {std::pair(0.0, 1.5), std::pair(-1.0, 0.0), std::pair(1e-3, 1e-3)}) {
@@ -75,7 +75,7 @@ TEST_F(VerifyRows, AWitnessRefutesItsOwnUpperBound) {
     verify();
     EXPECT_EQ(rows[0].check.upper, Verdict::holds);
     EXPECT_EQ(rows[1].check.upper, Verdict::holds);
-    EXPECT_EQ(rows[2].check.upper, Verdict::unsound);  // by the lower bound of the second
+    EXPECT_EQ(rows[2].check.upper, Verdict::unsound);  // refuted by the lower bound of the second row
 }
 
 TEST_F(VerifyRows, ReferencesRefuteByWhatIsCheckedAlone) {
@@ -91,7 +91,7 @@ TEST_F(VerifyRows, ReferencesRefuteByWhatIsCheckedAlone) {
     std::vector<Row> references = {reference};
     const auto check = [&] { verify_rows(rows, references, [this](const std::string& name) { return load(name); }); };
     check();
-    EXPECT_EQ(rows[0].check.lower, Verdict::no_witness);  // above an upper bound that nothing proves
+    EXPECT_EQ(rows[0].check.lower, Verdict::no_witness);  // above an upper bound that is not proven
     EXPECT_EQ(rows[1].check.upper, Verdict::unsound);     // below a lower bound that its witness proves
     EXPECT_EQ(rows[2].check.upper, Verdict::holds);
     ASSERT_EQ(references.size(), 1U);
@@ -105,7 +105,7 @@ TEST_F(VerifyRows, ReferencesRefuteByWhatIsCheckedAlone) {
     check();
     EXPECT_EQ(rows[0].check.lower, Verdict::unsound);
     EXPECT_EQ(rows[2].check.lower, Verdict::no_witness);
-    references[0].outcome.bounds = {5, 5};  // which its witness does not show: it is wrong itself, and says nothing
+    references[0].outcome.bounds = {5, 5};  // not shown by its witness: it is wrong itself, and refutes nothing
     rows[2].outcome.status = RowStatus::ok;
     check();
     EXPECT_EQ(references[0].outcome.status, RowStatus::unsound);
@@ -119,7 +119,7 @@ TEST_F(VerifyRows, StoppedItSaysNothingOfWhatIsLeft) {
     int asked = 0;
     verify([&] { return ++asked > 50; });
     EXPECT_EQ(asked,
-              53);  // it stops within the first row, asks once more for its upper bound, and once before the second
+              53);  // stops within the first row, then asks once for its upper bound and once before the second row
     for (const Row& row : rows) {
         EXPECT_EQ(row.check.lower, Verdict::not_checked);
         EXPECT_EQ(row.check.upper, Verdict::not_checked);
@@ -135,11 +135,11 @@ TEST_F(VerifyRows, WhatCannotBeCheckedLosesItsOldVerdict) {
     EXPECT_EQ(rows[0].check.upper, Verdict::not_checked);
 }
 
-// Of a result that a run adds to: the rows that were there are held against those that are new, and no others are looked at.
+// When a run adds to a result, earlier rows are checked against the new ones, and no others are visited.
 TEST_F(VerifyRows, RowsOfAnEarlierRunAreCheckedWhereANewOneIsOfTheSame) {
     const Vec3 p(0.25, 0.25, 2);
     rows = {answer(2, 2, p), answer(1, 1.5, p), answer(99, 100, p), answer(99, 100, p)};
-    rows[2].asked.pose.translation = Vec3(7, 0, 0);  // no new row is of that pose
+    rows[2].asked.pose.translation = Vec3(7, 0, 0);  // no new row has that pose
     rows[3].asked.pose = rows[2].asked.pose;
     for (std::size_t i = 1; i < rows.size(); ++i) rows[i].check = {Verdict::holds, Verdict::holds, ""};
     rows[3].check.lower = Verdict::unsound;
@@ -158,7 +158,7 @@ TEST_F(VerifyRows, RowsOfAnEarlierRunAreCheckedWhereANewOneIsOfTheSame) {
 
 TEST_F(VerifyRows, WhatWasCheckedBeforeIsCheckedAgainWhereItMatters) {
     const Check held{Verdict::holds, Verdict::holds, "", Verdict::holds};
-    const auto moved = [](double up, const Check& check) {  // its bounds are wrong
+    const auto moved = [](double up, const Check& check) {  // the bounds are wrong
         Row row = answer(99, 100, {0.25, 0.25, 2 + up});
         row.asked.pose.translation = {0, 0, up};
         row.check = check;
@@ -184,7 +184,7 @@ TEST_F(VerifyRows, AWitnessIsAsGoodAsItIsNearTheSource) {
     for (Row& row : rows) row.outcome.witness.source_element = -1;
     verify();
     EXPECT_EQ(rows[0].check.lower, Verdict::holds);
-    EXPECT_EQ(rows[1].check.lower, Verdict::holds);  // 2.25 from the target less 0.25 from the source, and exact
+    EXPECT_EQ(rows[1].check.lower, Verdict::holds);  // 2.25 from the target minus 0.25 from the source, exactly
     EXPECT_EQ(rows[2].check.lower, Verdict::unsound);
 }
 
@@ -199,7 +199,7 @@ TEST_F(VerifyRows, AnElementOnEitherSideIsNotPassedOver) {
     }
 }
 
-// A is a point, B that point and another one 5 away: h(A,B) = 0, h(B,A) = 5 = H.
+// A is a point; B is that point and another one 5 away: h(A,B) = 0, h(B,A) = 5 = H.
 class VerifyBothDirections : public testing::Test {
 protected:
     VerifyBothDirections() {
@@ -211,7 +211,7 @@ protected:
     void verify() {
         verify_rows(rows, [this](const std::string& name) { return load(name); });
     }
-    // Of h(A,B), of h(B,A), and of H by the witness on B.
+    // Rows of h(A,B), of h(B,A), and of H with the witness on B.
     static Row from_a(double lower, double upper) { return answer(lower, upper, Vec3::Zero()); }
     static Row from_b(double lower, double upper) {
         Row row = answer(lower, upper, {5, 0, 0});
@@ -240,17 +240,17 @@ TEST_F(VerifyBothDirections, AWitnessOnBShowsTheSymmetricDistance) {
     EXPECT_EQ(lower(0), Verdict::holds);
     EXPECT_EQ(upper(0), Verdict::holds);
     EXPECT_EQ(lower(1), Verdict::unsound);
-    // The element that is named is one of B: the first of them is 5 away from the witness.
+    // The named element is one of B: the first one is 5 away from the witness.
     rows = {symmetric(5, 5)};
     rows[0].outcome.witness.target_element = 0;
     verify();
     EXPECT_EQ(lower(0), Verdict::unsound);
-    // A witness on A shows nothing here.
+    // A witness on A does not help here.
     rows = {symmetric(5, 5)};
     rows[0].outcome.witness.direction = Witness::Direction::source_to_target;
     verify();
     EXPECT_EQ(lower(0), Verdict::unsound);
-    // A row of h(A,B) has its witness on A, whatever it says.
+    // A row of h(A,B) has its witness on A, whatever it claims.
     rows = {symmetric(5, 5)};
     rows[0].asked.quantity = Quantity::directed;
     verify();
@@ -269,15 +269,15 @@ TEST_F(VerifyBothDirections, EachDirectedDistanceRefutesTheSymmetricOneAndNotThe
     rows = {from_b(5, 5), from_a(0, 0), symmetric(0, 4), from_b(0, 4)};
     verify();
     EXPECT_EQ(lower(0), Verdict::holds);
-    EXPECT_EQ(upper(1), Verdict::holds);  // h(B,A) says nothing of h(A,B)
+    EXPECT_EQ(upper(1), Verdict::holds);  // h(B,A) says nothing about h(A,B)
     EXPECT_EQ(upper(2), Verdict::unsound);
     EXPECT_EQ(upper(3), Verdict::unsound);
-    // The scene the other way round is the same symmetric distance.
+    // The swapped scene has the same symmetric distance.
     rows = {from_b(5, 5), symmetric(0, 4)};
     std::swap(rows[1].asked.source, rows[1].asked.target);
     verify();
     EXPECT_EQ(upper(1), Verdict::unsound);
-    // h(A,B) refutes it as well.
+    // h(A,B) also refutes it.
     a = point(0, 3, 0);
     rows = {answer(3, 3, {0, 3, 0}), symmetric(0, 2)};
     verify();
@@ -290,17 +290,17 @@ TEST_F(VerifyBothDirections, WithoutAWitnessACertifiedUpperBoundRefutes) {
         row.outcome.witness.source_point = row.outcome.witness.target_point = Vec3::Constant(unknown);
         return row;
     };
-    // One of h(A,B) says nothing of H.
+    // A reference for h(A,B) says nothing about H.
     rows = {from_a(0, 0), bare(symmetric(5, 6))};
     rows[0].asked.certified = 1;
     verify();
     EXPECT_EQ(lower(1), Verdict::no_witness);
-    // One of H holds for both directions.
+    // A reference for H holds for both directions.
     rows = {symmetric(5, 5), bare(from_a(6, 7)), bare(from_b(6, 7)), bare(symmetric(6, 7))};
     rows[0].asked.certified = 1;
     verify();
     for (std::size_t i : {1u, 2u, 3u}) EXPECT_EQ(lower(i), Verdict::unsound) << i;
-    // Not one that is itself refuted.
+    // A refuted row does not count.
     rows = {symmetric(0, 4), bare(from_b(4.5, 7)), from_b(5, 5)};
     rows[0].asked.certified = 1;
     verify();
@@ -309,7 +309,7 @@ TEST_F(VerifyBothDirections, WithoutAWitnessACertifiedUpperBoundRefutes) {
 }
 
 TEST_F(VerifyBothDirections, BothShapesArePosed) {
-    // B stands 2 higher: h(A,B) = 2, and B's far point is sqrt(29) away from A.
+    // B is raised by 2: h(A,B) = 2, and B's far point is sqrt(29) away from A.
     const auto raised = [](Row row) {
         row.asked.target_pose.translation = Vec3(0, 0, 2);
         return row;
@@ -323,7 +323,7 @@ TEST_F(VerifyBothDirections, BothShapesArePosed) {
     EXPECT_EQ(upper(1), Verdict::holds);  // of another pose
     EXPECT_EQ(lower(2), Verdict::unsound);
     EXPECT_EQ(lower(3), Verdict::holds);
-    // The scene turned round is the same if its poses are.
+    // The swapped scene is the same if its poses are swapped too.
     Row turned = from_b(5.25, 5.5);
     turned.asked.pose.translation = Vec3(0, 0, 2);
     turned.outcome.witness.source_point = {5, 0, 2};
@@ -332,7 +332,7 @@ TEST_F(VerifyBothDirections, BothShapesArePosed) {
     EXPECT_EQ(lower(0), Verdict::holds);
     EXPECT_EQ(upper(1), Verdict::unsound);
     EXPECT_EQ(upper(2), Verdict::holds);
-    // A pose beyond the doubles leaves nothing to check.
+    // A pose beyond the range of doubles leaves nothing to check.
     rows = {from_a(2, 2)};
     rows[0].asked.target_pose.rotation *= 1e308;
     rows[0].asked.target_pose.translation = Vec3::Constant(1e308);
@@ -356,14 +356,14 @@ TEST_F(VerifyBothDirections, OfSurfacesToo) {
     EXPECT_EQ(lower(2), Verdict::holds);
 }
 
-// Bounds as an honest solver computes them that certifies nothing: the square root of the largest of the least squared distances,
-// with a true witness. What it poses it poses in an order of its own.
+// Bounds of an honest solver that certifies nothing: the square root of the largest of the least
+// squared distances, with a true witness. It poses shapes with its own order of operations.
 class VerifyUncertified : public testing::Test {
 protected:
     struct Scene {
         PointSet source, target;
         Pose source_pose, target_pose;
-        double largest;  // |coordinate| or partial sum while posing
+        double largest;  // largest |coordinate| or partial sum while posing
     };
 
     static Points posed_in_another_order(const Points& points, const Pose& pose) {
@@ -409,7 +409,8 @@ protected:
         return rows;
     }
 
-    // The honest answer; as one that is certified; with an error of a hundred times the slack in either bound.
+    // Returns the honest answer; the same as certified; and answers with an error of a hundred
+    // times the slack in either bound.
     static std::vector<Row> rows_of(const Scene& s) {
         std::vector<Row> rows(4, honest_answer(s));
         const double error = 100 * 84 * 0x1p-53 * s.largest;
@@ -420,7 +421,7 @@ protected:
         return rows;
     }
 
-    // The share of scenes in which the honest bounds are off.
+    // Returns the share of scenes in which the honest bounds are off.
     static double share_off(const std::vector<Scene>& scenes) {
         int off = 0;
         for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -436,7 +437,8 @@ protected:
     }
 };
 
-// What is nearly 0 is 0 by its slack, and that needs no witness: one whose coordinates are rounded lies a little off A and B.
+// A bound within the slack of 0 counts as 0 and needs no witness; a witness with rounded
+// coordinates lies a little off A and B.
 TEST_F(VerifyUncertified, ABoundThatItsSlackTakesToZeroHolds) {
     const TriangleMesh mesh{(Points(3, 3) << 0.1, 0.2, 0.3, 0.7, 0.4, 0.1, 0.2, 0.9, 0.6).finished(),
                             (Triangles(1, 3) << 0, 1, 2).finished()};
@@ -453,7 +455,8 @@ TEST_F(VerifyUncertified, ABoundThatItsSlackTakesToZeroHolds) {
     EXPECT_EQ(rows[0].check.lower, Verdict::holds) << rows[0].check.reason;
 }
 
-// One shape is at the origin and far smaller than it is away, by where it is or by its pose, so that the other's size counts alone.
+// One shape is at the origin and small; the other is far away or large, by its coordinates or by
+// its pose, so only its size counts.
 TEST_F(VerifyUncertified, HonestBoundsHoldWhicheverShapeIsLarge) {
     for (int kind = 0; kind < 6; ++kind) {
         Random random(std::uint64_t(kind) + 1);
@@ -474,7 +477,7 @@ TEST_F(VerifyUncertified, HonestBoundsHoldWhicheverShapeIsLarge) {
     }
 }
 
-// What posing cancels is lost: vertices a thousand away that the pose brings back.
+// Posing cancels large numbers and so loses digits: vertices lie a thousand away, and the pose brings them back.
 TEST_F(VerifyUncertified, HonestBoundsHoldWherePosesCancel) {
     Random random(7);
     std::vector<Scene> scenes;
@@ -489,7 +492,7 @@ TEST_F(VerifyUncertified, HonestBoundsHoldWherePosesCancel) {
     EXPECT_GT(share_off(scenes), 0.5);
 }
 
-// Only what is shown refutes another row.
+// A row refutes another one only by bounds that are shown to hold.
 TEST_F(VerifyUncertified, WhatRoundingExplainsRefutesNobody) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row off = honest_answer(s), proven = off;
@@ -498,7 +501,7 @@ TEST_F(VerifyUncertified, WhatRoundingExplainsRefutesNobody) {
     const std::vector<Row> rows = verified(s, {off, proven});
     EXPECT_EQ(rows[0].check.lower, Verdict::holds);
     EXPECT_EQ(rows[1].check.upper, Verdict::holds) << rows[1].check.reason;
-    // What holds as it is refutes as it is.
+    // A bound that holds without slack also refutes without slack.
     off.outcome.bounds.lower = 2;
     proven.outcome.bounds = {0, std::nextafter(2.0, 1.0)};
     EXPECT_EQ(verified(s, {off, proven})[1].check.upper, Verdict::unsound);
@@ -508,7 +511,7 @@ TEST_F(VerifyUncertified, AnUpperBoundMayBeRoundedDown) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row off = honest_answer(s), proven = off;
     proven.asked.certified = 1;
-    off.outcome.bounds.upper = std::nextafter(2.0, 1.0);  // below its own lower bound, too
+    off.outcome.bounds.upper = std::nextafter(2.0, 1.0);  // even below its own lower bound
     EXPECT_EQ(verified(s, {off, proven})[0].check.upper, Verdict::holds);
     off.asked.certified = 1;
     EXPECT_EQ(verified(s, {off, proven})[0].check.upper, Verdict::unsound);
@@ -535,7 +538,7 @@ TEST_F(VerifyUncertified, WithoutAWitnessToo) {
     EXPECT_EQ(verified(s, {proven, without})[1].check.lower, Verdict::unsound);
 }
 
-// A row that says nothing wrong of itself.
+// Returns a row that does not contradict itself.
 Row honest() {
     Row row = answer(1, 1.5, Vec3(0, 0, 0));
     row.asked.source_hash = "aa", row.asked.target_hash = "bb";
@@ -570,7 +573,7 @@ TEST_F(VerifyRows, ARowThatContradictsItselfIsNoticed) {
               r.asked.options = {{"seed", std::int64_t(1)}};
           }})
         expects(change, "its identity");
-    // A gap above the tolerance is right where the row answers a floor or a cutoff, or is no `ok`.
+    // A gap above the tolerance is right if the row answers a floor or a cutoff, or is not `ok`.
     EXPECT_EQ(says([](Row& r) { r.outcome.status = RowStatus::timeout, r.outcome.bounds.upper = 7; }), "");
     EXPECT_EQ(says([&](Row& r) { r.outcome.status = RowStatus::timeout, r.outcome.bounds.upper = nan; }), "");
     const auto asked = [](Row& r, double floor, double cutoff) {

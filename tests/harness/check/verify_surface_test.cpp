@@ -1,4 +1,4 @@
-// The re-check of lower bounds on algebraic surfaces: true ones hold, wrong ones are refuted, and nothing is left open.
+// The re-check of lower bounds on algebraic surfaces: true ones hold, wrong ones are refuted, and none is left undecided.
 #include "harness/check/verify_surface.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -27,27 +27,27 @@ TEST(SurfaceCheck, TellsRightFromWrong) {
     EXPECT_EQ(check(ball, large, 0.51, p), Verdict::unsound);
     EXPECT_EQ(check(ball, large, 0.6, p), Verdict::unsound);
     EXPECT_NE(check(ball, large, 0.1 + 1e-9, Vec3(0, 0, 1.2)), Verdict::holds);   // 0.2 from the source
-    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);          // not in its box
-    const AlgebraicSurface squared = surface_in_cube("(x^2 + y^2 + z^2 - 1)^2");  // no change of sign
+    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);          // outside its box
+    const AlgebraicSurface squared = surface_in_cube("(x^2 + y^2 + z^2 - 1)^2");  // without a change of sign
     EXPECT_EQ(check(squared, large, 0.1, p), Verdict::holds);                     // but 0 at p itself
     EXPECT_EQ(check(squared, large, 0.1, Vec3(0, 0, 0.7)), Verdict::unsound);
 }
 
-// A witness a little beside the surface costs that little, and no more.
+// A witness slightly off the surface costs that distance, and no more.
 TEST(SurfaceCheck, TakesOffHowFarTheWitnessIsBeside) {
     const double beside = 3e-5;
     const Vec3 p(0, 0, 1 - beside);
-    EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);  // 0.5 + beside away, less beside
+    EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);  // 0.5 + beside away, minus beside
     EXPECT_NE(check(ball, large, 0.5 + 0.5 * beside, p), Verdict::holds);
 }
 
-// Of a coarse mesh, whose vertices are far from the surface: what is left is shown all the same.
+// The witness is from a coarse mesh, far from the surface: the rest of the distance is still shown.
 TEST(SurfaceCheck, AWitnessFarFromTheSurfaceShowsWhatIsLeft) {
-    EXPECT_EQ(check(ball, large, 0.3 - 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);  // 0.6 - 0.1 - what the axes lose
+    EXPECT_EQ(check(ball, large, 0.3 - 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);  // 0.6 - 0.1 - loss along axes
     EXPECT_NE(check(ball, large, 0.5 + 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);
 }
 
-// The apex of a cone is crossed along no axis.
+// No axis crosses the cone at its apex.
 TEST(SurfaceCheck, TheApexOfACone) {
     EXPECT_EQ(check(cone_1, large, 1.4999, Vec3::Zero()), Verdict::holds);
     EXPECT_EQ(check(cone_1, large, 1.4999, Vec3(0, 0, 1e-6)), Verdict::holds);
@@ -55,7 +55,7 @@ TEST(SurfaceCheck, TheApexOfACone) {
     EXPECT_NE(check(cone_1, large, 1.29, Vec3(0, 0, 0.2)), Verdict::holds);  // 1.3 away, but 0.11 from the cone
 }
 
-// Where the target is clipped, its nearest point lies on a side of the box.
+// If the target is clipped, its nearest point lies on a side of the box.
 TEST(SurfaceCheck, SettlesEveryWitnessOfTheEnclosure) {
     const AlgebraicSurface ellipsoid = surface_in_cube("x^2/2.25 + y^2 + z^2 - 1"),
                            torus = surface_in_cube("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");

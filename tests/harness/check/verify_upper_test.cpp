@@ -1,4 +1,4 @@
-// The check of upper bounds between point sets, beside the distances of all pairs in rationals.
+// The check of upper bounds between point sets, against the rational distances of all pairs.
 #include "harness/check/verify_upper.h"
 #include "tests/support/random.h"
 
@@ -17,7 +17,7 @@ PointSet cloud(Random& random, Index count, double size, const Vec3& at) {
     return set;
 }
 
-// h(A,B)^2.
+// Returns h(A,B)^2.
 Rational squared(const PointSet& a, const PointSet& b) {
     Rational most = 0;
     for (Index i = 0; i < a.points.rows(); ++i) {
@@ -29,7 +29,7 @@ Rational squared(const PointSet& a, const PointSet& b) {
     return most;
 }
 
-// h(A,B) to within a few roundings, also if its square is out of range.
+// Returns h(A,B) to within a few roundings, even if its square is out of range.
 double about(const PointSet& a, const PointSet& b) {
     double most = 0;
     for (Index i = 0; i < a.points.rows(); ++i) {
@@ -45,7 +45,7 @@ Verdict check(const PointSet& a, const PointSet& b, double upper, Quantity quant
     return UpperCheck{quantity, upper}.of_points(a, {}, b, {});
 }
 
-// Neighbouring doubles around h: the least that is no less holds, the one below does not.
+// The least double that is at least h holds as an upper bound; the double below it does not.
 void expect_exact(const PointSet& a, const PointSet& b) {
     const Rational h = squared(a, b);
     double upper = about(a, b);
@@ -87,7 +87,7 @@ TEST(VerifyUpper, OneOutlierAndBothDirections) {
     EXPECT_EQ(check(a, b, 2e6, Quantity::symmetric), Verdict::holds);
 }
 
-// One outlier of B does not make one cell of all others, nor do equal points of A cost more than one.
+// One outlier of B does not put all others into one cell, and equal points of A cost no more than one.
 TEST(VerifyUpper, OutliersAndEqualPointsCostLittle) {
     Random random(10);
     PointSet b = cloud(random, 200000, 1, Vec3::Zero()), a = b;
@@ -99,7 +99,8 @@ TEST(VerifyUpper, OutliersAndEqualPointsCostLittle) {
     EXPECT_EQ((UpperCheck{Quantity::directed, 0.4, 20}).of_points(same, {}, around, {}), Verdict::unsound);
 }
 
-// All of B is in the band that intervals leave open, and each rational comparison takes long: the clock is read among them.
+// All of B is in the band that intervals leave undecided, and each rational comparison is slow:
+// the clock is read between them.
 TEST(VerifyUpper, TimeRunsOutWithinOnePoint) {
     const PointSet a{Points::Zero(1, 3)};
     PointSet b{Points(1000000, 3)};

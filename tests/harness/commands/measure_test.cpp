@@ -14,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// h = 3 from the first to the second, and h = 5 back.
+// h is 3 from the first to the second, and 5 back.
 Points first() {
     Points p(2, 3);
     p << 0, 0, 0, 0, 3, 0;
@@ -59,7 +59,7 @@ TEST(Measure, HIsTheLargerOfTheTwo) {
             expect_in(*m.forward, turned ? 5 : 3, "h(A,B)");
             expect_in(*m.backward, turned ? 3 : 5, "h(B,A)");
             expect_in(m.result, 5, "H(A,B)");
-            // Whatever the direction, the first point is on A.
+            // In either direction, the first point is on A.
             const Vec3 far(5, 0, 0), origin(0, 0, 0);
             EXPECT_EQ(m.result.witness.source_point, turned ? far : origin);
             EXPECT_EQ(m.result.witness.target_point, turned ? origin : far);
@@ -70,7 +70,7 @@ TEST(Measure, HIsTheLargerOfTheTwo) {
     }
 }
 
-// [2, 4] from two points, [3, 3.5] from three.
+// A solver that answers [2, 4] if A has two points, otherwise [3, 3.5].
 class Wide final : public Solver {
 public:
     explicit Wide(const Options&) {}
@@ -106,7 +106,7 @@ TEST(Measure, EachBoundOfHIsTheLargerOne) {
             EXPECT_EQ(turned ? m.result.witness.source_point : m.result.witness.target_point, Vec3(3, 3, 3));
             const bool close = tolerance > 1;
             EXPECT_EQ(to_string(m.result.status), close ? "converged" : "budget");
-            EXPECT_EQ(m.result.note, close ? "" : "of two points");  // that direction keeps the bounds apart
+            EXPECT_EQ(m.result.note, close ? "" : "of two points");  // this direction keeps the bounds apart
         }
     }
 }
@@ -116,14 +116,14 @@ TEST(Measure, AQuestionEndsWithTheFirstDirectionThatAnswersIt) {
     const Measured soon = symmetric(true, tolerance, 4);  // h(A,B) = 5
     EXPECT_EQ(to_string(soon.result.status), to_string(Status::above_cutoff));
     EXPECT_FALSE(soon.backward);
-    EXPECT_TRUE(std::isinf(soon.result.bounds.upper));     // nobody asked h(B,A)
+    EXPECT_TRUE(std::isinf(soon.result.bounds.upper));     // h(B,A) was not measured
     const Measured late = symmetric(false, tolerance, 4);  // only h(B,A) is 5
     EXPECT_EQ(to_string(late.result.status), to_string(Status::above_cutoff));
     EXPECT_GT(late.result.bounds.lower, 4);
     EXPECT_EQ(to_string(symmetric(false, tolerance, 5.5).result.status), to_string(Status::below_floor));
 }
 
-// Answers [0, 1] at once; where a proof is wanted, it does not end, or, with much time, ends its process.
+// A solver that answers [0, 1] at once. If a proof is wanted, it never ends or, if it has much time, ends its process.
 class NoProof final : public Solver {
 public:
     explicit NoProof(const Options&) {}

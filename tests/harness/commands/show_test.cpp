@@ -1,4 +1,4 @@
-// What people see of a result: tables that fit, bounds that hold as shown, reasons, two solvers side by side, lines of progress.
+// The displays of results: tables that fit, bounds that hold as shown, reasons, two solvers side by side, progress lines.
 #include "algorithms/error.h"
 #include "datasets/hash.h"
 #include "harness/commands/comparison.h"
@@ -45,7 +45,7 @@ ResultFile result_of(std::vector<Row> rows) {
     return result;
 }
 
-// Repeats of each round, and a first answer that takes twice as long as the first of them.
+// Sets the repeats of each round, and a first answer that takes twice as long as the first repeat.
 void time_it(Row& row, const std::vector<std::vector<double>>& rounds) {
     for (std::size_t r = 0; r < rounds.size(); ++r) {
         row.outcome.answers.push_back({int(r), 4 * rounds[r].front(), 2 * rounds[r].front()});
@@ -107,7 +107,7 @@ TEST(Times, TheRoundIsTheUnit) {
     EXPECT_EQ(time.value, 3);
     EXPECT_EQ(time.low, 2);
     EXPECT_EQ(time.high, 6);
-    one.outcome.repeats.resize(3);  // a single round: its repeats
+    one.outcome.repeats.resize(3);  // a single round: its repeats count
     EXPECT_EQ(time_of(one.outcome).value, 2);
     EXPECT_EQ(time_of(one.outcome).low, 1);
     EXPECT_EQ(time_of(one.outcome).high, 100);
@@ -260,7 +260,7 @@ TEST(Compare, IntervalsThatDoNotOverlapComeFirst) {
     EXPECT_THROW(compare_solvers(result_of({row("a", "s", 1, 2), row("b", "t", 1, 2)}), "a", "b", {}), InputError);
 }
 
-// A row whose process is a little slower or faster in each round, and whose repeats within the round are all alike.
+// Returns a row whose process is a little slower or faster in each round, with nearly equal repeats within the round.
 Row noisy_row(const std::string& scene, int rounds, int repeats, std::mt19937_64& bits) {
     std::lognormal_distribution<double> round_takes(0, 0.2), repeat_takes(0, 0.001);
     Row one = row("guthe", scene, 1, 2);
@@ -327,7 +327,7 @@ TEST(Compare, TimesOfOtherMachinesBuildsOrClocksHaveNoRatio) {
     lacks([](Outcome& o) { o.machine = "there"; }, "of different machines");
     lacks([](Outcome& o) { o.build = "another"; }, "of different builds");
     lacks([](Outcome& o) { o.clock = "wall"; }, "by different clocks");
-    // Of two results the builds may differ.
+    // The builds of two results may differ.
     const auto two = [&](auto change) {
         ResultFile base = result_of(rows([](Outcome&) {})), candidate = result_of(rows(change));
         for (ResultFile* result : {&base, &candidate}) result->texts["build"] = result->texts["machine"] = "";
@@ -347,7 +347,7 @@ TEST(Show, SaysWhichTimesDoNotCompare) {
         const ResultFile result = result_of(rows);
         const std::string table = show_rows(result, {0, 1, 2}, Form::text, {}), summary = show_summary(result, {});
         const auto line = [](const std::string& text) {
-            const auto at = text.find("not all of these times compare");
+            const auto at = text.find("not all of these times are comparable");
             return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
         };
         EXPECT_EQ(line(table), line(summary));
@@ -355,9 +355,9 @@ TEST(Show, SaysWhichTimesDoNotCompare) {
     };
     EXPECT_EQ(said(), "");
     rows[1].outcome.machine = "there", rows[2].outcome.side_by_side = true;
-    EXPECT_EQ(said(), "not all of these times compare: some are of different machines, run beside others");
+    EXPECT_EQ(said(), "not all of these times are comparable: some are of different machines, run beside others");
     rows[1].outcome.answers.clear(), rows[1].outcome.repeats.clear();
-    EXPECT_EQ(said(), "not all of these times compare: some are run beside others");
+    EXPECT_EQ(said(), "not all of these times are comparable: some are run beside others");
 }
 
 TEST(Compare, AProgramAndItsPluginsAreOneBuild) {
@@ -375,7 +375,7 @@ TEST(Compare, AProgramAndItsPluginsAreOneBuild) {
     }
 }
 
-// Two runs that were merged may count the poses of a motion differently.
+// Two runs that were merged may number the poses of a motion differently.
 TEST(Compare, PosesArePairedByTheirNumbers) {
     std::vector<Row> rows;
     for (const char* label : {"ohd", "scan"}) {

@@ -1,4 +1,4 @@
-// Which files a command line of the shell names.
+// The files that a shell command line names.
 #include "harness/plan/command_files.h"
 
 #include "datasets/hash.h"
@@ -31,7 +31,7 @@ protected:
 
     CommandFiles of(const std::string& line) const { return files_of_command(line, folder.path()); }
 
-    // Of these files in this order.
+    // Returns the hash of these files in this order.
     std::string hash(const std::vector<std::string>& names) const {
         Sha256 all;
         for (const std::string& name : names) all.add(sha256_of_file(folder.path() / name));

@@ -17,7 +17,7 @@
 namespace hausbench {
 namespace {
 
-// Takes everything, never runs.
+// A solver that takes everything and never runs.
 class Idle : public Solver {
     void prepare(const Scene&, const Prepared&) override {}
     Result solve(const Query&, State*, Trace&) const override { return {}; }
@@ -61,7 +61,7 @@ protected:
                              said_.push_back(fmt::format("{} {}/{}", name, before, of));
                          });
     }
-    // Of a matrix scene; `search` makes it one.
+    // Makes the plan of a matrix scene; `search` makes it a search.
     Plan matrix_plan(const std::string& top, const std::string& sources, const std::string& targets,
                      const std::string& solver = "", const std::string& search = "search = 'nearest'") const {
         return plan(top,
@@ -80,7 +80,7 @@ protected:
         }
     }
 
-    mutable std::vector<std::string> said_;  // of the models, as they were made
+    mutable std::vector<std::string> said_;  // about the models, as they were made
 
 private:
     TemporaryFolder folder_;
@@ -97,7 +97,7 @@ TEST_F(PlanRows, SaysWhichModelItMakesAndHowManyAreLeft) {
     EXPECT_EQ(said_, (std::vector<std::string>{"ball 0/2", "half 1/2"}));
 }
 
-// As a round does: no lambda is measured through all its seeds while another waits.
+// As in a round, no lambda runs through all its seeds while another one waits.
 TEST_F(PlanRows, EachSeedRunsAllOptionsBeforeTheNextSeedBegins) {
     const Plan swept = plan("", "[[scene]]\nname = 'c'\nsource = 'cloud'\ntarget = 'cloud'\n",
                             "[[solver]]\nname = 'ohd'\nscenes = ['c']\n"
@@ -138,7 +138,7 @@ TEST_F(PlanRows, BothShapesMove) {
     const QuerySet &two = both.jobs.at(0).pairs.at(0).queries, &b_alone = other.jobs.at(0).pairs.at(0).queries;
     EXPECT_TRUE(two.moves && two.target_moves && !b_alone.moves && b_alone.target_moves);
     EXPECT_FALSE(still.jobs.at(0).pairs.at(0).queries.moves);
-    // The first pose is that of the scene that stands still, and all others differ.
+    // The first pose is the pose of the static scene; all others differ.
     for (const Plan* moving : {&one, &other, &both}) {
         EXPECT_EQ(moving->cases[0].identity, still.cases[0].identity);
         EXPECT_EQ(identities(*moving).size(), 6u);
@@ -168,7 +168,7 @@ TEST_F(PlanRows, ATraceHasTheCoarserAnswersUnlessTheToleranceGuides) {
     const std::string guided = "[[solver]]\nname = 'idle_guided'";
     EXPECT_EQ(run("", ""), 2u);
     EXPECT_EQ(run("trace = true", ""), 1u);
-    EXPECT_EQ(run("trace = true", guided), 3u);  // one, and both of the other
+    EXPECT_EQ(run("trace = true", guided), 3u);  // one case of the first, and both of the other
     EXPECT_EQ(run("", guided), 4u);
 }
 
@@ -177,7 +177,7 @@ TEST_F(PlanRows, AWarmChainIsAJobWithTheCasesBefore) {
     const Plan cold = plan("trace = true", three, ""), warm = plan("trace = true", three, "warm = true");
     ASSERT_EQ(warm.cases.size(), 6u);
     EXPECT_EQ(cold.jobs.size(), 1u);
-    ASSERT_EQ(warm.jobs.size(), 2u);  // one a tolerance
+    ASSERT_EQ(warm.jobs.size(), 2u);  // one per tolerance
     for (const Job& job : warm.jobs) {
         ASSERT_EQ(job.cases.size(), 3u);
         EXPECT_EQ(job.pairs.at(0).queries.count, 3u);
@@ -192,15 +192,15 @@ TEST_F(PlanRows, AWarmChainIsAJobWithTheCasesBefore) {
             before = asked.identity;
         }
     }
-    // Nothing is read off a finer row, not even of an exact solver.
+    // No row is read off a finer row, not even for an exact solver.
     EXPECT_EQ(cold.traced.size(), 3u);
     EXPECT_TRUE(warm.traced.empty());
     EXPECT_TRUE(plan("", three, "warm = true\n[[solver]]\nname = 'idle_exact'\nwarm = true").traced.empty());
-    // No warm case is a cold one, not even the first of a chain.
+    // No warm case equals a cold one, not even the first of a chain.
     std::set<std::string> all = identities(cold);
     all.merge(identities(warm));
     EXPECT_EQ(all.size(), 12u);
-    // What comes before a pose is part of what is asked: the same last pose, reached another way.
+    // The poses before a pose belong to its identity: the same last pose, reached another way, is another case.
     Case last = warm.cases[warm.jobs[0].cases[2]];
     last.chain = warm.cases[warm.jobs[0].cases[0]].identity;
     EXPECT_NE(identify(last), last.identity);
@@ -214,14 +214,14 @@ TEST_F(PlanRows, OfEitherQuantity) {
     for (const Case& asked : both.cases) EXPECT_TRUE(asked.quantity == Quantity::symmetric && asked.exact == 3);
     EXPECT_EQ(mixed.cases[0].identity, h.cases[0].identity);
     EXPECT_NE(both.cases[0].identity, h.cases[0].identity);
-    // What the experiment gives is of its own quantity.
+    // The experiment's `exact` holds only for its own quantity.
     for (std::size_t i : {2u, 3u})
         EXPECT_TRUE(mixed.cases[i].quantity == Quantity::symmetric && std::isnan(mixed.cases[i].exact));
     // H has no trace to read coarser answers from; an exact solver needs none.
     EXPECT_EQ(h.traced.size(), 1u);
     EXPECT_TRUE(both.traced.empty());
     EXPECT_EQ(mixed.traced.size(), 2u);
-    // Without a symmetric answer of its own a solver must take both orders.
+    // A solver without symmetric answers must take both orders of the shapes.
     const auto to_cloud = [&](const char* quantity) {
         const Plan plan = this->plan(quantity, "[[scene]]\nname = 'c'\nsource = 'ball'\ntarget = 'cloud'",
                                      "scenes = ['s']\n[[solver]]\nname = 'idle_without_points'\nscenes = ['c']");
@@ -245,9 +245,9 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
     const Plan search = matrix_plan("", "'ball', 'half', 'cloud'", ""),
                matrix = matrix_plan("", "'ball', 'half', 'cloud'", "", "", "");
     ASSERT_EQ(matrix.cases.size(), 2u * 9);
-    ASSERT_EQ(search.cases.size(), 2u * 6);  // none of a shape with itself
+    ASSERT_EQ(search.cases.size(), 2u * 6);  // no shape is searched for itself
     ASSERT_EQ(matrix.jobs.size(), 1u);
-    ASSERT_EQ(search.jobs.size(), 2u);  // one a tolerance
+    ASSERT_EQ(search.jobs.size(), 2u);  // one per tolerance
     const std::vector<std::pair<std::string, std::string>> pairs = {
         {"ball", "half"}, {"ball", "cloud"}, {"half", "ball"}, {"half", "cloud"}, {"cloud", "ball"}, {"cloud", "half"}};
     std::set<std::string> of_matrix = identities(matrix), heads;
@@ -262,7 +262,7 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
             EXPECT_EQ(asked.tolerance, search.cases[job.cases[0]].tolerance);
             EXPECT_FALSE(asked.warm);
             EXPECT_EQ(asked.chain, i % 2 == 0 ? "" : search.cases[job.cases[i - 1]].identity);
-            // The head asks what the matrix asks, and nothing else does.
+            // Only the head is a case of the matrix, too.
             EXPECT_EQ(of_matrix.contains(asked.identity), i % 2 == 0);
         }
     }
@@ -272,8 +272,8 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
 TEST_F(PlanRows, InASearchAnotherOrderOrPrefixIsAnotherCase) {
     const auto last = [](const Plan& plan) { return plan.cases[plan.jobs[0].cases.back()].identity; };
     const std::string one = last(matrix_plan("", "'ball'", "'half', 'cloud'"));
-    EXPECT_EQ(one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // itself is no part of it
-    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // nor is another source
+    EXPECT_EQ(one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // it excludes the source itself
+    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // and other sources
     const std::set<std::string> targets = {one, last(matrix_plan("", "'ball'", "'cloud', 'half'")),
                                            last(matrix_plan("", "'ball'", "'cloud'")),
                                            last(matrix_plan("", "'ball'", "'half'"))};

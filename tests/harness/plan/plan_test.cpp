@@ -1,5 +1,4 @@
-// What a plan knows of its cases: its lookups, which must not look at all poses for each of them, and which wrong answers are
-// expected.
+// A plan's lookups, which must not visit all poses each time, and the wrong answers that it expects.
 #include "harness/plan/plan.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +17,7 @@ struct Counting {
 };
 
 constexpr std::size_t poses = 20'000;
-constexpr std::size_t depth = 2 * std::bit_width(poses) + 4;  // of a red-black tree, and a comparison or two
+constexpr std::size_t depth = 2 * std::bit_width(poses) + 4;  // depth of a red-black tree, plus a comparison or two
 
 TEST(Lookup, RowsReadOffARowCostNothingOfTheOthers) {
     std::size_t count = 0;
@@ -68,7 +67,7 @@ TEST(Plan, MarksAreTheGapsReadOffARowTheLargestFirst) {
     }
     plan.read_off(1, {0, false});
     plan.read_off(2, {0, false});
-    plan.read_off(4, {3, true});  // an exact solver: no trace is wanted
+    plan.read_off(4, {3, true});  // an exact solver needs no trace
     EXPECT_EQ(plan.marks(0), (std::vector<double>{1e-1, 1e-2}));
     EXPECT_TRUE(plan.marks(1).empty());
     EXPECT_TRUE(plan.marks(3).empty());
@@ -86,12 +85,12 @@ TEST(Plan, WrongAnswersAreExpectedOfKnownErrorsAndOfLabelsThatTheExperimentNames
     EXPECT_TRUE(unsound_expected(asked, experiment));
     asked.label = "ohd";
     EXPECT_FALSE(unsound_expected(asked, experiment));
-    // What a solver promises to hold is never expected not to.
+    // A certified solver is never expected to be wrong.
     asked.label = "ours", asked.certified = 1;
     EXPECT_FALSE(unsound_expected(asked, experiment));
 }
 
-// The length of an axis says nothing, be it so small or so large that its square is no double.
+// The length of an axis does not matter, even if its square is not a double.
 TEST(Motions, AnAxisMayHaveAnyLength) {
     const Shape shape = PointSet{Points::Random(9, 3)};
     const std::vector<Pose> poses = poses_of(Rotation{{0.5, -1, 2}, 90, 3}, shape);

@@ -1,5 +1,6 @@
-// The distances that the stability suite states are those of its shapes: each is held against exact arithmetic, or against a reference
-// that shares no code with the solvers. And what `cover` answers there is proven: its certificates and its witnesses are checked.
+// The distances stated in the stability suite are the distances of its shapes: each is compared
+// with exact arithmetic, or with a reference that shares no code with the solvers. The answers of
+// `cover` are proven, too: its certificates and witnesses are checked.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -24,13 +25,13 @@ namespace {
 
 const std::filesystem::path root = HAUSBENCH_SOURCE;
 
-// The double next to the true distance is what a scene may state. That of points is exact; that of meshes is attained at a vertex of A in all
-// families but one, so that it is exact from below, and from above good to 1e-4 of the extent.
+// A scene may state a double next to the true distance. For points the truth is exact. For meshes a vertex of
+// A attains it in all families but one, so it is exact from below, and good to 1e-4 of the extent from above.
 void expect_stated(double stated, const Truth& truth, const std::string& scene) {
     const double infinite = std::numeric_limits<double>::infinity();
     const double low = std::nextafter(stated, 0.0), high = std::nextafter(stated, infinite);
     const auto square = [](double x) -> exact::Rational { return exact::Rational(x) * exact::Rational(x); };
-    EXPECT_LE(truth.squared, square(high)) << scene;  // of points the distance, of meshes that of a vertex
+    EXPECT_LE(truth.squared, square(high)) << scene;  // points: the distance; meshes: the distance of a vertex
     if (!scene.starts_with("farthest point inside a face")) {
         EXPECT_GE(truth.squared, square(low)) << scene;
     }
@@ -52,11 +53,11 @@ TEST(StabilitySuite, StatedDistancesAreThoseOfTheShapes) {
             return read_shape(std::get<ResolvedModel>(catalogue.resolve(name)).shape_file).shape;
         };
         const Scene shapes{shape(scene.source), shape(scene.target)};
-        if (kind_of(shapes.source) == ShapeKind::surface) {  // spheres, planes and the like: their distances are simple
+        if (kind_of(shapes.source) == ShapeKind::surface) {  // spheres, planes and the like have simple distances
             ++surfaces;
             continue;
         }
-        // What makes these hard is their number, and the smaller ones of the same family are checked.
+        // Large scenes are hard only by their size; the smaller ones of the same family are checked.
         if (double(element_count(shapes.source)) * double(element_count(shapes.target)) > 4e4) {
             ++too_large;
             continue;
@@ -69,7 +70,7 @@ TEST(StabilitySuite, StatedDistancesAreThoseOfTheShapes) {
     EXPECT_LT(surfaces, 25);
 }
 
-// Empty if an answer of `cover` is proven from both sides; else what is wrong.
+// Returns an empty string if an answer of `cover` is proven from both sides, else the problem.
 std::string doubt_of_cover(const Scene& shapes, double tolerance) {
     Query query;
     query.tolerance = {Tolerance::Of::absolute, tolerance};

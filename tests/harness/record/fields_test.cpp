@@ -1,4 +1,5 @@
-// Fields: the distances of A's vertices against exact ones, the files that hold them, and what the harness's check refuses.
+// Fields: the distances of A's vertices against exact ones, the files that hold them, and the
+// errors that the harness's check refuses.
 #include "harness/record/fields.h"
 #include "algorithms/error.h"
 #include "harness/check/verify.h"
@@ -35,7 +36,7 @@ TriangleMesh tetrahedron() {
     return mesh;
 }
 
-// The square [-4, 4] x [-4, 4] at z = 0; the element with x >= y is 0.
+// The square [-4, 4] x [-4, 4] at z = 0; element 0 is the half with x >= y.
 TriangleMesh square() {
     TriangleMesh mesh{Points(4, 3), Triangles(2, 3)};
     mesh.vertices << -4, -4, 0, 4, -4, 0, 4, 4, 0, -4, 4, 0;
@@ -60,7 +61,7 @@ Field bounds(const char* name, Field::Meaning meaning, std::vector<double> value
 }
 
 TEST(DistanceFields, OfASmallPairInTheirPosesAreExact) {
-    // Above the square, once the z axis of A has become the x axis, and both have moved.
+    // A is above the square after its z axis has become the x axis and both have moved.
     Pose turned = moved({3, 0, 2});
     turned.rotation << 0, 0, 1, 0, 1, 0, -1, 0, 0;
     const Fields fields = fields_of(tetrahedron(), turned, square(), moved({0, -0.5, -1}));
@@ -68,7 +69,7 @@ TEST(DistanceFields, OfASmallPairInTheirPosesAreExact) {
     EXPECT_EQ(fields[0].name, "distance");
     EXPECT_EQ(fields[1].name, "nearest");
     for (const Field& field : fields) EXPECT_EQ(field.of, Field::Of::vertices);
-    EXPECT_EQ(fields[0].values, (std::vector<double>{3, 2, 3, 3}));  // z: 2, 1, 2, 2 above -1
+    EXPECT_EQ(fields[0].values, (std::vector<double>{3, 2, 3, 3}));  // z is 2, 1, 2, 2; the square is at -1
     EXPECT_EQ(fields[1].values, (std::vector<double>{0, 0, 0, 0}));
     EXPECT_EQ(fields_of(tetrahedron(), moved({-3, 0, 0}), square(), {})[1].values, (std::vector<double>{1, 1, 1, 1}));
 }
@@ -145,7 +146,7 @@ TEST(DistanceFields, AreNoneOfASurfaceOrBeyondTheDoubles) {
     EXPECT_THROW(fields_of(tetrahedron(), {}, square(), huge), InputError);
 }
 
-// One triangle whose corners are all of B: the farthest point of it is the middle of its longest edge, sqrt(4.5) away.
+// One triangle whose corners form B: its farthest point is the middle of its longest edge, sqrt(4.5) away.
 TriangleMesh right_angled() {
     TriangleMesh mesh{Points(3, 3), Triangles(1, 3)};
     mesh.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0;
@@ -182,7 +183,7 @@ TEST(DrawnFields, ShowWhatVerticesDoNot) {
         if (scale == 0) {
             EXPECT_NEAR(area_of(field), 4.5, 1e-12);
         }
-        // Linear in between, it is nowhere far from the distance.
+        // A field that is linear in between is nowhere far from the distance.
         Random random(9);
         for (Index i = 0; i < field.pieces.rows(); ++i) {
             const double x = random.real(0, 1), y = random.real(0, 1 - x), weights[] = {1 - x - y, x, y};
@@ -196,7 +197,7 @@ TEST(DrawnFields, ShowWhatVerticesDoNot) {
             EXPECT_NEAR(drawn_there, d * unit, 2 * resolution);
         }
     }
-    EXPECT_EQ(drawn(right_angled(), b, {}).largest(), 0);  // what was drawn before A was cut
+    EXPECT_EQ(drawn(right_angled(), b, {}).largest(), 0);  // the value before A is cut
 }
 
 TEST(DrawnFields, HaveNoGapsBetweenPieces) {
@@ -224,18 +225,18 @@ TEST(DrawnFields, NoEdgeIsLong) {
     for (double d : field.distances) EXPECT_EQ(d, 5);
 }
 
-// The midpoints of all edges are on B, and the centroid is not.
+// The midpoints of all edges are on B, but the centroid is not.
 TEST(DrawnFields, CentroidsAreCompared) {
     PointSet b{Points(6, 3)};
     b.points << 0, 0, 0, 0.02, 0, 0, 0, 0.02, 0, 0.01, 0, 0, 0, 0.01, 0, 0.01, 0.01, 0;
     TriangleMesh a = right_angled();
     a.vertices /= 150;
-    TriangleMesh far = right_angled();  // so that no edge of the small one is long
+    TriangleMesh far = right_angled();  // so that no edge of the small triangle counts as long
     far.vertices.col(2).setConstant(1);
     TriangleMesh both{Points(6, 3), Triangles(2, 3)};
     both.vertices << a.vertices, far.vertices;
     both.triangles << 0, 1, 2, 3, 4, 5;
-    const DrawnField field = drawn(both, b, {0.002 / 4.4});  // of the far one
+    const DrawnField field = drawn(both, b, {0.002 / 4.4});  // relative to the far triangle
     EXPECT_GT(std::count(field.elements.begin(), field.elements.end(), 0), 3);
 }
 
@@ -249,12 +250,12 @@ TEST(DrawnFields, TheWitnessIsAVertex) {
     EXPECT_FALSE(has(drawn(right_angled(), b, {1, 1})));
     EXPECT_FALSE(has(drawn(right_angled(), b, {1, 1, witness, 1})));  // no such triangle
     const Vec3 beside(1, 0.7, 1e-3);
-    const DrawnField field = drawn(right_angled(), b, {1, 1, beside, 0});  // not on it
+    const DrawnField field = drawn(right_angled(), b, {1, 1, beside, 0});  // not on the triangle
     EXPECT_EQ(field.vertices.col(2).cwiseAbs().maxCoeff(), 0);
 }
 
 TEST(DrawnFields, TheLargestDifferencesGoFirstWhereThePiecesRunOut) {
-    // Two triangles; all of what B lacks is in the second.
+    // Two triangles; only the second has parts that B lacks.
     TriangleMesh a{Points(6, 3), Triangles(2, 3)};
     a.vertices << 0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 5, 0, 0, 5.02, 0, 0, 5, 0.02, 0;
     a.triangles << 0, 1, 2, 3, 4, 5;
@@ -265,7 +266,7 @@ TEST(DrawnFields, TheLargestDifferencesGoFirstWhereThePiecesRunOut) {
     EXPECT_FALSE(field.resolved);
     EXPECT_EQ(field.pieces.rows(), 5);
     EXPECT_EQ(std::count(field.elements.begin(), field.elements.end(), 1), 4);
-    drawing.most_pieces = 1;  // A has more
+    drawing.most_pieces = 1;  // A has more triangles
     EXPECT_EQ(drawn(a, b, drawing).pieces.rows(), 2);
 }
 
@@ -278,7 +279,7 @@ TEST(DrawnFields, OfPointsAreNotCut) {
 }
 
 TEST(DrawnFields, TheResolutionIsAPartOfTheLargerOfBothBounds) {
-    // The vertices of A are 1 away from B, and the lower bound says less, or nothing.
+    // The vertices of A are 1 away from B; the lower bound is smaller, or absent.
     TriangleMesh a = right_angled();
     a.vertices.col(2).setConstant(1);
     const PointSet b{right_angled().vertices};
@@ -297,7 +298,7 @@ TEST(DrawnFields, WhereRoundingLeavesNoMiddleNothingIsCut) {
 
 TEST(DrawnFields, NeedlesAreNotCutByTheirLength) {
     TriangleMesh a{Points(6, 3), Triangles(2, 3)};
-    a.vertices << 0, 0, 0, 4, 0, 0, 4, 1e-9, 0, 0, 0, 1, 0, 0, 1, 4, 0, 1;  // the other has two corners at one place
+    a.vertices << 0, 0, 0, 4, 0, 0, 4, 1e-9, 0, 0, 0, 1, 0, 0, 1, 4, 0, 1;  // the other has two equal corners
     a.triangles << 0, 1, 2, 3, 4, 5;
     TriangleMesh far = square();
     far.vertices.col(2).setConstant(3);
@@ -419,9 +420,8 @@ TEST_F(FieldFile, AsPlyOrVtkAreRefusedInOneLine) {
     EXPECT_NO_THROW(check_export_place(folder.path() / "x.Vtk"));
 }
 
-// The tetrahedron, 7 above the square, and a second pose of the square that is as far: its distances are 7, 7, 7 and 8.
-// Triangles of every height over their longest edge, down to what rounding leaves of it, with points above, beside and far from them:
-// the cases of the derivation in fields.cpp.
+// Triangles of every height over their longest edge, down to rounding, with points above, beside
+// and far from them: the cases of the derivation in fields.cpp.
 TEST(DistanceFields, AreWithinTheirErrorOfNeedles) {
     Random random(8);
     long double worst = 0;
@@ -503,7 +503,7 @@ TEST_F(CheckFields, WhatIsNoDistanceOrElement) {
     }
     for (double bad : {-1.0, 2.0, 0.5, infinity, std::nan("")}) {
         nearest(0) = bad;
-        expect(Verdict::unsound, "no element of B");
+        expect(Verdict::unsound, "not an element of B");
     }
     fields[1].values.pop_back();
     expect(Verdict::unsound, "3 values for 4 vertices");
@@ -598,7 +598,7 @@ TEST_F(CheckFields, BeyondTheDoublesNothingIsChecked) {
     expect(Verdict::not_checked);
 }
 
-// Of its faces, h is 7, 8, 8 and 8.
+// The faces of A have h = 7, 8, 8 and 8.
 TEST_F(CheckFields, BoundsOfElements) {
     fields.push_back(bounds("lower", Field::Meaning::lower, {7, 8, 8, 8}));
     fields.push_back(bounds("upper", Field::Meaning::upper, {7, 8, 8, 8}));
@@ -646,7 +646,7 @@ TEST_F(CheckFields, BoundsOfElementsMayBeOffByTheSlack) {
     }
 }
 
-// The farthest point of a triangle is its centroid, where its corners are on B.
+// The centroid is the farthest point of a triangle whose corners are on B.
 TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
     TriangleMesh one{Points(3, 3), Triangles(1, 3)};
     one.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0;
@@ -655,13 +655,13 @@ TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
     b = PointSet{one.vertices};
     pose = target_pose = {};
     fields = fields_of(a, pose, b, target_pose);
-    fields.push_back(bounds("upper", Field::Meaning::upper, {1.4}));  // of the square root of 2
+    fields.push_back(bounds("upper", Field::Meaning::upper, {1.4}));  // the truth is the square root of 2
     expect(Verdict::unsound, "elements 0: upper 1.3999");
     fields.back().values[0] = 3;
     expect(Verdict::holds);
 }
 
-// Everywhere on the triangle the distance is c; its computed centroid may be farther away.
+// The distance is c everywhere on the triangle, but the computed centroid may be farther away.
 TEST_F(CheckFields, TheCentroidMayBeOffTheElement) {
     pose = target_pose = {};
     int above = 0;
@@ -697,7 +697,7 @@ TEST_F(CheckFields, TheLastOfManyIsLookedAt) {
         std::string why;
         looked_at += check_fields(wrong, a, pose, b, target_pose, slack, {}, why) == Verdict::unsound;
     }
-    EXPECT_EQ(looked_at, 5);  // every tenth
+    EXPECT_EQ(looked_at, 5);  // every tenth row
     std::string reason;
     EXPECT_EQ(check_fields(
                   fields, a, pose, b, target_pose, slack, [] { return true; }, reason),

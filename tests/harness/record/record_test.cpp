@@ -1,4 +1,4 @@
-// What a row says of its case: the tolerance as a length, and the identity.
+// Facts that a row derives for its case: the tolerance as a length, and the identity.
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
 #include "harness/record/row.h"
@@ -67,7 +67,7 @@ TEST(Record, ATolerancesUnitIsOfABoxOrALengthOrTheLowerBound) {
     EXPECT_EQ(asked.resolved_tolerance().value, 0.25);
 }
 
-// Results in journals and files are found again by their identity: it must not change for what could be asked before.
+// Results in journals and files are found by their identity, so it must not change for cases that were possible before.
 TEST(Record, IdentitiesOfOlderCasesStay) {
     EXPECT_EQ(identify(a_case()), "bc6fad1978b2d38f1762e5f589de794e93d97019beb375c912d19b0cc9ad6198");
 }
@@ -101,7 +101,8 @@ TEST(Record, TheVersionIsOneLine) {
         EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
-// Rows look up the hash of their models by name. A row that looked at every model would take so long that the file counts as damaged.
+// Rows look up the hash of their models by name. If each row searched all models, reading would
+// take so long that the file counts as damaged.
 TEST(Record, AResultOfManyModelsIsRead) {
     constexpr std::size_t models = 120'000;
     const TemporaryFolder folder;

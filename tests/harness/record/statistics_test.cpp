@@ -1,4 +1,4 @@
-// Medians and ratios against values worked out by hand.
+// Medians and ratios against values computed by hand.
 #include "harness/record/statistics.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,8 @@ TEST(Median, FewValuesGiveTheirRangeWithTheConfidenceItHas) {
 }
 
 TEST(Median, TenValuesDropOneAtEachEnd) {
-    // P(at most 1 of 10 below) = 11/1024: [x2, x9] covers with 1 - 22/1024 = 97.9 %; [x3, x8] only with 89.1 %.
+    // P(at most 1 of 10 below) = 11/1024, so [x2, x9] covers the median with 1 - 22/1024 = 97.9 %;
+    // [x3, x8] only with 89.1 %.
     const Estimate e = median({10, 9, 8, 7, 6, 5, 4, 3, 2, 1});
     EXPECT_EQ(e.value, 5.5);
     EXPECT_EQ(e.low, 2);
@@ -40,7 +41,7 @@ TEST(Median, CoversAsOftenAsItSays) {
     double promised = 0;
     for (int t = 0; t < trials; ++t) {
         std::vector<double> values(15);
-        for (double& v : values) v = -std::log((double(bits()) + 0.5) / 4294967296.0);  // exponential: median ln 2
+        for (double& v : values) v = -std::log((double(bits()) + 0.5) / 4294967296.0);  // exponential, with median ln 2
         const Estimate e = median(values);
         covered += e.low <= std::log(2.0) && std::log(2.0) <= e.high;
         promised = e.confidence;

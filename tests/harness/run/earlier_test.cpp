@@ -1,4 +1,4 @@
-// A run adds to the result that is there, and replaces only what it was asked for.
+// A run adds to an earlier result, and replaces only the rows that it was asked for.
 #include "harness/run/earlier.h"
 #include "harness/record/profiles.h"
 
@@ -41,7 +41,7 @@ class Earlier : public testing::Test {
 protected:
     Earlier() { ask(experiment); }
 
-    // The experiment's text, as it is now.
+    // Sets the text of the experiment.
     void ask(const std::string& text) {
         std::ofstream(file()) << text;
         plan_.experiment = read_experiment(file(), "quick");
@@ -53,7 +53,8 @@ protected:
         return {model("a", "a1"), model("b", "b1"), model("c", "c1"), model("unused", "u")};
     }
 
-    // A row of a case that the experiment asks for in the profile `paper`, which has all solvers; else of one that nothing asks for.
+    // Returns a row of a case that the experiment asks for in the profile `paper`, which has all
+    // solvers; if there is none, a row that nothing asks for.
     Row row(const std::string& label, const std::string& scene, const std::string& profile, double lower) const {
         Row row;
         for (Case& c : cases_as_recorded(read_experiment(file(), "paper"), models(), no_shape).cases)
@@ -77,7 +78,7 @@ protected:
         return record;
     }
 
-    // What a run of these has measured: lower bound 2.
+    // Adds the results of a run of these cases, with lower bound 2.
     void run(const std::vector<std::pair<std::string, std::string>>& asked, bool whole) {
         plan_.whole = whole;
         for (const auto& [label, scene] : asked) {
@@ -168,7 +169,7 @@ TEST_F(Earlier, AnEditedExperimentNoLongerAsksForARow) {
     EXPECT_EQ(said[0].substr(0, 15), "5 earlier rows ");
 }
 
-// Every row of the other solver, under the text before and under the text now, after a run of `naive` alone.
+// Every row of the other solver, with the text before and the text now, after a run of `naive` alone.
 TEST_F(Earlier, ARowStaysIfAndOnlyIfItsIdentityIsAskedFor) {
     const std::string solver = "\n[[solver]]\nname = \"naive\"\n[[solver]]\nname = \"guthe\"\n";
     const auto text = [&](const std::string& top, const std::string& scene, const std::string& of_solver) {
@@ -220,7 +221,7 @@ TEST_F(Earlier, ARowStaysIfAndOnlyIfItsIdentityIsAskedFor) {
     }
 }
 
-// The poses of a shape that is not there are not known, so nothing says that the row is not asked for.
+// The poses of a missing shape are not known, so nothing shows that the row is no longer asked for.
 TEST_F(Earlier, RowsOfAMotionStayWhereTheirModelIsNotThere) {
     const std::string text = std::string(experiment) +
                              "[[scene]]\nname = 'r'\nsource = 'a'\ntarget = 'b'\n"
@@ -299,7 +300,7 @@ TEST(Profiles, AreAList) {
     EXPECT_EQ(joined_profiles("quick", "paper,quick"), "paper,quick");
 }
 
-// `run --fresh` of a part forgets that part, for good.
+// `run --fresh` of a part forgets that part permanently.
 TEST(Journal, ForgetsWhatItIsToldTo) {
     const TemporaryFolder folder;
     const auto file = folder.path() / "a.journal";

@@ -62,9 +62,9 @@ TEST(Rounds, OtherBoundsAreAFailure) {
 }
 
 TEST(Rounds, ALimitInALaterRoundIsThatLimit) {
-    Outcome own = answered(0.5, 3, 1, 2);  // the solver's own deadline: its bounds are other ones, and hold
+    Outcome own = answered(0.5, 3, 1, 2);  // the solver's own deadline: its bounds differ, and hold
     own.status = RowStatus::timeout, own.solver_status = "time_limit", own.reason = "not within 1 s";
-    Outcome untimed = answered(1, 2, 1, 1);  // killed while it was timed
+    Outcome untimed = answered(1, 2, 1, 1);  // killed while timed
     untimed.status = RowStatus::timeout, untimed.repeats.clear(), untimed.reason = "not while it was timed";
     for (const Outcome& late : {killed(RowStatus::timeout, "killed: no answer within 1 s"), own, untimed,
                                 killed(RowStatus::out_of_memory, "too much"), killed(RowStatus::signal, "signal 11")}) {
@@ -73,7 +73,7 @@ TEST(Rounds, ALimitInALaterRoundIsThatLimit) {
         EXPECT_EQ(o.reason, "in round 2: " + late.reason);
         EXPECT_EQ(o.bounds.lower, 1);
         EXPECT_EQ(o.bounds.upper, 2);
-        // Two answers that differ weigh more, whichever comes first.
+        // Two different answers weigh more, whichever comes first.
         EXPECT_EQ(gathered({answered(1, 2, 1, 0), late, answered(1, 3, 1, 2)}).status, RowStatus::failed);
         EXPECT_EQ(gathered({answered(1, 2, 1, 0), answered(1, 3, 1, 1), late}).status, RowStatus::failed);
     }
@@ -84,7 +84,7 @@ TEST(Rounds, OneRoundOfSeveralThreadsMakesItWallTime) {
     Outcome threaded = answered(1, 2, 1, 1);
     threaded.clock = "wall";
     EXPECT_EQ(gathered({answered(1, 2, 1, 0), threaded}).clock, "wall");
-    Outcome children = answered(1, 2, 1, 1);  // only the timed repeat tells
+    Outcome children = answered(1, 2, 1, 1);  // only the timed repeat shows it
     children.repeats = {{1, 0.5, 0.9, 1}};
     EXPECT_EQ(gathered({answered(1, 2, 1, 0), children}).clock, "wall");
 }
@@ -100,9 +100,9 @@ TEST(Rounds, ACoarserToleranceIsReadOffTheTrace) {
     EXPECT_EQ(o.status, RowStatus::ok);
     EXPECT_EQ(o.bounds.lower, 0.9);
     EXPECT_EQ(o.solve_seconds, 0.2);
-    EXPECT_TRUE(o.answers.empty());  // nothing was timed for it
+    EXPECT_TRUE(o.answers.empty());  // no time was measured for it
     EXPECT_TRUE(o.from_trace && o.repeats.empty() && o.trace.empty());
-    // Also where the finer one ran out of time, or stalled.
+    // Also if the finer case ran out of time or stalled.
     Outcome late = traced();
     late.status = RowStatus::timeout, late.solver_status = "time_limit";
     EXPECT_EQ(read_off_trace(late, 0.25).status, RowStatus::ok);
@@ -112,7 +112,7 @@ TEST(Rounds, ACoarserToleranceIsReadOffTheTrace) {
     EXPECT_EQ(read_off_trace(stalled, 0.25).status, RowStatus::ok);
 }
 
-// A sampler ignores the tolerance: its bounds are as wide as they are, and wide enough for a coarser one.
+// A sampler ignores the tolerance: its bounds have a fixed width, which may be enough for a coarser tolerance.
 TEST(Rounds, AnAnswerThatIgnoresTheToleranceMayDoForACoarserOne) {
     Outcome fine = traced();
     fine.bounds = {1, 1.125};
@@ -135,7 +135,7 @@ TEST(Rounds, WhatIsNotDeterministicHoldsNoAnswerAtAnyTolerance) {
     const Outcome coarse = read_off_trace(fine, 0.25);
     EXPECT_EQ(coarse.status, RowStatus::failed);
     EXPECT_EQ(coarse.reason, fine.reason);
-    Outcome differs = traced();  // as the traced run found it
+    Outcome differs = traced();  // as the traced run found
     differs.status = RowStatus::failed, differs.reason = "the traced run ended with other bounds";
     EXPECT_EQ(read_off_trace(differs, 0.25).status, RowStatus::failed);
     EXPECT_EQ(read_off_answer(fine, 0.25).status, RowStatus::failed);

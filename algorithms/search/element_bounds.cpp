@@ -1,4 +1,4 @@
-#include "algorithms/search/elements.h"
+#include "algorithms/search/element_bounds.h"
 
 #include <algorithm>
 

@@ -1,12 +1,12 @@
-// How long a run still takes: what has ended says how wrong the expectations of its kind are.
-#include "harness/run/remaining.h"
+// The remaining time of a run: cases that have ended show how wrong the expectations for their kind are.
+#include "harness/run/time_left.h"
 
 #include <gtest/gtest.h>
 
 namespace hausbench {
 namespace {
 
-constexpr double near = 0.01;  // a second counts as if it had gone as expected
+constexpr double near = 0.01;  // the estimate adds one second of work that took as long as expected
 
 TEST(SecondsLeft, AreThoseExpectedBeforeAnythingEnded) {
     EXPECT_EQ(seconds_left({{"a", 2, 3}, {"b", 0.5, 4}}, 0), 8);

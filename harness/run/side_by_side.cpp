@@ -1,4 +1,4 @@
-#include "harness/run/lanes.h"
+#include "harness/run/side_by_side.h"
 
 #include "algorithms/error.h"
 
@@ -50,20 +50,20 @@ void Room::give_back(const Demand& demand, const std::vector<int>& cores) {
 
 namespace {
 
-// Claims a core for the rest of this process; false if another process has. A name of a socket in the abstract namespace belongs to one
-// process of the machine, and is free again when that ends, however it ends.
+// Claims a core until this process ends; returns false if another process holds it. A socket name in the abstract
+// namespace belongs to one process of the machine, and becomes free when that process ends in any way.
 bool claim(int core) {
     static std::set<int> mine;
     if (mine.contains(core)) return true;
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     const std::string name = fmt::format("hausbench-core-{}", core);
-    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);  // after a NUL
+    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);  // abstract names begin with NUL
     const int claim = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     const auto length = socklen_t(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     if (claim >= 0 && ::bind(claim, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
         mine.insert(core);
-        return true;  // stays open
+        return true;  // the socket stays open
     }
     if (claim >= 0) ::close(claim);
     return false;
@@ -111,7 +111,7 @@ public:
                 std::find_if(waiting_.begin(), waiting_.end(), [&](std::size_t i) { return room_.fits(demands_[i]); });
             if (waiting_.empty() || failure_ || stop_()) return;
             if (next == waiting_.end()) {
-                room_made_.wait(lock);  // something runs, or it would fit
+                room_made_.wait(lock);  // something is running: every piece fits into an idle room
                 continue;
             }
             const std::size_t number = *next;
@@ -142,7 +142,7 @@ private:
     const std::function<bool()>& stop_;
     std::mutex lock_;
     std::condition_variable room_made_;
-    std::vector<std::size_t> waiting_;  // the longest first
+    std::vector<std::size_t> waiting_;  // longest first
     std::exception_ptr failure_;
 };
 
@@ -157,7 +157,7 @@ void run_side_by_side(const std::vector<Demand>& demands, Room room,
         std::vector<std::jthread> threads;
         try {
             for (std::size_t i = 0; i < most; ++i) threads.emplace_back([&] { lanes.lane(); });
-        } catch (const std::system_error&) {  // no more threads: those that there are do the work
+        } catch (const std::system_error&) {  // no more threads: the existing ones do the work
             if (threads.empty()) lanes.lane();
         }
     }

@@ -1,4 +1,4 @@
-#include "algorithms/search/regions.h"
+#include "algorithms/search/source_regions.h"
 
 #include "algorithms/search/queue.h"
 

@@ -1,8 +1,12 @@
-// Verbs that only the program itself calls: `load`, `derive` and `worker`.
+// Verbs for programs: `load`, `derive` and `worker`, which only this one calls, and `describe`, for the installation and the shell.
+#include "algorithms/registry.h"
 #include "datasets/derive.h"
 #include "datasets/load.h"
+#include "datasets/paths.h"
 #include "datasets/shape_file.h"
+#include "harness/commands/help.h"
 #include "harness/commands/verb.h"
+#include "harness/plan/experiment.h"
 #include "harness/run/worker.h"
 
 #include <algorithm>
@@ -24,9 +28,27 @@ void derive_file(const std::string& operation, const std::vector<std::string>& t
     write_shape(out, derive(operation, numbers, read_shape(origin)));
 }
 
+// The man page, the completion of bash, or the names of solvers, experiments or models, one in each line.
+std::string described(const CLI::App& program, const std::string& what) {
+    if (what == "man") return man_page(program);
+    if (what == "bash") return bash_completion(program);
+    std::string names;
+    if (what == "solvers") {
+        for (const SolverEntry& solver : solvers()) names += solver.info.name + "\n";
+    } else if (what == "experiments") {
+        for (const fs::path& file : experiment_files(experiments_folder())) names += file.stem().string() + "\n";
+    } else {
+        const Catalogue all = catalogue();
+        for (const ModelInfo& model : all.models()) {
+            if (!model.of_corpus) names += model.name + "\n";
+        }
+    }
+    return names;
+}
+
 }  // namespace
 
-void add_hidden(CLI::App& app, int& code) {
+void add_internal_verbs(CLI::App& app, int& code) {
     static fs::path in, out;
     static std::string format, operation;
     static std::vector<std::string> numbers;
@@ -45,6 +67,12 @@ void add_hidden(CLI::App& app, int& code) {
     auto* worker = app.add_subcommand("worker")->group("");
     worker->add_option("--events", events)->required();
     worker->callback([&code] { code = worker_main(events); });
+    static std::string what;
+    auto* describe = app.add_subcommand("describe")->group("");
+    describe->add_option("what", what)
+        ->required()
+        ->check(CLI::IsMember({"man", "bash", "solvers", "experiments", "models"}));
+    describe->callback([&app] { print(described(app, what)); });
 }
 
 }  // namespace hausbench

@@ -1,5 +1,6 @@
-// Work side by side: what fits at a time, how it is dealt out, and that children of several threads do not end each other.
-#include "harness/run/lanes.h"
+// Work side by side: what fits at a time, how it is distributed, and that children of several
+// threads do not end each other.
+#include "harness/run/side_by_side.h"
 #include "algorithms/error.h"
 #include "harness/plan/split.h"
 #include "process/child.h"
@@ -49,7 +50,7 @@ TEST(Room, WhatIsTooLargeForTheMachineRunsAlone) {
     EXPECT_TRUE(room.fits(giant));
 }
 
-// What is busy at a time, while `run_side_by_side` runs.
+// Records the jobs that are busy at a time while `run_side_by_side` runs.
 class Watch {
 public:
     explicit Watch(const std::vector<Demand>& demands) : demands_(demands) {}
@@ -134,7 +135,7 @@ TEST(Balanced, TheLongestGoFirstEachToWhoHasLeast) {
     EXPECT_TRUE(balanced({}, 3).empty());
 }
 
-// Jobs of one case each, of expected work in proportion to the elements.
+// Makes jobs of one case each, with expected work in proportion to the elements.
 Plan plan_of(const std::vector<std::int64_t>& elements) {
     Plan plan;
     plan.experiment.repeats = 1;
@@ -215,7 +216,8 @@ Launch shell(const std::string& words) {
     return launch;
 }
 
-// Each leaves an orphan behind, which is ended with it; and none ends the children of other threads, which end by themselves.
+// Each child leaves an orphan, which is ended with it; no child ends the children of other
+// threads, which end by themselves.
 TEST(ChildrenOfThreads, EndOnlyWhatIsTheirOwn) {
     std::atomic<int> wrong = 0, ended = 0;
     const fs::path folder = fs::path(testing::TempDir()) / "orphans";

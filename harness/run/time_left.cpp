@@ -1,4 +1,4 @@
-#include "harness/run/remaining.h"
+#include "harness/run/time_left.h"
 
 #include <algorithm>
 #include <map>
@@ -8,7 +8,7 @@ namespace hausbench {
 namespace {
 
 struct Sum {
-    double open = 0, ended = 0, took = 0;  // as expected, as expected, as it was
+    double open = 0, ended = 0, took = 0;  // seconds: expected, expected, actual
 
     void add(const OpenWork& part) {
         open += double(part.open) * part.expected;
@@ -16,7 +16,8 @@ struct Sum {
         took += part.took;
     }
 
-    // A little work tells little: so much counts as if it had taken as long as otherwise expected.
+    // Returns actual / expected time of the ended work. One second of work at the ratio `otherwise` is added to it,
+    // because a little ended work tells little.
     double times_as_long(double otherwise) const {
         constexpr double seconds = 1;
         return (took + seconds * otherwise) / (ended + seconds);

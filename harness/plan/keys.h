@@ -1,0 +1,36 @@
+// The keys of experiment files. The reader allows these and no others; `hausbench list keys` prints them, and
+// `python3 -m analysis.schema` writes them into docs/experiments.md. To add a key, add a line to keys.cpp and the
+// code that reads it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace hausbench {
+
+struct Key {
+    std::string name;
+    std::string fallback;  // value of a missing key, as it would be written; empty: none
+    std::string meaning;   // Markdown, one line
+};
+
+struct KeyTable {
+    std::string title;  // name of the table in messages, such as "[[scene]]"; empty: the top level
+    std::vector<Key> keys;
+
+    std::vector<std::string> names() const;
+};
+
+const KeyTable& top_keys();
+const KeyTable& limit_keys();
+const KeyTable& scene_keys();
+const KeyTable& motion_keys(const std::string& kind);  // `kind`: one of motion_kinds()
+const KeyTable& solver_keys();
+const KeyTable& claim_keys();
+
+const std::vector<std::string>& motion_kinds();
+
+// Returns all of these tables, in the order in which documents list them.
+std::vector<KeyTable> key_tables();
+
+}  // namespace hausbench
