@@ -3,24 +3,27 @@
 // hand, so this follows descriptions. Both report the largest distance of a sample, which bounds h from below. The
 // upper bound is ours.
 //
-// Samples: a grid of n steps on each triangle of A (kernel/rounding.h), where n is the least number for which the steps on its longest
-// edge L are at most `step` times the diagonal of A's box. Metro takes a number of samples per unit of area, MESH a step as a fraction
-// of the diagonal. A grid has about as many samples per triangle as either, except on needles, which get more here.
+// Samples: a grid of n steps on each triangle of A (kernel/rounding.h), where n is the least number for which the
+// steps on its longest edge L are at most `step` times the diagonal of A's box. Metro takes a number of samples per
+// unit of area, MESH a step as a fraction of the diagonal. A grid has about as many samples per triangle as either,
+// except on needles, which get more here.
 //
-// Upper bound of a triangle: the largest distance of its samples plus the covering radius L / (n sqrt 3), which kernel/rounding.h
-// derives with its rounding. The gap is at most the largest covering radius, 0.58 `step` diagonals, plus rounding, whatever the
-// tolerance; if it exceeds the tolerance, the status is `budget`. If the step is halved and every n doubles, the lower bound does not
-// decrease and the largest gap is halved. The upper bound may increase, because a new sample may be up to 0.5 L / n farther than its
-// neighbours, while the radius shrinks only by 0.29 L / n.
+// Upper bound of a triangle: the largest distance of its samples plus the covering radius L / (n sqrt 3), which
+// kernel/rounding.h derives with its rounding. The gap is at most the largest covering radius, 0.58 `step` diagonals,
+// plus rounding, whatever the tolerance; if it exceeds the tolerance, the status is `budget`. If the step is halved
+// and every n doubles, the lower bound does not decrease and the largest gap is halved. The upper bound may increase,
+// because a new sample may be up to 0.5 L / n farther than its neighbours, while the radius shrinks only by 0.29 L /
+// n.
 //
-// Order: first all vertices, which give every triangle the bound of n = 1 (kept if it is the smaller one), then the samples on the edges
-// and inside, triangle by triangle. An edge that two triangles share with the same n is measured once. A search that stops early uses
-// the bounds of n = 1 for the remaining triangles. Triangles whose bound of n = 1 is at most the floor are skipped.
+// Order: first all vertices, which give every triangle the bound of n = 1 (kept if it is the smaller one), then the
+// samples on the edges and inside, triangle by triangle. An edge that two triangles share with the same n is measured
+// once. A search that stops early uses the bounds of n = 1 for the remaining triangles. Triangles whose bound of n =
+// 1 is at most the floor are skipped.
 //
 // Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and its "steps" n.
 //
-// Budget: samples other than the vertices of A, which are always measured. Time: O(log m) per sample on tame data. Memory: O(n + m) for n
-// triangles of A and m of B; only samples at vertices and on edges are stored.
+// Budget: samples other than the vertices of A, which are always measured. Time: O(log m) per sample on tame data.
+// Memory: O(n + m) for n triangles of A and m of B; only samples at vertices and on edges are stored.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"

@@ -1,4 +1,5 @@
-// CGAL's k-d tree over B, called as its users do: finds the nearest point of B for each point of A, and takes the largest distance.
+// CGAL's k-d tree over B, called as its users do: finds the nearest point of B for each point of A, and takes the
+// largest distance.
 //
 // Source: CGAL 5.5, Spatial_searching, as in its example of points with an index: Kd_tree with the default splitter
 // and 10 points per leaf, Orthogonal_k_neighbor_search with K = 1. No search stops early, and the points of A keep
@@ -8,8 +9,9 @@
 // the largest distance is an upper bound of h; checked_result.h proves the lower bound. O(|A| log |B| + |B|) time on
 // tame data, O(|A| + |B|) memory. Budget: points of A.
 //
-// If n points of B coincide, CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the stack and crash
-// the process, as in any program that uses it. A stack of 8 MB suffices for n = 20,000 but not for 50,000.
+// If n points of B coincide, CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the
+// stack and crash the process, as in any program that uses it. A stack of 8 MB suffices for n = 20,000 but not for
+// 50,000.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/peers/checked_result.h"
 #include "algorithms/points/point_solver.h"

@@ -17,7 +17,8 @@ struct FarthestPoint {
     Index source = -1, target = -1;
 };
 
-// Returns whether coordinates are beyond the range that rounding.h covers; a solver then returns Result{}: stalled, in [0, infinity].
+// Returns whether coordinates are beyond the range that rounding.h covers; a solver then returns Result{}: stalled,
+// in [0, infinity].
 inline bool out_of_range(const Points& a, const Points& b) {
     return !(magnitude(a) <= largest_safe_coordinate && magnitude(b) <= largest_safe_coordinate);
 }

@@ -98,8 +98,7 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
     Vec3 g;
     const double f = polynomial().value(p, g);
     const double ulps = 0x1p-51 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
-    for (int tried = 0; tried < 3;
-         ++tried) {  // on an edge of the box, only the axis along the edge has room on both sides
+    for (int tried = 0; tried < 3; ++tried) {  // on an edge of the box, only the axis along it has room
         int axis = 0;
         g.cwiseAbs().maxCoeff(&axis);
         if (!(std::abs(g[axis]) > 0)) return std::nullopt;

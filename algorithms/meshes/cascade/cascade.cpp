@@ -93,8 +93,7 @@ private:
     Query query_;
     Counters counters_;
     std::optional<ElementBounds> elements_;  // set only if fields are wanted
-    std::vector<double>
-        last_bound_;  // set only if fields are wanted: the last bound computed for each triangle of A; 0: exact
+    std::vector<double> last_bound_;         // the same: the last bound computed for each triangle of A; 0: exact
     Stages stages_;
     std::optional<PieceProofs> proofs_;  // set only if a certificate is wanted
     SearchBounds bounds_;

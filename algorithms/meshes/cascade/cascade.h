@@ -30,7 +30,7 @@ struct Cascade {
     Split split = Split::midpoint;
     // Limit on the number of triangles and pieces per triangle of A.
     double max_factor = std::numeric_limits<double>::infinity();
-    bool regions = false;  // search/regions.h
+    bool regions = false;  // search/source_regions.h
     bool grid = false;     // find closest points of B with a uniform grid instead of a BVH
 };
 

@@ -6,7 +6,7 @@
 // cascade.h. The bound of a piece T is the least h(T, S) over the triangles S nearest to its three corners and its
 // barycentre (search/piece_bounds.h). Ours: the barycentre is measured only if the corners do not settle the piece,
 // and it counts for the lower bound like any point of A. The boxes of a BVH of A purge groups of triangles
-// (`regions`, search/regions.h).
+// (`regions`, search/source_regions.h).
 //
 // Fields: as in guthe.cpp, and "bound": 0 if the last piece of the triangle was exact, otherwise 5.
 // Budget: subdivisions.

@@ -28,7 +28,9 @@
 //
 // Both directions, and chains of poses (ours as well): a triangle of B that was nearest to a group at the previous
 // pose, or close to one of its triangles in the other direction, often settles the group without a query. The
-// previous farthest point is measured first. Fields: as in guthe.cpp.
+// previous farthest point is measured first.
+//
+// Fields: as in guthe.cpp.
 // Budget: cuts; with a budget each round has one part.
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/parallel.h"

@@ -134,8 +134,7 @@ template <class T> struct OffsetCover {
 
 struct CoverResult {
     bool covered = false;
-    double upper =
-        0;  // if covered: the largest distance of a point of the piece to B is at most this, in units of the place
+    double upper = 0;  // if covered: bounds the distance of all points of the piece, in units of the place
 };
 
 // Measures points that several pieces share into rows 0 to count - 1, with their sets; at most most_shared_points.

@@ -53,7 +53,7 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
                       slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
     // The centre only tells whether its triangle, which the host may have just found, is near the whole polygon. The
-    // bound from the corners is what is proven: in exact arithmetic it is never larger than the distance of the
+    // bound from the corners is the proof: in exact arithmetic it is never larger than the distance of the
     // centre plus the radius, but as computed it may be.
     const double by_corners = at_most(largest_square(k), k);
     if ((distance() + radius_ <= c_.threshold && by_corners <= c_.threshold) || (exact && tiny)) {

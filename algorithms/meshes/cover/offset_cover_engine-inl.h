@@ -29,7 +29,7 @@ template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 
 
 constexpr std::size_t tried_triangles = 3;  // for a peel, by their true exits
 
-// The triangles in use: all that were gathered, or the few kept by keep_few().
+// The triangles in use: all gathered triangles, or the few kept by keep_few().
 template <class T> struct Candidates {
     const NearTriangles<T>* frames;
     const T* limit;

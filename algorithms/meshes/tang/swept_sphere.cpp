@@ -42,7 +42,8 @@ double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     return next_up(most);
 }
 
-// Returns the principal axes of the points, the largest moment first. The points are taken relative to `middle` in units of `extent`.
+// Returns the principal axes of the points, the largest moment first. The points are taken relative to `middle` in
+// units of `extent`.
 std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& middle, double extent) {
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     Vec3 mean = Vec3::Zero();

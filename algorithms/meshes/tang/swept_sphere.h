@@ -1,7 +1,8 @@
 // Swept sphere volumes: all points within a radius of a point, a segment or a rectangle. They fit surface patches
 // more tightly than boxes do. Also a BVH with one such volume per child.
 //
-// After Larsen, Gottschalk, Lin, Manocha: Fast proximity queries with swept sphere volumes, 1999; used by Tang et al. 2009.
+// After Larsen, Gottschalk, Lin, Manocha: Fast proximity queries with swept sphere volumes, 1999; used by Tang et al.
+// 2009.
 #pragma once
 
 #include "algorithms/structures/bvh.h"

@@ -1,5 +1,5 @@
-// Cross-culling and Voronoi subdivision: Tang, Lee, Kim: Interactive Hausdorff distance computation for general polygonal models,
-// ACM Transactions on Graphics 28(3), 2009.
+// Cross-culling and Voronoi subdivision: Tang, Lee, Kim: Interactive Hausdorff distance computation for general
+// polygonal models, ACM Transactions on Graphics 28(3), 2009.
 //
 // There are three steps. Culling on A (source_culling.h) skips nodes of a BVH of A that cannot contain the farthest
 // point. Culling on B (target_culling.h) sends each remaining triangle T of A through a BVH of B, which gives T's
@@ -10,8 +10,9 @@
 // From the paper: these steps, swept sphere volumes, group traversal (the three corners go through B together),
 // Voronoi subdivision, and the end of work on a piece whose corners share a nearest triangle: then for some S in L,
 // h(T, S) equals the largest distance of a corner, and u settles the piece. Ties are harmless, because L contains
-// every tied triangle. Ours: changes named in the headers of the parts, and leaves of up to eight triangles instead
-// of four, for the vector kernels, because all solvers share the trees. Penetration depth is a separate solver.
+// every tied triangle.
+// Ours: changes named in the headers of the parts, and leaves of up to eight triangles instead of four, for the vector
+// kernels, because all solvers share the trees. Penetration depth is a separate solver.
 // The paper's option for closed B, Lemma 4, is `lemma4`: corrected, certified (enclosed_move.h), and off by default.
 //
 // Certified: upper bounds are widened as in kernel/rounding.h, volumes as in volumes.cpp; the lower bound is computed
@@ -22,11 +23,11 @@
 // the triangles near the nodes of A, and the farthest point (ours).
 //
 // Fields: as in guthe.cpp; triangles that were culled with a node have the bound of this node.
-// Reports: "culled on A", the share of A's triangles settled before culling on B; "culled on B", the share of B's triangles that were
-// not measured against any remaining triangle of A; "depth", the largest number of subdivisions.
+// Reports: "culled on A", the share of A's triangles settled before culling on B; "culled on B", the share of B's
+// triangles that were not measured against any remaining triangle of A; "depth", the largest number of subdivisions.
 //
-// Budget: subdivisions. Time: O(n log n + m log m) to prepare. Memory: O(n + m), and per piece in the queue 184 bytes plus 4 bytes for
-// each triangle in its list.
+// Budget: subdivisions. Time: O(n log n + m log m) to prepare. Memory: O(n + m), and per piece in the queue 184 bytes
+// plus 4 bytes for each triangle in its list.
 #include "algorithms/meshes/tang/enclosed_move.h"
 #include "algorithms/meshes/tang/listed_subdivision.h"
 #include "algorithms/meshes/tang/source_culling.h"

@@ -1,4 +1,5 @@
-// Searches leaves of A in the tree of B, with vector instructions chosen at run time. Answers have the same bits on every target.
+// Searches leaves of A in the tree of B, with vector instructions chosen at run time. Answers have the same bits on
+// every target.
 #pragma once
 
 #include "algorithms/kernel/counters.h"

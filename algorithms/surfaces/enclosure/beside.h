@@ -1,8 +1,8 @@
 // Upper bounds of the distance from a piece of A to B that prove a point of B next to each point of the piece,
 // instead of one point for all. They are tight if A and B nearly touch, or run side by side like concentric spheres.
 //
-// All functions require UpwardRounding (kernel/interval.h). They return infinity if they do not apply: at the sides of B's box, or if B
-// curves too much. Each takes a few evaluations of the polynomial.
+// All functions require UpwardRounding (kernel/interval.h). They return infinity if they do not apply: at the sides
+// of B's box, or if B curves too much. Each takes a few evaluations of the polynomial.
 #pragma once
 
 #include "algorithms/surfaces/surface_tree.h"

@@ -49,8 +49,7 @@ constexpr int unproven_at_most = 4000;  // boxes split, or points searched for, 
 // next_to() is tried if B is nearer than this many cell sizes (0.3 %), or than this fraction of A's coordinates (0 %:
 // it matters for even smaller cells).
 constexpr double near_sizes = 8, near_coordinates = 1e-3;
-// A point's distance is computed to this fraction of the tolerance (1 %), or of the gap while the gap is large (0.3
-// %).
+// A point's distance is computed to this fraction of the tolerance (1 %), or of the gap while that is large (0.3 %).
 constexpr double parts_of_tolerance = 8, parts_of_gap = 16;
 // A local search: its number of steps (2 %), the factors for the step after a success and after a failure (5 % for
 // the latter), and the smallest step as a fraction of the distance, a few ulps.

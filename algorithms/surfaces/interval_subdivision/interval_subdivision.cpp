@@ -11,8 +11,8 @@
 // Not certified: a kept voxel need not contain a point of the surface, so either end may be wrong. The interval is
 // reported as the method gives it, to show this, without a witness. Use surface_enclosure.cpp for bounds that hold.
 //
-// `pairs = all` computes every pair of voxels, as the paper does; `pruned` gives the same bits (voxel_distances.h). Budget: voxels of A (all)
-// or searches (pruned).
+// `pairs = all` computes every pair of voxels, as the paper does; `pruned` gives the same bits (voxel_distances.h).
+// Budget: voxels of A (all) or searches (pruned).
 //
 // Polynomials are bounded with directed rounding (voxels.h); squared distances are rounded to nearest and widened at
 // the end as in kernel/rounding.h. Time: O(8^depth) in the worst case, O(4^depth) for the octree of a tame surface,

@@ -28,8 +28,7 @@ template <bool largest> double squared_distance(const Box& a, const Box& b) {
 template <bool largest> double at_least(const Box& a, const Voxels& b, const Voxels::Node& cell) {
     if (!largest) return squared_distance<false>(a, b.box_of(cell));
     double d[3];
-    for (std::size_t k = 0; k < 3;
-         ++k) {  // a voxel's upper end is at least the lowest voxel's, and likewise for its lower end
+    for (std::size_t k = 0; k < 3; ++k) {  // no voxel ends below the lowest one or begins above the highest one
         const auto i = Eigen::Index(k);
         const double high = b.grid[k][std::size_t(cell.at[k]) + 1],
                      low = b.grid[k][std::size_t(cell.at[k] + cell.size) - 1];
@@ -168,7 +167,8 @@ private:
         return std::nullopt;
     }
 
-    // Returns the least squared distance from a voxel to the voxels of B, or any value within the squared early-out radius.
+    // Returns the least squared distance from a voxel to the voxels of B, or any value within the squared early-out
+    // radius.
     double nearest(const Box& a, double squared_early_out) {
         struct Entry {
             double least;

@@ -1,7 +1,8 @@
 // The voxels of a grid over a surface's box that may contain a point of the surface according to interval arithmetic,
 // and the octree above them.
 //
-// Grid lines are rounded numbers lo + (hi - lo) i / n, and voxels are the boxes between them: they cover the box without gaps.
+// Grid lines are rounded numbers lo + (hi - lo) i / n, and voxels are the boxes between them: they cover the box
+// without gaps.
 #pragma once
 
 #include "algorithms/kernel/box.h"
