@@ -1,14 +1,16 @@
-// The bridge to mesh solvers: triangulates both surfaces, asks a mesh solver, and widens its answer by the largest distance
-// between each mesh and its surface, proven in both directions (surface_mesh.h):
+// The bridge to mesh solvers: triangulates both surfaces, asks a mesh solver, and widens its answer by the largest
+// distance between each mesh and its surface, proven in both directions (surface_mesh.h):
 //     l - h(MA,A) - h(B,MB) <= h(A,B) <= u + h(A,MA) + h(MB,B).
-// Certified, because only certified mesh solvers are accepted. Reports the deviations, the mesh solver's own bounds and the
-// numbers of triangles. The gap is at least the sum of the deviations, which is of the order of a cell (or of its square, if the
-// surface is smooth and does not meet the sides of the box); for a smaller tolerance the status is `stalled`. If a deviation cannot
-// be bounded, the upper bound is the largest distance between points of the boxes.
+// Certified, because it accepts only certified mesh solvers. Reports the deviations, the mesh solver's own bounds and
+// the numbers of triangles. The gap is at least the sum of the deviations. This sum is of the order of a cell, or of
+// its square if the surface is smooth and does not meet the sides of the box. For a smaller tolerance the status is
+// `stalled`. If a deviation cannot be bounded, the upper bound is the largest distance between points of the boxes.
 //
-// If a polynomial does not change its sign on the grid, there is no mesh of the surface: `stalled`, with the largest distance between
-// points of the boxes as the upper bound, or infinity if it is the target, which may be empty.
-// Budget, counters and witness: the mesh solver's. O(cells^3) to triangulate, O(cells^2 4^levels) for the deviations.
+// If a polynomial does not change its sign on the grid, its surface has no mesh: `stalled`. The upper bound is then
+// the largest distance between points of the boxes, or infinity if the target has no mesh, because the target may be
+// empty.
+// Budget, counters and witness: as in the mesh solver. O(cells^3) to triangulate, O(cells^2 4^levels) for the
+// deviations.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -36,7 +38,7 @@ public:
         TriangleMesh of_a, of_b;
         try {
             of_b = triangulate(b, cells_);
-        } catch (const InputError& error) {  // it may be empty
+        } catch (const InputError& error) {  // the target may be empty
             no_mesh_ = error.what();
             farthest_ = std::numeric_limits<double>::infinity();
             return;
@@ -59,7 +61,7 @@ public:
     Result solve(const Query& query, State*, Trace& trace) const override {
         if (!meshes_) return without_meshes(query);
         Query inner = query;
-        inner.floor = 0;  // it applies to another distance
+        inner.floor = 0;  // the floor refers to the distance of the surfaces, not of the meshes
         inner.cutoff = std::numeric_limits<double>::infinity();
         Trace unused;
         Result result = meshes_->solve(inner, unused);
@@ -111,7 +113,7 @@ private:
     }
 
     int cells_, levels_;
-    std::string no_mesh_;  // the reason why there is no mesh, or empty
+    std::string no_mesh_;  // why there is no mesh, or empty
     SolverEntry asked_;
     MeshDeviation a_{}, b_{};
     std::array<double, 2> triangles_{};

@@ -3,34 +3,38 @@
 // octree for proximity, subdivision at the midpoints of the edges, an upper bound for each triangle, purging of
 // triangles that cannot attain the maximum, and no further work on a triangle whose vertices share a nearest triangle.
 //
-// Upper bound of a piece T with vertices v: the least, over some triangles S of B, of max_v d(v, S). The distance to a convex
-// set is convex, so its maximum over T is at a vertex. The bound is exact if S is nearest to all three, even if ties named
-// another triangle (the shared-triangle end of Tang et al., section 4). Which S Guthe tries is not known. We try those nearest to
-// the piece's vertices and its siblings' vertices, and the best one of its parent. A Lipschitz bound, d(v, B) + the longest
-// edge from v, cannot be less than the bound of the S nearest to v, so it is not used.
-// The piece of largest upper bound is split first. The lower bound is the largest distance of a vertex met so far.
+// Upper bound of a piece T with vertices v: the least, over some triangles S of B, of max_v d(v, S). The distance to
+// a convex set is convex, so its maximum over T is at a vertex. The bound is exact if S is nearest to all three, even
+// if ties named another triangle (the shared-triangle end of Tang et al., section 4). Which S Guthe tries is not
+// known. We try those nearest to the piece's vertices and its siblings' vertices, and the best one of its parent. A
+// Lipschitz bound, d(v, B) + the longest edge from v, cannot be less than the bound of the S nearest to v, so it is
+// not used.
+// The piece with the largest upper bound is split first. The lower bound is the largest distance of a vertex so far.
 //
-// Regions: the boxes of an octree over A settle groups of triangles (search/source_regions.h). If off, every vertex of A is measured.
+// Regions: the boxes of an octree over A settle groups of triangles (search/source_regions.h). If off, every vertex
+// of A is measured.
 //
-// Split: `midpoint`, as published, makes four pieces of the same shape, so a needle stays a needle: k levels make 4^k pieces
-// where 2^k would do. `longest_edge` (ours) halves the longest edge, which soon makes compact pieces of a needle.
+// Split: `midpoint`, as published, makes four pieces of the same shape, so a needle stays a needle: k levels make 4^k
+// pieces where 2^k would do. `longest_edge` (ours) halves the longest edge, which soon makes compact pieces of a
+// needle.
 //
-// Certified: upper bounds are widened as kernel/rounding.h says. Purging by the uncertified lower bound is safe, because
-// the bounds of purged pieces are kept; only the last witness is certified, by support planes (kernel/point_triangle.h).
-// With certify = false nothing is widened or certified, and with kernel = textbook distances are computed as in textbooks.
-// Both exist for comparison, and their bounds may be wrong.
-// Warm start (ours, if the caller gives a State; search/warm_start.h): the farthest point of the previous pose is measured first, and
-// a triangle of A is settled without a query if its distance to a triangle of B that was nearest to one of its corners is small
-// enough. Queries of vertices start at the triangle that was nearest before.
+// Certified: upper bounds are widened as kernel/rounding.h says. Purging by the uncertified lower bound is safe,
+// because the bounds of purged pieces are kept; only the last witness is certified, by support planes
+// (kernel/point_triangle.h). With certify = false nothing is widened or certified, and with kernel = textbook
+// distances are computed as in textbooks. Both exist for comparison, and their bounds may be wrong.
+// Warm start (ours, if the caller gives a State; search/warm_start.h): the farthest point of the previous pose is
+// measured first, and a triangle of A is settled without a query if its distance to a triangle of B that was nearest
+// to one of its corners is small enough. Queries of vertices start at the triangle that was nearest before.
 //
-// Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest piece. They
-// are as tight as the search needed; triangles that cannot attain the maximum are not refined.
+// Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest
+// piece. They are as tight as the search needed; triangles that cannot attain the maximum are not refined.
 //
 // Certificate: the search's own pieces, each with the triangle S of its bound (search/piece_proofs.h). The distances
-// from the corners to S prove it, even if the search used the box of a group and one point of S, which are no nearer.
+// from the corners to S prove the bound even if the search used the box of a group and one point of S, because these
+// distances are no larger.
 //
-// Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on tame data. Memory: O(n + m), and 168
-// bytes per piece in the queue.
+// Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on tame data. Memory:
+// O(n + m), and 168 bytes per piece in the queue.
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
@@ -62,7 +66,7 @@ struct GutheChoices {
     Split split = Split::midpoint;
 };
 
-// One query.
+// The search of one query.
 class GutheSearch {
 public:
     GutheSearch(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace,
@@ -124,7 +128,7 @@ void GutheSearch::push(const GuthePiece& piece) {
     queue_.push(piece);
 }
 
-// Queues the triangles of A, each bounded by the least over the triangles of B nearest to its corners.
+// Queues the triangles of A, each with the least bound over the triangles of B nearest to its corners.
 void GutheSearch::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
@@ -143,7 +147,7 @@ void GutheSearch::push_triangles() {
     }
 }
 
-// Returns the largest squared distance from a corner to a triangle of B that is nearest to one of the corners.
+// Returns the largest squared distance from a corner of the piece to a triangle of B.
 double GutheSearch::squared_to_farthest(const GuthePiece& piece, Index triangle) {
     const Triangle near = target_.triangle(triangle);
     double most = 0;

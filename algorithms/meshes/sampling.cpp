@@ -1,25 +1,29 @@
-// Sampling like Metro (Cignoni, Rocchini, Scopigno 1998) and MESH (Aspert, Santa-Cruz, Ebrahimi 2002): measures the distance to B
-// of the vertices of A, and of evenly spread points on its edges and faces. Neither paper was at hand, so this follows descriptions.
-// Both report the largest distance of a sample, which bounds h from below. The upper bound is ours.
+// Sampling like Metro (Cignoni, Rocchini, Scopigno 1998) and MESH (Aspert, Santa-Cruz, Ebrahimi 2002): measures the
+// distance to B from the vertices of A and from evenly spread points on its edges and faces. Neither paper was at
+// hand, so this follows descriptions. Both report the largest distance of a sample, which bounds h from below. The
+// upper bound is ours.
 //
-// Samples: a grid of n steps on each triangle of A (kernel/rounding.h), where n is the least number for which the steps on its longest
-// edge L are at most `step` times the diagonal of A's box. Metro takes a number of samples per unit of area, MESH a step as a fraction
-// of the diagonal. A grid has about as many samples per triangle as either, except on needles, which get more here.
+// Samples: a grid of n steps on each triangle of A (kernel/rounding.h), where n is the least number for which the
+// steps on its longest edge L are at most `step` times the diagonal of A's box. Metro takes a number of samples per
+// unit of area, MESH a step as a fraction of the diagonal. A grid has about as many samples per triangle as either,
+// except on needles, which get more here.
 //
-// Upper bound of a triangle: the largest distance of its samples plus the covering radius L / (n sqrt 3), which kernel/rounding.h
-// derives with its rounding. The gap is at most the largest covering radius, 0.58 `step` diagonals, plus rounding, whatever the
-// tolerance; if it exceeds the tolerance, the status is `budget`. If the step is halved and every n doubles, the lower bound does not
-// decrease and the largest gap is halved. The upper bound may increase, because a new sample may be up to 0.5 L / n farther than its
-// neighbours, while the radius shrinks only by 0.29 L / n.
+// Upper bound of a triangle: the largest distance of its samples plus the covering radius L / (n sqrt 3), which
+// kernel/rounding.h derives with its rounding. The gap is at most the largest covering radius, 0.58 `step` diagonals,
+// plus rounding, whatever the tolerance; if it exceeds the tolerance, the status is `budget`. If the step is halved
+// and every n doubles, the lower bound does not decrease and the largest gap is halved. The upper bound may increase,
+// because a new sample may be up to 0.5 L / n farther than its neighbours, while the radius shrinks only by 0.29 L /
+// n.
 //
-// Order: first all vertices, which give every triangle the bound of n = 1 (kept if it is the smaller one), then the samples on the edges
-// and inside, triangle by triangle. An edge that two triangles share with the same n is measured once. A search that stops early uses
-// the bounds of n = 1 for the remaining triangles. Triangles whose bound of n = 1 is at most the floor are skipped.
+// Order: first all vertices, which give every triangle the bound of n = 1 (kept if it is the smaller one), then the
+// samples on the edges and inside, triangle by triangle. An edge that two triangles share with the same n is measured
+// once. A search that stops early uses the bounds of n = 1 for the remaining triangles. Triangles whose bound of n =
+// 1 is at most the floor are skipped.
 //
 // Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and its "steps" n.
 //
-// Budget: samples other than the vertices of A, which are always measured. Time: O(log m) per sample on tame data. Memory: O(n + m) for n
-// triangles of A and m of B; only samples at vertices and on edges are stored.
+// Budget: samples other than the vertices of A, which are always measured. Time: O(log m) per sample on tame data.
+// Memory: O(n + m) for n triangles of A and m of B; only samples at vertices and on edges are stored.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
@@ -39,13 +43,13 @@ namespace {
 
 constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // per triangle, so that numbers of steps are exact
 
-// The samples inside an edge.
+// The samples in the interior of an edge.
 struct EdgeSamples {
     std::int64_t steps = 0;
     MeasuredPoint farthest{Vec3::Zero()};
 };
 
-// One query.
+// The sampling of one query.
 class Sampling {
 public:
     Sampling(const MeshPair& pair, const Query& query, Trace& trace, double step)
@@ -131,7 +135,8 @@ void Sampling::bound_by_corners() {
     }
 }
 
-// Returns whether floor or cutoff allow stopping, given that `rest` bounds the unsampled triangles. The tolerance never ends it.
+// Returns a status if floor or cutoff allow stopping, given that `rest` bounds the unsampled triangles. The tolerance
+// never ends it.
 std::optional<Status> Sampling::end(double rest) {
     const double high = std::max(bounds_.settled(), rest);
     if (trace_.on()) trace_.record(bounds_.certified_lower(), high);
@@ -141,7 +146,7 @@ std::optional<Status> Sampling::end(double rest) {
     return query.answer(bounds_.certified_lower(), high);
 }
 
-// Returns false if the samples or the time are spent.
+// Measures a sample. Returns false if the budget or the time is spent.
 bool Sampling::measure(const Vec3& point, Index i, MeasuredPoint& farthest) {
     if (samples_ >= query_.budget) stopped_ = Status::budget;
     if (samples_ % 64 == 0 && bounds_.out_of_time()) stopped_ = Status::time_limit;
@@ -178,12 +183,12 @@ bool Sampling::sample_inside(Index i, std::int64_t n, MeasuredPoint& farthest) {
             if (!measure(grid_point(a, b, c, j, k, n), i, farthest)) return false;
             if (k == 1) first = near_;
         }
-        near_ = first;  // it is next to the first sample of the next row
+        near_ = first;  // near the first sample of the next row
     }
     return true;
 }
 
-// Returns false if it stopped before its last sample.
+// Samples a triangle. Returns false if it stopped early.
 bool Sampling::sample_triangle(Index i, std::int64_t n, double by_corners) {
     const auto v = a_.triangles.row(i);
     const auto corners = vertices_.corners(i);
@@ -206,7 +211,7 @@ Result Sampling::sample() {
     stages_.end("measure vertices");
     if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
     bound_by_corners();
-    bool spread = false;  // some triangle is more than a point
+    bool spread = false;  // whether some triangle is more than a point
     Index i = 0;
     for (; i < a_.triangles.rows(); ++i) {
         const double rest = rest_[static_cast<std::size_t>(i)];

@@ -1,16 +1,18 @@
 // CGAL's bounded-error one-sided Hausdorff distance between triangle meshes, called as its users do.
 //
 // Source: CGAL 5.5, Polygon_mesh_processing::bounded_error_Hausdorff_distance (after Tang, Lee, Kim 2009, midpoint
-// subdivision). Its own structures are built inside every call, so they are part of solve, not of prepare.
-// It returns one number v with |v - h| <= error_bound, and starts its search at error_bound: if v is error_bound itself,
-// only h in [0, 2 error_bound] is known, else h lies in [v, v + error_bound]. It ignores rounding errors: not
-// certified. It returns no witness (NaN, elements -1). There is one run for each tolerance, with error_bound = tolerance; if h
-// is so small that v is error_bound itself, a second run with half of it gives [0, tolerance], which is narrow enough. For a
-// tolerance relative to the lower bound, error_bound decreases until it is met. Limits of time and work are ignored.
+// subdivision). Every call builds its own structures, so they are part of solve, not of prepare. It returns one
+// number v with |v - h| <= error_bound and starts its search at error_bound: if v equals error_bound, only h in [0, 2
+// error_bound] is known; otherwise h lies in [v, v + error_bound]. It ignores rounding errors, so it is not
+// certified. It returns no witness (NaN, elements -1).
 //
-// The soup becomes a Surface_mesh with shared vertices if that is a polygon mesh; otherwise each triangle gets three vertices
-// of its own. That is valid for this function: it uses faces one by one, and only its matching of equal faces of A and B
-// compares positions, which it sorts for this purpose.
+// Each tolerance takes one run with error_bound = tolerance. If h is so small that v equals error_bound, a second run
+// with half of it gives [0, tolerance], which is narrow enough. For a tolerance relative to the lower bound,
+// error_bound decreases until the tolerance is met. Limits of time and work are ignored.
+//
+// The triangle soup becomes a Surface_mesh with shared vertices if it is a polygon mesh; otherwise each triangle gets
+// three vertices of its own. This is valid for CGAL's function: it uses faces one by one; only its matching of equal
+// faces of A and B compares positions, and it sorts them for this purpose.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/solver.h"
 
@@ -25,8 +27,9 @@
 namespace hausbench {
 namespace {
 
-// With Exact_predicates_inexact_constructions_kernel, as in CGAL's example, answers and times are the same, but scenes of
-// scale 1e150 and 1e-160 crash in GMP with SIGFPE; with this kernel their answers are wrong, which the harness can report.
+// With Exact_predicates_inexact_constructions_kernel, as in CGAL's example, answers and times are the same, but
+// scenes of scale 1e150 and 1e-160 crash in GMP with SIGFPE. With this kernel their answers are wrong, which the
+// harness can report.
 using Kernel = CGAL::Simple_cartesian<double>;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
@@ -94,7 +97,7 @@ public:
                 } while (result.bounds.gap() > query.tolerance.gap(result.bounds.lower) &&
                          bound > 16 * unit_roundoff * magnitude(source_->vertices));
             }
-        } catch (const std::exception&) {  // a failed assertion of CGAL, if they are compiled in
+        } catch (const std::exception&) {  // a failed assertion of CGAL, if assertions are compiled in
             return result;
         }
         result.status = query.answer(result.bounds.lower, result.bounds.upper).value_or(Status::stalled);

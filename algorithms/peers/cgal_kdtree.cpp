@@ -1,15 +1,17 @@
-// CGAL's k-d tree over B, called as its users do: finds the nearest point of B for each point of A, and takes the largest distance.
+// CGAL's k-d tree over B, called as its users do: finds the nearest point of B for each point of A, and takes the
+// largest distance.
 //
-// Source: CGAL 5.5, Spatial_searching, as in its example of points with an index: Kd_tree with the default splitter and 10 points
-// a leaf, Orthogonal_k_neighbor_search with K = 1. No search stops early and the points of A keep their order;
-// `kdtree`, with another library, stops early and asks for far points first.
+// Source: CGAL 5.5, Spatial_searching, as in its example of points with an index: Kd_tree with the default splitter
+// and 10 points per leaf, Orthogonal_k_neighbor_search with K = 1. No search stops early, and the points of A keep
+// their order; `kdtree`, with another library, stops early and asks for far points first.
 //
-// Certified although CGAL gives no guarantee: each search returns a point of B, whose distance is computed here again, so the
-// largest one is an upper bound of h; checked_result.h proves the lower bound. O(|A| log |B| + |B|) time on tame data,
-// O(|A| + |B|) memory. Budget: points of A.
+// Certified although CGAL gives no guarantee: each search returns a point of B, whose distance is recomputed here, so
+// the largest distance is an upper bound of h; checked_result.h proves the lower bound. O(|A| log |B| + |B|) time on
+// tame data, O(|A| + |B|) memory. Budget: points of A.
 //
-// If n points of B coincide, CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the stack and crash
-// the process, as in any program that uses it. A stack of 8 MB suffices for n = 20,000 but not for 50,000.
+// If n points of B coincide, CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the
+// stack and crash the process, as in any program that uses it. A stack of 8 MB suffices for n = 20,000 but not for
+// 50,000.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/peers/checked_result.h"
 #include "algorithms/points/point_solver.h"
@@ -36,7 +38,7 @@ class CgalKdTree final : public Solver {
 public:
     explicit CgalKdTree(const Options&) {}
 
-    // Without build(), the first search would build the tree, within solve().
+    // Calls build(), because otherwise the first search would build the tree, within solve().
     void prepare(const Scene& scene, const Prepared&) override {
         scene_ = &scene;
         const Points& b = points_of(scene.target);
@@ -45,8 +47,9 @@ public:
         tree_.build();
     }
 
-    // The points, a pointer to each that stays reserved after building, and the nodes: num_nodes() of CGAL 5.5 counts only leaves,
-    // and a binary tree has one inner node less. The spare capacity of the deques of nodes, a few percent, is not counted.
+    // Counts the points, a pointer to each that stays reserved after building, and the nodes: num_nodes() of CGAL 5.5
+    // counts only leaves, and a binary tree has one inner node fewer. The spare capacity of the deques of nodes, a
+    // few percent, is not counted.
     std::size_t prepared_bytes() const override {
         const std::size_t leaves = tree_.root()->num_nodes();
         return tree_.size() * (sizeof(Entry) + sizeof(const Entry*)) + leaves * sizeof(Tree::Leaf_node) +

@@ -1,12 +1,13 @@
-// Certifies the result of a search for nearest points by a library that gives no guarantee.
+// Certifies the result of nearest point searches by a library that gives no guarantee.
 #pragma once
 
 #include "algorithms/points/exact.h"
 
 namespace hausbench {
 
-// `farthest` is the largest distance that the searches found. Each is to a point of B, so it bounds h from above even if a search missed a
-// nearer point. Compares the point that attains it with all of B again, which gives the lower bound. O(|B|).
+// Returns the result for `farthest`, the largest distance that the searches found. Each search returned a point of B,
+// so this bounds h from above even if a search missed a nearer point. The point of A that attains it is compared with
+// all of B again, which gives the lower bound. O(|B|).
 inline Result checked_result(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
                              Counters counters, double rest = -1, Status stopped = Status::converged) {
     if (farthest.source >= 0) {

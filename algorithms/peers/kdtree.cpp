@@ -1,7 +1,8 @@
-// The simple baseline: a k-d tree over B (nanoflann), and for each point of A a nearest neighbour search that stops at the first
-// point no farther than the largest distance so far. Points of A that are probably farthest come first.
+// A simple baseline: a k-d tree over B (nanoflann). A nearest neighbour search for each point of A stops at the first
+// point within the largest distance so far. The points of A that are probably farthest come first.
 //
-// Certified although nanoflann gives no guarantee: checked_result.h says why. O(|A| log |B| + |B|) time on tame data,
+// Certified although nanoflann gives no guarantee, as checked_result.h explains. O(|A| log |B| + |B|) time on tame
+// data,
 // O(|A| + |B|) memory. Budget: points of A.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/peers/checked_result.h"
@@ -24,7 +25,7 @@ struct PointsAdaptor {
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsAdaptor>, PointsAdaptor, 3>;
 
-// Keeps the nearest point; stops the search at the first one that is near enough.
+// Keeps the nearest point and stops the search at the first point that is near enough.
 struct NearestOrEnough {
     double enough;
     Counters& counters;
@@ -85,7 +86,7 @@ public:
     }
 
 private:
-    // First a 64th of A, the points farthest from a few points of B; then the others in their order.
+    // Returns first the 64th of A that is farthest from a few points of B, then the other points in their order.
     std::vector<Index> likely_farthest_first(const Points& a, const Points& b, Counters& counters) const {
         const auto count = static_cast<std::size_t>(a.rows());
         const Index samples = std::min<Index>(samples_, static_cast<Index>(b.rows()));

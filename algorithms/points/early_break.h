@@ -1,4 +1,4 @@
-// The inner loop of EARLYBREAK, which OHD also uses for its first lower bound.
+// The inner loop of EARLYBREAK; OHD also uses it for its first lower bound.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -11,7 +11,7 @@
 
 namespace hausbench {
 
-// B in random order.
+// The points of B in random order.
 struct ShuffledTarget {
     ShuffledTarget() = default;
     ShuffledTarget(const Points& b, bool shuffle, Generator& random)
@@ -27,8 +27,9 @@ struct ShuffledTarget {
     }
 };
 
-// Measures point i of A against B until some distance is below the largest so far, which it updates. Returns false if time ran out
-// first; the point then counts as not examined. A separate function, so that its loop has all registers.
+// Measures point i of A against B until some distance is below the largest so far. If none is, updates `farthest`.
+// Returns false if time runs out first; the point then counts as not examined. A separate function, so that its loop
+// has all registers.
 [[gnu::noinline]] inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const Deadline& deadline,
                                           FarthestPoint& farthest, Counters& counters) {
     constexpr Index block = 4096;  // points of B between two checks of the clock

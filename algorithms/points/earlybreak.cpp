@@ -1,8 +1,8 @@
-// EARLYBREAK: a point of A is given up as soon as some point of B is closer than the largest distance so far.
+// EARLYBREAK: discards a point of A as soon as some point of B is closer than the largest distance so far.
 //
 // Source: Taha, Hanbury: An efficient algorithm for calculating the exact Hausdorff distance, IEEE TPAMI 37, 2015, as
-// given by Zhang et al. 2017, Algorithm 2, with cmin <- 0 before the break (the first print omits it and may
-// return a stale minimum). Common points are excluded from A only: h(A, B) = h(A \ B, B).
+// given by Zhang et al. 2017, Algorithm 2, with cmin <- 0 before the break (the first print omits it and may return a
+// stale minimum). Common points are excluded from A only: h(A, B) = h(A \ B, B).
 // O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
 #include "algorithms/points/early_break.h"
 #include "algorithms/points/point_solver.h"
@@ -13,7 +13,7 @@
 namespace hausbench {
 namespace {
 
-// A key that is equal for equal points, with -0 = +0.
+// Returns a key that is equal for equal points; -0 and +0 are equal.
 std::array<double, 3> key_of(const Points& points, Index i) {
     return {points(i, 0) + 0.0, points(i, 1) + 0.0, points(i, 2) + 0.0};
 }
@@ -69,7 +69,7 @@ public:
     }
 
 private:
-    // Returns whether point i is also in B. Its distance, zero, still counts if there is no other point.
+    // Returns whether point i is also in B. Its distance, zero, still counts if nothing was measured before.
     bool excluded(const Points& a, Index i, FarthestPoint& farthest) const {
         if (!exclude_common_) return false;
         const std::array<double, 3> key = key_of(a, i);

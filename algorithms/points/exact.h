@@ -11,19 +11,21 @@ inline double squared_distance(const double* a, const double* b) {
     return (x * x + y * y) + z * z;
 }
 
-// The point of A that is farthest from B so far, and its nearest point of B.
+// The point of A farthest from B so far, and its nearest point of B.
 struct FarthestPoint {
     double squared = -1;
     Index source = -1, target = -1;
 };
 
-// Returns whether coordinates are beyond the range that rounding.h covers; a solver then returns Result{}: stalled, in [0, infinity].
+// Returns whether coordinates are beyond the range that rounding.h covers; a solver then returns Result{}: stalled,
+// in [0, infinity].
 inline bool out_of_range(const Points& a, const Points& b) {
     return !(magnitude(a) <= largest_safe_coordinate && magnitude(b) <= largest_safe_coordinate);
 }
 
-// Returns the result of a search. `rest` bounds the squared distances of the points of A that were not examined, -1 if there are
-// none; `stopped` is the reason. `tiny`: some nonzero coordinate is smaller than smallest_safe_coordinate.
+// Returns the result of a search. `rest` bounds the squared distances of the points of A that were not examined, -1
+// if there are none; `stopped` is the reason for stopping. `tiny`: some nonzero coordinate is smaller than
+// smallest_safe_coordinate.
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, bool tiny, double rest, Status stopped) {
     Result result;
@@ -38,7 +40,7 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
     return result;
 }
 
-// The same for solvers that have not searched for tiny coordinates. O(n).
+// Does the same for solvers that did not look for tiny coordinates. O(n).
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, double rest = -1, Status stopped = Status::converged) {
     const bool tiny = std::min(smallest_nonzero(a), smallest_nonzero(b)) < smallest_safe_coordinate;
@@ -51,13 +53,15 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
                  distance_at_most(std::max({squared_lower, squared_upper, 0.0}), true));
 }
 
-// Adds a sample to the trace, from bounds of the squared distance, rounded as if coordinates were tiny. Infinity: no upper bound yet.
+// Adds a sample to the trace from bounds of the squared distance, rounded as if coordinates were tiny. Infinity means
+// that there is no upper bound yet.
 inline void record(Trace& trace, double squared_lower, double squared_upper = std::numeric_limits<double>::infinity()) {
     if (trace.on()) [[unlikely]]
         record_sample(trace, squared_lower, squared_upper);
 }
 
-// Returns an upper bound for the points order[first..] of A (order null: first..): their largest distance to one point of B. O(n).
+// Returns an upper bound for the points order[first..] of A (first.. if `order` is null): their largest squared
+// distance to the first point of B; -1 if there are none. O(n).
 inline double squared_distances_at_most(const Points& a, const Points& b, const Index* order, Index first) {
     double most = -1;
     for (Index i = first; i < a.rows(); ++i) {

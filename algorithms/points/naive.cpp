@@ -1,4 +1,4 @@
-// NAIVEHDD: every point of A against every point of B.
+// NAIVEHDD: measures every point of A against every point of B.
 //
 // Source: Zhang et al.: An efficient approach to directly compute the exact Hausdorff distance for 3D point sets, 2017,
 // Algorithm 1 (whose line 3 must read cmin <- infinity). O(|A| |B|) time, O(|A|) memory. Budget: points of A.

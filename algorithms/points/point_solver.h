@@ -1,4 +1,4 @@
-// The SolverInfo that solvers for point sets have in common.
+// The SolverInfo common to all solvers for point sets.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -7,7 +7,7 @@
 
 namespace hausbench {
 
-// Returns the info of an exact solver, which ignores the tolerance. The solver itself sets `certified`.
+// Returns the info of an exact solver, which ignores the tolerance. The caller sets `certified`.
 inline SolverInfo point_solver_info(std::string name, std::string title, std::string paper) {
     SolverInfo info;
     info.name = std::move(name);

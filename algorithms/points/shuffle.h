@@ -1,4 +1,4 @@
-// A seeded random order, the same on every machine.
+// Seeded random orders, the same on every machine.
 #pragma once
 
 #include "algorithms/kernel/splitmix.h"
@@ -10,7 +10,7 @@
 
 namespace hausbench {
 
-// SplitMix64 as a sequence.
+// SplitMix64 as a random number generator.
 class Generator {
 public:
     explicit Generator(std::uint64_t seed) : state_(seed) {}

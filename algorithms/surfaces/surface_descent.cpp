@@ -4,7 +4,7 @@
 
 namespace hausbench {
 
-// Newton's method along the gradient, in the coordinates that the box leaves free.
+// Applies Newton's method along the gradient, in the coordinates that the box leaves free.
 Vec3 SurfaceDescent::onto(Vec3 y) const {
     y = clamped(y);
     const double ulp = 0x1p-52 * y.cwiseAbs().maxCoeff();
@@ -14,10 +14,10 @@ Vec3 SurfaceDescent::onto(Vec3 y) const {
     return y;
 }
 
-// One step of it. False: the point is on the surface but for rounding, or nothing leads there.
+// Makes one such step. Returns false if the point is on the surface up to rounding, or if no step leads there.
 bool SurfaceDescent::step_onto(Vec3& y, double ulp) const {
     Vec3 free = Vec3::Ones();
-    for (int tries = 0; tries < 4; ++tries) {  // each fixes one coordinate at least to a side of the box
+    for (int tries = 0; tries < 4; ++tries) {  // each try fixes at least one coordinate to a side of the box
         Vec3 g;
         const double f = polynomial_.value(y, g);
         if (f == 0 || f * f <= ulp * ulp * g.squaredNorm()) return false;
@@ -39,7 +39,8 @@ bool SurfaceDescent::step_onto(Vec3& y, double ulp) const {
     return true;
 }
 
-// From a point on the surface: the nearest point of its tangent plane in the box, moved onto the surface, as long as that is nearer.
+// Repeats while it helps: takes the point nearest to p on the tangent plane within the box and moves it onto the
+// surface.
 Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
     double distance = (p - y).squaredNorm();
     for (int step = 0; step < 24; ++step) {
@@ -50,7 +51,7 @@ Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
             distance = next;
             y = to;
             if (settled) break;
-        } else {  // too far along the tangent: half the way, a few times
+        } else {  // too far along the tangent: halves the step, once per iteration
             to = onto(Vec3(0.5 * (y + to)));
             const double half = (p - to).squaredNorm();
             if (!(half < distance)) break;
@@ -61,7 +62,7 @@ Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
     return y;
 }
 
-// Returns the point nearest to p on the plane that is tangent at y. If that is outside the box, about the nearest one
+// Returns the point nearest to p on the tangent plane at y or, if it is outside the box, about the nearest one
 // inside.
 Vec3 SurfaceDescent::tangent_foot(const Vec3& p, const Vec3& y) const {
     Vec3 g;
@@ -71,7 +72,7 @@ Vec3 SurfaceDescent::tangent_foot(const Vec3& p, const Vec3& y) const {
     const Vec3 foot = p - ((f + g.dot(p - y)) / size) * g, inside = clamped(foot);
     if (foot == inside) return foot;
     Vec3 to = p;
-    for (int k = 0; k < 3; ++k) {  // stays on that side of the box, and the plane is met in the others
+    for (int k = 0; k < 3; ++k) {  // stays on that side of the box and meets the plane in the other coordinates
         if (foot[k] != inside[k]) to[k] = inside[k];
     }
     Vec3 free = g;

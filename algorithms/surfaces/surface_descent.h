@@ -1,4 +1,4 @@
-// Points of an algebraic surface in its box, found in plain arithmetic: nothing is proven.
+// Finds points of an algebraic surface in its box with plain floating-point arithmetic; nothing is proven.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -8,15 +8,16 @@ namespace hausbench {
 
 class SurfaceDescent {
 public:
-    // References are kept.
+    // Keeps references.
     SurfaceDescent(const Polynomial& polynomial, const Box& box) : polynomial_(polynomial), box_(box) {}
 
-    bool holds(const Vec3& p) const { return p == clamped(p); }  // whether the box does
+    bool holds(const Vec3& p) const { return p == clamped(p); }  // whether the box contains p
 
-    // A point of the surface near y.
+    // Returns a point of the surface near y.
     Vec3 onto(Vec3 y) const;
 
-    // From a point y of the surface to one that is about the nearest to p, if the way goes down all along.
+    // Returns a point of the surface about nearest to p. Starts from the point y of the surface and moves as long as
+    // the distance decreases.
     Vec3 descend(const Vec3& p, Vec3 y) const;
 
 private:

@@ -25,7 +25,7 @@ public:
     }
 
     TriangleMesh run() {
-        // Around the diagonal from corner 0 to corner 7: one tetrahedron for each order of the axes.
+        // Tetrahedra around the diagonal from corner 0 to corner 7, one for each order of the axes.
         constexpr int orders[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
         const std::size_t n = std::size_t(cells_) + 1;
         for (int z = 0; z < cells_; ++z) {
@@ -111,7 +111,7 @@ private:
     std::vector<std::array<Index, 3>> triangles_;
 };
 
-double apart(const Vec3& p, const Vec3& q) {  // rounded up, as the mode is
+double apart(const Vec3& p, const Vec3& q) {  // rounded up, like the rounding mode
     return std::sqrt((q - p).cwiseAbs().cwiseMax((p - q).cwiseAbs()).squaredNorm());
 }
 
@@ -168,7 +168,7 @@ private:
         return box;
     }
 
-    // Only where triangles are looked for, so rounding does no harm.
+    // Used only to find triangles, so rounding does no harm.
     std::array<int, 3> cell_of(const Vec3& p) const {
         std::array<int, 3> cell;
         for (int k = 0; k < 3; ++k) {
@@ -181,13 +181,13 @@ private:
     double graph(Index t) {
         Box box = box_of(t);
         const double least_width = 1e-6 * (tree_.box().high - tree_.box().low).maxCoeff() / cells_;
-        for (int k = 0; k < 3; ++k) {  // a box without width has no linear form; the surface's box may not be left
+        for (int k = 0; k < 3; ++k) {  // a box without width has no linear form; stay in the surface's box
             if (box.high[k] - box.low[k] >= least_width) continue;
             box.low[k] = std::max(tree_.box().low[k], -(least_width - box.low[k]));  // rounded down
             box.high[k] = std::min(tree_.box().high[k], box.high[k] + least_width);
         }
         const LinearForm f = tree_.form(box, counters_);
-        double most = 0;  // of |f| over the triangle: its linear part is largest at a vertex
+        double most = 0;  // of |f| over the triangle; its linear part is largest at a vertex
         for (int i = 0; i < 3; ++i) {
             Interval value = f.rest;
             for (int k = 0; k < 3; ++k)
@@ -258,13 +258,13 @@ private:
 
 }  // namespace
 
-// The distance to q, a convex combination of the corners: any weights give an upper bound. With u = 2^-53, M = magnitude and
-// 2 u for each operation (rounded upward), each coordinate of q is off by
-//     8 u M   products of a weight and an edge: an edge is off by 4 u M, its product with the weight by 4 u M more; the
+// Returns the distance to a convex combination q of the corners; any weights give an upper bound. With u = 2^-53, M =
+// magnitude and 2 u for each operation (rounded upward), each coordinate of q errs by
+//     8 u M   products of a weight and an edge: an edge errs by 4 u M, its product with the weight by 4 u M more; the
 //             weights sum to 1
 //     4 u M   two sums, each of about M at most
 //     4 u M   weights that sum to 1 + 2 u times edges of 2 M
-// and q itself by sqrt(3) 16 u M < 32 u M, which leaves room for terms of order u^2.
+// so q itself errs by sqrt(3) 16 u M < 32 u M, which leaves room for terms of order u^2.
 double triangle_distance_at_most(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double magnitude) {
     const Vec3 ab = b - a, ac = c - a, ap = p - a;
     const double d00 = ab.dot(ab), d01 = ab.dot(ac), d11 = ac.dot(ac), e0 = ap.dot(ab), e1 = ap.dot(ac);

@@ -9,11 +9,11 @@
 namespace hausbench {
 namespace {
 
-constexpr int deepest = 46;  // by then a box is a few ulps wide
+constexpr int deepest = 46;  // at this depth a box is a few ulps wide
 
 bool holds_zero(const Interval& x) { return x.inf() <= 0 && x.sup() >= 0; }
 
-// False if the box has no double between its sides: one half would be the whole box again.
+// Returns false if there is no double between the sides of the box: one half would be the whole box again.
 bool divides(const Box& box, const Vec3& middle, int axis) {
     return box.low[axis] < middle[axis] && middle[axis] < box.high[axis];
 }
@@ -98,7 +98,7 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
     Vec3 g;
     const double f = polynomial().value(p, g);
     const double ulps = 0x1p-51 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
-    for (int tried = 0; tried < 3; ++tried) {  // on an edge of the box, only the axis along it has room on both sides
+    for (int tried = 0; tried < 3; ++tried) {  // on an edge of the box, only the axis along it has room
         int axis = 0;
         g.cwiseAbs().maxCoeff(&axis);
         if (!(std::abs(g[axis]) > 0)) return std::nullopt;
@@ -121,7 +121,8 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
     return std::nullopt;
 }
 
-// Descends over tangent planes; these do not lead to the foot where the surface turns within the distance, but Newton's method does.
+// Descends over tangent planes first. They do not lead to the foot if the surface turns within the distance, but
+// Newton's method does.
 std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& seed, Counters& counters) const {
     ++counters.closest_point_queries;
     const SurfaceDescent surface(polynomial(), box_);

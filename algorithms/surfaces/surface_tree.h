@@ -1,7 +1,7 @@
-// An algebraic surface as a tree of boxes that is refined on demand, with the ingredients of the bounds of
+// An algebraic surface as a tree of boxes that is refined on demand, with the data for the bounds of
 // surface_enclosure.cpp: linear enclosures of its pieces, and points that are proven to lie on it.
 //
-// All functions want UpwardRounding (kernel/interval.h).
+// All functions require UpwardRounding (kernel/interval.h).
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -11,8 +11,8 @@
 
 namespace hausbench {
 
-// A point of the surface is no farther than `error` from `at`: the polynomial changes its sign on a segment through it that
-// lies in the box of the surface.
+// A proof that some point of the surface is within `error` of `at`: the polynomial changes its sign on a segment
+// through `at` that lies in the box of the surface.
 struct SurfacePoint {
     Vec3 at;
     double error;
@@ -34,25 +34,28 @@ public:
     const Polynomial& polynomial() const { return evaluator_.polynomial(); }
     const Polynomial& derivative(int axis) const { return derivatives_[static_cast<std::size_t>(axis)].polynomial(); }
 
-    // Makes the children that may hold a point of the surface, once. An axis is divided only if a double lies between the sides
-    // of the box, so that no child is the box itself: ask may_split() first. References into the tree do not outlive it.
+    // Makes the children that may contain a point of the surface, if not done yet. An axis is divided only if a
+    // double lies between the sides of the box, so that no child equals the box: ask may_split() first. Invalidates
+    // references into the tree.
     void split(std::int32_t i, Counters& counters);
-    bool may_split(std::int32_t i) const;  // the box is still larger than rounding
+    bool may_split(std::int32_t i) const;  // whether the box is still larger than rounding
 
-    // f over any box, and its derivative along an axis.
+    // Return an enclosure of f over any box, and the range of its derivative along an axis.
     LinearForm form(const Box& box, Counters& counters);
     Interval derivative(int axis, const Box& box, Counters& counters);
 
-    // A critical point z of the distance from p, by Newton's method on z - p + m grad f(z) = 0 and f(z) = 0; nothing is proven.
+    // A critical point z of the distance from p, found by Newton's method on z - p + m grad f(z) = 0 and f(z) = 0;
+    // not proven.
     struct CriticalPoint {
         Vec3 at;
         double factor;            // m
-        Eigen::Matrix4d inverse;  // of the Jacobian, at about z
+        Eigen::Matrix4d inverse;  // of the Jacobian, near z
     };
     std::optional<CriticalPoint> newton(const Vec3& p, const Vec3& start) const;
 
-    // A proven point near the point of the surface that is nearest to p, searched for from a seed; where several are
-    // near, any. Empty where none could be proven, which says nothing.
+    // Searches from a seed for the point of the surface nearest to p and returns a proven point near it; if several
+    // points are about nearest, any of them. Returns nothing if no point could be proven, which does not mean that
+    // there is none.
     std::optional<SurfacePoint> nearby(const Vec3& p, const Vec3& seed, Counters& counters) const;
 
 private:

@@ -42,7 +42,8 @@ Corners sorted(Corners corners) {
     return corners;
 }
 
-// Records for each triangle of the cut volume whether it comes from A, and whether A and B have coplanar triangles.
+// Records for each triangle of the cut volume whether it comes from A, and whether A and B have any coplanar
+// triangles.
 struct Origins : pmp::Corefinement::Default_visitor<SurfaceMesh> {
     struct Found {
         std::map<Face, bool> of_source;
@@ -94,7 +95,7 @@ private:
     std::vector<std::array<Index, 3>> rows_;
 };
 
-// Returns the diagonal of the box of both sides.
+// Returns the diagonal of the box around both sides.
 double size_of(const CommonPart& part) {
     Eigen::AlignedBox3d box;
     for (const Points* points : {&part.of_source.vertices, &part.of_target.vertices})
@@ -102,7 +103,8 @@ double size_of(const CommonPart& part) {
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-// Uses the corefined B to find triangles of A that are also triangles of B: coplanar triangles are cut alike.
+// Splits the volume into parts. Uses the corefined B to find triangles of A that are also triangles of B, because
+// coplanar triangles are cut alike.
 std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& target, const Origins::Found& found) {
     std::set<Corners> of_target;
     if (found.coplanar)

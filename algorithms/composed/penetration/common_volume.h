@@ -1,7 +1,9 @@
-// The common volume of two solids, in connected parts, each with its boundary split into the part from A and the part from B.
+// The connected parts of the common volume of two solids, with the boundary of each split into its part from A and
+// its part from B.
 //
-// Source: Tang et al. 2009, section 7.3, step 1. CGAL's corefinement does the cutting: it decides exactly which triangles cross, and on
-// which side of B a part of A lies, but rounds the points where they cross to doubles. So nothing here is certified.
+// Source: Tang et al. 2009, section 7.3, step 1. CGAL's corefinement does the cutting. It decides exactly which
+// triangles cross, and on which side of B a part of A lies, but rounds the points where they cross to doubles. So
+// nothing here is certified.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -12,14 +14,15 @@
 
 namespace hausbench {
 
-// A closed mesh, ready to be cut: coincident vertices are merged, and triangles are turned to face outward.
+// A closed mesh prepared for cutting: coincident vertices are merged and triangles face outward.
 class Solid {
 public:
-    explicit Solid(const TriangleMesh& mesh);  // O(n log n), plus the number of self-intersections
+    explicit Solid(const TriangleMesh& mesh);  // O(n log n) plus the number of self-intersections
     ~Solid();
     Solid(Solid&&) noexcept;
 
-    // The reason why the mesh bounds no volume (it is open, crosses itself, or is not a manifold); empty if it bounds one.
+    // Returns why the mesh bounds no volume (it is open, crosses itself, or is not a manifold), or an empty text if
+    // it bounds one.
     const std::string& flaw() const { return flaw_; }
 
     Points posed(const Pose& pose) const { return hausbench::posed(vertices_, pose); }
@@ -34,18 +37,18 @@ private:
     std::unique_ptr<Faces> faces_;
 };
 
-// One connected part of the volume. A piece of boundary where A and B coincide and face the same way belongs to both. A side without
-// triangles: the other mesh alone encloses the part.
+// One connected part of the common volume. A piece of boundary where A and B coincide and face the same way belongs
+// to both sides. If a side has no triangles, the part is enclosed by the other mesh alone.
 struct CommonPart {
     TriangleMesh of_source, of_target;
 };
 
 struct CommonVolume {
-    std::vector<CommonPart> parts;  // the one with the largest box first
-    std::string failure;            // the reason, if cutting failed
+    std::vector<CommonPart> parts;  // the part with the largest box first
+    std::string failure;            // why cutting failed, or empty
 };
 
-// Cuts solids without a flaw. Places where the two only touch, of volume zero, are not parts.
+// Cuts solids without a flaw. Places of volume zero, where the two only touch, are not parts.
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose);
 
 }  // namespace hausbench

@@ -1,17 +1,19 @@
-// The penetration depth of two solids, by cutting out their common volume.
+// The penetration depth of two solids, measured on their common volume.
 //
-// Source: Tang et al. 2009, section 7.3: compute the intersection of the volumes; its boundary comes partly from A and partly from B; the
-// depth is H between these two, by any solver (parameter `solver`; the paper uses `tang`). If the volume has several parts, the depth is
-// the largest over them, and the witness is the deepest pair of points.
+// Source: Tang et al. 2009, section 7.3. The boundary of the common volume comes partly from A and partly from B; the
+// depth is H between these two parts, computed by any solver (parameter `solver`; the paper uses `tang`). If the
+// volume has several parts, the depth is the largest over them, and the witness is the deepest pair of points.
 //
-// The paper leaves some cases open. If one mesh alone encloses a part, the other side has no boundary, and H would be infinite; the depth
-// is then h from the existing side to the whole enclosing mesh. Solids that only touch, or are apart, have depth 0. Meshes that are not
-// closed, or cross themselves, have no inside; they are refused, with the reason, if their boxes overlap.
+// The paper leaves some cases open. If a part is enclosed by one mesh alone, the other side has no boundary, and H
+// would be infinite; the depth is then h from the existing side to the whole enclosing mesh. Solids that only touch,
+// or are apart, have depth 0. Meshes that are open or cross themselves have no inside; they are refused, with the
+// reason, if their boxes overlap.
 //
-// Never certified: the cut points are rounded (composed/penetration/common_volume.h). Extras: `parts` of the volume, and the number of
-// measured triangles; with `each_part` also bounds and witness of each part (otherwise a part that cannot be the deepest ends early).
-// Stages: "cut", "measure". Budget: passed to the inner solver for each part. Time: corefinement, O(n log n) plus crossings, then the
-// inner solver. Cutting ignores the time limit.
+// Never certified: the cut points are rounded (composed/penetration/common_volume.h). Reports `parts` (number of
+// parts of the volume) and the number of measured triangles. With `each_part` it also reports the bounds and the
+// witness of each part; otherwise a part that cannot be the deepest ends early.
+// Stages: "cut", "measure". Budget: passed to the inner solver for each part. Time: corefinement, O(n log n) plus
+// crossings, then the inner solver. Cutting ignores the time limit.
 #include "algorithms/composed/penetration/common_volume.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/kernel/rounding.h"
@@ -96,7 +98,7 @@ private:
         return result;
     }
 
-    // A part without a boundary from one mesh lies inside that mesh.
+    // Measures one part. A part without a boundary from one mesh lies inside that mesh.
     Result measure(const CommonPart& part, Query query) const {
         const bool in_target = part.of_target.triangles.rows() == 0, in_source = part.of_source.triangles.rows() == 0;
         const auto whole = [](const TriangleMesh& mesh, const Pose& pose) {
@@ -143,7 +145,7 @@ private:
         return result;
     }
 
-    SolverEntry inner_;  // a copy: plug-ins make the registry's list longer
+    SolverEntry inner_;  // a copy, because plug-ins grow the registry's list
     bool each_part_;
     std::optional<Solid> source_, target_;
     const Scene* scene_ = nullptr;

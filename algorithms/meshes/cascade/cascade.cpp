@@ -26,7 +26,7 @@ struct CascadePiece {
     PieceProofs::Node node;  // of its proof, if a certificate is wanted
 };
 
-// Returns the number of subdivisions that max_factor allows; it counts A's triangles and every piece.
+// Returns the number of subdivisions that max_factor allows; it limits the triangles of A plus all pieces.
 std::uint64_t subdivisions_of(const Cascade& cascade, Index triangles) {
     const double pieces = (cascade.max_factor - 1) * static_cast<double>(triangles);
     const double most = std::floor(pieces / (cascade.split == Split::midpoint ? 4 : 2));
@@ -38,7 +38,7 @@ Query with_budget(Query query, std::uint64_t budget) {
     return query;
 }
 
-// One query.
+// The search of one query.
 class CascadeSearch {
 public:
     CascadeSearch(const MeshPair& pair, const Query& query, WarmStart* warm_start, Trace& trace, const Cascade& cascade)
@@ -93,7 +93,7 @@ private:
     Query query_;
     Counters counters_;
     std::optional<ElementBounds> elements_;  // set only if fields are wanted
-    std::vector<double> last_bound_;         // likewise: the last bound computed for each triangle of A; 0: exact
+    std::vector<double> last_bound_;         // the same: the last bound computed for each triangle of A; 0: exact
     Stages stages_;
     std::optional<PieceProofs> proofs_;  // set only if a certificate is wanted
     SearchBounds bounds_;
@@ -126,7 +126,7 @@ double CascadeSearch::bound(PieceBound which, const CascadePiece& piece) {
     return three;
 }
 
-// Lowers the upper bound of a piece. Returns true if that settles it.
+// Lowers the upper bound of a piece. Returns whether this settles it.
 bool CascadeSearch::bound(CascadePiece& piece) {
     const auto lower = [&](double upper, double which) {
         piece.upper = std::min(piece.upper, upper);

@@ -1,11 +1,13 @@
-// One upper bound, from cutting a piece where its nearest triangles meet: Kang, Kyung, Yoon, Kim: Fast and robust Hausdorff distance
-// computation from triangle mesh to quad mesh in near-zero cases, Computer Aided Geometric Design 62, 2018.
+// A single upper bound, from cutting a piece where its nearest triangles meet: Kang, Kyung, Yoon, Kim: Fast and
+// robust Hausdorff distance computation from triangle mesh to quad mesh in near-zero cases, Computer Aided Geometric
+// Design 62, 2018.
 //
-// After public code, and after Sacht and Jacobson 2024, section 3.2.3, who call the bound u3; the paper itself was not at hand. The
-// search is in cascade.h, the bound in search/piece_bounds.h. A uniform grid (structures/triangle_grid.h) finds closest points, or a
-// BVH, which is better far from B. B is a triangle mesh here, not a mesh of quadrilaterals.
+// The paper was not at hand, so this follows public code and Sacht and Jacobson 2024, section 3.2.3, which calls the
+// bound u3. The search is in cascade.h, the bound in search/piece_bounds.h. Closest points are found with a uniform
+// grid (structures/triangle_grid.h) or with a BVH, which is better far from B. Here B is a triangle mesh, not a quad
+// mesh.
 //
-// Fields: those of guthe.cpp, and "bound": 0 if the last piece of the triangle was exact, otherwise 3.
+// Fields: as in guthe.cpp, and "bound": 0 if the last piece of the triangle was exact, otherwise 3.
 // Budget: subdivisions.
 #include "algorithms/meshes/cascade/cascade.h"
 

@@ -1,15 +1,18 @@
-// Four upper bounds in turn: Sacht, Jacobson: Cascading upper bounds for triangle soup Pompeiu-Hausdorff distance, SGP 2024.
+// A cascade of four upper bounds: Sacht, Jacobson: Cascading upper bounds for triangle soup Pompeiu-Hausdorff
+// distance, SGP 2024.
 //
-// The search is in cascade.h, the bounds in search/piece_bounds.h. From the paper: the exact case, u1 to u4 and their order,
-// midpoint subdivision, the piece of largest upper bound first, and max_factor. Ours: certification, ties (cascade.h) and
-// `longest_edge`. Corrected: |v2 - q3| in Eq. 8 is |v2 - q2|, and the proof of u2 takes the vertex nearest to p, not to q. u4
-// does not divide by zero if two closest points coincide. A vertex that no triangle uses does not count, and rounding cannot
-// empty the queue too early; these are two failures of its section 5.2.
+// The search is in cascade.h, the bounds are in search/piece_bounds.h. From the paper: the exact case, u1 to u4 and
+// their order, midpoint subdivision, splitting the piece with the largest upper bound first, and max_factor. Ours:
+// certification, ties (cascade.h) and `longest_edge`. Corrected: |v2 - q3| in Eq. 8 is |v2 - q2|, and the proof of u2
+// takes the vertex nearest to p, not to q. u4 does not divide by zero if two closest points coincide. Two failures of
+// its section 5.2 are avoided: a vertex that no triangle uses does not count, and rounding cannot empty the queue too
+// early.
 //
-// Fields: those of guthe.cpp, and the last "bound" computed for a piece of the triangle: 1 to 4, or 0 if it is exact.
+// Fields: as in guthe.cpp, and "bound": the last bound computed for a piece of the triangle, 1 to 4, or 0 if it is
+// exact.
 //
-// Budget: subdivisions; max_factor, as published, counts A's triangles and every piece. Time: O(n log m) for the vertices and
-// O(log m) per subdivision on tame data. Memory: O(n + m), and 152 bytes per piece in the queue.
+// Budget: subdivisions; max_factor, as published, limits the triangles of A plus all pieces. Time: O(n log m) for the
+// vertices and O(log m) per subdivision on tame data. Memory: O(n + m), and 152 bytes per piece in the queue.
 #include "algorithms/meshes/cascade/cascade.h"
 
 #include "algorithms/error.h"

@@ -1,12 +1,14 @@
-// One upper bound, from the triangles of B nearest to a piece's corners and barycentre: Zheng, Sun, Liu, Bao, Huang: Economic upper
-// bound estimation in Hausdorff distance computation for triangle meshes, Computer Graphics Forum 41, 2022.
+// A single upper bound, from the triangles of B nearest to a piece's corners and barycentre: Zheng, Sun, Liu, Bao,
+// Huang: Economic upper bound estimation in Hausdorff distance computation for triangle meshes, Computer Graphics
+// Forum 41, 2022.
 //
-// After public code, and after Sacht and Jacobson 2024, section 3.2.4; the paper itself was not at hand. The search is in cascade.h. The
-// bound of a piece T is the least h(T, S) over the triangles S nearest to its three corners and its barycentre
-// (search/piece_bounds.h). Ours: the barycentre is measured only if the corners do not settle the piece, and counts for the lower
-// bound like any point of A. The boxes of a BVH of A purge groups of triangles (`regions`, search/source_regions.h).
+// The paper was not at hand, so this follows public code and Sacht and Jacobson 2024, section 3.2.4. The search is in
+// cascade.h. The bound of a piece T is the least h(T, S) over the triangles S nearest to its three corners and its
+// barycentre (search/piece_bounds.h). Ours: the barycentre is measured only if the corners do not settle the piece,
+// and it counts for the lower bound like any point of A. The boxes of a BVH of A purge groups of triangles
+// (`regions`, search/source_regions.h).
 //
-// Fields: those of guthe.cpp, and "bound": 0 if the last piece of the triangle was exact, otherwise 5.
+// Fields: as in guthe.cpp, and "bound": 0 if the last piece of the triangle was exact, otherwise 5.
 // Budget: subdivisions.
 #include "algorithms/meshes/cascade/cascade.h"
 

@@ -1,4 +1,4 @@
-// Pieces of A that are covered together: their corners and the triangles of B near them are shared.
+// A batch of pieces of A that are covered together. They share their corners and the triangles of B near them.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -13,7 +13,7 @@
 
 namespace hausbench {
 
-// The corners of some pieces, each once, in coordinates of a place around them.
+// The corners of a batch of pieces, each stored once, in coordinates of a place around them.
 struct CoverBatch {
     static constexpr std::size_t most_pieces = 8;
 
@@ -22,7 +22,7 @@ struct CoverBatch {
     CoverPoints<float> points;
     LocalUnits place;
     Vec3 centre;
-    double radius = 0;  // around it
+    double radius = 0;  // around `centre`
 
     CoverBatch(std::span<const CoverPiece> pieces, double magnitude) {
         Box box;
@@ -53,9 +53,9 @@ struct CoverBatch {
     }
 
 private:
-    static constexpr std::size_t slots = 64;  // more than twice as many as there are corners
+    static constexpr std::size_t slots = 64;  // more than twice the number of corners
 
-    // The same for the same bits.
+    // Returns a hash of the bits of a point.
     static std::size_t slot_of(const Vec3& at) {
         std::uint64_t mixed = 0;
         for (const double x : at) mixed = (mixed ^ std::bit_cast<std::uint64_t>(x)) * golden_step;

@@ -1,30 +1,37 @@
-// Threshold cover: ours. Every triangle of A is shown to lie within tau of B, where tau is just above the largest distance that any
-// point of A is known to have.
+// Threshold cover (ours). Shows of every triangle of A that it lies within tau of B, where tau is slightly larger
+// than the lower bound.
 //
-// 1. A lower bound l: the distance of one vertex of each of a few groups of neighbouring triangles of A, then of each quarter of them, down
-//    to clusters of 16 (meshes/cover/groups.h). A group is done with where that distance and the size of its box together are at most
-//    tau = l + 0.9 tolerance, or l and what its own rounding needs.
-// 2. What is left is looked at eight triangles at a time, the most promising first, so that l is nearly final early. The triangles of
-//    B that are near are gathered once, as frames in single precision (structures/triangle_blocks.h), and the distances of all corners
-//    to them are found. If all three corners of a triangle are within tau of one triangle S of B, all of it is, as the tau-offset of S
-//    is convex; if not, several are tried together (meshes/cover/offset_cover.h).
-// 3. What single precision cannot decide is done again at the end, in double precision, with a tau that is nearly final. A point that no
-//    triangle of B is within tau of is measured exactly: it updates the lower bound l, and tau with it. Where tau is nearer to l than double precision tells
-//    apart at the place of a piece, that piece gets a bound that is above tau by as much.
-// There is no queue, and no bound is ever made better: a triangle is covered once. Most are by step 2, with no query of their own.
+// 1. Lower bound l: measure one vertex in each of a few groups of neighbouring triangles of A, then in each quarter
+//    of a group, down to clusters of 16 (meshes/cover/groups.h). A group is settled if that distance plus the
+//    distance from the vertex to the farthest point of its box is at most tau = l + max(0.9 tolerance, the widening
+//    for rounding).
+// 2. Cover the remaining triangles eight at a time, the most promising first, so that l is nearly final early. Gather
+//    the nearby triangles of B once, as frames in single precision (structures/triangle_blocks.h), and compute the
+//    distances of all corners to them. A triangle whose three corners are within tau of one triangle S of B lies
+//    within tau of S, because the tau-offset of S is convex. If there is no such S, try to cover it by several
+//    (meshes/cover/offset_cover.h).
+// 3. Repeat whatever single precision cannot decide in double precision at the end, when tau is nearly final. A point
+//    that is not within tau of any triangle of B is measured exactly, which raises l and tau. If double precision at
+//    the place of a piece cannot tell tau from l, the piece gets a bound that exceeds tau by this error.
+// There is no queue and no refinement of bounds: each triangle is covered once, most of them in step 2 and without a
+// query.
 //
-// Upper bound: the largest distance that the covers and the groups have proven, not tau. Lower bound and witness: as
-// in guthe.cpp. Rounding: meshes/cover/offset_cover.h works in coordinates of the place, so that it errs by parts of
-// the place's size; kernel/rounding.h covers groups, and the pieces of triangles that are too large beside those of B
-// and are halved first.
+// Upper bound: the largest distance that the covers and the groups have shown, not tau. Lower bound and witness: as
+// in guthe.cpp.
+// Rounding: covers follow meshes/cover/offset_cover.h, in coordinates of a place, so that errors scale with the size
+// of the place; groups, and the pieces of triangles that are halved first because they are large compared with those
+// of B, follow kernel/rounding.h.
 //
 // Rounds: the work is cut into parts, and a few parts make a round. All parts of a round start from the lower bound
-// at its beginning, and their results are merged in their order, so the answer is the same whatever the number of
-// threads. Rounds grow, so that nearly all parts start from a good l.
+// at its beginning, and their results are merged in order, so the answer does not depend on the number of threads.
+// Rounds grow, so that most of them start from a good l.
 //
-// Two sides, and a chain of poses (ours as well): the triangle of B that was nearest to a group at the pose before,
-// or that lay near one of its triangles in the other direction, often settles it without a query; the point that was
-// farthest before is measured first. Fields: as in guthe.cpp. Budget: cuts; with a budget each round has one part.
+// Both directions, and chains of poses (ours as well): a triangle of B that was nearest to a group at the previous
+// pose, or close to one of its triangles in the other direction, often settles the group without a query. The
+// previous farthest point is measured first.
+//
+// Fields: as in guthe.cpp.
+// Budget: cuts; with a budget each round has one part.
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/meshes/cover/groups.h"
@@ -49,7 +56,7 @@ namespace {
 constexpr std::size_t first_clusters = 32;  // the most promising ones
 constexpr std::size_t groups_of_part = 16, clusters_of_part = 8, pieces_of_part = 4, most_parts_of_round = 64;
 
-// More than a bound is widened by. At each place a cover adds what its own rounding needs (meshes/cover/worker.h).
+// Exceeds the widening of any bound. A cover adds the error of its own place (meshes/cover/worker.h).
 double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
 
 Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
@@ -119,14 +126,14 @@ private:
     std::optional<CoverProofs> proofs_;
     CoverScene scene_;
     Threads threads_;
-    std::vector<std::unique_ptr<CoverWorker>> workers_;  // of each thread, made when it has its first part
+    std::vector<std::unique_ptr<CoverWorker>> workers_;  // one per thread, made for its first part
     std::vector<Cluster> clusters_;
     std::vector<CoverPiece> undecided_;
     std::optional<Status> stop_;
 };
 
-// Merges the outcomes of one round in the order of its parts. `upper_of_rest(i)` bounds the work from item i on, for
-// the trace.
+// Merges the outcomes of a round in the order of its parts. `upper_of_rest(i)` returns the upper bound of the items
+// from i on, for the trace.
 template <class Item, class UpperOfRest>
 void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
                             const UpperOfRest& upper_of_rest) {
@@ -168,7 +175,7 @@ void CoverSearch::merge(CoverOutcome outcome) {
     std::move(outcome.undecided.begin(), outcome.undecided.end(), std::back_inserter(undecided_));
 }
 
-// The farthest point of the pose before is likely to be the farthest again.
+// Measures the farthest point of the previous pose, which is likely to be farthest again.
 void CoverSearch::measure_previous() {
     if (!warm_start_ || warm_start_->source < 0) return;
     const auto v = pair_.source.triangles.row(warm_start_->source);
@@ -180,7 +187,7 @@ void CoverSearch::measure_previous() {
         bounds_.measure(warm_start_->point_in(t), warm_start_->target, warm_start_->source, level_of_closest_point);
 }
 
-// Level by level, so that l is nearly final when the small groups, which are many, have their turn.
+// Goes from large groups to small ones, so that l is nearly final before the small groups, which are many.
 void CoverSearch::measure_groups() {
     clusters_.assign(1, Cluster());
     clusters_[0].count = scene_.order.size();
@@ -209,7 +216,7 @@ void CoverSearch::cover_clusters(std::size_t begin, std::size_t end) {
         [&](std::size_t i) { return std::max(upper_of(clusters_, begin + i), upper_of(undecided_, 0)); });
 }
 
-// Those that may be far first, as they may update l.
+// Starts with the pieces of largest upper bound, as they may raise l.
 void CoverSearch::decide_all(std::size_t clusters_left) {
     std::vector<CoverPiece> pieces;
     pieces.swap(undecided_);
@@ -247,7 +254,8 @@ Result CoverSearch::run() {
     }
     if (elements_) result.fields = bounds_.fields();
     if (proofs_) {
-        // A checker loses up to (14 cuts + 100) u of the diagonal (certificate/cover_certificate.h); a chain of 280 cuts fits.
+        // The checker's own rounding costs up to (14 cuts + 100) u of the diagonal (certificate/cover_certificate.h);
+        // this margin covers a chain of 280 cuts.
         const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal_of(pair_));
         if (proof)
             result.certificates = {*proof};
@@ -288,7 +296,7 @@ private:
 SolverEntry cover_solver() {
     SolverInfo info = mesh_solver_info<TriangleBlocks>("cover", "cover (ours)", "");
     info.abilities.insert({Ability::warm, Ability::shared_pairs, Ability::threads, Ability::certificates});
-    info.abilities.erase(Ability::coarser_answers);  // tau depends on the tolerance
+    info.abilities.erase(Ability::coarser_answers);  // tau, which steers the search, depends on the tolerance
     info.may_need.push_back(need<TriangleOrder>(Side::source));
     return {info, [](const Options&) -> std::unique_ptr<Solver> { return std::make_unique<Cover>(); }};
 }

@@ -1,4 +1,4 @@
-// Groups of neighbouring triangles of A, level by level, for threshold cover (meshes/cover/cover.cpp).
+// Hierarchical groups of neighbouring triangles of A for threshold cover (meshes/cover/cover.cpp).
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -9,10 +9,10 @@
 
 namespace hausbench {
 
-inline constexpr std::size_t cluster_triangles = 16;  // of the smallest groups
+inline constexpr std::size_t cluster_triangles = 16;  // of a cluster, the smallest group
 
-// The boxes of all groups, before A is posed. Level 0 has the boxes of clusters, each further level a quarter as
-// many, down to 64 or fewer.
+// The boxes of all groups of A in its own pose. Level 0 contains the boxes of clusters. Each further level has a
+// quarter as many, down to at most 64.
 class GroupBoxes {
 public:
     GroupBoxes() = default;
@@ -28,12 +28,12 @@ private:
     std::vector<std::vector<Box>> boxes_;
 };
 
-// The boxes of groups of A posed, each made on demand. The box of a cluster is as tight as possible; the box of a
-// larger group contains its unposed box, turned (kernel/posed_box.h). So if most groups are settled at once, no work
-// is done for single triangles.
+// The boxes of the groups of A posed, each computed on request. A cluster gets its tightest box; a larger group gets
+// the rotated box of the unposed group (kernel/posed_box.h). So if most groups are settled at once, there is no work
+// per triangle.
 class PosedGroupBoxes {
 public:
-    // References are kept. `points`: the vertices of A, posed. O(n), for their box.
+    // Keeps references. `points` are the vertices of A, posed; computing their box takes O(n).
     PosedGroupBoxes(const GroupBoxes& boxes, const Triangles& triangles, const Points& points,
                     const std::vector<Index>& order, const Pose& pose);
 
@@ -46,7 +46,7 @@ private:
     const Points& points_;
     const std::vector<Index>& order_;
     const Pose& pose_;
-    Box within_;  // of all of A
+    Box within_;  // the box of A posed
 };
 
 }  // namespace hausbench

@@ -1,5 +1,5 @@
-// A polygon is cut in two where peeling gets nowhere, see offset_cover.h. Compiled once for every target: include it after
-// hwy/foreach_target.h.
+// Cuts a polygon in two when peeling makes no progress, see offset_cover.h. Compiled once for every target: include
+// it after hwy/foreach_target.h.
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
 #if defined(HAUSBENCH_OFFSET_COVER_CUT_INL) == defined(HWY_TARGET_TOGGLE)
@@ -13,11 +13,12 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// The mean of up to 16 corners: partial sums are at most 16, so each of 15 sums errs by 16u, a sixteenth of that in the mean, and
-// the quotient by u: sqrt(3) 16 < 28.
+// The rounding error of the mean of up to 16 corners. Partial sums are at most 16, so each of the 15 sums errs by
+// 16u, which is a sixteenth of that in the mean, and the quotient by u: sqrt(3) 16 < 28.
 constexpr double slack_of_mean = 28;
 
-// No point of the polygon is farther from a triangle than its centre is, plus its radius.
+// Computes a centre and radius: the distance of any point of the polygon to a triangle is at most the centre's plus
+// the radius.
 template <class T> void Engine<T>::find_centre() {
     std::array<T, 3> sum{};
     for (std::size_t i = 0; i < piece_.count; ++i) {
@@ -48,12 +49,12 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
         measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
         k = nearest(centre_row);
     }
-    // Too small to be cut: rounding is as large.
+    // Too small to be cut: the rounding error is as large as the polygon.
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
                       slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
     // The centre only tells whether its triangle, which the host may have just found, is near the whole polygon. The
-    // proof is the bound by the corners: in exact arithmetic it is never larger than the distance of the centre plus
-    // the radius, but as computed it may be.
+    // bound from the corners is the proof: in exact arithmetic it is never larger than the distance of the
+    // centre plus the radius, but as computed it may be.
     const double by_corners = at_most(largest_square(k), k);
     if ((distance() + radius_ <= c_.threshold && by_corners <= c_.threshold) || (exact && tiny)) {
         covered_by(k, by_corners);
@@ -63,7 +64,8 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     return Centre::cut;
 }
 
-// Across an edge of triangle k, by the plane through it that is normal to the triangle, if that is not near the rim of the polygon.
+// Cuts along an edge of triangle k, by the plane through the edge normal to the triangle. Fails if every such plane
+// only grazes the polygon.
 template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_polygon_corners]) const {
     const auto row = [&](std::size_t i) { return all_.row(i)[k]; };
     T sides[3][most_polygon_corners], best = 0;
@@ -91,7 +93,8 @@ template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_pol
     return true;
 }
 
-// By the plane across the longest edge, where it is as far from the triangles that are nearest to its ends, or at its midpoint.
+// Cuts by a plane normal to the longest edge. The plane meets the edge at its estimated equidistant point from the
+// triangles nearest to its ends, or at its midpoint.
 template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_corners]) {
     std::size_t a = 0;
     T longest = -1;
@@ -114,12 +117,13 @@ template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_co
     const T mx = piece_.x[a] + t * ex, my = piece_.y[a] + t * ey, mz = piece_.z[a] + t * ez;
     for (std::size_t i = 0; i < piece_.count; ++i)
         side[i] = ((piece_.x[i] - mx) * ex + (piece_.y[i] - my) * ey) + (piece_.z[i] - mz) * ez;
-    side[a] = -t * longest;  // whatever rounding says
+    side[a] = -t * longest;  // regardless of rounding
     side[b] = (1 - t) * longest;
 }
 
-// Cuts twice where the sides change: a run of corners on the positive side, and the rest. A side that is wrong by
-// rounding, or further changes, do no harm: the part cut off lies beyond the chord between two points of the rim.
+// Cuts where the sign of `side` changes, in two places: a run of corners on the positive side, and the rest. A sign
+// that rounding made wrong, or further sign changes, do no harm: the cut follows the chord between two points of the
+// rim in any case.
 template <class T> void Engine<T>::cut() {
     ++c_.cuts;
     T side[most_polygon_corners];
@@ -134,7 +138,7 @@ template <class T> void Engine<T>::cut() {
         float slack;
         CutPoint place;
     };
-    // The rim crosses between two corners, or in one of them where the side is 0.
+    // The rim crosses between two corners, or at one of them if its side is 0.
     const auto crossing = [&](std::size_t from, std::size_t to, std::size_t zero) -> Crossing {
         if (side[zero] == 0)
             return {piece_.x[zero], piece_.y[zero], piece_.z[zero], piece_.slack[zero], CutPoint::corner(zero)};

@@ -1,6 +1,6 @@
-// The engine of offset_cover.h: the polygons of one piece, and the triangles that they are measured against.
-// offset_cover_peel-inl.h peels one, offset_cover_cut-inl.h cuts it in two. Compiled once for every target: include
-// it after hwy/foreach_target.h.
+// The engine of offset_cover.h: the polygons of one piece and the triangles that they are measured against. Peeling
+// is in offset_cover_peel-inl.h, cutting in two in offset_cover_cut-inl.h. Compiled once for every target: include it
+// after hwy/foreach_target.h.
 #include "algorithms/kernel/triangle_frames-inl.h"
 #include "algorithms/meshes/cover/offset_cover.h"
 
@@ -24,12 +24,12 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// Points that are measured at once against one triangle: half of them on either edge of a peel.
+// Number of points measured at once against one triangle: half of them on each edge of a peel.
 template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 8;
 
 constexpr std::size_t tried_triangles = 3;  // for a peel, by their true exits
 
-// The triangles under examination: all near ones, or few of them.
+// The triangles in use: all gathered triangles, or the few kept by keep_few().
 template <class T> struct Candidates {
     const NearTriangles<T>* frames;
     const T* limit;
@@ -46,7 +46,7 @@ template <class T> NearSet compare(const Candidates<T>& candidates, const T* squ
         const auto near = hn::Le(hn::LoadU(d, squares + k), hn::LoadU(d, candidates.limit + k));
         within.word[k / 64] |= std::uint64_t{mask_bits<T>(near)} << (k % 64);
     }
-    return within;  // the limit of unused entries is -1
+    return within;  // limits of unused lanes are -1
 }
 
 template <class T> HWY_INLINE void measure_all(const Candidates<T>& candidates, T x, T y, T z, T* squares) {
@@ -66,7 +66,7 @@ void measure_row(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t
     c.within[point] = compare(candidates, c.squares(point));
 }
 
-// Squared distances of some points to one triangle, and which of them are within its limit, as bits.
+// Squared distances of sample points to one triangle, and a bit for each point within its limit.
 template <class T> struct SamplePoints { T x[samples<T>], y[samples<T>], z[samples<T>]; };
 template <class T> struct Sampled {
     T square[samples<T>];
@@ -97,7 +97,7 @@ template <class T> void roots(const T (&squares)[samples<T>], T (&distances)[sam
         hn::StoreU(hn::Sqrt(hn::LoadU(d, squares + i)), d, distances + i);
 }
 
-// One piece of A.
+// Covers one piece of A.
 template <class T> class Engine {
 public:
     Engine(OffsetCover<T>& cover, CoverHost* host, const TriangleMesh* target, std::size_t most_work)
@@ -110,16 +110,16 @@ private:
     static constexpr std::size_t centre_row = most_shared_points + most_polygon_corners + 2;
 
     struct Run {
-        std::size_t begin = 0, length = 0;  // corners
-        NearSet common;                     // the triangles that are near all of them
+        std::size_t begin = 0, length = 0;  // in corners
+        NearSet common;                     // the triangles near all of them
     };
     static constexpr std::size_t half = samples<T> / 2, none = static_cast<std::size_t>(-1);
     struct Exits {
         std::size_t triangle = 0;
-        // Places at which the edges beside the run leave its offset: 0 at the run, 1 at the other end.
+        // The points where the edges beside the run leave the offset: 0 at the run, 1 at the other end.
         T before = 0, after = 0;
-        std::size_t second = none;  // a triangle that covers the rest, if they are left there
-        double upper = 0;           // by both
+        std::size_t second = none;  // a triangle that covers the rest if it is cut at these points
+        double upper = 0;           // by both triangles
     };
     struct Tried {
         std::size_t k;
@@ -159,15 +159,15 @@ private:
     std::size_t end_of(const Run& run) const { return (run.begin + run.length - 1) % piece_.count; }
     std::size_t last(std::size_t i) const { return i == 0 ? piece_.count - 1 : i - 1; }
     T square(std::size_t corner, std::size_t k) const { return c_.squares(row_[corner])[k]; }
-    // Slack of a corner at t of the way from one to the other (offset_cover.h); the factors make up for rounding
-    // here.
+    // Returns the slack of a corner at fraction t of the way from one corner to another (offset_cover.h). The factors
+    // cover the rounding in this expression.
     float slack_of_cut(std::size_t from, std::size_t to, T t) const {
         const T length = std::abs(piece_.x[to] - piece_.x[from]) + std::abs(piece_.y[to] - piece_.y[from]) +
                          std::abs(piece_.z[to] - piece_.z[from]);
         return std::max(piece_.slack[from], piece_.slack[to]) + 1.75F + 2.01F * static_cast<float>(t * length);
     }
     const NearSet& within(std::size_t corner) const { return c_.within[row_[corner]]; }
-    // Triangle k is near all corners.
+    // Records that triangle k is near all corners.
     void covered_by(std::size_t k, double bound) {
         upper_ = std::max(upper_, bound);
         if (c_.proof) c_.proof->one(all_.frames->triangle[k]);
@@ -197,19 +197,19 @@ private:
     OffsetCover<T>& c_;
     Candidates<T> all_;
     CoverHost* host_;             // null in single precision
-    const TriangleMesh* target_;  // likewise
+    const TriangleMesh* target_;  // null in single precision
     std::size_t most_work_, work_ = 0;
-    double upper_ = 0;  // of what is covered so far
+    double upper_ = 0;  // of the parts covered so far
     CoverPolygon<T> piece_;
-    std::size_t row_[most_polygon_corners]{};  // of its corners
-    std::uint32_t used_ = 0;                   // rows
-    int slow_ = 0;                             // peels in a row that removed little
+    std::size_t row_[most_polygon_corners]{};  // row of each corner
+    std::uint32_t used_ = 0;                   // rows in use, as bits
+    int slow_ = 0;                             // consecutive peels that removed little
     int peels_ = 0;                            // since the last cut
-    bool spent_ = false;                       // what is left gets the bound that it has
-    bool full_ = false;                        // no room for a triangle that is nearest to a point
+    bool spent_ = false;  // time or budget is spent: the remaining parts get the bounds that they have
+    bool full_ = false;   // there is no room for the triangle nearest to a point
     std::array<T, 3> centre_{};
-    double radius_ = 0;  // of the piece, around it
-    float slack_ = 0;    // the largest of its corners
+    double radius_ = 0;  // of the piece, around centre_
+    float slack_ = 0;    // the largest slack of its corners
 };
 
 template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const std::size_t* shared) {
@@ -244,7 +244,7 @@ template <class T> CoverResult Engine<T>::cover(const CoverPolygon<T>& piece, co
         if (!every_corner_near()) {
             if (!exact) return {};
             if (full_) return {};
-            settle();  // rounding exceeds the remainder
+            settle();  // the rounding error exceeds the remaining distance
             if (!pop()) return {true, upper_};
             continue;
         }
@@ -279,8 +279,8 @@ template <class T> bool Engine<T>::pop() {
     return true;
 }
 
-// The distance to a triangle is convex, so the largest distance of a corner bounds the polygon's; for the triangle
-// for which this is least.
+// Settles the polygon with its best bound. The distance to a triangle is convex, so the largest corner distance
+// bounds it over the polygon; takes the triangle with the least bound.
 template <class T> void Engine<T>::settle() {
     double least = std::numeric_limits<double>::infinity();
     std::size_t best = 0;
@@ -294,7 +294,7 @@ template <class T> void Engine<T>::settle() {
     covered_by(best, least);
 }
 
-// Whether one triangle is within the threshold of all corners. The one that bounds the polygon best settles it.
+// Settles the polygon if one triangle is within the threshold of all corners; takes the triangle that bounds it best.
 template <class T> bool Engine<T>::one_for_all() {
     ++c_.tests;
     NearSet common = within(0);
@@ -315,8 +315,8 @@ template <class T> bool Engine<T>::one_for_all() {
     return true;
 }
 
-// Measures a point of the piece exactly. The host's threshold may rise, and the triangle that is nearest is among those near, from
-// then on. Squares of all corners and limits are as they should be afterwards.
+// Measures a point of the piece exactly. The host's threshold may rise, and the nearest triangle joins those near.
+// Updates the squares of all corners and the limits.
 template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t near) {
     const double point[3] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
     const Index found = host_->measure(point, slack, c_.near.triangle[near]);
@@ -347,7 +347,7 @@ template <class T> bool Engine<T>::every_corner_near() {
         if (!exact || full_ || ++asked > 2 * most_polygon_corners) return false;
         ask(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i], nearest(row_[i]));
         if (within(i).empty()) return false;
-        i = static_cast<std::size_t>(-1);  // sets of the others are new too
+        i = static_cast<std::size_t>(-1);  // the sets of the other corners changed, too
     }
     return true;
 }

@@ -1,4 +1,4 @@
-// Cuts off the part of a polygon that one triangle covers, see offset_cover.h. Compiled once for every target:
+// Peels: cuts off the part of a polygon that one triangle covers, see offset_cover.h. Compiled once for every target:
 // include it after hwy/foreach_target.h.
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
@@ -13,9 +13,9 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-constexpr std::size_t most_seconds = 4;  // that may cover the rest
-constexpr std::size_t crowded = 12;      // corners: with so many, a polygon is cut in two
-// In a row; along a short edge, each may remove next to nothing.
+constexpr std::size_t most_seconds = 4;  // candidates for covering the rest
+constexpr std::size_t crowded = 12;      // corners: a polygon with so many is cut in two
+// Peels before the next cut; along a short edge, each may remove next to nothing.
 constexpr int most_peels = 8;
 
 template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
@@ -33,8 +33,8 @@ template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
     return best;
 }
 
-// Estimates how far along both edges each triangle reaches, from 0 to 2: the distance is convex along an edge, so the
-// exit is no farther than the point at which the chord between the distances of its ends meets the threshold.
+// Estimates how far each triangle reaches along both edges, as a sum from 0 to 2. The distance is convex along an
+// edge, so the chord between the distances at its ends meets the threshold no later than the edge leaves the offset.
 template <class T>
 void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
                                T (&estimate)[NearTriangles<T>::most_triangles]) {
@@ -55,7 +55,7 @@ void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
     }
 }
 
-// A few triangles near the run that seem to reach farthest.
+// Chooses a few triangles near the run that seem to reach farthest. Returns their number.
 template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Tried, tried_triangles>& tried) {
     std::size_t count = 0;
     T estimate[NearTriangles<T>::most_triangles];
@@ -78,7 +78,7 @@ template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Trie
     return count;
 }
 
-// Points of one of the two edges, the last one at `high`.
+// Samples one of the two edges; the last sample is at `high`.
 template <class T>
 void Engine<T>::sample_edge(std::size_t side, std::size_t from, std::size_t to, T low, T high,
                             SamplePoints<T>& points) const {
@@ -96,8 +96,8 @@ template <class T> void Engine<T>::sample_edges(const Run& run, SamplePoints<T>&
     sample_edge(1, end, next(end), T(0), T(1), points);
 }
 
-// Whether a triangle that is near the run and one that is near all other corners both reach a sample on either edge: then the two cover
-// the polygon, cut there.
+// Looks for a triangle near the run and another near all other corners that both reach a sample on each edge: the two
+// cover the polygon, cut at these samples.
 template <class T>
 bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const SamplePoints<T>& points, Exits& out) {
     const std::size_t end = end_of(run);
@@ -128,7 +128,7 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
     return out.second != none;
 }
 
-// Finds where one of the two edges leaves the offset of a triangle.
+// Returns the fraction at which one of the two edges leaves the offset of a triangle.
 template <class T>
 T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points) {
     const std::size_t end = end_of(run);
@@ -144,7 +144,8 @@ T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const
         }
         T distances[samples<T>];
         roots(sampled.square, distances);
-        // The first sample that is outside, and the last one before it; the chord between their distances is left no later.
+        // Finds the first sample outside and the last one before it. The chord between their distances leaves the
+        // offset no later than the edge.
         const auto s = static_cast<std::size_t>(std::countr_one(sampled.within >> (side * half) & ((1U << half) - 1)));
         if (s == half) return to;
         if (s > 0) near = distances[side * half + s - 1];
@@ -157,7 +158,7 @@ T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const
     return out;
 }
 
-// Two triangles that cover all, or the one that removes most, of a few that seem to, and where its offset is left.
+// Returns two triangles that cover the polygon, or of the chosen triangles the one that removes most, with its exits.
 template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     std::array<Tried, tried_triangles> tried;
     const std::size_t count = choose(run, tried);
@@ -179,14 +180,16 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     return best;
 }
 
-// A corner at t on the edge from `inside` to `outside` that is within the limit of triangle k, as computed; t shrinks until it is.
+// Adds a corner at t on the edge from `inside` to `outside` that is within the limit of triangle k as computed;
+// reduces t until it is.
 template <class T>
 bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
                          std::size_t k) {
     const float slack = slack_of_cut(inside, outside, t);
     if (slack > OffsetCover<T>::most_slack) return false;
     const std::size_t row = take_row();
-    // In double precision far less would do, but along an edge so short that rounding is a part of it.
+    // In double precision the smallest step back is enough, except along an edge so short that rounding is a
+    // noticeable part of it.
     constexpr std::array<T, 4> backs = exact ? std::array<T, 4>{T(0x1p-40), T(0x1p-28), T(0x1p-16), T(0x1p-4)}
                                              : std::array<T, 4>{T(0x1p-16), T(0x1p-12), T(0x1p-8), T(0x1p-4)};
     for (const T back : backs) {
@@ -204,8 +207,8 @@ bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t i
     return false;
 }
 
-// Leaves out triangles that are farther from the centre than any part of the polygon may be from what covers it. It does not matter for a
-// proof which are left. In double precision the host may ask for any of them.
+// Drops triangles that are farther from the centre than anything that can cover a part of the polygon. The proof does
+// not depend on which remain. Does nothing in double precision, because the host may return any triangle.
 template <class T> void Engine<T>::keep_few() {
     using D = FrameLanes<T>;
     const D d;
@@ -216,7 +219,7 @@ template <class T> void Engine<T>::keep_few() {
     measure_all(all_, centre_[0], centre_[1], centre_[2], c_.squares(centre_row));
     c_.distances += count;
     const auto far = static_cast<T>((radius_ + c_.threshold) * (1 + 0x1p-20));
-    // Two bytes for each vector, of which eight may be read.
+    // Two bytes for each vector; reading one may touch eight.
     std::array<std::uint8_t, 2 * NearTriangles<T>::most_triangles / least_lanes + 6> bits{};
     c_.few.clear(c_.near.units);
     for (std::size_t k = 0; k < count; k += lanes) {
@@ -248,8 +251,8 @@ template <class T> void Engine<T>::keep_few() {
     }
 }
 
-// Cuts off the part that one triangle covers: the run's corners and both exits are within its offset, so everything
-// between them is.
+// Cuts off the part that one triangle covers. The run's corners and both exits are within its offset, so their convex
+// hull is.
 template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return Peel::stuck;
     const Run run = longest_run();

@@ -1,5 +1,5 @@
-// The certificate of a threshold cover while it is made: pieces of A are covered in any order, and a piece that is halved is left to two
-// others, so each piece writes a tree of its own and these are put together at the end.
+// Builds the certificate of a threshold cover. Pieces of A are covered in any order, and a halved piece is replaced
+// by two others, so each piece has its own tree; finish() joins them.
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"
@@ -18,7 +18,7 @@ public:
 
     CertificateTree& tree(Index piece) { return pieces_[static_cast<std::size_t>(piece)].tree; }
 
-    // Cuts a piece: its first child is the first of the two that are returned.
+    // Cuts a piece in two. The first piece returned is its first child.
     std::array<Index, 2> halve(Index piece, const CutPoint& p, const CutPoint& q) {
         const auto next = static_cast<Index>(pieces_.size());
         Piece& cut = pieces_[static_cast<std::size_t>(piece)];
@@ -28,7 +28,7 @@ public:
         return {next, next + 1};
     }
 
-    // None where a piece has no tree. O(bytes).
+    // Returns nothing if some piece has no tree. O(bytes).
     std::optional<Certificate> finish(double proven) const {
         CertificateBuilder builder(triangles_);
         for (Index i = 0; i < triangles_; ++i) {
@@ -42,7 +42,7 @@ public:
 private:
     struct Piece {
         CertificateTree tree;
-        Index first = -1;  // the first of two others that it was cut into, or -1
+        Index first = -1;  // the first of the two pieces that it was cut into, or -1
     };
 
     bool append(Index piece, CertificateTree& whole) const {

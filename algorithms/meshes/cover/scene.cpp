@@ -11,7 +11,7 @@ void order_clusters(std::vector<Cluster>& clusters, std::size_t first) {
     const auto middle = static_cast<std::ptrdiff_t>(std::min(first, clusters.size()));
     std::vector<std::size_t> best(clusters.size());
     std::iota(best.begin(), best.end(), std::size_t{0});
-    // Far from B, or large and perhaps far in a part.
+    // A cluster is promising if it is far from B, or large, so that a part of it may be far.
     const auto promise = [&](std::size_t i) { return clusters[i].landmark.distance + 0.3 * clusters[i].upper.value; };
     std::partial_sort(best.begin(), best.begin() + middle, best.end(), [&](std::size_t i, std::size_t j) {
         const double x = promise(i), y = promise(j);

@@ -15,7 +15,7 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t most_spare_rooms = 4;
-constexpr std::size_t most_looked_at = 32;  // on either side of the middle of a group, for a partner
+constexpr std::size_t most_looked_at = 32;  // on either side of the middle of a group, to find a partner
 
 // This thread's pool of returned scratch buffers.
 std::vector<std::unique_ptr<CoverRoom::Covers>>& spare_rooms() {
@@ -33,7 +33,7 @@ CoverRoom::CoverRoom() {
     }
     covers_ = std::move(spare.back());
     spare.pop_back();
-    // All else is set before it is read.
+    // Everything else is set before it is read.
     covers_->rough.proof = covers_->exact.proof = nullptr;
     covers_->rough.distances = covers_->rough.tests = covers_->rough.cuts = 0;
     covers_->exact.distances = covers_->exact.tests = covers_->exact.cuts = 0;
@@ -71,11 +71,11 @@ CoverOutcome CoverWorker::finish() {
 void CoverWorker::set_tau() {
     const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
     const Query& query = scene_.query;
-    // "Is h above d?" has floor = cutoff = d, and the tolerance ends nothing.
+    // "Is h above d?" has floor = cutoff = d; the tolerance then ends nothing.
     const bool asks = query.floor >= query.cutoff;
     tau_ = std::max(asks ? low : low + std::max(0.9 * query.tolerance.gap(low), scene_.least_gap), query.floor);
-    // Ends the search once the distance is above the cutoff. The margin exceeds what certifying the witness takes away; if it did not,
-    // the status would be `stalled`, since only the certified bound can answer the question.
+    // Ends the search once the distance is above the cutoff. The margin exceeds the loss in certifying the witness.
+    // If it did not, the status would be `stalled`, since only the certified bound can answer the question.
     if (!stop_ && low - 4096 * unit_roundoff * scene_.magnitude > query.cutoff) stop_ = Status::stalled;
 }
 
@@ -120,7 +120,7 @@ void CoverWorker::settle(const Cluster& cluster) {
     }
 }
 
-// The distance to a triangle is convex.
+// Bounds a piece by the distances of its corners to one triangle; the distance to a triangle is convex.
 CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index near) {
     CornerBound bound;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -135,7 +135,8 @@ CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index 
     return bound;
 }
 
-// At the midpoint of its longest edge, which is measured. The halves have the bound of the whole.
+// Halves a piece at the midpoint of its longest edge and measures this midpoint. The halves inherit the bound of the
+// whole.
 std::array<CoverPiece, 2> CoverWorker::halve(const CoverPiece& piece) {
     const std::size_t a = piece.longest_edge(), b = (a + 1) % 3, c = (a + 2) % 3;
     const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
@@ -153,12 +154,14 @@ std::array<CoverPiece, 2> CoverWorker::halve(const CoverPiece& piece) {
              {second, piece.source, proofs[1], piece.upper, landmark, level}}};
 }
 
-// Whether the distances of its corners to the triangle nearest to the midpoint leave a half unsettled.
+// Tries to settle a half by the distances of its corners to the triangle nearest to the midpoint. Returns whether it
+// stays open.
 bool CoverWorker::is_open(CoverPiece& half) {
     const Index near = half.landmark.near;
     const CornerBound bound = by_corners(half, near);
     half.upper.improve(bound.upper);
-    // The corner that seems to be farthest from B may update the lower bound, and tau with it, where the piece is large beside its distance.
+    // The corner that seems farthest from B may raise the lower bound and tau if the piece is large compared with its
+    // distance.
     if (half.upper.value > tau_ && !stop_ && bound.squared > tau_ * tau_)
         measure(half.corners[bound.farthest], near, half.source, half.level);
     if (half.upper.value > tau_ && !stop_) return true;
@@ -166,7 +169,7 @@ bool CoverWorker::is_open(CoverPiece& half) {
     return false;
 }
 
-// Work of the covers so far, for the counters.
+// Adds the work of the covers to the counters.
 void CoverWorker::count() {
     const auto add = [&](auto& cover) {
         outcome_.counters.point_triangle_distances += cover.distances;
@@ -178,23 +181,25 @@ void CoverWorker::count() {
     add(exact_);
 }
 
-// Returns how far from B a cover may show a piece of this level to be, so that its upper bound, once widened, is no more than tau.
+// Returns the largest distance that a cover may show for a piece of this level so that the widened upper bound is at
+// most tau.
 //
 // Covers are widened as measured distances are (surface_sum_at_most): by 8uM, and by 2uM for each level. They need
-// only the part for the level: the bound of a cover counts all its own roundings, and moving A and B to the place is
-// one of these (meshes/cover/offset_cover.h). The 8uM stay because they are below every tolerance that can be met,
-// and without them the last bits of all answers would change.
+// only the part for the levels: the bound of a cover already counts all its own roundings, including the move of A
+// and B to the place (meshes/cover/offset_cover.h). The 8uM stay because they are below every tolerance that can be
+// met, and without them the last bits of all answers would change.
 double CoverWorker::covered_within(int level) const {
     return std::max(tau_ * (1 - 8 * unit_roundoff) - (10 + 2 * level) * unit_roundoff * scene_.magnitude, 0.0);
 }
 
-// No point of the box is farther from B than `at` is, and the way there.
+// Returns an upper bound for the box: the distance of `at` to B plus the distance from `at` to the farthest corner.
 double CoverWorker::around(const Vec3& at, double distance, const Box& box) const {
     return surface_sum_at_most(distance + std::sqrt(squared_distance_at_most(at, box)), scene_.magnitude, 0);
 }
 
-// A corner of one of a group's triangles that has a partner, and its distance to that partner: its distance to B is
-// no larger. The triangles in the middle are examined first: their corners are measured if nothing is known.
+// Finds a triangle of the group that has a partner, and takes one of its corners with its distance to this partner,
+// which bounds its distance to B. Triangles near the middle come first, because narrow() measures a corner of the
+// middle one if nothing is known.
 bool CoverWorker::from_partner(const Cluster& group, const Box& box, Landmark& landmark) {
     if (!scene_.partner) return false;
     const std::size_t middle = group.begin + group.count / 2, end = group.begin + group.count;
@@ -213,7 +218,7 @@ bool CoverWorker::from_partner(const Cluster& group, const Box& box, Landmark& l
     return false;
 }
 
-// The corner of a triangle that the box is least around.
+// Returns the corner of a triangle from which the farthest point of the box is least far.
 Landmark CoverWorker::central_corner(Index source, const Box& box) const {
     Landmark landmark;
     double least = std::numeric_limits<double>::infinity();
@@ -247,7 +252,7 @@ void CoverWorker::narrow(const Cluster& group, const Box& box) {
         }
     }
     ++outcome_.counters.bound_tests;
-    // A query is worth its cost only where tau is not far below the size of the group.
+    // A query is worth its cost only if tau is not much smaller than the group.
     const double size = std::sqrt(squared_length(box.high - box.low));
     if (!known || (!seeded && part.upper.value > tau_ && tau_ >= 0.25 * size && !stop_)) {
         const Index source = middle_of(part);

@@ -1,9 +1,9 @@
-// Covers parts of A for threshold cover (meshes/cover/cover.cpp): clusters of triangles in single precision, and pieces that this left
-// undecided in double precision.
+// Covers parts of A for threshold cover (meshes/cover/cover.cpp): clusters of triangles in single precision, then the
+// undecided pieces in double precision.
 //
-// A worker starts from a given lower bound and keeps its findings in a CoverOutcome. These depend on nothing but its
-// part and that bound: several workers may run at once, and outcomes merged in the order of the parts are the same
-// for any number of threads.
+// A worker starts from a given lower bound and collects its results in a CoverOutcome. They depend only on the part
+// and that bound, so several workers may run at once, and merging outcomes in the order of the parts gives the same
+// result for any number of threads.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -20,8 +20,8 @@
 
 namespace hausbench {
 
-// Scratch buffers for covering, a few hundred kB. Each thread keeps those given back, because allocating them anew would take longer than
-// a search among small shapes.
+// Scratch buffers for covering, a few hundred kB. Each thread keeps returned ones, because allocating them anew would
+// take longer than a search among small shapes.
 class CoverRoom {
 public:
     struct Covers {
@@ -44,18 +44,19 @@ public:
     explicit CoverWorker(const CoverScene& scene) : scene_(scene) {}
     CoverWorker(CoverWorker&&) = default;
 
-    // A new part. `settled`: the largest upper bound so far; `budget`: cuts that are left; `stopped`: time is out already, so that all is
-    // settled by the bounds it has.
+    // Starts a new part. `settled` is the largest upper bound so far, `budget` the number of cuts left. If `stopped`,
+    // time is already out, and everything is settled by the bounds it has.
     void begin(const Farthest& farthest, double settled, std::uint64_t budget, bool stopped, const Deadline& deadline);
 
-    // A group of which only a landmark is known that may not be its own: settles it, or it is among the outcome's groups with a
-    // better bound.
+    // Bounds a group that knows at most a landmark, which may be its parent's. Settles it, or adds it to the
+    // outcome's groups with a better bound.
     void narrow(const Cluster& group, const Box& box);
 
     // Settles the triangles of a cluster, or leaves some undecided.
     void cover(const Cluster& cluster);
 
-    // Does the same for up to CoverBatch::most_pieces pieces near a landmark; several pieces must be whole triangles. Public for tests.
+    // Does the same for up to CoverBatch::most_pieces pieces near a landmark; if there are several, they must be
+    // whole triangles. Public for tests.
     void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
 
     // Settles a piece in double precision. Always ends.
@@ -63,11 +64,11 @@ public:
 
     CoverOutcome finish();
 
-    // Time or budget ran out while it worked.
+    // Returns the reason if time or budget ran out.
     std::optional<Status> stopped() const { return stop_; }
 
 private:
-    // CoverHost, for the piece that is decided.
+    // CoverHost, for the piece being decided.
     Index measure(const double (&point)[3], double slack, Index near) override;
     double threshold() const override;
     bool promising(double distance) const override;
@@ -108,10 +109,10 @@ private:
     OffsetCover<float>& cover_ = (*room_).rough;
     OffsetCover<double>& exact_ = (*room_).exact;
     std::vector<CoverPiece> pieces_, again_;
-    std::size_t batch_ = 0;     // pieces covered together
-    std::size_t gathered_ = 0;  // most triangles of B that were near some of the last ones
+    std::size_t batch_ = 0;     // number of pieces covered together
+    std::size_t gathered_ = 0;  // largest number of triangles of B near the last pieces
     bool crowded_ = false;      // and they were too many
-    Index source_ = -1;         // of the piece that is decided now
+    Index source_ = -1;         // of the piece being decided
     int level_ = 0;
 };
 

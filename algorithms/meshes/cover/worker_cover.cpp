@@ -1,5 +1,5 @@
-// Covering by a worker: a few triangles at a time in single precision, then the rest in double precision, which
-// always ends.
+// How a worker covers: a few triangles at a time in single precision, then the rest in double precision, which always
+// ends.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/cover/batch.h"
 #include "algorithms/meshes/cover/worker.h"
@@ -13,7 +13,7 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
-// Triangles of B, fewer than fit; if more are near, the pieces are halved.
+// Triangles of B, fewer than fit. If more are near, the pieces are halved.
 constexpr std::size_t most_gathered_roughly = 208, most_gathered = 224;
 constexpr int most_halvings = 20;  // of a triangle, in double precision
 
@@ -48,7 +48,7 @@ void CoverWorker::cover(const Cluster& cluster) {
         else if (gathered_ < most_gathered_roughly / 3)
             batch_ = std::min(2 * batch_, CoverBatch::most_pieces);
     }
-    // Each alone, and everything near it.
+    // Cover these one by one, now with all triangles of B near each.
     std::vector<CoverPiece> again;
     again.swap(again_);
     for (const CoverPiece& piece : again) cover(std::span(&piece, 1), piece.landmark);
@@ -73,8 +73,8 @@ void CoverWorker::cover(std::span<const CoverPiece> pieces, const Landmark& land
     cover_from_own(pieces.subspan(half), landmark);
 }
 
-// If too many triangles of B are near, the pieces get a landmark of their own. Far from B it settles most: the
-// triangle nearest to one of them is near all.
+// Gives pieces near too many triangles of B a landmark of their own. Far from B this settles most of them, because
+// the triangle nearest to one is nearly nearest to all.
 void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark) {
     const CoverPiece& middle = pieces[pieces.size() / 2];
     const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
@@ -94,10 +94,12 @@ void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landm
     if (!open.empty()) cover(open, own);
 }
 
-// False: too many triangles of B are near. What cannot be covered by those nearest is kept to be covered again, or is undecided.
+// Returns false if too many triangles of B are near. Pieces not covered by the nearest ones are kept to be covered
+// again, or are undecided.
 bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near) {
     const CoverBatch batch(pieces, scene_.magnitude);
-    // All triangles that may cover a part, unless tau is so large that it would be most of B: then those near the surface.
+    // Gathers all triangles that may cover a part. If tau is so large that they would be most of B, gathers only
+    // those near the surface.
     const double all =
         std::min(tau_, landmark.distance + std::sqrt(squared_length(batch.centre - landmark.at)) + batch.radius);
     const double radius = all_near ? all : std::min(all, 1.5 * landmark.distance + 0.15 * batch.radius);
@@ -139,16 +141,17 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
     const LocalUnits& place = exact_.near.units;
     Vec3 global;
     for (int k = 0; k < 3; ++k) global[k] = place.origin[k] + place.unit * point[k];
-    // Within u slack of the piece's corners as moved to the place, which took 2u, in units of the place; rounding the sum takes less than
-    // 2uM. A level stands for 2uM. No input is known that needs the level of the sum: its rounding is at most sqrt(3) uM, and the slack is
-    // rounded up to whole levels. So no test can need it, but the proof does.
+    // The point is within u slack of the piece's corners as moved to the place, which took 2u, both in units of the
+    // place. Rounding the sum takes less than 2uM; a level stands for 2uM. No known input needs the level of the sum:
+    // its rounding is at most sqrt(3) uM, and the slack is rounded up to whole levels. So no test can show that it is
+    // needed, but the proof needs it.
     const int own = level_ + 1 + static_cast<int>(std::ceil((slack + 2) * place.unit / (2 * scene_.magnitude)));
     return measure(global, near, source_, own).triangle;
 }
 
-// So far above the lower bound that the triangle nearest to a measured point is near enough, as computed; otherwise a
-// cover would not end. The error grows with the near triangles, not with the meshes, so distant parts spoil nothing
-// here.
+// Keeps the threshold so far above the lower bound that the triangle nearest to a measured point is within it as
+// computed; otherwise a cover would not end. The error grows with the size of the nearby triangles, not of the
+// meshes, so distant parts do no harm here.
 double CoverWorker::threshold() const {
     const double covered = covered_within(level_) * exact_.near.units.inverse;
     if (scene_.query.floor >= scene_.query.cutoff) return covered;
@@ -175,8 +178,8 @@ bool CoverWorker::go_on() {
 void CoverWorker::decide(const CoverPiece& piece) {
     ++outcome_.counters.bound_tests;
     if (piece.upper.value <= tau_ || stop_) return settle(piece);
-    // A corner comes first: it may update the lower bound, and tau with it, and the triangle nearest to it may be
-    // near the whole piece.
+    // Start with a corner: it may raise the lower bound and tau, and its nearest triangle may be near the whole
+    // piece.
     CoverPiece measured = piece;
     const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source, piece.level);
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
@@ -190,7 +193,7 @@ void CoverWorker::decide(const CoverPiece& piece) {
     }
 }
 
-// False: so many triangles of B are near that the piece had better be halved.
+// Returns false if so many triangles of B are near that halving the piece is better.
 bool CoverWorker::decide_whole(const CoverPiece& piece) {
     Box box;
     for (const Vec3& corner : piece.corners) box.add(corner);

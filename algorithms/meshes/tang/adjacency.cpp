@@ -18,7 +18,7 @@ Adjacency::Adjacency(const TriangleMesh& mesh) {
         return std::pair(std::min(one, two), std::max(one, two));
     };
 
-    // Sorted by the lower vertex by counting, then each few by the higher one.
+    // Sort by the lower vertex by counting, then each small group by the higher vertex.
     std::vector<std::int32_t> first(vertices + 1, 0);
     for (std::size_t place = 0; place < halves_count; ++place) ++first[static_cast<std::size_t>(ends(place).first) + 1];
     for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];

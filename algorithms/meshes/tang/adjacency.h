@@ -1,4 +1,4 @@
-// The triangles of a mesh that share an edge.
+// Adjacency of the triangles of a mesh across shared edges.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -11,15 +11,16 @@
 
 namespace hausbench {
 
-// An edge is a pair of vertex numbers: vertices at the same place but with different numbers are not joined. Any soup is
-// allowed; an edge may belong to one, two or many triangles. A triangle with two equal corners is listed twice at its edge.
+// An edge is a pair of vertex numbers, so vertices at the same place with different numbers are not joined. Any
+// triangle soup is allowed; an edge may belong to one, two or many triangles. A triangle with two equal corners is
+// listed twice at its edge.
 class Adjacency {
 public:
     static constexpr std::string_view structure_name = "adjacency";
     static constexpr bool structure_of_meshes_only = true;  // points have no neighbours
     static constexpr int structure_layout = 1;
 
-    // O(n) time for bounded degrees, O(n log n) at worst; O(n) memory.
+    // O(n) time for bounded degrees, O(n log n) in the worst case; O(n) memory.
     explicit Adjacency(const TriangleMesh& mesh);
 
     Index edges() const { return static_cast<Index>(begin_.size()) - 1; }
@@ -35,7 +36,7 @@ public:
         return {triangles_.data() + begin_[e], static_cast<std::size_t>(begin_[e + 1] - begin_[e])};
     }
 
-    // Returns the other triangle at that edge; -1 at a border, or if there are several.
+    // Returns the other triangle at edge k; -1 at a border, or if there are several.
     Index neighbour(Index triangle, int k) const {
         const auto both = triangles(edge(triangle, k));
         if (both.size() != 2 || both[0] == both[1]) return -1;
@@ -45,8 +46,8 @@ public:
     std::size_t bytes() const;
 
 private:
-    std::vector<Index> edge_of_;       // three a triangle
-    std::vector<std::int32_t> begin_;  // of each edge in triangles_, and the end
+    std::vector<Index> edge_of_;       // three per triangle
+    std::vector<std::int32_t> begin_;  // start of each edge in triangles_, then the end
     std::vector<Index> triangles_;
 };
 

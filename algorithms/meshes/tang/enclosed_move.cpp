@@ -19,8 +19,8 @@ constexpr std::size_t most_near_move = 256;  // triangles of B; with more, the l
 
 using Corners = std::array<Vec3, 3>;
 
-// Returns whether the hulls of two sets of points are more than `margin` apart along an axis. The choice of axes affects only whether one
-// is found, so rounding matters only in the test along it.
+// Returns whether the hulls of two sets of points are more than `margin` apart along an axis. Rounding matters only
+// in the test along the axis: a poor axis can only fail to separate them.
 bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two, double margin) {
     const double size = axis.cwiseAbs().maxCoeff();
     if (!(size > 0 && size < infinity)) return false;
@@ -37,7 +37,8 @@ bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two
     return low[0] - high[1] > margin || low[1] - high[0] > margin;
 }
 
-// Returns candidate axes of a plane that separates two triangles, or a segment and a triangle: normals, and products of edges.
+// Returns whether some axis separates two triangles, or a segment and a triangle. Tries normals and cross products of
+// edges.
 bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
     const auto edge = [](std::span<const Vec3> p, std::size_t k) { return Vec3(p[(k + 1) % p.size()] - p[k]); };
     if (one.size() == 3 && apart_along(edge(one, 0).cross(edge(one, 1)), one, two, margin)) return true;
@@ -47,7 +48,7 @@ bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
             if (apart_along(edge(one, i).cross(edge(two, j)), one, two, margin)) return true;
         }
     }
-    // In one plane: its normal and an edge.
+    // For coplanar shapes: directions in the plane, normal to each edge.
     const Vec3 normal = edge(two, 0).cross(edge(two, 1));
     for (std::size_t i = 0; i < one.size(); ++i) {
         if (apart_along(normal.cross(edge(one, i)), one, two, margin)) return true;
@@ -58,7 +59,8 @@ bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
     return false;
 }
 
-// Returns whether the segment crosses the inside of the triangle; nothing if that is in doubt. Its ends are not on the triangle.
+// Returns whether the segment crosses the interior of the triangle; nothing if in doubt. Its ends must not be on the
+// triangle.
 std::optional<bool> crosses(const std::array<Vec3, 2>& segment, const Corners& t, double margin) {
     if (apart(segment, t, margin)) return false;
     const Vec3 &p = segment[0], &q = segment[1];
@@ -81,9 +83,10 @@ bool is_closed(const TriangleMesh& mesh) {
     return true;
 }
 
-// Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997, section 4.3: computed in this order,
-// the determinant errs by (7 + 56u) u times the sum of the absolute values of its products. That sum is rounded too, by a few u of
-// it: 8u is more. Underflow takes less than 2^-1000 where no product overflows; where one does, the comparison is false.
+// Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997, section 4.3:
+// computed in this order, the determinant errs by (7 + 56u) u times the sum of the absolute values of its products.
+// That sum is itself rounded by a few u, so 8u is enough. Underflow costs less than 2^-1000 if no product overflows;
+// if one does, the comparison is false.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     const Vec3 p = a - d, q = b - d, r = c - d;
     const double qr = q[0] * r[1], rq = r[0] * q[1], rp = r[0] * p[1], pr = p[0] * r[1], pq = p[0] * q[1],
@@ -109,7 +112,7 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
     const double length = distance_at_most(squared_length(move), true), n = magnitude_ + length;
     const double margin = (4 * level + 48) * unit_roundoff * n;
     const Corners moved{corners[0] + move, corners[1] + move, corners[2] + move};
-    // Neither a corner nor the middle, which are often above an edge.
+    // Avoids the corners and the barycentre, which are often exactly above an edge.
     const Vec3 p = 0.5 * corners[0] + 0.3 * corners[1] + 0.2 * corners[2];
     const std::array<Vec3, 2> segment{p, p + move};
     // Contains both triangles and all segments. Each length errs by a few uN.

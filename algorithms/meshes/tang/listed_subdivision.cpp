@@ -21,7 +21,8 @@ template <class Tree> Status ListedSubdivision<Tree>::run() {
     return split_until_done(queue_, bounds_, counters_, settled, [&](const ListedPiece& piece) { split(piece); });
 }
 
-// Whether its upper bound, got by moving it, is small enough for the search to end, or for the piece to wait.
+// Tries to lower the upper bound of a piece by moving it, so that the search may end or the piece may wait. Returns
+// whether it did.
 template <class Tree> bool ListedSubdivision<Tree>::moves(ListedPiece& piece) {
     if (!by_moving_) return false;
     const double sought = bounds_.sought();

@@ -1,6 +1,6 @@
-// Subdivision of pieces of A with lists of near triangles of B (Tang et al. 2009, section 5.1): pieces are cut until they are settled, the
-// one with the largest upper bound first. The list of a piece replaces B for its parts; without a list, closest point queries measure
-// them.
+// Subdivision of pieces of A with lists of near triangles of B (Tang et al. 2009, section 5.1). Cuts pieces until
+// they are settled, the one with the largest upper bound first. The list of a piece replaces B for its parts; if a
+// piece has no list, its parts are measured by closest point queries.
 #pragma once
 
 #include "algorithms/meshes/tang/enclosed_move.h"
@@ -13,7 +13,7 @@ namespace hausbench {
 // `Tree` is over B.
 template <class Tree> class ListedSubdivision {
 public:
-    // Keeps references. `by_moving` is tried before a piece is cut; may be null.
+    // Keeps references. `by_moving` is tried before a piece is cut; it may be null.
     ListedSubdivision(TargetCulling<Tree>& on_b, const PieceCutter& cutter, SearchBounds& bounds, Counters& counters,
                       EnclosedMove<Tree>* by_moving = nullptr)
         : on_b_(on_b), cutter_(cutter), bounds_(bounds), counters_(counters), by_moving_(by_moving) {}
@@ -37,7 +37,7 @@ public:
         queue_.for_each([&](const ListedPiece& piece) { bounds_.elements()->settle(piece.upper, piece.source); });
     }
 
-    // The largest depth of subdivision of a piece.
+    // Returns the largest depth of subdivision of any piece.
     int deepest() const { return deepest_; }
 
 private:

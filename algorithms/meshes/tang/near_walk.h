@@ -1,4 +1,4 @@
-// A walk over the leaves of either kind of BVH (volumes.h) that may hold something near a point, near ones first.
+// Walks those leaves of either kind of BVH (volumes.h) that may contain something near a point, nearest first.
 #pragma once
 
 #include "algorithms/kernel/counters.h"

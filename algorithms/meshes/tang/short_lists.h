@@ -1,4 +1,4 @@
-// Many short lists of numbers, such as the triangles of B that a piece keeps, in one block of memory.
+// Stores many short lists of numbers, such as the triangles of B kept for each piece, in one block of memory.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -11,15 +11,15 @@
 
 namespace hausbench {
 
-// At most `most` numbers per list. Released space is reused for a list of about the same length, so memory is bounded by the peak number
-// of lists of each length.
+// Each list has at most `most` numbers. Released space is reused for lists of about the same length, so memory is
+// bounded by the peak number of lists of each length.
 template <std::size_t most> class ShortLists {
 public:
     struct List {
         std::uint32_t begin = 0, count = 0;
     };
 
-    // An empty list takes no space.
+    // Copies a list; an empty one takes no space.
     List store(std::span<const Index> numbers) {
         if (numbers.empty()) return {};
         std::vector<std::uint32_t>& free = free_[kind(numbers.size())];
@@ -34,7 +34,7 @@ public:
         return list;
     }
 
-    // Valid until the next store().
+    // Returns the numbers of a list; valid until the next store().
     std::span<const Index> numbers(const List& list) const { return {numbers_.data() + list.begin, list.count}; }
 
     void give_back(const List& list) {

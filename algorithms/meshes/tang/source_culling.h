@@ -1,9 +1,9 @@
-// Culling on A (Tang et al. 2009, section 4.1): searches a BVH of A from its root, and skips all triangles below a node whose volume is
-// no farther from some point q of B than the lower bound (Eqs. 8, 9).
+// Culling on A (Tang et al. 2009, section 4.1). Searches a BVH of A from its root and skips all triangles below a
+// node if some point q of B is within the lower bound of its whole volume (Eqs. 8, 9).
 //
-// Ours: nodes whose volume is farthest from B come first; q is the closest point to the middle of a volume, or of an enclosing one. A
-// query for q is made only if it can cull. In a chain of poses (also ours), the triangle of B that was nearest to a volume at the
-// previous pose gives q without a query.
+// Ours: nodes with the largest upper bound come first; q is the point of B closest to the middle of the volume or of
+// an enclosing one. q is queried only if it can cull. In a chain of poses (also ours), the triangle of B nearest to a
+// volume at the previous pose gives q without a query.
 #pragma once
 
 #include "algorithms/meshes/tang/volumes.h"
@@ -14,12 +14,11 @@
 
 namespace hausbench {
 
-// `Tree` is SweptSphereBvh or TriangleBvh, over A unposed; its volumes are moved with A. Culled nodes are settled in `bounds`, and so are
-// their triangles if `bounds` keeps elements.
+// `Tree` is SweptSphereBvh or TriangleBvh, over A unposed; its volumes are moved with A. Culled nodes are settled in
+// `bounds`, and so are their triangles if `bounds` keeps elements.
 template <class Tree> class SourceCulling {
 public:
-    // Keeps references.
-    // `near_node` is as in WarmStart, read and written; may be null.
+    // Keeps references. `near_node` as in WarmStart, read and written; it may be null.
     SourceCulling(const Tree& tree, const Pose& pose, const Target& target, double magnitude, SearchBounds& bounds,
                   Counters& counters, std::vector<Index>* near_node)
         : tree_(tree),
@@ -32,7 +31,7 @@ public:
         if (near_node) near_node->resize(tree.tree().nodes.size() + tree.tree().leaves(), -1);
     }
 
-    // `points`: the vertices of A, posed. O(n).
+    // Starts at the root. `points` are the vertices of A, posed. O(n).
     void begin(const Points& points);
 
     bool done() const { return branches_.empty(); }
@@ -40,7 +39,8 @@ public:
     // Returns the largest upper bound of the remaining nodes, 0 if none is left.
     double upper() const { return branches_.empty() ? 0 : branches_.back().rest; }
 
-    // Takes one node, which is culled or replaced by its children; or a leaf, whose triangles pass to the caller.
+    // Takes one node and culls it or replaces it by its children. If it is an uncullable leaf, returns its triangles
+    // to the caller.
     std::span<const Index> step();
 
     // Gives each remaining triangle the bound of its node.
@@ -49,7 +49,7 @@ public:
     }
 
 private:
-    // A node, or a leaf.
+    // A node or a leaf.
     struct Branch {
         double upper;       // bound of everything below it
         double rest;        // the largest bound from here down the stack

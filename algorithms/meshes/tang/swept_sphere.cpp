@@ -11,7 +11,7 @@
 namespace hausbench {
 namespace {
 
-// A point of the rectangle near q, with the numbers that a bound needs.
+// Data of the point of the rectangle nearest to q from which bounds are computed.
 struct Foot {
     double squared;  // computed squared distance from q
     double size;     // at least |q - centre| + |u| + |v|, up to rounding
@@ -30,8 +30,9 @@ Foot foot_of(const SweptSphere& volume, const Vec3& q) {
     return {squared_length(rest), sum(r) + sum(volume.u) + sum(volume.v)};
 }
 
-// Finds the point of the rectangle nearest to q. A difference, two products and two sums err by at most 8u(size) in each coordinate of
-// `rest`, so in length by less than 14u(size); the length itself by 4u of it, which is at most 1.01 size.
+// Returns an upper bound of the distance from any of the points to the rectangle. In foot_of() a difference, two
+// products and two sums err by at most 8u(size) in each coordinate of `rest`, so by less than 14u(size) in length;
+// the length itself errs by 4u of it and is at most 1.01 size.
 double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     double most = 0;
     for (const Vec3& point : points) {
@@ -41,7 +42,8 @@ double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     return next_up(most);
 }
 
-// Returns the principal axes of the points, the largest moment first. The points are taken relative to `middle` in units of `extent`.
+// Returns the principal axes of the points, the largest moment first. The points are taken relative to `middle` in
+// units of `extent`.
 std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& middle, double extent) {
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     Vec3 mean = Vec3::Zero();
@@ -100,15 +102,16 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
     return best;
 }
 
-// The foot is found as if u and v were orthogonal. |r - s u - t v|^2 = f(s) + g(t) + 2 s t u.v + |r|^2, and the foot makes f + g
-// least but for rounding, so the least squared distance is at least that at the foot less 4 |u.v|. Rounding: s and t may be
-// off by 8u(size)/|u|, which costs less than 64u^2(size)^2 in f; the rest by 14u(size) in length, its squared length by
-// 40u(size)^2, and u.v by 4u(size)^2. In all less than 64u(size)^2.
+// The foot is found as if u and v were orthogonal. |r - s u - t v|^2 = f(s) + g(t) + 2 s t u.v + |r|^2, and the foot
+// minimises f + g up to rounding, so the least squared distance is at least the squared distance at the foot less 4
+// |u.v|. Rounding: s and t may be off by 8u(size)/|u|, which costs less than 64u^2(size)^2 in f; `rest` by 14u(size)
+// in length, its squared length by 40u(size)^2, and u.v by 4u(size)^2. Together this is less than 64u(size)^2.
 //
-// Underflow: each product may be off by 2^-1075. If |u| >= 2^-505, that changes s by less than 2^-62, which is less than the
-// rounding error above. If |u| < 2^-505, a wrong s moves the foot by 2^-504 at most. The same holds of v and t. The squared
-// length and 4 |u.v| are off by 2^-1070, their root by 2^-535. In all less than 2^-502 in length, because sqrt(x + y) <=
-// sqrt(x) + sqrt(y); the 2^-500 that distance_at_least (rounding.h) takes off covers it.
+// Underflow: each product may be off by 2^-1075. If |u| >= 2^-505, this changes s by less than 2^-62, which is less
+// than the rounding error above. If |u| < 2^-505, a wrong s moves the foot by 2^-504 at most. The same holds for v
+// and t. The squared length and 4 |u.v| are off by 2^-1070, and so their root by 2^-535. Together this is less than
+// 2^-502 in length, because sqrt(x + y) <= sqrt(x) + sqrt(y); distance_at_least (rounding.h) subtracts 2^-500, which
+// covers it.
 double distance_at_least(const SweptSphere& volume, const Vec3& q) {
     const Foot foot = foot_of(volume, q);
     const double squared =
@@ -117,12 +120,13 @@ double distance_at_least(const SweptSphere& volume, const Vec3& q) {
     return std::max(0.0, next_down(distance_at_least(squared, true) - volume.radius));
 }
 
-// The distance to a point of the rectangle is largest at a corner; let that be D. The mean of the four squared distances to
-// the corners is |r|^2 + |u|^2 + |v|^2, so |r| <= D, and |r - s u| <= D for the s of that corner in the same way. The three
-// differences err by u times their lengths, at most 3uD in all; a square, two sums and the root by 2.5u more. So D <=
-// f (1 + 5.5u) and terms of order u^2, f the computed distance. Rounding up alone covers that: distance_at_most gives
-// f (1 + 4u), rounded, then raised by one ulp twice, so at least f (1 + 5.5u); an ulp exceeds uf. The last sum is rounded,
-// then raised by one ulp, which leaves half an ulp more. Underflow: as in distance_at_most.
+// The distance to a point of the rectangle is largest at a corner; call it D. The mean of the four squared distances
+// to the corners is |r|^2 + |u|^2 + |v|^2, so |r| <= D; likewise |r - s u| <= D for the s of the farthest corner. The
+// three differences err by u times their lengths, together at most 3uD; a square, two sums and the root add 2.5u. So
+// D <= f (1 + 5.5u) up to terms of order u^2, where f is the computed distance. Rounding up covers this:
+// distance_at_most gives f (1 + 4u), rounded and then raised by one ulp twice, so at least f (1 + 5.5u), as an ulp
+// exceeds uf. The last sum is rounded and then raised by one ulp, which leaves half an ulp to spare. Underflow: as in
+// distance_at_most.
 double distance_at_most(const SweptSphere& volume, const Vec3& q) {
     const Vec3 r = q - volume.centre;
     double most = 0;

@@ -1,7 +1,8 @@
-// Swept sphere volumes: all points within a radius of a point, a segment or a rectangle. They are tighter than boxes around surface
-// patches. A BVH with one for each child.
+// Swept sphere volumes: all points within a radius of a point, a segment or a rectangle. They fit surface patches
+// more tightly than boxes do. Also a BVH with one such volume per child.
 //
-// After Larsen, Gottschalk, Lin, Manocha: Fast proximity queries with swept sphere volumes, 1999; used by Tang et al. 2009.
+// After Larsen, Gottschalk, Lin, Manocha: Fast proximity queries with swept sphere volumes, 1999; used by Tang et al.
+// 2009.
 #pragma once
 
 #include "algorithms/structures/bvh.h"
@@ -11,19 +12,20 @@
 
 namespace hausbench {
 
-// Every point of the content is within `radius` of a point centre + s u + t v, |s| <= 1, |t| <= 1. u and v are orthogonal but
-// for rounding; v = 0: a segment; u = v = 0: a point.
+// Every point of the content is within `radius` of some point centre + s u + t v, |s| <= 1, |t| <= 1. u and v are
+// orthogonal up to rounding. If v = 0 this is a segment, if also u = 0 a point.
 struct SweptSphere {
     Vec3 centre = Vec3::Zero(), u = Vec3::Zero(), v = Vec3::Zero();
     double radius = 0;
 };
 
-// Returns a volume around these points, and so around their convex hull: the smallest by volume of a sphere, a swept
-// segment and a swept rectangle along the principal axes. The radius is rounded up. O(n). At least one point;
-// coordinates up to 2^400.
+// Returns a volume that contains the points, and so their convex hull: a sphere, or a segment or a rectangle along
+// the principal axes with its radius, whichever has the least volume. The radius is rounded up. O(n). Requires at
+// least one point and coordinates up to 2^400.
 SweptSphere swept_sphere_around(std::span<const Vec3> points);
 
-// Lower and upper bounds of the distance from q to any point inside; valid under rounding (swept_sphere.cpp).
+// Return a lower and an upper bound of the distance from q to any point inside; valid under rounding
+// (swept_sphere.cpp).
 double distance_at_least(const SweptSphere& volume, const Vec3& q);
 double distance_at_most(const SweptSphere& volume, const Vec3& q);
 

@@ -1,30 +1,33 @@
-// Cross-culling and Voronoi subdivision: Tang, Lee, Kim: Interactive Hausdorff distance computation for general polygonal models,
-// ACM Transactions on Graphics 28(3), 2009.
+// Cross-culling and Voronoi subdivision: Tang, Lee, Kim: Interactive Hausdorff distance computation for general
+// polygonal models, ACM Transactions on Graphics 28(3), 2009.
 //
-// Three steps. Culling on A (source_culling.h) skips nodes of a BVH of A that cannot hold the farthest point. Culling on B
-// (target_culling.h) sends each remaining triangle T of A through a BVH of B, which gives T's upper bound u and the list L of the
-// triangles of B that its parts may be near. Subdivision (listed_subdivision.h, voronoi_cut.h) cuts T until it is settled, the piece
-// with the largest upper bound first; L replaces B for its parts.
+// There are three steps. Culling on A (source_culling.h) skips nodes of a BVH of A that cannot contain the farthest
+// point. Culling on B (target_culling.h) sends each remaining triangle T of A through a BVH of B, which gives T's
+// upper bound u and the list L of the triangles of B that its parts may be near. Subdivision (listed_subdivision.h,
+// voronoi_cut.h) cuts T until it is settled, the piece with the largest upper bound first; L replaces B for the parts
+// of T.
 //
-// From the paper: these steps, swept sphere volumes, group traversal (the three corners go through B together), Voronoi subdivision,
-// and no further work on a piece whose corners share a nearest triangle: then some S in L has h(T, S) = the largest distance of a
-// corner, and u settles the piece. Ties are harmless, because L holds every tied triangle.
-// Ours: changes named in the headers of the parts, and leaves of up to eight triangles, not four, for the vector kernels, because all
-// solvers share the trees. Penetration depth is a solver of its own.
-// The paper's option for closed B, Lemma 4, is `lemma4`, off by default: corrected and certified (enclosed_move.h).
+// From the paper: these steps, swept sphere volumes, group traversal (the three corners go through B together),
+// Voronoi subdivision, and the end of work on a piece whose corners share a nearest triangle: then for some S in L,
+// h(T, S) equals the largest distance of a corner, and u settles the piece. Ties are harmless, because L contains
+// every tied triangle.
+// Ours: changes named in the headers of the parts, and leaves of up to eight triangles instead of four, for the vector
+// kernels, because all solvers share the trees. Penetration depth is a separate solver.
+// The paper's option for closed B, Lemma 4, is `lemma4`: corrected, certified (enclosed_move.h), and off by default.
 //
-// Certified: upper bounds are widened as kernel/rounding.h says, volumes as volumes.cpp does; the lower bound is that of
-// search/bounds.h. If A moves, its volumes move with it.
-// Two sides (section 6): the triangle of B that gave a triangle of A its bound is tried first with it in the second direction. In a chain
-// of poses (if the caller gives a State), hints come from the previous pose: these triangles, the triangles near the nodes of A, and the
-// farthest point (ours).
+// Certified: upper bounds are widened as in kernel/rounding.h, volumes as in volumes.cpp; the lower bound is computed
+// as in search/bounds.h. If A moves, its volumes move with it.
 //
-// Fields: those of guthe.cpp; triangles that were culled with a node have that node's bound.
-// Reports: "culled on A", the share of A's triangles settled before culling on B; "culled on B", the share of B's triangles that were
-// not measured against any remaining triangle of A; "depth", the largest number of subdivisions.
+// Both directions (section 6): the triangle of B that bounded a triangle of A is tried first with it in the second
+// direction. In a chain of poses (if the caller gives a State), hints come from the previous pose: these triangles,
+// the triangles near the nodes of A, and the farthest point (ours).
 //
-// Budget: subdivisions. Time: O(n log n + m log m) to prepare. Memory: O(n + m), and per piece in the queue 184 bytes plus 4 bytes for
-// each triangle in its list.
+// Fields: as in guthe.cpp; triangles that were culled with a node have the bound of this node.
+// Reports: "culled on A", the share of A's triangles settled before culling on B; "culled on B", the share of B's
+// triangles that were not measured against any remaining triangle of A; "depth", the largest number of subdivisions.
+//
+// Budget: subdivisions. Time: O(n log n + m log m) to prepare. Memory: O(n + m), and per piece in the queue 184 bytes
+// plus 4 bytes for each triangle in its list.
 #include "algorithms/meshes/tang/enclosed_move.h"
 #include "algorithms/meshes/tang/listed_subdivision.h"
 #include "algorithms/meshes/tang/source_culling.h"
@@ -51,7 +54,7 @@ struct TangChoices {
     bool lemma4 = false;
 };
 
-// One query.
+// The search of one query.
 template <class Tree> class TangSearch {
 public:
     TangSearch(const MeshPair& pair, const Tree& a_tree, const Tree& b_tree, const Query& query, WarmStart* warm_start,
@@ -203,7 +206,7 @@ template <class Tree> class Tang final : public MeshSolver<Tree> {
 public:
     explicit Tang(const TangChoices& choices) : choices_(choices) {}
 
-    // Needed however small the shapes are, because culling works on nodes.
+    // The trees are needed even for small shapes, because culling works on nodes.
     Needs needs(const Scene&, const QuerySet&) const override {
         return {need<Tree>(Side::source), need<Tree>(Side::target)};
     }
@@ -225,7 +228,7 @@ private:
 
     TangChoices choices_;
     const Tree* a_tree_ = nullptr;
-    bool closed_ = false;  // whether B is closed, if that was asked for
+    bool closed_ = false;  // whether B is closed, if lemma4 is on
 };
 
 std::unique_ptr<Solver> make(const Options& options) {

@@ -34,8 +34,9 @@ template <class Tree> void TargetCulling<Tree>::measure_corners(ListedPiece& pie
     measured_ += counters_.point_triangle_distances - before;
 }
 
-// Calls visit(S, squared distances to the corners) for each triangle S of B that may be within `search_radius` - r of the piece, r the largest
-// distance of a corner from its barycentre c. Let p be in the piece: d(c, S) <= d(p, S) + r, as balls are convex.
+// Calls visit(S, squared distances to the corners) for each triangle S of B that may be within `search_radius` - r of
+// the piece, where r is the largest distance of a corner from its barycentre c. For p in the piece, d(c, S) <= d(p,
+// S) + r, because balls are convex.
 template <class Tree>
 template <class Visit>
 void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double& search_radius, const Visit& visit) {
@@ -43,7 +44,7 @@ void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double&
     const Vec3 centre = barycentre(piece.corners);
     visit_near_leaves(tree_, centre, search_radius, counters_, [&](std::size_t leaf) {
         double squared[3][leaf_capacity];
-        // A computed squared distance exceeds the exact one by 5u of it at most.
+        // A computed squared distance exceeds the exact one by at most 5u of it.
         unsigned mask = tree_.leaf_distances(leaf, points, centre,
                                              search_radius * search_radius * (1 + 8 * unit_roundoff), squared);
         for (; mask != 0; mask &= mask - 1) {
@@ -53,7 +54,7 @@ void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double&
     });
 }
 
-// Returns the radius of a ball around its barycentre that contains it, rounded up.
+// Returns an upper bound of the radius of a ball around its barycentre that contains the piece.
 template <class Tree> double TargetCulling<Tree>::radius_at_most(const ListedPiece& piece) const {
     const Vec3 centre = barycentre(piece.corners);
     double most = 0;
@@ -120,7 +121,7 @@ template <class Tree> void TargetCulling<Tree>::list(ListedPiece& piece) {
     piece.list = lists_.store(std::span(kept).first(count));
 }
 
-// Candidates are its list; without one, the triangles nearest to the vertices.
+// Takes the list of the piece as candidates or, without one, the triangles nearest to the vertices of the cut.
 template <class Tree>
 void TargetCulling<Tree>::find_candidates(const ListedPiece& piece, const Cut<MeasuredPoint>& cut) {
     candidates_.count = 0;

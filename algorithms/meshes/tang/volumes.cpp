@@ -7,16 +7,16 @@
 
 namespace hausbench {
 
-// The distance to q is convex, so that over the hull it is largest at a corner: point to point of rounding.h. Rounding the sum
-// costs half an ulp, which next_up gives back.
+// The distance to q is convex, so over the hull it is largest at a corner; these distances are bounded as point to
+// point in rounding.h. Rounding the sum costs half an ulp, which next_up makes up for.
 double distance_at_most(const CornerVolume& volume, const Vec3& q) {
     double most = 0;
     for (std::size_t i = 0; i < volume.count; ++i) most = std::max(most, squared_length(volume.corner[i] - q));
     return next_up(distance_at_most(most, true) + volume.radius);
 }
 
-// A corner (c + s u) + t v errs by 2.01u m in each coordinate, m the largest |coordinate| of |c| + |u| + |v|, so by less than 4u m
-// in length. The product and the sums with which m is computed lose a few u of that.
+// A corner (c + s u) + t v errs by 2.01u m in each coordinate, where m is the largest |coordinate| of |c| + |u| +
+// |v|, so by less than 4u m in length. The product and the sums that compute m lose a few u of it.
 CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child) {
     const SweptSphere& swept = tree.volume(node, child);
     CornerVolume volume;
@@ -28,7 +28,7 @@ CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child)
     return volume;
 }
 
-// As computed, no plane is farther inside than the content (structures/quantised_boxes.h).
+// The computed planes never cut off content (structures/quantised_boxes.h).
 CornerVolume corners_of(const TriangleBvh& tree, std::size_t node, int child) {
     const QuantisedBoxes& boxes = tree.tree().nodes[node].boxes;
     CornerVolume volume;
@@ -48,7 +48,7 @@ double distance_at_least(const SweptSphereBvh& tree, std::size_t node, int child
     return distance_at_least(tree.volume(node, child), q);
 }
 
-// No computed squared distance to a point of the box is less (box.h).
+// Computed squared distances to points of the box are never smaller (box.h).
 double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, const Vec3& q) {
     const QuantisedBoxes& boxes = tree.tree().nodes[node].boxes;
     const auto lane = static_cast<std::size_t>(child);
@@ -62,12 +62,12 @@ double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, c
     return distance_at_least(squared_distance_to_box(q, box), true);
 }
 
-// |R x|^2 = x.R^T R x is at most the largest sum of a row of |R^T R| (Gershgorin) times |x|^2. An entry as computed
-// errs by 3.01u |column i||column j|, at most the same for the largest column, whose square is in one of the sums: a
-// sum errs by 9.1u of the largest, and by 2u more when it is added up. A root, 8u for 5.6u, and next_up for the
-// product. R is scaled by a power of two first, which is exact, so that no square underflows beside the largest. If
-// the stretch itself is subnormal, it stretches no radius to 2^-600, which is far below the uM that a bound is
-// widened by (kernel/rounding.h).
+// |R x|^2 = x.R^T R x is at most |x|^2 times the largest row sum of |R^T R| (Gershgorin). A computed entry errs by
+// 3.01u |column i||column j|, at most 3.01u times the square of the largest column, which is part of one of the sums.
+// So a sum errs by 9.1u of the largest sum, and by 2u more when it is added up. The root needs 5.6u of the 8u, and
+// next_up covers the product. R is first scaled by a power of two, which is exact, so that no square underflows next
+// to the largest. If the stretch itself is subnormal, it stretches no radius to 2^-600, which is far below the uM
+// that a bound is widened by (kernel/rounding.h).
 VolumePose::VolumePose(const Pose& pose) : pose_(pose), identity_(pose.is_identity()) {
     if (identity_) return;
     const double largest = pose.rotation.cwiseAbs().maxCoeff();
@@ -80,10 +80,10 @@ VolumePose::VolumePose(const Pose& pose) : pose_(pose), identity_(pose.is_identi
 }
 
 // A point inside is sum w_i c_i + e with |e| <= radius and weights w_i >= 0 that add up to 1, and R e is at most
-// `stretch` times as long. What remains is rounding. Let m be the largest |coordinate| of a corner + radius, and G =
-// rows m + |t|: no |coordinate| that occurs is larger. fl(R x + t) errs by 4.01u G in each coordinate, less than 7u G
-// in length, for a corner as for the point inside: 14u G, and G as computed is at most 4u of itself too small. If G
-// overflows, nothing is known.
+// `stretch` times as long as e. The rest is rounding. Let m be the largest |coordinate| of a corner, plus radius, and
+// G = rows m + |t|, which bounds every |coordinate| that occurs. fl(R x + t) errs by 4.01u G in each coordinate, less
+// than 7u G in length, both for a corner and for the point inside: together 14u G. G as computed is at most 4u of
+// itself too small. If G overflows, the radius is infinite.
 CornerVolume VolumePose::operator()(const CornerVolume& volume) const {
     if (identity_) return volume;
     CornerVolume result;

@@ -1,4 +1,5 @@
-// The volumes of two kinds of BVH, for searches that take either: swept spheres (meshes/tang/swept_sphere.h) and boxes.
+// Volumes of two kinds of BVH, swept spheres (meshes/tang/swept_sphere.h) and boxes, with one interface for searches
+// that take either.
 #pragma once
 
 #include "algorithms/meshes/tang/swept_sphere.h"
@@ -8,7 +9,8 @@
 
 namespace hausbench {
 
-// Everything inside is within `radius` of the convex hull of the corners: four of a swept sphere, eight of a box.
+// A volume whose points are within `radius` of the convex hull of its corners: four for a swept sphere, eight for a
+// box.
 struct CornerVolume {
     std::array<Vec3, 8> corner;
     std::size_t count = 0;
@@ -17,30 +19,30 @@ struct CornerVolume {
     Vec3 centre() const { return 0.5 * (corner[0] + corner[count - 1]); }  // these two are opposite
 };
 
-// A bound of the distance between q and any point inside, proven under rounding. None is farther.
+// Returns an upper bound of the distance from q to any point inside; valid under rounding.
 double distance_at_most(const CornerVolume& volume, const Vec3& q);
 
-// Around the child of a node of tree().
+// Return the volume of a child of a node of tree().
 CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child);
 CornerVolume corners_of(const TriangleBvh& tree, std::size_t node, int child);
 
-// None of the triangles below that child is nearer to q, in exact arithmetic.
+// Return a lower bound of the exact distance from q to any triangle below that child.
 double distance_at_least(const SweptSphereBvh& tree, std::size_t node, int child, const Vec3& q);
 double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, const Vec3& q);
 
-// A pose of volumes that were built over the shape where it stands.
+// Moves volumes that were built over the unposed shape.
 class VolumePose {
 public:
     explicit VolumePose(const Pose& pose);
 
-    // Around posed(p) (geometry.h) for every p inside. O(1).
+    // Returns a volume that contains posed(p) (geometry.h) for every p inside. O(1).
     CornerVolume operator()(const CornerVolume& volume) const;
 
 private:
     Pose pose_;
     bool identity_;
-    double stretch_ = 1;  // no vector gets longer by more than this factor
-    double rows_ = 1;     // the largest sum of a row of the rotation's absolute values
+    double stretch_ = 1;  // upper bound of the factor by which a vector gets longer
+    double rows_ = 1;     // the largest sum of absolute values in a row of the rotation
 };
 
 }  // namespace hausbench

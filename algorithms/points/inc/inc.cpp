@@ -1,14 +1,15 @@
-// INC: two R-trees refined in turn, a queue over A by upper bound whose every entry has a queue of its own over B.
+// INC: refines two R-trees in turn, with a queue over A ordered by upper bound. Each entry has its own queue over B.
 //
 // Source: Nutanong, Jacox, Samet: An incremental Hausdorff distance calculation algorithm, PVLDB 4(8), 2011. An entry
-// pairs a node or point x of A with an upper bound, and with all nodes and points of B that may be nearest, ordered by least
-// distance. The entry with the largest upper bound is taken; if x and the nearest of B are points, their distance is h. Otherwise
-// the larger of the two is split: children of x each get a copy of the queue, a node of B is replaced by its children.
-// Nodes and points farther from x than its upper bound are dropped.
+// pairs a node or point x of A with an upper bound and with all nodes and points of B that may be nearest, ordered by
+// least distance. The search takes the entry with the largest upper bound. If x and the nearest item of B are points,
+// their distance is h. Otherwise it splits the larger of the two: each child of x gets a copy of the queue, or a node
+// of B is replaced by its children. Nodes and points farther from x than its upper bound are dropped.
 //
-// Bounds are kept squared and rounded like the distances themselves (posed_box.h), so the answer has the bits of
-// NAIVEHDD. The trees are built once; under motion a node of A becomes the box around the posed one. Memory is the weak point:
-// the queues hold many copies, O(|A| |B|) at worst (extra `queue_bytes`: the peak). Budget: entries taken.
+// Bounds are kept squared and rounded like the distances themselves (posed_box.h), so the answer has the same bits as
+// NAIVEHDD's. The trees are built once; under motion a node of A becomes the box around the posed node. Memory is the
+// weak point: the queues hold many copies, O(|A| |B|) in the worst case (`queue_bytes` reports the peak). Budget:
+// entries taken.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
@@ -20,7 +21,7 @@
 namespace hausbench {
 namespace {
 
-// A node (>= 0) or a point of the tree's order (~i) of either set.
+// A node (>= 0), or the complement ~i of position i in the tree's order, for a point; of either set.
 using Id = std::int32_t;
 bool is_point(Id id) { return id < 0; }
 
@@ -122,7 +123,7 @@ private:
     }
     static std::size_t held(const Entry& entry) { return entry.near.capacity() * sizeof(Near); }
 
-    // Returns the bounds of one pair; for two points the distance itself.
+    // Bounds the squared distance of one pair; for two points both bounds are the squared distance.
     void bound(const Box& x, Id near, double& lower, double& upper) {
         const Box y = target_box(near);
         ++(is_point(near) ? counters_.bound_tests : counters_.node_visits);
@@ -166,7 +167,7 @@ private:
         push(std::move(entry));
     }
 
-    // Returns the entries no farther than the final upper bound, with no spare capacity.
+    // Keeps the entries no farther than the final upper bound, without spare capacity.
     static void keep(Entry& entry, const std::vector<Near>& all) {
         const auto kept = [&](const Near& near) { return near.squared_lower <= entry.squared_upper; };
         entry.near.reserve(static_cast<std::size_t>(std::count_if(all.begin(), all.end(), kept)));

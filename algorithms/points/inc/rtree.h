@@ -1,4 +1,4 @@
-// R-tree over a set of points, packed by sorting and tiling.
+// R-tree over a point set, packed by sorting and tiling.
 //
 // Source: Leutenegger, Lopez, Edgington: STR: a simple and efficient algorithm for R-tree packing, ICDE 1997.
 #pragma once
@@ -19,7 +19,7 @@ public:
 
     struct Node {
         Box box;  // tight
-        // Range of its children: nodes, or for a leaf points, as positions in order().
+        // Range of its children: nodes, or positions in order() if this is a leaf.
         std::int32_t first, count;
         bool leaf;
     };

@@ -13,7 +13,8 @@ public:
     Searcher(const PointCells& cells, const NearGrid& grid, const Points& a, const Points& b, CellFindings& findings)
         : cells_(cells), grid_(grid), a_(a), b_(b), findings_(findings) {}
 
-    // The points of A are unordered, so the memory of later rows' cells is prefetched while earlier rows are searched.
+    // Searches for each row. The points of A are unordered, so the cells of later rows are prefetched while earlier
+    // rows are searched.
     template <class RowOf> void search(std::size_t count, const RowOf& row_of) {
         constexpr std::size_t ahead = 32;
         Cell at[ahead];
@@ -37,7 +38,7 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most = 128;  // points per point of A; beyond this a tree examines fewer
+    static constexpr std::uint64_t most = 128;  // points examined per point of A; beyond this a tree examines fewer
     static constexpr int widest = 16;           // cells along an axis
 
     void fetch(Index row) const {
@@ -71,8 +72,8 @@ private:
         return false;
     }
 
-    // First the cells that share a face; then all cells that may hold a point near enough; then, if there is none, the cells that may
-    // hold a point closer than the nearest so far.
+    // Searches the cells that share a face; then all cells that may contain a point near enough; then, if there is
+    // none, the cells that may contain a point closer than the nearest so far.
     void search_around(Index row, const Cell& cell) {
         constexpr std::int32_t faces[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
         for (const auto& [x, y, z] : faces) {
@@ -96,14 +97,16 @@ private:
             findings_.farthest = {squared_, row, nearest_};
     }
 
-    // Examines all points at less than this squared distance; if there are too many, reports that the place is crowded.
+    // Examines all points at less than this squared distance. Sets `crowded_` if there are too many. Returns whether
+    // a point is near enough.
     //
-    // Let x be the distance of such a point along an axis, s its computed squared distance, and t the given one; s < t as computed.
-    // Then x is at most distance_at_most(t) (kernel/rounding.h), by the relative errors of s and of the root. If squares underflow, no
-    // slack is needed: s >= x^2 - (least double) / 2 and s <= t - (least double), so x^2 < t.
+    // Let x be the distance of such a point along an axis, s its computed squared distance, and t the given squared
+    // distance; s < t as computed. Then x is at most distance_at_most(t) (kernel/rounding.h), by the relative errors
+    // of s and of the root. If squares underflow, no slack is needed: s >= x^2 - (least double) / 2 and s <= t -
+    // (least double), so x^2 < t.
     bool near_enough_within(double squared) {
         const PointCells::Range range = cells_.range_of(point_, distance_at_most(squared, false));
-        Cell to;  // cells beyond share the lists of earlier cells
+        Cell to;  // cells beyond this share the lists of earlier cells
         for (std::size_t k = 0; k < 3; ++k) {
             crowded_ = crowded_ || range.to[k] - range.from[k] >= widest;
             to[k] =
@@ -123,7 +126,7 @@ private:
     const NearGrid& grid_;
     const Points &a_, &b_;
     CellFindings& findings_;
-    // The point of A being searched.
+    // The point of A whose nearest point is sought.
     const double* point_ = nullptr;
     double squared_ = 0;
     Index nearest_ = -1;

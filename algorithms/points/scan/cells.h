@@ -1,4 +1,4 @@
-// Searches points of A in the cells of B.
+// Searches the cells of B for points near those of A.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -19,12 +19,12 @@ struct CellFindings {
     std::vector<Index> open;
 };
 
-// Finds for each row of A a point of B within the squared distance of the farthest so far, or the closest one if there is none. The
-// cells hold all points of B that may be closest; the grid holds one near each point. O(1) per row.
+// Finds for each row of A a point of B within the largest squared distance so far or, if there is none, the closest
+// point. The cells must contain every point of B that may be closest. The grid gives one near point. O(1) per row.
 void search_cells(const PointCells& cells, const NearGrid& grid, const Points& a, std::span<const Index> rows,
                   const Points& b, CellFindings& findings);
 
-// The same for the rows [begin, end).
+// Does the same for the rows [begin, end).
 void search_cells(const PointCells& cells, const NearGrid& grid, const Points& a, Index begin, Index end,
                   const Points& b, CellFindings& findings);
 

@@ -12,9 +12,10 @@
 namespace hausbench {
 namespace {
 
-constexpr std::uint64_t most_a_row = 48;  // limit of the average number of points of B examined per row of A
+constexpr std::uint64_t most_a_row = 48;  // limit on the average number of points of B examined per row of A
 
-// Returns the points of B in cells that may hold the closest point of an undecided point; nothing if that would exclude few.
+// Returns the points of B in cells that may contain the closest point of an undecided point; nothing if few points
+// would be excluded.
 std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std::vector<Undecided>& undecided,
                                                  ScanState& state) {
     std::vector<std::uint8_t> flags(work.grid.cells());
@@ -36,8 +37,8 @@ void take(const CellFindings& found, ScanState& state) {
     if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
 }
 
-// Searches blocks of rows. Each block starts from the largest distance known before the round, so the answer does not depend on which
-// blocks run at the same time.
+// Searches rows block by block. Each block starts from the largest distance known before its round, so the answer
+// does not depend on which blocks run at the same time.
 Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const PointCells& cells,
                      std::vector<Index>& open, ScanState& state) {
     constexpr std::size_t size = ScanWork::block_rows, at_once = 64;  // blocks between two checks of the clock
@@ -63,11 +64,11 @@ Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const
     return Status::converged;
 }
 
-// Searches in cells; `open` receives the undecided rows. Returns nothing if cells do not help here.
+// Searches in cells; `open` receives the undecided rows. Returns nothing if cells do not help for these sets.
 std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<Index>* rows,
                                       const std::vector<Index>* near, std::vector<Index>& open, ScanState& state) {
-    // On a surface, an occupied cell of this size has about two points. If the largest distance so far is long, larger cells suffice,
-    // because all points within one are near enough to each other.
+    // On a surface, an occupied cell of this size contains about two points. If the largest distance so far is long,
+    // larger cells suffice, because all points in a cell are near enough to each other.
     const double crowd = static_cast<double>(work.b.rows()) / static_cast<double>(work.grid.occupied());
     const double finer = std::sqrt(std::max(crowd / 2, 1.0));
     const double wide_enough = 1.75 / distance_at_most(std::max(state.farthest.squared, 0.0), true);
@@ -79,12 +80,12 @@ std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<In
     search_cells(cells, work.grid, work.a, some, work.b, first);
     take(first, state);
     if (first.open.size() > some.size() / 4) return std::nullopt;
-    // If the numbers of points per cell differ much, a tree examines fewer points.
+    // If the number of points per cell varies a lot, a tree examines fewer points.
     if (first.counters.point_distances > most_a_row * some.size()) return std::nullopt;
     return search_blocks(work, rows, cells, open, state);
 }
 
-// Compares by plain early breaking.
+// Compares the rows by plain early breaking.
 Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near, ScanState& state) {
     const Points &a = work.a, &b = work.b;
     const auto count = near ? static_cast<Index>(near->size()) : static_cast<Index>(b.rows());
@@ -118,7 +119,8 @@ Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const Poi
     return Status::converged;
 }
 
-// Searches the rows of A (all if null) in the points of B that may be closest (all if null), by the cheapest method for that number.
+// Searches, for each row of A (all if null), the points of B that may be closest (all if null), by the cheapest
+// method for this number of pairs.
 Status search_near(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near,
                    ScanState& state) {
     if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;

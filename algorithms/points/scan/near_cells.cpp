@@ -18,7 +18,7 @@ void cells_of_each(const CellLayout& layout, const double* points, std::size_t c
     const Doubles d;
     const hn::Rebind<std::int32_t, Doubles> whole;
     const auto per_length = hn::Set(d, layout.cells_per_length), zero = hn::Zero(d);
-    // The operations of CellLayout::along(), in its order.
+    // Performs the operations of CellLayout::along() in the same order.
     const auto along = [&](hn::Vec<Doubles> x, int k) HWY_ATTR {
         const auto scaled = hn::Mul(hn::Sub(x, hn::Set(d, layout.low[k])), per_length);
         return hn::DemoteTo(whole, hn::Min(hn::Max(scaled, zero), hn::Set(d, layout.last[k])));

@@ -1,4 +1,5 @@
-// The cells of many points in a grid, in vector instructions chosen at run time; the same on every target.
+// Cell numbers of many points in a grid, with vector instructions chosen at run time. The results are the same on
+// every target.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -9,8 +10,8 @@
 
 namespace hausbench {
 
-// Cubes that start at `low`, size[k] of them along axis k, ordered by x, then y, then z. Points outside belong to the nearest cell along
-// each axis. Monotone in each coordinate.
+// A grid of cubes that starts at `low`, with size[k] cubes along axis k, ordered by x, then y, then z. A point
+// outside belongs to the nearest cell along each axis. Cell numbers are monotone in each coordinate.
 struct CellLayout {
     double low[3] = {}, last[3] = {};  // `last` is size - 1
     double cells_per_length = 0;
@@ -28,8 +29,9 @@ struct CellLayout {
 // Writes layout.cell_of(point) for `count` points, three coordinates each, to cells[0..].
 void cells_of(const CellLayout& layout, const double* points, std::size_t count, std::int32_t* cells);
 
-// Writes the squared distance, as squared_distance() computes it, of each of `count` points to the point of its cell, whose coordinates
-// start at of_cells[4 cell]. Returns the number of the farthest, the first of equals; count > 0.
+// Writes the squared distance, as squared_distance() computes it, from each of `count` points to the point stored for
+// its cell, whose coordinates start at of_cells[4 cell]. Returns the number of the farthest point, the first of
+// equals; count > 0.
 std::size_t squared_to_cells(const CellLayout& layout, const double* of_cells, const double* points, std::size_t count,
                              double* squared);
 

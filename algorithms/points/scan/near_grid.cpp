@@ -8,7 +8,7 @@
 namespace hausbench {
 namespace {
 
-// The nearest occupied cell; empty if none is known yet.
+// Coordinates of the nearest occupied cell; empty if none is known yet.
 struct Place {
     std::int16_t x = -1, y = -1, z = -1;
     bool empty() const { return x < 0; }
@@ -18,8 +18,9 @@ int squared(const Place& p, int x, int y, int z) {
     return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + (p.z - z) * (p.z - z);
 }
 
-// Returns up to 1024 distinct points, one from each of as many parts of equal length. The place within a part follows the golden ratio,
-// so that no regular order of the points can put the same kind of point at every place. Duplicates say nothing about the extent.
+// Returns up to 1024 distinct points, one from each of as many parts of equal length. The position within a part
+// follows the golden ratio, so that a regular order of the points cannot bias the sample. Duplicates are removed,
+// because they say nothing about the extent.
 std::vector<std::array<double, 3>> sample_of(const Points& points) {
     const Eigen::Index count = std::min<Eigen::Index>(points.rows(), 1024);
     std::vector<std::array<double, 3>> sample;
@@ -34,9 +35,9 @@ std::vector<std::array<double, 3>> sample_of(const Points& points) {
     return sample;
 }
 
-// Returns the box without outliers: an axis more than eight times as long as the span between the quantiles 1/16 and 15/16 (of a
-// sample of distinct points) is cut down to three times that span. If nearly all points coincide, the sample is small, and an outlier
-// among fewer than 16 distinct points keeps the whole box.
+// Returns the box without outliers: an axis that is more than eight times as long as the span between the quantiles
+// 1/16 and 15/16 (of a sample of distinct points) is cut down to three times that span. If nearly all points
+// coincide, the sample is small; an outlier among fewer than 16 distinct points keeps the whole box.
 Box dense_part(const Points& points, const Box& box) {
     const std::vector<std::array<double, 3>> sample = sample_of(points);
     std::vector<double> along(sample.size());
@@ -71,7 +72,8 @@ NearGrid::NearGrid(const Points& points, const Box& box, const Threads& threads)
     fill_empty_cells();
 }
 
-// Stores the last point of each cell. A point outside the grid may be far from its cell, so any point inside is preferred.
+// Stores the last point of each cell. Prefers any point inside `inside`, because a point outside the grid may be far
+// from its cell.
 //
 // A few threads each take a part of the points and note the last row of each cell; the later part wins.
 void NearGrid::take_last_of_each(const Points& points, const Box* inside, const Threads& threads) {
@@ -190,8 +192,8 @@ Points NearGrid::spread() const {
 }
 
 std::size_t NearGrid::mark(const double* point, double radius, std::vector<std::uint8_t>& flags) const {
-    // Rounding to nearest is monotone and keeps doubles: point - radius <= x <= point + radius in exact arithmetic implies the same for
-    // the rounded ends and every double x. So the ends need no slack.
+    // Rounding to nearest is monotone and leaves doubles unchanged: if point - radius <= x <= point + radius in exact
+    // arithmetic, the same holds for the rounded ends and any double x. So the ends need no slack.
     const std::int32_t(&size_)[3] = layout_.size;
     int from[3], to[3];
     for (int k = 0; k < 3; ++k) {

@@ -14,10 +14,10 @@
 namespace hausbench {
 namespace {
 
-// The nearest of some points of B so far.
+// The nearest point of B so far.
 struct Best {
     double squared = std::numeric_limits<double>::infinity();
-    std::size_t begin = 0;  // of the tile of B that has it
+    std::size_t begin = 0;  // start of the tile of B that contains it
 };
 
 }  // namespace
@@ -31,7 +31,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;
 
-// Takes whole rows: `count` numbers, a multiple of three.
+// Returns the extent of whole rows: `count` numbers, a multiple of three.
 Extent extent_of_part(const double* data, std::size_t count) {
     const Doubles d;
     const std::size_t lanes = hn::Lanes(d);
@@ -103,7 +103,7 @@ void nearest_of_part(const Points& a, std::span<const Index> rows, const Points&
             for (std::size_t i = 0; i < tile; i += hn::Lanes(d)) {
                 const auto dx = hn::Sub(px, hn::Load(d, x + i)), dy = hn::Sub(py, hn::Load(d, y + i)),
                            dz = hn::Sub(pz, hn::Load(d, z + i));
-                // In the order of squared_distance.
+                // in the order of squared_distance
                 least = hn::Min(least, hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz)));
             }
             const double squared = hn::GetLane(hn::MinOfLanes(d, least));
@@ -124,9 +124,9 @@ HWY_EXPORT(nearest_of_part);
 
 namespace {
 
-constexpr std::size_t part_rows = 1 << 14;  // rows that are worth a thread
+constexpr std::size_t part_rows = 1 << 14;  // number of rows worth a thread
 
-// By row of A.
+// Returns the nearest point of B for each row of A.
 std::vector<Best> nearest_of_all(const Points& a, std::span<const Index> rows, const Points& b,
                                  const Threads& threads) {
     const auto count = static_cast<std::size_t>(b.rows());

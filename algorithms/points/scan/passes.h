@@ -1,4 +1,5 @@
-// Passes of points/scan/scan.cpp over all points, in vector instructions chosen at run time; the same on every target, by any threads.
+// Passes of points/scan/scan.cpp over all points, with vector instructions chosen at run time. The results are the
+// same on every target and for any number of threads.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -11,7 +12,7 @@
 
 namespace hausbench {
 
-// The findings of one pass over points.
+// The extent of a point set.
 struct Extent {
     Box box;
     bool tiny = false;  // some nonzero coordinate is smaller than smallest_safe_coordinate
@@ -20,7 +21,8 @@ struct Extent {
 };
 Extent extent_of(const Points& points, const Threads& threads = Threads());
 
-// Finds the nearest point of B to each of a few rows of A by comparing with all points; updates `farthest`. O(rows |B|).
+// Finds the nearest point of B to each of a few rows of A by comparing them with all of B; updates `farthest`. O(rows
+// |B|).
 void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, const Threads& threads,
                       FarthestPoint& farthest, Counters& counters);
 

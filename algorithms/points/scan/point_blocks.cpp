@@ -93,7 +93,8 @@ PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen,
 }
 
 std::size_t PointBlocks::leaf_at(const double* point) const {
-    // A cluster that the frame does not resolve has many leaves with one key; more halvings tell them apart.
+    // A cluster that the frame does not resolve has many leaves with the same key; frame.before() tells them apart by
+    // further halvings.
     const auto [from, to] = std::equal_range(keys.begin(), keys.end(), frame.key(point));
     const auto begin = leaves.begin() + (from - keys.begin()), end = leaves.begin() + (to - keys.begin());
     const auto after = std::upper_bound(begin, end, point, [&](const double* p, const PointLeaf& leaf) {

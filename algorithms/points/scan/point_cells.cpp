@@ -5,7 +5,7 @@
 
 namespace hausbench {
 
-// Gives each axis as many entries as it has cells; halves the longest axis until the table is small enough.
+// Gives each axis as many entries as it has cells, then halves the longest axis until the table is small enough.
 void PointCells::lay_table(std::size_t count, const Box& box) {
     const int most = std::bit_width(2 * count - 1);
     int bits[3];
@@ -38,7 +38,7 @@ PointCells::PointCells(const Points& points, const std::vector<Index>* chosen, c
         for (std::size_t i = 0; i < count; ++i) add(row_of(i), place_of(row_of(i)));
         return;
     }
-    // Each worker has a part of the table, and takes the points of that part in their order.
+    // Each worker owns a part of the table and adds the points of that part in order.
     const auto places = std::make_unique_for_overwrite<std::uint32_t[]>(count);
     const std::size_t blocks = blocks_of(count, 1 << 13);
     threads.for_each(blocks, [&](std::size_t block) {

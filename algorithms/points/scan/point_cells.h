@@ -1,8 +1,10 @@
-// Points in small cubes, for sets that lie close together: a near point is then in the same cube or a neighbour.
+// Points in small cubes, for sets that lie close together: a near point is then in the same cube or in a neighbouring
+// one.
 //
-// A table of lists, quick to build and small, because fresh memory costs more than the work. Cell (x, y, z) of the grid uses entry
-// (x mod 2^i, y mod 2^j, z mod 2^k) of the table, so points of any extent need one to two entries per point. Distant cells may share
-// an entry: the list of a cell holds all of its points, and possibly others.
+// This is a table of lists, small and quick to build, because fresh memory costs more than the work. Cell (x, y, z)
+// of the grid uses entry (x mod 2^i, y mod 2^j, z mod 2^k) of the table, so points of any extent need one to two
+// entries per point. Distant cells may share an entry: the list of a cell contains all its points, and possibly
+// others.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -19,8 +21,9 @@ class PointCells {
 public:
     using Cell = std::array<std::int32_t, 3>;
 
-    // The chosen rows of `points` (all if null), which lie in `box`, in cubes of edge 1 / cells_per_length, a positive number.
-    // O(n) time; memory: 12 bytes a point. The same lists whatever the number of threads: rows fall.
+    // Puts the chosen rows of `points` (all if null), which lie in `box`, into cubes of edge 1 / cells_per_length, a
+    // positive number. O(n) time, 12 bytes per point. Rows fall along each list, so the lists do not depend on the
+    // number of threads.
     PointCells(const Points& points, const std::vector<Index>* chosen, const Box& box, double cells_per_length,
                const Threads& threads);
 
@@ -29,8 +32,8 @@ public:
 
     // Returns the range of cell_of(x) for all x with |x - point| <= radius along each axis.
     //
-    // Rounding to nearest is monotone and keeps doubles: point - radius <= x <= point + radius in exact arithmetic implies the same
-    // for the rounded ends and every double x. So the ends need no slack.
+    // Rounding to nearest is monotone and leaves doubles unchanged: if point - radius <= x <= point + radius in exact
+    // arithmetic, the same holds for the rounded ends and any double x. So the ends need no slack.
     struct Range {
         Cell from, to;
     };
@@ -43,7 +46,7 @@ public:
         return range;
     }
 
-    // The list of a cell: row = first(cell); then row = next(row), until that is negative.
+    // Iterate over the list of a cell: row = first(cell); then row = next(row), until it is negative.
     Index first(const Cell& cell) const { return first_[place(cell)]; }
     Index next(Index row) const { return next_[static_cast<std::size_t>(row)]; }
 
@@ -51,7 +54,7 @@ public:
     const Index* first_at(const Cell& cell) const { return &first_[place(cell)]; }
     const Index* next_at(Index row) const { return &next_[static_cast<std::size_t>(row)]; }
 
-    // The number of entries along an axis; as many neighbouring cells have lists of their own.
+    // Returns the number of entries along an axis; that many neighbouring cells have lists of their own.
     std::int64_t entries(std::size_t axis) const { return std::int64_t{masks_[axis]} + 1; }
 
 private:

@@ -1,30 +1,32 @@
-// scan: exact distances of point sets, whether one outlier decides or the sets are nearly the same.
+// scan: exact distances of point sets, fast both if a single outlier decides and if the sets are nearly the same.
 //
-// A point of A is discarded as soon as some point of B is no farther than the largest distance found so far (early
-// breaking, Taha and Hanbury 2015). The steps that find such a point go from cheap to expensive; each runs only if
-// the steps before leave points of A undecided:
-//   1. a coarse grid over B gives one near point of B, the candidate, for each point of A;
-//   2. the points of A whose candidates are farthest are compared with all of B, which gives a first largest distance;
-//   3. points of A whose candidate is no farther than this are decided;
-//   4. points of B that cannot be nearest to an undecided point are dropped: a grid cell is kept if it is no farther from such a point
-//      than its candidate;
-//   5. the kept points go into cells about as large as the distance between neighbours. A near point is usually in the cell of the
-//      point of A or beside it; otherwise all cells that may hold one are searched;
-//   6. if cells are crowded, their points are sorted in Morton order under a tree of boxes, and so are the undecided points of A. A
-//      near leaf of B decides a leaf of A as a whole, or point by point; the points left are searched for in the tree.
-// If a sample shows that step 3 would decide few points, step 5 takes all. Only the grid is built beforehand: the structures of steps 5
-// and 6 depend on the distance, and cost less than searching.
+// A point of A is discarded as soon as some point of B is within the largest distance found so far (early breaking,
+// Taha and Hanbury 2015). The steps that find such a point go from cheap to expensive; each runs only if the previous
+// steps leave points of A undecided:
+//   1. A coarse grid over B gives a near point of B, the candidate, for each point of A.
+//   2. The points of A with the farthest candidates are compared with all of B, which gives a first largest distance.
+//   3. Points of A whose candidate is within this distance are decided.
+//   4. Points of B that cannot be nearest to an undecided point are dropped: a grid cell is kept if its distance from
+//      such a point is at most the distance of the point's candidate.
+//   5. The kept points go into cells about as large as the distance between neighbours. A near point is usually in
+//      the cell of the point of A or in an adjacent one; otherwise all cells that may contain one are searched.
+//   6. If cells are crowded, their points and the undecided points of A are sorted in Morton order, the former under
+//      a tree of boxes. A near leaf of B decides a leaf of A as a whole or point by point; the tree is searched for
+//      the remaining points.
+// If a sample shows that step 3 would decide few points, step 5 takes all points. Only the grid is built beforehand:
+// the structures of steps 5 and 6 depend on the distance and cost less than searching.
 //
-// Threads take the points of A in blocks (steps 1, 3 and 5). Each block starts from the distance known before the round, so the work,
-// the answer and its witness do not depend on the number of threads.
+// Threads take the points of A in blocks (steps 1, 3 and 5). Each block starts from the distance known before the
+// round, so the work, the answer and its witness do not depend on the number of threads.
 //
-// Outliers and clusters: the grid covers the part of B that holds most points, and both sorts refine every crowded cell in the frame of
-// its own box (kernel/morton.h), so that no step takes its scale from the farthest points.
+// Outliers and clusters: the grid covers the part of B that contains most points, and both sorts refine every crowded
+// cell in the frame of its own box (kernel/morton.h), so no step takes its scale from the farthest points.
 //
-// Exact and certified: only computed squared distances to points of B decide, in the order of operations of squared_distance. Boxes are
-// compared with the same monotone operations (kernel/box.h), and cells are rounded outward. So the answer has the same bits as that of
-// `naive`. Time: O(|A| + |B|) if an outlier decides, else about O(|A| log |B| + |B|). Memory: O(|A| + |B|). Budget: searches for closest
-// points, checked between batches.
+// Exact and certified: only computed squared distances to points of B decide, in the order of operations of
+// squared_distance. Boxes are compared with the same monotone operations (kernel/box.h), and cells are rounded
+// outward. So the answer has the same bits as the answer of `naive`.
+// Time: O(|A| + |B|) if an outlier decides, otherwise about O(|A| log |B| + |B|). Memory: O(|A| + |B|). Budget:
+// searches for closest points, checked between batches.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/scan/near.h"
@@ -88,7 +90,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t batch = 8;  // points compared with all of B in one pass over it
+    static constexpr std::size_t batch = 8;  // points compared with all of B in one pass
     static constexpr std::size_t block_rows = ScanWork::block_rows;
 
     static double most_of(const std::vector<Undecided>& undecided) {
@@ -101,7 +103,7 @@ private:
         return squared_distance(point, grid_.candidate(point).point);
     }
 
-    // Decides the points whose candidates are farthest by comparing them with all of B.
+    // Compares the points with the farthest candidates with all of B, which decides them.
     static void compare_farthest(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) {
         const std::size_t count = std::min(batch, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
@@ -116,7 +118,8 @@ private:
         drop_decided(undecided, state);
     }
 
-    // Replaces candidates by the nearest of some evenly spread points of B: far from B, such a point is about as near as the closest.
+    // Replaces candidates by the nearest of some evenly spread points of B: far from B, such a point is about as near
+    // as the closest one.
     void compare_with_spread(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) const {
         const std::size_t pairs = undecided.size() * grid_.occupied();
         if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
@@ -150,7 +153,7 @@ private:
         return left > some.size() / 2;
     }
 
-    // Returns the points of A that their candidate does not decide.
+    // Returns the points of A that are not decided by their candidates.
     std::vector<Undecided> keep_undecided(const ScanWork& work, const std::vector<Undecided>& farthest,
                                           ScanState& state) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
@@ -167,8 +170,8 @@ private:
             }
         }
         compare_with_spread(work, undecided, state);
-        // One pass over B for the farthest candidates; more passes while each decides half of the rest, or two more would finish: this is
-        // cheaper than cells.
+        // One pass over B for the farthest candidates, then more passes as long as each decides half of the rest or
+        // two more would finish, because this is cheaper than cells.
         for (std::size_t before = 2 * undecided.size();
              !undecided.empty() && undecided.size() <= std::max(before / 2, 2 * batch);) {
             before = undecided.size();

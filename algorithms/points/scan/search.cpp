@@ -15,7 +15,7 @@ namespace hausbench::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Doubles = hn::CappedTag<double, 8>;  // 8 divides 16, the points of a leaf
+using Doubles = hn::CappedTag<double, 8>;  // 8 divides 16, the number of points in a leaf
 
 HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::Vec<Doubles> z) {
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));  // in the order of squared_distance
@@ -52,8 +52,8 @@ struct OpenBlock {
     std::size_t level, index;
 };
 
-// Pushes the children of a node that may hold a point nearer than `squared`, the farthest first, so that the nearest is popped first
-// (the first of equals). Returns the new size of the stack.
+// Pushes the children of a node that may contain a point nearer than `squared`, the farthest first, so that the
+// nearest (the first of equals) is popped first. Returns the new size of the stack.
 HWY_INLINE std::size_t push_children(const PointBlocks& b, const OpenBlock& at, const double (&p)[3], double squared,
                                      OpenBlock* stack, std::size_t size) {
     const Doubles d;
@@ -82,9 +82,9 @@ HWY_INLINE std::size_t push_children(const PointBlocks& b, const OpenBlock& at, 
     return size;
 }
 
-// Finds the nearest point of B, or any within the squared early-out radius. `nearest` is the best known, with leaf `scanned` included.
-// Distances to boxes are rounded like distances to points (kernel/box.h), so a box that is no nearer than the nearest point holds no
-// nearer point.
+// Finds the nearest point of B, or any point within the squared early-out radius. `nearest` is the best known point
+// and already includes leaf `scanned`. Distances to boxes are rounded like distances to points (kernel/box.h), so a
+// box farther than the nearest point, or as far, contains no nearer point.
 HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double squared_early_out, std::size_t scanned,
                             Nearest& nearest, Counters& counters) {
     OpenBlock stack[(block_children - 1) * 12 + 1];  // 8^12 leaves exceed an Index
@@ -125,7 +125,7 @@ void search_point(const PointBlocks& b, const PointLeaf& leaf, std::size_t i, st
     if (nearest.squared > squared_early_out) state.farthest = {nearest.squared, leaf.row[i], nearest.row};
 }
 
-// Returns the leaf of B at the same place in the order.
+// Returns the leaf of B at the position of this leaf of A in the order.
 std::size_t home_of(const PointBlocks& b, const PointLeaf& leaf) {
     const double first[3] = {leaf.x[0], leaf.y[0], leaf.z[0]};
     return b.leaf_at(first);
@@ -155,8 +155,8 @@ HWY_INLINE LeafBox box_of(const PointLeaf& leaf) {
     return box;
 }
 
-// Returns whether some point of the leaf is within the squared early-out radius of the whole box. The farthest corner decides, because
-// every operation of squared_distance is monotone in |a - b|.
+// Returns whether some point of the leaf is within the squared early-out radius of the whole box. Testing the
+// farthest corner is enough, because every operation of squared_distance is monotone in |a - b|.
 HWY_INLINE bool covers(const PointLeaf& points, const LeafBox& box, double squared_early_out) {
     const Doubles d;
     auto least = hn::Set(d, infinity);
@@ -181,7 +181,7 @@ void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState
             if (covers(b.leaves[state.last_leaf], box, state.farthest.squared)) continue;
         }
         for (std::size_t i = 0; i < block_points; ++i) {
-            if (i > 0 && leaf.row[i] == leaf.row[i - 1]) break;  // repeated: end of the last leaf
+            if (i > 0 && leaf.row[i] == leaf.row[i - 1]) break;  // a repeated row: end of the last leaf
             search_point(b, leaf, i, home, state);
         }
     }

@@ -1,4 +1,5 @@
-// Searches leaves of A in the tree of B, with vector instructions chosen at run time. Answers have the same bits on every target.
+// Searches leaves of A in the tree of B, with vector instructions chosen at run time. Answers have the same bits on
+// every target.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -11,7 +12,7 @@
 
 namespace hausbench {
 
-// The state of a search; the place of the last answer carries over from one leaf to the next.
+// State of a search; the leaf of the last answer carries over from one leaf of A to the next.
 struct ScanState {
     FarthestPoint farthest;
     Counters counters;
@@ -21,7 +22,7 @@ struct ScanState {
 // Updates state.farthest with one point of every fourth leaf, so that most other points are then decided at once.
 void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state);
 
-// Updates it with all points of the leaves.
+// Updates state.farthest with all points of the leaves.
 void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState& state);
 
 // Returns the Highway target whose instructions run, for tests.

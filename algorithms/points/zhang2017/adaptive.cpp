@@ -1,12 +1,13 @@
-// The framework of Zhang et al.: NOHD, EARLYBREAK or OHD, chosen by how far the boxes of A and B overlap.
+// The framework of Zhang et al.: chooses NOHD, EARLYBREAK or OHD by how far the boxes of A and B overlap.
 //
-// Source: Zhang et al. 2017, Algorithm 8: boxes disjoint: NOHD; alpha <= theta: EARLYBREAK, contact included; else OHD.
-// The paper defines alpha by its ends only (0 in contact, 1 at full overlap); here alpha = vol(boxA cap boxB) /
-// min(vol boxA, vol boxB), and an axis along which a box is flat is left out of all three. Nested boxes have alpha = 1
-// however large h is, so the volume of the intersection over that of the union (`iou`) is reported beside it.
+// Source: Zhang et al. 2017, Algorithm 8: NOHD if the boxes are disjoint; EARLYBREAK if alpha <= theta, contact
+// included; else OHD. The paper defines alpha only at its ends (0 in contact, 1 at full overlap); here alpha =
+// vol(boxA cap boxB) / min(vol boxA, vol boxB), and an axis along which a box is flat is left out of all three
+// volumes. Nested boxes have alpha = 1 however large h is, so the volume of the intersection over the volume of the
+// union (`iou`) is reported, too.
 //
-// Facts: `chosen` (the solver). Extras: `alpha` (-1: disjoint), `iou`. Time, memory and budget are as for the chosen
-// solver, plus O(|A|) for the box. A static scene is decided before anything is built.
+// Reports: `chosen` (the solver), `alpha` (-1: disjoint) and `iou`. Time, memory and budget are as for the chosen
+// solver, plus O(|A|) for the box. For a static scene the choice is made before anything is built.
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/point_solver.h"
@@ -69,7 +70,8 @@ public:
         return needs;
     }
 
-    // One octree: the scene is static, and the choice is made. None: EARLYBREAK. Both: any of the three may be chosen.
+    // If there is one octree, the scene is static and the solver is chosen. With none it is EARLYBREAK. With both,
+    // any of the three may be chosen later.
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         target_box_ = box_of(points_of(scene.target));
@@ -92,7 +94,7 @@ public:
         if (out_of_range(a, points_of(scene_->target))) return {};
         const Overlap overlap = overlap_of(box_of(a), target_box_);
         std::size_t chosen = choose(overlap);
-        // An unannounced pose: use any solver that is ready; all are exact.
+        // The pose was not announced: use any solver that is ready, because all are exact.
         while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
         Result result = solvers_[chosen]->solve(query, state, trace);
         result.reported["chosen"] = names[chosen];

@@ -1,19 +1,20 @@
-// NOHD: branch and bound over an octree of A, every cell and point against the points of B, with early breaking.
+// NOHD: branch and bound over an octree of A that compares every cell and point with the points of B, with early
+// breaking.
 //
-// Source: Zhang et al. 2017, Algorithms 3 to 5. Three changes:
-//   - Algorithm 5 breaks without setting cmin to 0, as the first print of EARLYBREAK did, and then returns a stale minimum or
-//     infinity. Here it returns "no farther". nohd_as_printed.cpp has it as printed.
-//   - The search stops once the head of the queue is no farther than the lower bound. The paper drains the queue, which cannot change
-//     the answer.
-//   - Bounds of a cell are kept squared and rounded like the distances themselves (posed_box.h), so the answer has the bits of
-//     NAIVEHDD.
-// `early_break = false` is the paper's variant without: Algorithm 4 without lines 5 to 8, so that every child is inserted, and
-// Algorithm 5 without lines 4 to 6.
+// Source: Zhang et al. 2017, Algorithms 3 to 5, with three changes:
+//   - Algorithm 5 breaks without setting cmin to 0, as the first print of EARLYBREAK did, and then returns a stale
+//     minimum or infinity. Here it returns "no farther". nohd_as_printed.cpp implements it as printed.
+//   - The search stops once the upper bound at the head of the queue is at most the lower bound. The paper drains the
+//     queue, which cannot change the answer.
+//   - Bounds of a cell are kept squared and rounded like the distances themselves (posed_box.h), so the answer has
+//     the same bits as NAIVEHDD's.
+// `early_break = false` is the paper's variant without early breaking: Algorithm 4 without lines 5 to 8, so that
+// every child is inserted, and Algorithm 5 without lines 4 to 6.
 //
-// The octree is built once in A's frame, down to single points; `depth` cuts through it, so that solvers can share it. With
-// `build = "to_depth"` it is built only to `depth`, as in the paper: cells and bounds are the same, but the points of a
-// cell are in another order. Under motion a cell becomes the box around the posed cell. O(|A| |B|) time at worst;
-// O(cells |B|), far fewer if A and B are apart. O(|A| + |B|) memory.
+// The octree is built once in A's frame, down to single points, so that solvers can share it; `depth` cuts through
+// it. With `build = "to_depth"` it is built only to `depth`, as in the paper: cells and bounds are the same, but the
+// points of a cell are in another order. Under motion a cell becomes the box around the posed cell. O(|A| |B|) time
+// in the worst case; O(cells |B|), far fewer, if A and B are apart. O(|A| + |B|) memory.
 // Budget: cells taken from the queue.
 #include "algorithms/points/zhang2017/nohd.h"
 #include "algorithms/kernel/deadline.h"
@@ -26,7 +27,7 @@
 namespace hausbench {
 namespace {
 
-// One query.
+// The search of one query.
 class NohdSearch {
 public:
     NohdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth,
@@ -77,7 +78,7 @@ public:
     }
 
 private:
-    // Algorithm 5, for the points of a cell. Returns false if time ran out.
+    // Runs Algorithm 5 for the points of a cell. Returns false if time ran out.
     bool look_at_points(const Cursor& cell) {
         const PointOctree::Node& node = tree_.nodes()[static_cast<std::size_t>(cell.node)];
         for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
@@ -104,7 +105,8 @@ private:
         squared_lower_ = std::max(squared_lower_, nearest);
     }
 
-    // `rest` bounds the squared distances of points not examined. If the lower bound comes from a cell, any of its points is a witness.
+    // Makes the result. `rest` bounds the squared distances of the points not examined. If the lower bound comes from
+    // a cell, any of its points is a witness.
     Result finish(double rest, Status stopped) {
         if (std::isinf(rest)) rest = squared_distances_at_most(a_, b_, nullptr, 0);
         const bool shown = farthest_.source >= 0 || stopped != Status::converged;

@@ -1,5 +1,5 @@
-// Algorithm 4 of Zhang et al. 2017, which is correct as printed, and the entries of its queue, for nohd.cpp and nohd_as_printed.cpp.
-// Algorithms 3 and 5 are in each file.
+// Algorithm 4 of Zhang et al. 2017, which is correct as printed, and the queue entries, shared by nohd.cpp and
+// nohd_as_printed.cpp. Each of these files has its own Algorithms 3 and 5.
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -12,7 +12,7 @@ namespace hausbench {
 
 struct NohdEntry {
     double squared_upper;  // MinUB
-    std::uint64_t number;  // breaks ties: the first comes first
+    std::uint64_t number;  // breaks ties: the lower number comes first
     Cursor cell;
 
     bool operator<(const NohdEntry& other) const {
@@ -21,11 +21,11 @@ struct NohdEntry {
 };
 
 struct CellToPoints {
-    double squared_upper, squared_lower;  // of the distances of the points of a cell
+    double squared_upper, squared_lower;  // bounds for the distances of the points of a cell
     bool undecided;                       // flag: a point of the cell may be farther than MaxLB
 };
 
-// Algorithm 4. Without `early_break`, omits its lines 5 to 8: every cell is undecided.
+// Algorithm 4. If `early_break` is false, omits lines 5 to 8: every cell is undecided.
 inline CellToPoints cell_to_points(const Box& cell, const Points& b, double squared_max_lb, bool early_break,
                                    Counters& counters) {
     ++counters.node_visits;

@@ -1,8 +1,9 @@
-// NOHD as printed, with its error, to show the effect: Zhang et al. 2017, Algorithms 3 and 5, and 4 in nohd.h.
+// NOHD as printed, to show the effect of its error: Zhang et al. 2017, Algorithms 3 and 5; Algorithm 4 is in nohd.h.
 //
-// The error: Algorithm 5 breaks without cmin <- 0, and then returns the minimum of the points before, even infinity. nohd.cpp
-// has the correction. As there, the search stops once the head of the queue is no farther than the lower bound; with the queue
-// drained, as printed, more answers would be infinite. O(|A| |B|) time. Budget: cells taken from the queue.
+// The error: Algorithm 5 breaks without cmin <- 0, and then returns the minimum of the points examined before, which
+// may be infinity. nohd.cpp has the correction. As there, the search stops once the upper bound at the head of the
+// queue is at most the lower bound; with the queue drained, as printed, more answers would be infinite. O(|A| |B|)
+// time. Budget: cells taken from the queue.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/zhang2017/nohd.h"
@@ -68,7 +69,7 @@ public:
                 max_lb = std::max(max_lb, found.squared);
             }
         }
-        // MaxLB came from a cell: its points are neither nearer nor farther.
+        // If MaxLB came from a cell, each of its points is at exactly this distance.
         if (farthest.squared < max_lb || farthest.source < 0) farthest = point_to_points(a, shows_it, b, -1, counters);
         return exact_result(query, a, b, farthest, counters);
     }
@@ -80,7 +81,7 @@ private:
         return std::nullopt;
     }
 
-    // Algorithm 5, which also returns the point of B that it found.
+    // Algorithm 5; also returns the point of B that it found.
     static FarthestPoint point_to_points(const Points& a, Index i, const Points& b, double squared_max_lb,
                                          Counters& counters) {
         FarthestPoint cmin{infinity, i, 0};

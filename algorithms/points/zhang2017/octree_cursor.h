@@ -1,11 +1,11 @@
-// Walks the full octree of points, including the levels that PointOctree skips.
+// A cursor over the full octree of points, including the levels that PointOctree skips.
 #pragma once
 
 #include "algorithms/points/zhang2017/point_octree.h"
 
 namespace hausbench {
 
-// A cell of it.
+// A cell of the full octree.
 struct Cursor {
     std::int32_t node = 0;
     std::int32_t depth = 0;
@@ -14,7 +14,8 @@ struct Cursor {
 
 inline Cursor root_of(const PointOctree& tree) { return {0, 0, tree.root_cell()}; }
 
-// Calls f(Cursor) for the occupied parts of a cell, by ascending octant. A leaf has no end: halving its cell is up to the caller.
+// Calls f(Cursor) for the occupied parts of a cell, by ascending octant. Parts of a leaf never end: the caller
+// decides when to stop halving.
 template <class F> void for_each_part(const PointOctree& tree, const Cursor& at, F&& f) {
     const PointOctree::Node& node = tree.nodes()[static_cast<std::size_t>(at.node)];
     const auto below = [&](std::int32_t child, const PointOctree::Node& of) {

@@ -1,17 +1,18 @@
-// OHD: searches an octree of B for the nearest neighbour of each point of A, and culls points of A that lie near a point of B.
+// OHD: searches an octree of B for the nearest neighbour of each point of A, and culls points of A near a point of B.
 //
-// Source: Zhang et al. 2017, Algorithms 6 and 7 (Algorithm 6, line 6 forgets the argument Maxlb) and sections 4.4.1 and 4.4.2.
-// The first lower bound, AHD, comes from the first ceil(lambda |A|) outer loops of EARLYBREAK; then every point of A is culled
-// or searched for, in the order given. Two changes:
-//   - As printed, the octree has cells of side AHD, and a point of A in an occupied cell is culled. That is wrong: two points
-//     of such a cell may be sqrt(3) AHD apart. Here a point is culled if an occupied cell that holds it has a diagonal of at
-//     most the lower bound so far (`culling = exact`), and cells are split until their diagonal is at most AHD.
-//     `culling = as_printed` is ohd_as_printed.cpp, which is not certified.
-//   - A search stops when the head of the queue is no nearer than the nearest point; the paper drains the queue.
+// Source: Zhang et al. 2017, Algorithms 6 and 7 (Algorithm 6, line 6 forgets the argument Maxlb) and sections 4.4.1
+// and 4.4.2. The first lower bound, AHD, comes from the first ceil(lambda |A|) outer loops of EARLYBREAK; then every
+// point of A is culled or searched for, in the given order. There are two changes:
+//   - As printed, the octree has cells of side AHD, and a point of A in an occupied cell is culled. This is wrong:
+//     two points of such a cell may be sqrt(3) AHD apart. Here a point is culled if an occupied cell that contains it
+//     has a diagonal of at most the lower bound so far (`culling = exact`), and cells are split until their diagonal
+//     is at most AHD. `culling = as_printed` selects ohd_as_printed.cpp, which is not certified.
+//   - A search stops when the lower bound at the head of the queue reaches the nearest distance found; the paper
+//     drains the queue.
 //
-// The octree is built once, down to single points, and cut at the cell size that the lower bound asks for. B does not move, so
-// motion does not affect it. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD;
-// O(|A| + |B|) memory. Budget: points of A, those of the first lower bound included.
+// The octree is built once, down to single points, and cut at the cell size that the lower bound requires. B does not
+// move, so motion does not affect it. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) in the worst case for
+// AHD; O(|A| + |B|) memory. Budget: points of A, including those for the first lower bound.
 #include "algorithms/points/zhang2017/ohd.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
@@ -58,8 +59,8 @@ private:
         return taken >= query_.budget ? Status::budget : Status::converged;
     }
 
-    // Returns whether some cell contains the point and a point of B, and its diagonal, rounded like the distances themselves, is at most
-    // the lower bound. Then the point is no farther than the one known.
+    // Returns whether some cell contains both the point and a point of B, and its diagonal, rounded like the
+    // distances themselves, is at most the lower bound. Then the point cannot raise the lower bound.
     bool lies_near(const Vec3& point) {
         if (farthest_.squared <= 0) return false;
         Cursor at = root_of(tree_);
@@ -78,7 +79,7 @@ private:
         }
     }
 
-    // Algorithm 7, best first. Discards a point at the first distance that is no larger than the lower bound.
+    // Algorithm 7, best first. Discards a point at the first distance within the lower bound.
     void look_at(Index i, const Vec3& point) {
         ++counters_.closest_point_queries;
         double nearest = std::numeric_limits<double>::infinity();
@@ -114,7 +115,7 @@ private:
         if (nearest > farthest_.squared) farthest_ = {nearest, i, at};
     }
 
-    // The points of A from `first` on were not examined.
+    // Makes the result; the points of A from `first` on were not examined.
     Result finish(std::uint64_t culled, Index first, Status stopped) {
         const double rest = squared_distances_at_most(a_, b_, nullptr, first);
         Result result = exact_result(query_, a_, b_, farthest_, counters_, rest, stopped);
@@ -139,7 +140,7 @@ private:
     Deadline deadline_;
     Counters counters_;
     FarthestPoint farthest_;
-    double squared_resolution_ = -1;  // of AHD, once known
+    double squared_resolution_ = -1;  // square of AHD, once known
     std::vector<Near> queue_;
 };
 

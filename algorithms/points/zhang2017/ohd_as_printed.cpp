@@ -1,10 +1,11 @@
-// OHD as printed, with its error, to show the effect: Zhang et al. 2017, Algorithms 6 and 7, sections 4.4.1 and 4.4.2.
+// OHD as printed, to show the effect of its error: Zhang et al. 2017, Algorithms 6 and 7, sections 4.4.1 and 4.4.2.
 //
-// The error: a point of A in a cell of side AHD that holds a point of B is culled, though the two may be sqrt(3) AHD apart.
-// ohd.cpp has the correction. Cells have exactly the side AHD; the octree is built for each query, once AHD is known, as
-// printed, and its leaves are the cells for both culling and searching. AHD = 0 gives no such octree, nor does a side that needs more
-// than 2^40 cells along an axis: then cells are split down to single points, and nothing is culled.
-// O(|A| log |B|) time on tame data, after O(lambda |A| |B|) at worst for AHD. Budget: points of A.
+// The error: a point of A in a cell of side AHD that contains a point of B is culled, though the two may be sqrt(3)
+// AHD apart. ohd.cpp has the correction. Cells have exactly the side AHD. The octree is built for each query, once
+// AHD is known, as printed, and its leaves are the cells for both culling and searching. If AHD = 0, or if this side
+// needs more than 2^40 cells along an axis, there is no such octree: then cells are split down to single points, and
+// nothing is culled. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) in the worst case for AHD. Budget:
+// points of A.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/point_solver.h"
@@ -17,11 +18,11 @@
 namespace hausbench {
 namespace {
 
-// Octree_B with the given resolution: cells of this side, from the low corner of B.
+// Octree_B with the given resolution: cells of this side, starting at the low corner of B.
 struct CellsOfB {
     CellsOfB(const Points& b, double side) : tree(b, root_of_side(b, side, levels)) {}
 
-    int levels = -1;  // from the root to the cells of this side; -1: there are none
+    int levels = -1;  // from the root to the cells of this side; -1: no such cells
     PointOctree tree;
 
     bool leaf(const PointOctree::Node& node) const {

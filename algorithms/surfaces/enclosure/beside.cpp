@@ -5,8 +5,8 @@
 namespace hausbench {
 namespace {
 
-// Encloses f_B(y + t) for y on the piece of A. Subtracts the linear part of f_A, which is 0 there, as far as that helps. Returns nothing
-// if y + t may leave B's box.
+// Encloses f_B(y + t) for y on the piece of A. Subtracts a multiple of the linear form of f_A, which is 0 there, to
+// tighten the result. Returns nothing if y + t may leave B's box.
 std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& t, Counters& counters) {
     Box box;
     for (int k = 0; k < 3; ++k) {
@@ -19,7 +19,7 @@ std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& targe
     const Interval share(size > 0 ? of_a.slope.dot(of_b.slope) / size : 0.0);
     Interval sum = of_b.rest - share * of_a.rest;
     double most = 0;
-    for (int k = 0; k < 3; ++k) {  // y = c + r u of the piece is c' + r' u' of the box that is moved
+    for (int k = 0; k < 3; ++k) {  // y = c + r u of the piece is c' + r' u' of the moved box
         const Interval slope = Interval(of_b.slope[k]) / Interval(of_b.half[k]);
         sum += slope * (Interval(of_a.middle[k]) + Interval(t[k]) - Interval(of_b.middle[k]));
         most += magnitude(slope * Interval(of_a.half[k]) - share * Interval(of_a.slope[k]));

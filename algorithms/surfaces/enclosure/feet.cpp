@@ -14,7 +14,7 @@ using Models = std::array<TaylorModel, 3>;
 
 double squared_length(const Models& t) { return (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).at_most(); }
 
-// The piece of A as a graph over the two axes other than `axis`.
+// A piece of A as a graph over the two axes other than `axis`.
 class Graph {
 public:
     Graph(const SurfaceTree::Node& piece, SurfaceTree& source, int axis) : piece_(piece), source_(source), axis_(axis) {
@@ -24,7 +24,8 @@ public:
         }
     }
 
-    // Newton's method, unproven: the middle, then the polynomial degree by degree. Returns false if it fails.
+    // Finds the middle, then the polynomial degree by degree, by Newton's method; not proven. Returns false on
+    // failure.
     bool find(const Vec3& p) {
         Vec3 at = piece_.form.middle, gradient;
         at[axis_] = p[axis_];
@@ -43,7 +44,8 @@ public:
         return true;
     }
 
-    // Step 1 of the header: adds the possible distance between A and the polynomial. Returns false if A may not be a graph.
+    // Proves step 1 of the header: adds the possible distance between A and the polynomial. Returns false if A may
+    // not be a graph.
     bool prove(Counters& counters) {
         TaylorModel& height = y_[std::size_t(axis_)];
         const Interval values = height.range();
@@ -67,8 +69,8 @@ private:
     Models y_;
 };
 
-// Finds the vectors from each point of the graph to about its foot on B, unproven: Newton's method solves z - y + m grad f_B(z) = 0 and
-// f_B(z) = 0 for z and m, in the middle of the piece and then degree by degree.
+// Finds the vectors from each point of the graph to about its foot on B; not proven. Newton's method solves z - y + m
+// grad f_B(z) = 0 and f_B(z) = 0 for z and m, in the middle of the piece and then degree by degree.
 class Feet {
 public:
     Feet(const Models& y, const SurfaceTree& target) : y_(y), target_(target) {}
@@ -160,7 +162,7 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
     const double sign = here.inf() > 0 ? 1 : -1;
     const Vec3 way(t[0].c[0], t[1].c[0], t[2].c[0]);
     f.value(Vec3(y[0].c[0], y[1].c[0], y[2].c[0]) + way, gradient);
-    const double fall = -sign * gradient.dot(way);  // fall of f_B per unit of length along t
+    const double fall = -sign * gradient.dot(way);  // decrease of f_B per unit of length along t
     if (!(fall > 0)) return infinity;
     double further = 0;
     for (int tries = 0; tries < 4; ++tries) {

@@ -11,10 +11,10 @@ namespace {
 constexpr int most_boxes = 20000;             // boxes of B opened for one point
 constexpr int most_boxes_without_foot = 200;  // the same, while no point of B is proven
 constexpr int boxes_without_descent = 3;
-constexpr int boxes_between_looks = 64;  // checks of the clock
+constexpr int boxes_between_looks = 64;  // between two checks of the clock
 
 struct OpenBox {
-    double least;  // distance of the part of B in it
+    double least;  // lower bound of the distance from p to the part of B in it
     std::int32_t node;
     bool operator<(const OpenBox& other) const {
         return least > other.least || (least == other.least && node > other.node);
@@ -36,13 +36,13 @@ NearestFoot ProvenFeet::nearest(const Vec3& p, std::span<const std::int32_t> kno
         if (d < best.at_most) best = {d, foot};
     }
     if (best.foot >= 0) descend_from((*this)[best.foot].at, p, best);
-    // The lower bound would hardly grow, so there is no need to prove that no point is nearer.
+    // A search would hardly raise the lower bound, so there is no need to prove that no point is nearer.
     if (best.at_most <= search.lower + 2 * search.precision) return {best.foot, 0};
     const double least = at_least(p, search, best);
     return {best.foot, least};
 }
 
-// Moves from a seed on B to a proven point nearer to p, if there is one.
+// Moves from a seed on B to a proven point and keeps it if it is nearer to p.
 void ProvenFeet::descend_from(const Vec3& seed, const Vec3& p, Best& best) {
     const auto found = tree_.nearby(p, seed, counters_);
     if (!found) return;
@@ -50,11 +50,12 @@ void ProvenFeet::descend_from(const Vec3& seed, const Vec3& p, Best& best) {
     if (d < best.at_most) best = {d, add(*found)};
 }
 
-// Searches the boxes of B best first, until none can hold a point nearer than the best foot by more than the precision.
+// Searches the boxes of B best first until none can contain a point nearer than the best foot by more than the
+// precision.
 double ProvenFeet::at_least(const Vec3& p, const FootSearch& search, Best& best) {
     std::priority_queue<OpenBox> queue;
     queue.push({0, 0});
-    // Gives away half of the precision, so that a checker of the bound needs no more boxes than this search.
+    // Gives away half the precision, so that a checker of the bound needs no more boxes than this search.
     const auto given_away = [&] { return best.at_most - 0.5 * search.precision; };
     for (int opened = 1; !queue.empty(); ++opened) {
         const OpenBox top = queue.top();

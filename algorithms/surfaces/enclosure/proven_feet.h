@@ -1,4 +1,4 @@
-// Proven points of B, and the search for the one nearest to a point, with a proof that no point of B is much nearer.
+// Proven points of B, and a search for the one nearest to a point that also proves that no point of B is much nearer.
 //
 // All functions require UpwardRounding (kernel/interval.h).
 #pragma once
@@ -11,11 +11,11 @@
 
 namespace hausbench {
 
-// The accuracy with which to search for the nearest point of B.
+// The accuracy of a search for the nearest point of B.
 struct FootSearch {
     double precision;  // the result may be below the distance by this much
-    // The search ends once the distance is known to be at most `lower - cell_size`: then no point of a
-    // cell of this size is farther than `lower`.
+    // The search ends once the distance is known to be at most `lower - cell_size`: then no point of a cell of this
+    // size is farther than `lower`.
     double lower, cell_size;
 };
 
@@ -41,7 +41,7 @@ public:
     // Returns an upper bound of the distance from the piece to B.
     double at_most(const SurfaceTree::Node& piece, std::int32_t foot);
 
-    // `known` are feet of points near p, to begin with.
+    // Finds the proven point nearest to p. `known` are feet of points near p, used as a start.
     NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search);
 
 private:

@@ -1,22 +1,25 @@
-// Our own certified bounds for the distance between algebraic surfaces, as close as the tolerance asks.
+// Certified bounds for the distance between algebraic surfaces, to any tolerance (ours).
 //
-// Lower bound: a point a of A is proven to exist (the polynomial changes its sign on a tiny segment in the box), and the
-// boxes of an octree over B, each with a linear enclosure of its piece of B, are refined next to a until none can hold a
-// point nearer than the bound. Upper bound: every point of A lies in a box of an octree over A; over the piece in such a
-// box, the distance to one proven point b of B is bounded from above. Boxes whose upper bound is below the lower bound are
-// dropped, and the box with the largest bound is split, so only undecided places are refined. The maximum may lie where the box clips A;
-// boxes and enclosures refer to the clipped surface, so this needs no special case.
+// Lower bound: a point a of A is proven to exist by a sign change of the polynomial on a tiny segment in the box. The
+// boxes of an octree over B, each with a linear enclosure of its piece of B, are refined near a until none can
+// contain a point nearer than the bound.
+// Upper bound: every point of A lies in a box of an octree over A; for the piece in such a box, the distance to one
+// proven point b of B is bounded from above. Boxes whose upper bound is below the lower bound are dropped, and the
+// box with the largest bound is split, so only undecided places are refined. The maximum may lie where the box clips
+// A; boxes and enclosures refer to the clipped surface, so this needs no special case.
 //
-// Both bounds use that the piece in a box of size s lies within O(s^2) of a plane (surface_tree.h), so that the number of
-// boxes of B does not grow as s shrinks. If A and B are close, or run side by side, more bounds apply: beside.h, and
-// feet.h, whose error is O(s^9), so that boxes stay large if the distance is constant over A (concentric spheres).
+// Both bounds use the fact that the piece in a box of size s lies within O(s^2) of a plane (surface_tree.h), so the
+// number of boxes of B does not grow as s shrinks. If A and B are close, or run side by side, more bounds apply:
+// beside.h, and feet.h, whose error is O(s^9), so that boxes stay large if the distance is constant over A
+// (concentric spheres).
 //
-// Surfaces are never empty (geometry.h); prepare() refuses a surface if it finds no point in its box. If no point can be proven
-// (f = g^2 has no change of sign), bounds still hold but do not close: `stalled`. The same happens to a search that needs more than
-// `most_cells` boxes, such as the lower bound at a point that is equally far from much of B.
+// Surfaces are never empty (geometry.h); prepare() refuses a surface if it finds no point in its box. If no point can
+// be proven (f = g^2 has no change of sign), bounds still hold but do not close: `stalled`. A search that needs more
+// than `most_cells` boxes also stalls, such as the lower bound at a point that is equally far from much of B.
 //
-// Proof of existence by a change of sign and linear enclosures by Taylor expansion are standard, see Neumaier: Interval
-// methods for systems of equations, 1990; best-first refinement of A against candidates of B as in Tang, Lee, Kim 2009.
+// Proofs of existence by sign changes and linear enclosures by Taylor expansion are standard, see Neumaier: Interval
+// methods for systems of equations, 1990; best-first refinement of A against candidates of B is as in Tang, Lee, Kim
+// 2009.
 // Budget: boxes of A split. Time: boxes of A times boxes of B examined, each O(terms of the polynomial).
 #include "algorithms/error.h"
 #include "algorithms/kernel/deadline.h"
@@ -37,26 +40,28 @@ namespace hausbench {
 namespace {
 
 constexpr int kept_feet = 3;
-constexpr int unproven_at_most = 4000;  // boxes split, or points searched for, without a single proven point
+constexpr int unproven_at_most = 4000;  // boxes split, or points searched for, without any proven point
 
-// Chosen by trial, like those of proven_feet.cpp. Halving or doubling one changes the number of polynomials bounded over boxes by at most
-// the percentage in its comment, on average over 28 queries of 12 pairs (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
+// Chosen by trial, like the constants of proven_feet.cpp. Halving or doubling one changes the number of polynomials
+// bounded over boxes by at most the percentage in its comment, on average over 28 queries of 12 pairs
+// (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
 //
-// next_to() is tried if B is nearer than so many cell sizes (0.3 %), or than this fraction of A's coordinates (0 %: it matters for still
-// smaller cells).
+// next_to() is tried if B is nearer than this many cell sizes (0.3 %), or than this fraction of A's coordinates (0 %:
+// it matters for even smaller cells).
 constexpr double near_sizes = 8, near_coordinates = 1e-3;
 // A point's distance is computed to this fraction of the tolerance (1 %), or of the gap while that is large (0.3 %).
 constexpr double parts_of_tolerance = 8, parts_of_gap = 16;
-// A local search: its number of steps (2 %), the factors for the step after a success and after a failure (5 % for the second), and the
-// smallest step as a fraction of the distance, a few ulps.
+// A local search: its number of steps (2 %), the factors for the step after a success and after a failure (5 % for
+// the latter), and the smallest step as a fraction of the distance, a few ulps.
 constexpr int most_search_steps = 60;
 constexpr double longer_step = 2, shorter_step = 0.25, least_step = 1e-15;
-// A local search is repeated once the gap is this fraction of the gap at the last one. Half: 2 % less; no limit: 15 % more.
+// A local search is repeated once the gap is this fraction of the gap at the last search. Half as much: 2 % less; no
+// limit: 15 % more.
 constexpr double gap_of_next_search = 0.5;
 
 Vec3 nowhere() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-// A box of A; no point of its piece is farther from B than `upper`.
+// A box of A; `upper` bounds the distance from any point of its piece to B.
 struct EnclosureCell {
     double upper;
     std::int32_t node;
@@ -103,7 +108,7 @@ public:
     }
 
 private:
-    // The largest distance between two points of the boxes: an upper bound, because B is not empty.
+    // Returns the largest distance between two points of the boxes: an upper bound of h(A,B), because B is not empty.
     double farthest_corners() {
         const Box &a = a_.box(), &b = feet_.tree().box();
         Interval sum(0.0);
@@ -130,7 +135,7 @@ private:
             ++splits;
             split(top);
         }
-        // Violates the agreement that shapes are not empty.
+        // This would violate the agreement that shapes are not empty.
         if (!proven_) return stalled("the source has no point in its box");
         bounds.upper = bounds.lower;
         return Status::converged;
@@ -172,8 +177,8 @@ private:
         }
     }
 
-    // Bounds the cell by methods of increasing cost until it cannot hold the answer; the last one proves a point in it, which may update
-    // the lower bound.
+    // Bounds the cell by methods of increasing cost until it cannot contain the answer. The last one proves a point
+    // in the cell, which may raise the lower bound.
     void bound(EnclosureCell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
         ++result_.counters.bound_tests;
@@ -204,12 +209,13 @@ private:
         cell.remember(near.foot);
     }
 
-    // If B is far away relative to the size of the cell, next_to() is no better than a foot.
+    // If B is far away compared with the size of the cell, next_to() is no better than a foot.
     bool may_run_beside(double upper, double size) const {
         return upper < near_sizes * size || upper < near_coordinates * a_.box().high.cwiseAbs().maxCoeff();
     }
 
-    // The distance between a point of either surface and one that can be proven: at least the rounding that SurfaceTree::prove() allows.
+    // Returns the finest useful precision: SurfaceTree::prove() allows this much rounding between a point of either
+    // surface and a proven one.
     double resolution() const {
         const auto most = [](const Box& box) {
             return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
@@ -217,14 +223,15 @@ private:
         return 0x1p-51 * std::max(most(a_.box()), most(feet_.tree().box()));
     }
 
-    // The useful precision for the distance of a cell's point: finer near the answer, coarser while the bounds are far apart.
+    // Returns a useful precision for the distance of a cell's point: finer near the answer, coarser while the bounds
+    // are far apart.
     double precision_of(const EnclosureCell& cell) const {
         const double wanted = query_.tolerance.gap(std::max(result_.bounds.lower, 0.0));
         return std::max(
             {wanted / parts_of_tolerance, (cell.upper - result_.bounds.lower) / parts_of_gap, resolution()});
     }
 
-    // Takes over a proven point of A and its distance to B if it raises the lower bound.
+    // Adopts a proven point of A and its distance to B if it raises the lower bound.
     bool show(const SurfacePoint& point, const NearestFoot& near) {
         const double shown = -(point.error - near.at_least);  // rounded down
         const bool better = !proven_ || shown > result_.bounds.lower;
@@ -236,8 +243,8 @@ private:
         return true;
     }
 
-    // Increases the distance of a point of A: moves it away from its foot and back onto A, as long as that helps. The last
-    // point is proven like any other. Runs only the first time, and when the gap has shrunk since the last run.
+    // Increases the distance of a point of A: moves it away from its foot and back onto A, as long as this helps. The
+    // last point is proven like any other. Runs only the first time and when the gap has shrunk since the last run.
     void local_search(SurfacePoint point, std::int32_t foot, double step, EnclosureCell cell) {
         const double gap = result_.bounds.gap();
         if (gap > gap_of_next_search * searched_at_) return;
@@ -273,7 +280,7 @@ private:
     SurfaceTree a_;
     ProvenFeet feet_;  // on B
     std::priority_queue<EnclosureCell> queue_;
-    bool proven_ = false;            // some point of A is proven
+    bool proven_ = false;            // whether some point of A is proven
     double searched_at_ = infinity;  // the gap at the last local search
 };
 
@@ -298,7 +305,7 @@ public:
     }
 
 private:
-    // Deep enough to detect most empty surfaces.
+    // Refines the tree deep enough to detect most empty surfaces.
     static SurfaceTree grown(const AlgebraicSurface& surface) {
         constexpr int depth = 4;
         SurfaceTree tree(surface);

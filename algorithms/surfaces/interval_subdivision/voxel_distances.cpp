@@ -10,10 +10,11 @@
 namespace hausbench {
 namespace {
 
-// A generous factor for the rounding of square roots and their sums. Only bounds of the search depend on it, not the results.
+// A generous factor for the rounding of square roots and their sums. It affects only the search, not the results.
 constexpr double wider = 1 + 1e-12, narrower = 1 - 1e-12;
 
-// Squared least (g) or largest (G) distance of two boxes. Rounded to nearest; every operation is monotone.
+// Returns the squared least (g) or largest (G) distance of two boxes. Rounded to nearest; every operation is
+// monotone.
 template <bool largest> double squared_distance(const Box& a, const Box& b) {
     double d[3];
     for (int k = 0; k < 3; ++k) {
@@ -27,7 +28,7 @@ template <bool largest> double squared_distance(const Box& a, const Box& b) {
 template <bool largest> double at_least(const Box& a, const Voxels& b, const Voxels::Node& cell) {
     if (!largest) return squared_distance<false>(a, b.box_of(cell));
     double d[3];
-    for (std::size_t k = 0; k < 3; ++k) {  // a voxel's upper end is no lower than the lowest voxel's, and so on
+    for (std::size_t k = 0; k < 3; ++k) {  // no voxel ends below the lowest one or begins above the highest one
         const auto i = Eigen::Index(k);
         const double high = b.grid[k][std::size_t(cell.at[k]) + 1],
                      low = b.grid[k][std::size_t(cell.at[k] + cell.size) - 1];
@@ -74,7 +75,7 @@ VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
     return {*std::min_element(least, least + lanes), *std::min_element(largest, largest + lanes)};
 }
 
-// The largest, over voxels of A, of their least squared distance to the voxels of B.
+// Finds the maximum over voxels of A of their least squared distance to the voxels of B.
 template <bool largest> class VoxelSearch {
 public:
     VoxelSearch(const Voxels& a, const Voxels& b, VoxelWork& work) : a_(a), b_(b), work_(work) {
@@ -98,7 +99,7 @@ public:
     }
 
 private:
-    // A cell of A that may hold a voxel farther from B than all voxels searched from so far.
+    // A cell of A that may contain a voxel farther from B than all voxels searched so far.
     struct Cell {
         double bound;  // upper bound of the distances of all its voxels
         std::uint32_t node;
@@ -118,7 +119,8 @@ private:
         }
     }
 
-    // Makes the entry of a cell with one of its voxels; searches for its squared distance if that is unknown (below 0).
+    // Adds the entry of a cell with one of its voxels. If the squared distance of the voxel is unknown (negative),
+    // searches for it.
     void add(std::uint32_t node, std::uint32_t voxel, double squared) {
         const bool is_voxel = a_.nodes[node].size == 1;
         const double farther = is_voxel ? 0 : farthest_shift(node, voxel);
@@ -134,7 +136,7 @@ private:
         ++work_.counters.queue_pushes;
     }
 
-    // Returns the distance from a voxel of A to the farthest voxel of the cell.
+    // Returns an upper bound of the distance from a voxel of A to the farthest voxel of the cell.
     double farthest_shift(std::uint32_t node, std::uint32_t leaf) const {
         const Voxels::Node &cell = a_.nodes[node], &voxel = a_.nodes[leaf];
         double sum = 0;
@@ -154,7 +156,8 @@ private:
         return inside;
     }
 
-    // Returns the kept voxel next to the middle of the cell in the order of the octree; none for cells without voxels.
+    // Returns the kept voxel next to the middle of the cell in the order of the octree; nothing for a cell without
+    // voxels.
     std::optional<std::uint32_t> middle_voxel(std::uint32_t node) const {
         const Voxels::Node& cell = a_.nodes[node];
         if (cell.size == 1) return node;
@@ -164,7 +167,8 @@ private:
         return std::nullopt;
     }
 
-    // Returns the least squared distance from a voxel to the voxels of B, or any value within the squared early-out radius.
+    // Returns the least squared distance from a voxel to the voxels of B, or any value within the squared early-out
+    // radius.
     double nearest(const Box& a, double squared_early_out) {
         struct Entry {
             double least;

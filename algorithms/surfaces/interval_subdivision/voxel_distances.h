@@ -1,8 +1,8 @@
-// Distances between the voxels of two surfaces. The distance of two voxels is an interval [g, G], the least and the largest distance of
-// their points; the result is [max over A of min over B of g, max over A of min over B of G].
+// Distances between the voxels of two surfaces. The distance of two voxels is an interval [g, G], the least and the
+// largest distance of their points; the result is [max over A of min over B of g, max over A of min over B of G].
 //
-// Squared distances are rounded to nearest, by monotone operations. If the budget or the time runs out, the results are too small, and
-// `stopped` is set.
+// Squared distances are rounded to nearest by monotone operations. If the budget or the time runs out, the results
+// are too small, and `stopped` is set.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -19,7 +19,7 @@ struct VoxelWork {
     Counters counters;
     std::optional<Status> stopped;
 
-    // `done` is in the unit of the budget.
+    // Checks the limits; `done` is in the unit of the budget.
     bool stop_after(std::uint64_t done) {
         if (done >= query.budget) stopped = Status::budget;
         if (deadline.passed()) stopped = Status::time_limit;
@@ -31,15 +31,15 @@ struct VoxelDistances {
     double least = 0, largest = 0;  // squared g and G
 };
 
-// Squared G of two boxes.
+// Returns the squared G of two boxes.
 double largest_squared_distance(const Box& a, const Box& b);
 
 // Computes every pair. Budget: voxels of A.
 VoxelDistances distances_of_all(const Voxels& a, const Voxels& b, VoxelWork& work);
 
-// Computes the same bits from far fewer pairs. From one voxel of A to another, min over B of g grows by at most the distance between the
-// two (they are translates). So an octree over A is searched with the value at one voxel of each cell, and each value with an octree over
-// B. Budget: such searches, one each for g and G.
+// Computes the same bits from far fewer pairs. From one voxel of A to another, min over B of g grows by at most the
+// distance between the two, because they are translates. So the octree over A is searched with the value at one voxel
+// of each cell, and each value is found with the octree over B. Budget: such searches, one each for g and G.
 VoxelDistances distances_by_search(const Voxels& a, const Voxels& b, VoxelWork& work);
 
 }  // namespace hausbench

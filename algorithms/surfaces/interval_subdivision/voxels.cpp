@@ -28,7 +28,7 @@ public:
     Subdivision(const AlgebraicSurface& surface, Voxels& voxels, Form form)
         : form_(form), evaluator_(Polynomial(surface.polynomial)), voxels_(voxels) {}
 
-    // Keeps no voxels if the surface has no point in its box.
+    // Makes the voxels; none if the surface has no point in its box.
     void run(int voxels) {
         const UpwardRounding upward;
         if (!keep({0, 0, 0}, voxels)) return;
@@ -43,7 +43,7 @@ private:
         return value.inf() <= 0 && value.sup() >= 0;
     }
 
-    // Children are adjacent. A cell without kept children stays, with count 0.
+    // Splits a cell. Its children are adjacent in `nodes`. A cell without kept children stays, with count 0.
     void split(std::uint32_t of) {
         const Voxels::Node node = voxels_.nodes[of];
         if (node.size == 1) {

@@ -1,6 +1,8 @@
-// The voxels of a grid over a surface's box that may hold a point of the surface, by interval arithmetic, and the octree above them.
+// The voxels of a grid over a surface's box that may contain a point of the surface according to interval arithmetic,
+// and the octree above them.
 //
-// Grid lines are rounded numbers lo + (hi - lo) i / n, and voxels are the boxes between them: they cover the box without gaps.
+// Grid lines are rounded numbers lo + (hi - lo) i / n, and voxels are the boxes between them: they cover the box
+// without gaps.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -14,12 +16,12 @@
 namespace hausbench {
 
 struct Voxels {
-    using Grid = std::array<std::vector<double>, 3>;  // 2^depth + 1 lines an axis
+    using Grid = std::array<std::vector<double>, 3>;  // 2^depth + 1 lines per axis
 
     struct Node {
-        std::array<int, 3> at;  // in voxels
+        std::array<int, 3> at;  // position in voxels
         int size;
-        // Children; count 0: a voxel, or a cell without kept voxels.
+        // Range of children; count 0 marks a voxel, or a cell without kept voxels.
         std::uint32_t first = 0, count = 0;
     };
 
@@ -29,7 +31,7 @@ struct Voxels {
     std::array<std::vector<double>, 3> low, high;  // by leaf
     std::uint64_t evaluations = 0;
 
-    // Defined here to be inlined: searches call it for each cell, and it took a fifth of their instructions otherwise.
+    // Inline because searches call it for each cell; it took a fifth of their instructions otherwise.
     Box box_of(const std::array<int, 3>& at, int size) const {
         Box box;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -46,7 +48,8 @@ struct Voxels {
     }
 };
 
-// Makes 2^depth voxels per axis. Sets the rounding mode itself. Throws InputError if the box is too small for so many, or holds no point.
+// Makes 2^depth voxels per axis. Sets the rounding mode itself. Throws InputError if the box is too small for so many
+// voxels, or contains no point of the surface.
 Voxels voxels_of(const AlgebraicSurface& surface, int depth, Form form);
 
 }  // namespace hausbench
