@@ -33,7 +33,7 @@ def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
 def side_by_side_line(results: Results) -> str:
     """For a table or figure of rows that were run beside others: their times say little. Empty where there are none."""
     several = int((results.cases.side_by_side != 0).sum())
-    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times do not compare with any." if several else ""
+    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times are not comparable." if several else ""
 
 
 def machine_line(results: Results) -> str:
@@ -52,7 +52,7 @@ def measured_on(results: Results) -> str:
             f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}")
     for what, column in (("machine", results.cases.machine), ("build", results.programs)):
         if (count := len(set(column))) > 1:
-            line += f"; rows of {count} {what}s are mixed, and the times of two {what}s do not compare"
+            line += f"; rows of {count} {what}s are mixed, and the times of two {what}s are not comparable"
     return line
 
 
