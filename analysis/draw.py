@@ -60,12 +60,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="hausbench draw", description="Tables and figures of any result, for papers.")
     parser.add_argument("result", type=Path, metavar="RESULT.h5")
     parser.add_argument("--as", dest="kinds", action="append", default=[], choices=list(KINDS),
-                        help="what to draw; may be repeated (default: everything for which the result has data)")
+                        help="what to draw; may be repeated (default: all that the result has data for)")
     parser.add_argument("--highlight", metavar="LABEL", default="", help="draw this solver in front of the others, which become grey")
     parser.add_argument("--width", type=inches, default=style.DOUBLE_COLUMN, help="width of the figures: single (3.5 inches), double (7.16, the default) or "
                                                                                   "inches")
-    parser.add_argument("--format", dest="formats", type=formats, default=list(FORMATS), help="formats of the figures: some of pdf, png and svg, with "
-                                                                                              "commas (default: pdf,png)")
+    parser.add_argument("--format", dest="formats", type=formats, default=list(FORMATS), help="formats of the figures: a list of pdf, png and svg (default: "
+                                                                                              "pdf,png)")
     parser.add_argument("--out", type=Path, help="tables/ and figures/ go there (default: the folder of the result)")
     chosen = parser.parse_args(arguments)
     try:
