@@ -64,7 +64,7 @@ def away(work: list[int], nodes: list[int], solver: str = "ohd") -> synthetic.Re
 def test_growth_that_ends_is_told_with_its_reason(make: Make) -> None:
     _, _, text = make(away([1000, 9000, 11_010, 11_000, 11_005], [100, 50, 0, 0, 0]))
     assert "points, A moved away: the work of OHD grows 11.0 times and is flat from ratio 1e4 on. There it visits no node" in text
-    assert "Of one seed, so one draw: OHD." in text
+    assert "With one seed, so one draw: OHD." in text
 
 
 @pytest.mark.parametrize(("work", "nodes", "solver", "flat", "why"), [

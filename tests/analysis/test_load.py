@@ -333,7 +333,7 @@ def test_file_of_another_experiment(tmp_path: Path) -> None:
 
 
 def test_no_cases(tmp_path: Path) -> None:
-    with pytest.raises(ResultError, match="holds no cases"):
+    with pytest.raises(ResultError, match="has no cases"):
         load.load(ResultFile("empty").write(tmp_path))
 
 

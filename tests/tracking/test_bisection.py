@@ -241,7 +241,7 @@ def test_good_and_bad_exchanged_unrelated_or_the_same_are_mistakes(tmp_path: Pat
     commits = repository(tmp_path, [work(100), work(200)])
     git(tmp_path, "checkout", "--quiet", "-b", "beside", commits[0])
     git(tmp_path, "commit", "--quiet", "--allow-empty", "-m", "beside")
-    for good, bad, word in ((commits[1], commits[0], "exchange them"), ("beside", commits[1], f"take {commits[0][:10]}"),
+    for good, bad, word in ((commits[1], commits[0], "swap them"), ("beside", commits[1], f"use {commits[0][:10]}"),
                             (commits[0], commits[0], "same commit"), (commits[0], "nowhere", "nowhere")):
         assert run(tmp_path, monkeypatch, good, bad) == 2
         assert word in capsys.readouterr().err
