@@ -165,8 +165,8 @@ def make(results: Results) -> Report:
     by_regime = {regime: [one for one in found if one.regime == regime] for regime in dict.fromkeys(one.regime for one in found)}
     table = tables.Table(
         f"Time and memory to prepare and solve against the number of {what}s, |A| + |B|: at the largest size with an answer, and how they grow.",
-        ["regime", "solver", "answered", f"prepare, ns a {what}", "grows as n^", f"solve, ns a {what}", "grows as n^",
-         f"peak, bytes a {what}", "grows as n^", f"structures, bytes a {what}", f"peak, {style.title(rival)} / this"], left=3)
+        ["regime", "solver", "answered", f"prepare, ns per {what}", "grows as n^", f"solve, ns per {what}", "grows as n^",
+         f"peak, bytes per {what}", "grows as n^", f"structures, bytes per {what}", f"peak, {style.title(rival)} / this"], left=3)
     records: list[tables.Record] = []
     for own in by_regime.values():
         table.rules.add(len(table.rows))
@@ -257,7 +257,7 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
         above.set(title=regime)
         below.set(xlabel=f"{what}s, |A| + |B|")
     axes[0][0].set_ylabel("time (s)")
-    axes[1][0].set_ylabel(f"peak memory, bytes a {what}")
+    axes[1][0].set_ylabel(f"peak memory, bytes per {what}")
     tick(axes.flat)
     labels = style.order((one.solver, one.label) for own in by_regime.values() for one in own)
     grey = style.filled_marker(style.NEUTRAL) | {"linestyle": "-", "linewidth": 0.7}

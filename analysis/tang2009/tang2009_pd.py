@@ -58,7 +58,8 @@ def make(results: Results) -> Report:
     found = tang_depth.recorded(results, LABELS)
     table = tables.Table("The penetration depth in dynamic scenes, and its cost per frame: the mean over the frames in which objects overlap (Tang et al. "
                          "2009, section 7.3).",
-                         ["scene", "", "frames", "pairs a frame", "parts", "depth, %", "largest", "triangles", "cutting, ms", "measuring, ms", "both, ms"], left=2)
+                         ["scene", "", "frames", "pairs "
+                                                 "per frame", "parts", "depth, %", "largest", "triangles", "cutting, ms", "measuring, ms", "both, ms"], left=2)
     records: list[tables.Record] = []
     for name in dict.fromkeys(scene.name for scene in found):
         table.rules.add(len(table.rows))
@@ -126,7 +127,7 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
         ax.set(title=name, xlabel="frame", yscale="log")
         scales.log_ticks(ax.yaxis)
     if names:
-        lower.axes[0].set_ylabel("measuring (ms a frame)")
+        lower.axes[0].set_ylabel("measuring (ms per frame)")
     entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.title(label)) for label in LABELS]
     paper = plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, label="the paper's mean time of a frame")
     between.legend(handles=[*entries, paper], loc="center", ncol=3)

@@ -119,7 +119,7 @@ def make(results: Results) -> Report:
     table = tables.Table("Peak memory to prepare and solve, MiB, of exact directed distances between point sets.",
                          ["workload", "|A| + |B|", "the points themselves",
                           *[style.title(label) for label in labels],
-                          "INC, bytes a point", "INC's queues, MiB"], left=1)
+                          "INC, bytes per point", "INC's queues, MiB"], left=1)
     records: list[tables.Record] = []
     for workload in workloads:
         table.rules.add(len(table.rows))

@@ -95,7 +95,7 @@ def make(results: Results) -> Report:
         for what, names in MEASURES.items():
             table.rows.append(["", what, "", *[count_text(cell, names) for cell in own],
                                *[tables.ratio(grid.ratio(scene, *pair, what)) for pair in RATIOS]])
-        table.rows.append(["", "ns a distance", "", *[tables.number(nanoseconds(cell)) for cell in own],
+        table.rows.append(["", "ns per distance", "", *[tables.number(nanoseconds(cell)) for cell in own],
                            *[tables.NOTHING] * len(RATIOS)])
         if paper:
             table.rows.append(["", "paper", f"{paper['source_elements']:,} / {paper['target_elements']:,}",

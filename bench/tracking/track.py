@@ -148,7 +148,7 @@ def time_tier(report: Report, task: Task) -> None:
             report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
             return
     verdict, reasons = verdict_of_times(judged)
-    many = f"{SCREENING} blocks a side, and up to {task.given.blocks} of cases that looked slower and of the plant"
+    many = f"{SCREENING} blocks per side, and up to {task.given.blocks} of cases that looked slower and of the plant"
     lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}"]
     report.add("time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else []))
     report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]

@@ -39,7 +39,7 @@ def test_table3_cells(make: Make) -> None:
     assert pears[header.index("INC")] == "0.130 [0.126, 0.134]"  # 0.11 plus 0.02 of preparation
     assert pears[1] == "1,075 / 1,076"
     distances, work, each, paper = rows[""][:4]
-    assert distances[0] == "distances" and work[0] == "distances, bounds and nodes" and each[0] == "ns a distance"
+    assert distances[0] == "distances" and work[0] == "distances, bounds and nodes" and each[0] == "ns per distance"
     # 1M and 0.2M distances (the median of ten seeds); 0.1M and 0.05M bounds and nodes.
     assert distances[2] == "1,000,000" and distances[header.index("NAIVEHDD / EARLYBREAK")] == "5.00 [5.00, 5.00]"
     assert work[header.index("EARLYBREAK / framework")] == "1.25 [1.25, 1.25]"
