@@ -26,7 +26,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-// A longer list is not readable in a one-line message.
+// A longer list would be unreadable in a one-line message.
 constexpr std::size_t names_shown = 20;
 
 }  // namespace
@@ -42,7 +42,8 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
             nearest = &candidate;
         }
     }
-    // Up to a third of the letters may differ (two in a short word); with more, it is another word and not a typing error.
+    // Up to a third of the letters may differ (two in a short word); beyond that it is another word, not a typing
+    // error.
     const std::size_t length = std::max(wrong.size(), nearest->size());
     const std::size_t allowed = length <= 3 ? 1 : std::max<std::size_t>(2, length / 3);
     if (least <= allowed) return fmt::format(" (did you mean '{}'?)", *nearest);

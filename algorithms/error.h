@@ -8,16 +8,16 @@
 
 namespace hausbench {
 
-// Ends the program with exit code 2 and its message on standard error.
+// An error that ends the program with exit code 2 and its message on standard error.
 class InputError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-// " (did you mean 'x'?)" for the candidate nearest to `wrong` by edit distance, else " (known: a, b, c)".
+// Returns " (did you mean 'x'?)" for the candidate nearest to `wrong` by edit distance, else " (known: a, b, c)".
 std::string nearest_hint(std::string_view wrong, const std::vector<std::string>& candidates);
 
-// Untrusted text as one line: control characters become spaces; at most 1000 characters.
+// Returns untrusted text as one line of at most 1000 characters; control characters become spaces.
 std::string one_line(std::string text);
 
 }  // namespace hausbench

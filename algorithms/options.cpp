@@ -16,7 +16,7 @@ std::string type_name(const ParameterValue& value) {
     return names[value.index()];
 }
 
-// `value` converted to the type of the parameter's default; a whole number is accepted for a real parameter.
+// Returns `value` converted to the type of the parameter's default; an integer is accepted for a real parameter.
 ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const ParameterValue& value) {
     const std::string where = fmt::format("solver '{}', parameter '{}'", solver, spec.name);
     ParameterValue result = value;

@@ -34,16 +34,16 @@ struct ParameterSpec {
 
 using ParameterMap = std::map<std::string, ParameterValue>;
 
-// The values one solver runs with: every declared parameter has one.
+// The parameter values of one solver; every declared parameter has one.
 class Options {
 public:
-    // Throws InputError for an unknown name, a wrong type, a value outside the range or the choices, a value for which
-    // `problem` returns a text, or a missing required parameter. Relative paths in the values count from `folder`, which is
-    // absolute; empty: from the current folder.
+    // Throws InputError for an unknown name, a wrong type, a value outside the range or the choices, a value for
+    // which `problem` returns a text, or a missing required parameter. Relative paths in the values are relative to
+    // `folder`, which is absolute; if it is empty, to the current folder.
     Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given,
             std::filesystem::path folder = {});
 
-    // Throws std::logic_error for a name that was not declared or is of another type.
+    // Return a value by name. Throw std::logic_error for a name that was not declared or is of another type.
     bool flag(const std::string& name) const;
     std::int64_t integer(const std::string& name) const;
     double real(const std::string& name) const;
@@ -52,7 +52,7 @@ public:
     const ParameterMap& values() const { return values_; }
     const std::filesystem::path& folder() const { return folder_; }
 
-    // Declared parameters that have not been read yet; a solver's constructor must read all.
+    // Returns the declared parameters that have not been read yet; a solver's constructor must read all.
     std::vector<std::string> unread() const;
 
 private:

@@ -23,7 +23,8 @@ std::vector<Plugin>& list_of_plugins() {
     return list;
 }
 
-// Whether the file ends before the segments that its header lists: dlopen() would crash (SIGBUS).
+// Returns whether the file ends before the segments that its header lists, because dlopen() would crash on it
+// (SIGBUS).
 bool is_cut_short(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     Elf64_Ehdr header{};
@@ -53,7 +54,8 @@ template <class Function> Function* symbol(void* library, const char* name, cons
     return reinterpret_cast<Function*>(address);
 }
 
-// A structure that the program or another plug-in has too may be shared with its solvers, so its members must be the same.
+// Checks the layouts of structures. If the program or another plug-in has the same structure, solvers may share it,
+// so its members must be the same.
 void check_structures(const std::vector<SolverEntry>& entries, const fs::path& file) {
     for (const SolverEntry& own : entries) {
         for (const Need& need : own.info.may_need) {

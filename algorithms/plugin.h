@@ -77,10 +77,11 @@ inline std::string plugin_layout() {
         to = {__VA_ARGS__};                                                                                          \
     }
 
-// Adds a plug-in's solvers to the registry; it stays loaded. Call it before anything else: see add_solvers() in registry.h.
-// Throws InputError with the file and the remedy: missing, not a library, not a plug-in, built for another interface or
-// with other libraries, a solver name that is already in use, or a solver that breaks its contract (contract.h); the program
-// should then end.
+// Adds a plug-in's solvers to the registry; it stays loaded. Call it before anything else: see add_solvers() in
+// registry.h.
+// Throws InputError with the file and the remedy if the file is missing, is not a library or not a plug-in, or was
+// built for another interface or with other libraries, if a solver's name is already in use, or if a solver breaks
+// its contract (contract.h). The program should then end.
 void load_plugin(const std::filesystem::path& file);
 
 struct Plugin {

@@ -14,7 +14,7 @@ namespace hausbench {
 
 namespace {
 
-// Whether no coordinate was rounded.
+// Multiplies the points by 2^exponent; returns whether no coordinate was rounded.
 bool scale(Points& points, int exponent) {
     bool exact = true;
     const auto each = [&](const auto& times, const auto& divided) {
@@ -57,7 +57,7 @@ PreparedShape::PreparedShape(Scaled scaled)
 PreparedShape::Scaled PreparedShape::scaled(Shape shape, int exponent) {
     Points& points = points_of(shape);
     std::optional<Points> original;
-    // Only what ends below the normal numbers can be rounded.
+    // Only coordinates that end below the normal numbers can be rounded.
     if (std::ldexp(smallest_nonzero(points), exponent) < std::numeric_limits<double>::min()) original = points;
     const bool exact = scale(points, exponent);
     if (exact) original.reset();

@@ -44,7 +44,7 @@ struct BuiltStructure {
 };
 
 struct StructureKind {
-    std::string name;  // with the values of its parameters, where it has any
+    std::string name;  // with the values of its parameters, if it has any
     // Layout number and size; a plug-in and the program must agree on them to share a structure.
     std::string layout;
     std::function<bool(ShapeKind)> fits;
@@ -66,7 +66,7 @@ template <class Type> using StructureParameters = typename ParametersOf<Type>::t
 const Shape& shape_of(const PreparedShape& shape);
 const TriangleMesh& triangles_of(const PreparedShape& shape);
 
-// Whether Type can be built from From, with its parameters if it has any, with threads or without.
+// True if Type can be built from From, with its parameters if it has any, with threads or without.
 template <class Type, class From> inline constexpr bool structure_from = requires { typename Type::Parameters; }
 ? std::constructible_from<Type, const From&, StructureParameters<Type>> ||
         std::constructible_from<Type, const From&, StructureParameters<Type>, const Threads&>
@@ -118,7 +118,7 @@ struct Need {
 };
 using Needs = std::vector<Need>;
 
-// In needs() and may_need: need<TriangleBvh>(Side::target).
+// Makes a need, for needs() and may_need: need<TriangleBvh>(Side::target).
 template <class Type> Need need(Side side, const StructureParameters<Type>& parameters = {}) {
     return {structure_kind<Type>(parameters), side};
 }
@@ -126,7 +126,7 @@ template <class Type> Need need(Side side, const StructureParameters<Type>& para
 std::string to_string(const Need& need);  // "target BVH"
 
 struct PreparationTime {
-    std::string name;  // as to_string(Need), or "solver" for what the solver built itself
+    std::string name;  // as to_string(Need), or "solver" for the solver's private data
     double seconds;
     std::size_t bytes;
     bool shared = false;  // built before, for another scene with this shape
@@ -144,10 +144,11 @@ public:
     const SharedShape& shape() const { return shape_; }
     int exponent() const { return exponent_; }
 
-    // 2^-1074 if scaling rounded a coordinate (it underflowed, and is off by at most half of that), else 0.
+    // Returns 2^-1074 if scaling rounded a coordinate (which underflowed and is off by at most half of that), else
+    // 0.
     double lost() const { return lost_; }
 
-    // The largest and the smallest nonzero |coordinate|, scaled; 0 and infinity if there is none.
+    // Return the largest and the smallest nonzero |coordinate|, scaled; 0 and infinity if there is none.
     double largest() const { return largest_; }
     double smallest() const { return smallest_; }
 
@@ -167,7 +168,7 @@ private:
         SharedShape shape;
         int exponent;
         double lost;
-        std::optional<Points> original;  // only where scaling was not exact
+        std::optional<Points> original;  // only if scaling was not exact
     };
     static Scaled scaled(Shape shape, int exponent);
     explicit PreparedShape(Scaled scaled);
@@ -206,7 +207,7 @@ public:
     // Returns the triangles of a mesh, or one for each point of a point set; see PreparedShape.
     const TriangleMesh& triangles(Side side) const { return shapes_[static_cast<std::size_t>(side)]->triangles(); }
 
-    // The threads to use for private data that a solver builds in prepare().
+    // Returns the threads to use for private data that a solver builds in prepare().
     const Threads& threads() const { return threads_; }
 
     // Returns the cost of each structure when it was built, for this pair or an earlier one.

@@ -10,8 +10,9 @@ namespace hausbench {
 // spaces; direction marks, zero-width characters and invalid bytes become question marks.
 std::string printable(std::string_view text);
 
-// The same, but keeps line breaks, and with `colours` those that this program writes. Everything printed goes through it; a foreign
-// text inside has been through printable(), so that a line break in it starts no line.
+// The same, but keeps line breaks and, with `colours`, the colour codes that this program writes. Everything
+// printed goes through it. Foreign text inside must have been through printable() before, so that a line break in
+// it cannot start a line.
 std::string printable_lines(std::string_view text, bool colours);
 
 }  // namespace hausbench

@@ -6,7 +6,8 @@
 
 namespace hausbench {
 
-// Calls each solver's function, NAME_solver(), that its own file defines; the lists come from the lines hausbench_solver(...) in CMake.
+// Declares NAME_solver() of each solver, which the solver's own file defines. The lists come from the lines
+// hausbench_solver(...) in CMake.
 #define SOLVER(name) SolverEntry name##_solver();
 #include "solvers.inc"
 #undef SOLVER

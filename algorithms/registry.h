@@ -8,7 +8,7 @@
 
 namespace hausbench {
 
-// Returns the solvers of this program, then those of plug-ins in the order of loading.
+// Returns the built-in solvers, then the solvers of plug-ins in the order of loading.
 const std::vector<SolverEntry>& solvers();
 
 // Adds the solvers of a plug-in. Call it before looking up any solver, because it invalidates references into solvers().

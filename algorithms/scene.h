@@ -19,14 +19,14 @@ enum class ShapeKind { points, mesh, surface };
 ShapeKind kind_of(const Shape& shape);
 std::string_view to_string(ShapeKind kind);
 
-// The points of a point set, the vertices of a mesh, the two corners of the box of a surface.
+// Returns the points of a point set, the vertices of a mesh, or the two corners of the box of a surface.
 const Points& points_of(const Shape& shape);
 Points& points_of(Shape& shape);
 
-// Points of a point set, triangles of a mesh; 1 for a surface.
+// Returns the number of points of a point set or of triangles of a mesh; 1 for a surface.
 Index element_count(const Shape& shape);
 
-// Throw std::bad_variant_access for a shape of another kind.
+// Return the shape as its kind. Throw std::bad_variant_access for a shape of another kind.
 inline const TriangleMesh& mesh_of(const Shape& shape) { return std::get<TriangleMesh>(shape); }
 inline const AlgebraicSurface& surface_of(const Shape& shape) { return std::get<AlgebraicSurface>(shape); }
 

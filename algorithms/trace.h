@@ -25,7 +25,7 @@ public:
 
     bool on() const { return on_; }
 
-    // The samples are in units of 2^-exponent times the unit of the marks.
+    // Starts a run. The samples are in units of 2^-exponent times the unit of the marks.
     void start(int exponent = 0) {
         samples_.clear();
         next_mark_ = 0;
@@ -34,12 +34,13 @@ public:
         begin_ = std::chrono::steady_clock::now();
     }
 
-    // Call it wherever the solver tests whether the gap is small enough. A sample is kept if its gap is 3 % smaller than
-    // that of the last kept sample, or reaches a mark, so a trace from 1 to 1e-16 has at most about 1200 samples.
+    // Call it wherever the solver tests whether the gap is small enough. A sample is kept if its gap is 3 % smaller
+    // than the gap of the last kept sample, or reaches a mark, so a trace from 1 to 1e-16 has at most about 1200
+    // samples.
     void record(double lower, double upper) {
         if (!on_) return;
         const double gap = upper - lower;
-        // As long as there is no upper bound, samples follow the lower bound in steps of 3 %.
+        // Until there is an upper bound, samples follow the lower bound in steps of 3 %.
         if (std::isinf(gap)) {
             if (samples_.empty() || lower > 1.03 * samples_.back().lower) keep(lower, upper);
             return;

@@ -1,1 +1,1 @@
-"""From result files to figures and tables: one module a stem, run as `python3 -m analysis STEM`."""
+"""Turns result files into figures and tables: one module per stem, run as `python3 -m analysis STEM`."""

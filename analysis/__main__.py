@@ -1,5 +1,7 @@
-"""Draws figures and tables: `python3 -m analysis STEM ... [--results DIR] [--out DIR]`. Each stem reads <results>/STEM.h5 with the script
-that stems.module_of finds. A stem also draws the stems that use its results; such a stem named alone reads the results that it names.
+"""Draws figures and tables: `python3 -m analysis STEM ... [--results DIR] [--out DIR]`.
+
+Reads <results>/STEM.h5 with the script that stems.module_of() finds. Also draws every other stem that uses the results
+of STEM. Such a stem can be named by itself as well; it then reads the results that its script names.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from analysis.shared.stems import drawn_with, module_of, results_of
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Returns the exit code: 2 if a file is unusable; the other stems are drawn all the same."""
+    """Returns the exit code: 2 if a file is unusable. The other stems are drawn all the same."""
     parser = argparse.ArgumentParser(prog="analysis", description="Draws figures and tables of experiments from their result files.")
     parser.add_argument("stems", nargs="+", metavar="STEM", help="an experiment, such as zhang2017_table3")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")

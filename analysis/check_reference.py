@@ -1,8 +1,9 @@
-"""Whether a run here gave the bounds and counted the work that are kept in results/reference/counts: `python3 -m analysis.check_reference STEM...`
+"""Checks bounds and counted work of a run here against results/reference/counts: `python3 -m analysis.check_reference STEM...`
 
-Bounds and counters are the same on every machine, so each row must equal the kept one to the last digit. A stem's file has a line for each
-row that ended by itself: the identity of the case (of shapes, solver and parameters), a description, bounds and counters. `--keep` adds the
-rows of results/STEM.h5 to the file and replaces rows of the same cases.
+Bounds and counters are the same on every machine, so each row must match to the last digit. The file of a stem has one
+line for each row with status `ok`: the identity of the case (a hash of the shapes, the solver and its parameters), a
+description in words, the bounds and the counters. `--keep` adds the rows of results/STEM.h5 to the file and replaces
+rows of the same cases.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ Rows = dict[str, dict[str, str]]  # by identity
 
 
 def rows_of(results: Results) -> Rows:
-    """Rows that are ok and that one thread worked at: others may depend on the machine."""
+    """Returns the rows to compare: status `ok`, one thread, no external program, not read off a trace. Others may
+    depend on the machine.
+    """
     cases, found = results.cases, Rows()
     for row in results.rows(status="ok", threads=1):
         if cases.solver[row] == "external" or cases.from_trace[row]:
@@ -51,7 +54,10 @@ def words(row: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def same_words(here: Rows, there: Rows) -> Rows:
-    """Rows under the identities of the kept rows that ask the same in words, as with other limits. A scene in which no row is equal has other shapes, and is left out."""
+    """Returns rows under the identities of the kept rows that match in words: solver, scene, pose and tolerance.
+
+    Other limits change the identity but not the words. A scene in which no row is equal has other shapes and is left out.
+    """
     identity_of = {words(row): identity for identity, row in there.items()}
     found = {identity_of[words(row)]: row for row in here.values() if words(row) in identity_of}
     alike = {row["scene"] for identity, row in found.items() if not differences(row, there[identity])}
@@ -63,7 +69,10 @@ def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
 
 
 def check(stem: str, results: Results) -> tuple[str, bool]:
-    """Returns the lines to print, and whether all rows are equal. A kept row that is here but did not end by itself differs, unless it ran out of time."""
+    """Returns the lines to print, and whether all rows are equal.
+
+    A kept row that has another status than `ok` here counts as different; a timeout does not.
+    """
     here, there, cases = rows_of(results), kept(stem), results.cases
     lost = {str(cases.identity[row])[:16]: str(cases.status[row]) for row in range(len(cases)) if cases.status[row] not in ("ok", "timeout")}
     both = [identity for identity in there if identity in here or identity in lost]

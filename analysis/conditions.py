@@ -1,4 +1,4 @@
-"""The conditions of kept and present tables, for the pages of claims and their picture: the machines, the rounds, the clocks and the brackets."""
+"""The conditions of kept and current tables, for the pages of claims and their picture: machines, rounds, clocks, brackets."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BRACKETS: Final = ("Brackets: an interval of at least 95 % (for fewer than six r
 
 
 def kept_texts(folder: Path, stems: Iterable[str]) -> list[str]:
-    """The sections of these stems in the kept files of tables, each with the machine of its file."""
+    """Returns the sections of these stems in the kept files of tables, after the head of each file, which names the machine."""
     wanted, found = {_results_of(stem) for stem in stems}, []
     for path in sorted(folder.glob("*.md")):
         head, *sections = path.read_text(encoding="utf-8").split("\n## ")
@@ -39,7 +39,7 @@ def present_texts(folder: Path, stems: Iterable[str]) -> list[str]:
 
 
 def measured(texts: Iterable[str]) -> str:
-    """'Measured on CPU, 2 cores, 24 GiB, SYSTEM; n = 2 to 10 rounds (fresh processes).'; empty without a machine."""
+    """Returns 'Measured on CPU, 2 cores, 24 GiB, SYSTEM; n = 2 to 10 rounds or seeds (fresh processes).'; empty without a machine."""
     texts = list(texts)
     machines = list(dict.fromkeys(machine for text in texts for machine in _MACHINE.findall(text)))
     counts = sorted(int(count) for text in texts for pair in _ROUNDS.findall(text) for count in pair if count)

@@ -1,7 +1,9 @@
-"""Writes a LaTeX document with every figure and table of a paper: `python3 -m analysis.document [PAPER ...] [--results DIR] [--out DIR] [--compile]`.
+"""Writes a LaTeX document with every figure and table of a paper: `python3 -m analysis.document [PAPER ...] [--results
+DIR] [--out DIR] [--compile]`.
 
-It takes the files that `python3 -m analysis` has written to <results>/figures and <results>/tables, and writes <out>/tables/PAPER.tex; `hausbench` is for
-the stems that belong to no paper. With --compile, pdflatex makes <out>/documents/PAPER.pdf of it.
+Reads the files that `python3 -m analysis` wrote to <results>/figures and <results>/tables, and writes
+<out>/tables/PAPER.tex. The paper `hausbench` stands for the stems that belong to no paper. With --compile, pdflatex
+makes <out>/documents/PAPER.pdf.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ from analysis.shared.report import CAPTION
 from analysis.shared.stems import ANALYSIS, drawn_with, has_script
 from analysis.shared.tex import tex_escape
 
-# Without adjustbox: nothing is shrunk, so LaTeX reports each table that is too wide.
+# adjustbox does nothing here: no table is shrunk, so LaTeX reports each table that is too wide.
 PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \usepackage[textwidth=7.16in,textheight=9.2in]{geometry}
 \usepackage{textcomp,graphicx,booktabs,array,longtable,rotating,pdflscape,placeins,needspace}
@@ -33,19 +35,22 @@ PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \makeatletter\def\fps@table{!htbp}\makeatother
 \setlength{\parindent}{0pt}
 """
-OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # pictures of all stems
+OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # figures about all stems
 WITHOUT_LATEX: Final = "pdflatex is not installed (on Debian: texlive-latex-extra)"
 _OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
 
 
 def _place(stem: str) -> tuple[int, int, str]:
-    """Figures in the order of their numbers, then tables, then the rest."""
+    """Returns a sort key: figures by number, then tables, then sections, then the rest."""
     found = re.search(r"_(fig|table|section)(\d+)$", stem)
     return (["fig", "table", "section"].index(found[1]), int(found[2]), stem) if found else (3, 0, stem)
 
 
 def stems_of(paper: str) -> list[str]:
-    """Returns the stems of a paper in its order; for `hausbench`, the stems that belong to no paper. A stem is followed by the stems that draw its results."""
+    """Returns the stems of a paper in order; for `hausbench`, the stems that belong to no paper.
+
+    Each stem is followed by the stems that draw its results.
+    """
     others = {each for each in papers() if each != claims.OWN}
     found = [file.stem for file in sorted((ANALYSIS.parent / "experiments").rglob("*.toml"))
              if (file.parent.name == paper if paper != claims.OWN else file.parent.name not in others)]
@@ -54,7 +59,7 @@ def stems_of(paper: str) -> list[str]:
 
 
 def _caption(folder: Path, stem: str) -> str:
-    """Returns the caption of the figure of a stem: its own, or the caption of its table, or the title of its experiment."""
+    """Returns the caption of a stem's figure: its own, else the caption of its table, else the title of its experiment."""
     if (own := folder / "figures" / f"{stem}{CAPTION}").exists():
         return own.read_text(encoding="utf-8").strip()
     table = folder / "tables" / f"{stem}.md"
@@ -66,7 +71,7 @@ def _caption(folder: Path, stem: str) -> str:
 
 
 def _stem(folder: Path, stem: str, out: Path) -> list[str]:
-    """The figures and the table of a stem, as far as there are files."""
+    """Returns the LaTeX lines of the figures and the table of a stem, for the files that exist."""
     lines = []
     for figure in sorted((folder / "figures").glob(f"{stem}.pdf")) + sorted((folder / "figures").glob(f"{stem}-*.pdf")):
         part = figure.stem.removeprefix(stem).lstrip("-")
@@ -78,8 +83,8 @@ def _stem(folder: Path, stem: str, out: Path) -> list[str]:
 
 
 def document(paper: str, folder: Path, out: Path) -> str:
-    """Returns the document; empty if no file of the paper is there."""
-    parts = [line for stem in stems_of(paper) for line in _stem(folder, stem, out)][1:]  # the first begins below the title
+    """Returns the document; empty if no file of the paper exists."""
+    parts = [line for stem in stems_of(paper) for line in _stem(folder, stem, out)][1:]  # the first stem needs no barrier below the title
     if parts and (page := folder / "tables" / f"{paper}_claims.tex").exists():
         parts += [r"\clearpage", rf"\input{{{os.path.relpath(page, out)}}}"]
     title = rf"\section*{{{tex_escape(TITLES.get(paper, paper))}}}"
@@ -87,13 +92,14 @@ def document(paper: str, folder: Path, out: Path) -> str:
 
 
 def too_wide(log: str, allowed: float = 5.0) -> list[str]:
-    """The lines of a log that tell of a box or float that is larger than the page by more than `allowed` points."""
+    """Returns the lines of a log about a box or float that exceeds the page by more than `allowed` points."""
     return [found[0] for found in _OVERFULL.finditer(log) if float(found[1] or found[2]) > allowed]
 
 
 def compiled(source: Path, out: Path) -> tuple[Path, list[str]]:
-    """Runs pdflatex until references and columns are settled. Returns the PDF and the boxes that are larger than its page. Raises OSError
-    if LaTeX fails.
+    """Runs pdflatex three times, so that references and columns settle. Raises OSError if LaTeX fails.
+
+    Returns the PDF, and the lines of the log about anything larger than its page.
     """
     out.mkdir(parents=True, exist_ok=True)
     command = ["pdflatex", "-halt-on-error", "-interaction=nonstopmode", f"-output-directory={out.resolve()}", source.name]
@@ -107,7 +113,7 @@ def compiled(source: Path, out: Path) -> tuple[Path, list[str]]:
 
 
 def write(paper: str, folder: Path, out: Path) -> Path | None:
-    """Writes <out>/tables/PAPER.tex; None if there is nothing to print."""
+    """Writes <out>/tables/PAPER.tex. Returns None if there is nothing to print."""
     path = out / "tables" / f"{paper}.tex"
     path.parent.mkdir(parents=True, exist_ok=True)
     text = document(paper, folder, path.parent)

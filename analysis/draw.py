@@ -1,7 +1,8 @@
-"""Tables and figures of any result: `hausbench draw RESULT.h5`, which runs this file.
+"""Draws tables and figures of any result: `hausbench draw RESULT.h5`, which runs this file.
 
-Writes <out>/tables/STEM_KIND.csv, .md and .tex, and <out>/figures/STEM_KIND.pdf and .png (or the formats asked for), for each kind that the result holds: `table` (every
-answer; the experiment's own claims), `error-against-time`, `performance-profile` and `motion`.
+Writes <out>/tables/STEM_KIND.csv, .md and .tex, and <out>/figures/STEM_KIND.pdf and .png (or the chosen formats), for
+each kind for which the result has data: `table` (every answer, and the experiment's own claims), `error-against-time`,
+`performance-profile` and `motion`.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ SUFFIXES: Final = ("pdf", "png", "svg")
 
 
 def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
-    """By kind; those that the result does not hold are left out. ResultError if that leaves none."""
+    """Returns the reports by kind, without kinds for which the result has no data. Raises ResultError if none is left."""
     made: dict[str, Report | None] = {kind: importlib.import_module(f"analysis.views.{KINDS[kind]}").make(results) for kind in kinds or KINDS}
     found = {kind: report for kind, report in made.items() if report is not None}
     if not found:
@@ -35,7 +36,7 @@ def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
 
 
 def inches(text: str) -> float:
-    """The width of a figure: a name in style.WIDTHS, or inches."""
+    """Parses the width of a figure: a name in style.WIDTHS, or inches."""
     if text in style.WIDTHS:
         return style.WIDTHS[text]
     try:
@@ -48,7 +49,7 @@ def inches(text: str) -> float:
 
 
 def formats(text: str) -> list[str]:
-    """Distinct names in SUFFIXES, from a list with commas."""
+    """Parses a comma-separated list into distinct names of SUFFIXES."""
     found = list(dict.fromkeys(text.split(",")))
     if unknown := [name for name in found if name not in SUFFIXES]:
         raise argparse.ArgumentTypeError(f"'{unknown[0]}' is not one of {', '.join(SUFFIXES)}")
@@ -84,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ResultError as problem:
         print(printable(str(problem)), file=sys.stderr)
         return 2
-    except ValueError as problem:  # texts or times that no run writes
+    except ValueError as problem:  # the file holds texts or times that no run writes
         print(printable(f"{chosen.result}: cannot be drawn: {problem}: run its experiment again"), file=sys.stderr)
         return 2
     except OSError as problem:

@@ -17,18 +17,18 @@ CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values abov
                   "A triangle: a value beyond the axis.")
 LEAST, MOST = 1e-2, 1e2  # ends of the axis; an arrow marks a value beyond them
 ROW: Final = 0.116  # inches
-HIGHEST: Final = 7.7  # inches, which leaves room for a heading and a caption: rows are nearer to each other where there are more
-SECOND: Final = 0.08  # inches more for a name of two lines
+HIGHEST: Final = 7.7  # inches; leaves room for a heading and a caption. Many rows move closer together
+SECOND: Final = 0.08  # extra inches for a name of two lines
 WORK: Final = "distances, bounds and nodes"
-WIDTH: Final = 96  # letters of a line; a longer claim takes two
-FOOT: Final = 0.7  # inches: axis label, directions, note
+WIDTH: Final = 96  # letters per line; a longer claim takes two lines
+FOOT: Final = 0.7  # inches for the axis label, the directions and the note
 PAPERS: Final = {"zhang2017": "Zhang et al. 2017", "tang2009": "Tang et al. 2009", "shou2014": "Shou et al. 2014", "sacht2024": "Sacht and Jacobson 2024", claims.OWN: "ours"}
 
 Bar = tuple[float, float, float]  # value (NaN: a range of several ratios), lower end, upper end (NaN: unknown)
 
 
 def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
-    """Returns the ratio in time and the ratio in counted work, as far as the verdict has them. The first of a pair is True for time."""
+    """Returns the ratio of a verdict and its ratio in counted work, if it has them. The first of each pair is True for time."""
     def bar(found: object) -> Bar | None:
         if not isinstance(found, list):
             return None
@@ -46,7 +46,10 @@ def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
 
 
 def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
-    """Draws one row per claim, in the given order, and a heading above each paper. `measured` says on which machine, and of how many rounds."""
+    """Draws one row per claim, in the given order, with a heading above each paper.
+
+    `measured` names the machine and the number of rounds.
+    """
     shown = [one for one in found if bars(one)]
     heights, at, heads, before = [], 0.0, [], ""
     for one in shown:
@@ -81,7 +84,7 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
 
 
 def name_of(one: claims.Record) -> str:
-    """The claim, in two lines if it is long."""
+    """Returns the claim, in two lines if it is long."""
     text = f"{one['place']}: {one['claim']}" if one["place"] else str(one["claim"])
     if len(text) <= WIDTH:
         return text

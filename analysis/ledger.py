@@ -1,9 +1,11 @@
 """Summarises the ledgers of results/*.h5, which list skipped work: one figure and one table with the reasons and the time saved.
 
-    python3 -m analysis.ledger         writes results/figures/ledger.pdf and .png, results/tables/ledger.csv, .md and .tex; prints the totals
+    python3 -m analysis.ledger         writes results/figures/ledger.pdf and .png, results/tables/ledger.csv, .md and
+    .tex; prints the totals
 
-A saving that was not measured, such as the time of a structure that was never built, counts as zero in sums; the table has it as "not measured". If S.everything.h5 (from `run --leave-nothing-out`)
-lies beside S.h5, the table says how many answers the two files have in common.
+A saving that was not measured, such as the time to build a structure that was never built, counts as zero in sums and
+appears as "not measured" in the table. If S.everything.h5 (from `run --leave-nothing-out`) lies beside S.h5, the table
+says how many answers the two files have in common.
 """
 
 from __future__ import annotations
@@ -45,8 +47,8 @@ class Stem:
     name: str
     run: float  # seconds in solvers: structures, first answers, repeats
     entries: Counter[str] = field(default_factory=Counter)  # by key of KINDS
-    unknown: Counter[str] = field(default_factory=Counter)  # entries whose saving was not measured
-    saved: dict[str, float] = field(default_factory=lambda: defaultdict(float))  # seconds, likewise
+    unknown: Counter[str] = field(default_factory=Counter)  # likewise; entries whose saving was not measured
+    saved: dict[str, float] = field(default_factory=lambda: defaultdict(float))  # seconds, by key of KINDS
     reasons: dict[str, Counter[str]] = field(default_factory=dict)
     proof: str = ""
 
@@ -56,7 +58,10 @@ class Stem:
 
 
 def seconds_run(results: Results) -> float:
-    """Returns the wall time of structures, first answers and repeats. A structure counts once per process, however many poses use it."""
+    """Returns the wall time of structures, first answers and repeats.
+
+    A structure counts once per process, however many poses use it.
+    """
     cases, prepared = results.cases, results.preparation
     built = {(cases.label[case], cases.scene[case], number, name, seconds)
              for case, number, name, seconds, shared in zip(prepared.case, prepared.round, prepared.name, prepared.seconds, prepared.shared) if not shared}
@@ -93,7 +98,10 @@ def read(path: Path) -> Stem:
 
 
 def stems_in(folder: Path) -> list[Stem]:
-    """Reads every result of a folder and sorts them by time, longest first. Prints a line for a damaged file and skips it. Raises ResultError if nothing is left."""
+    """Reads every result of a folder and sorts them by time, longest first.
+
+    Prints a line for a damaged file and skips it. Raises ResultError if nothing is left.
+    """
     found = []
     for path in sorted(folder.glob("*.h5")):
         if "." in path.stem:
@@ -127,7 +135,7 @@ def table(stems: Sequence[Stem]) -> tables.Table:
 
 
 def seconds_text(saved: float, unknown: int, entries: int) -> str:
-    """The seconds, with the number of entries that are not in them."""
+    """Returns the seconds, and the number of entries that they do not include."""
     if unknown == entries:
         return "not measured"
     return tables.number(saved) + (f" ({unknown:,} not measured)" if unknown else "")
@@ -144,7 +152,7 @@ def line(stems: Sequence[Stem]) -> str:
 
 
 def draw(stems: Sequence[Stem]) -> Any:
-    """Draws one bar per stem of LEAST seconds and more: time in solvers, then time saved by kind."""
+    """Draws one bar for each stem of at least LEAST seconds: time in solvers, then time saved by kind."""
     short, stems = sum(stem.run + stem.seconds_saved < LEAST for stem in stems), [stem for stem in stems if stem.run + stem.seconds_saved >= LEAST]
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 0.16 * len(stems) + 0.9))
     places, left = np.arange(len(stems)), np.array([stem.run for stem in stems])

@@ -1,4 +1,4 @@
-"""The picture of the README: how far each triangle of a coarse mesh is from a fine one, the witness, and bounds over time."""
+"""The picture of the README: the distance of each triangle of a coarse mesh to a fine one, the witness, and bounds over time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Drawn
 
-FROM = (-0.5, 0.3, -1.0)  # where the eye is, if the witness can be seen from there
+FROM = (-0.5, 0.3, -1.0)  # position of the eye, if the witness can be seen from there
 
 
 def make(results: Results) -> Report:

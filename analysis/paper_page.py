@@ -1,10 +1,12 @@
-"""Writes one page per paper, with every sentence that is checked and its verdict, and a figure of all claims.
+"""Writes one page per paper with every checked sentence and its verdict, and a figure of all claims.
 
-    python3 -m analysis.paper_page                 writes results/tables/PAPER_claims.md and .tex, results/figures/claims.pdf and .png
-    python3 -m analysis.paper_page --kept          writes results/reference/PAPER_claims.md and docs/claims.png, from the kept verdicts alone
+    python3 -m analysis.paper_page                 writes results/tables/PAPER_claims.md and .tex,
+    results/figures/claims.pdf and .png
+    python3 -m analysis.paper_page --kept          writes results/reference/PAPER_claims.md and docs/claims.png, from
+    the kept verdicts alone
 
-A claim shows the verdict of the current results if they test it; otherwise the verdict from results/reference, marked "(kept)". Our own claims
-have a page too (`hausbench`). analysis.paper_profile calls this with --kept.
+A claim shows the verdict of the current results if they test it; otherwise the verdict from results/reference, marked
+"(kept)". Our own claims have a page too (`hausbench`). analysis.paper_profile calls this with --kept.
 """
 
 from __future__ import annotations
@@ -54,7 +56,10 @@ def _key(one: claims.Record) -> tuple[str, ...]:
 
 
 def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[Line]:
-    """In the order of the paper's file of claims. A claim without any verdict has a line, too. Raises ValueError for a verdict on a claim marked untested."""
+    """Returns the lines in the order of the paper's claims file. A claim without a verdict has a line, too.
+
+    Raises ValueError for a verdict on a claim that is marked untested.
+    """
     tested = {_key(one): Line(claims.entries(paper)[str(one["id"])], one) for one in now
               if one["paper"] == paper and one["outcome"] != UNTESTED and one["id"] in claims.entries(paper)}
     before = {_key(one): Line(claims.entries(paper)[str(one["id"])], one, True) for one in kept
@@ -66,8 +71,10 @@ def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Rec
 
 
 def why(line: Line) -> str:
-    """Explains a verdict that does not hold: the reason from the claims file, and whether counted work agrees with the paper. Only without such a reason does
-    counted work rule out the machine. For a claim without a verdict, says why.
+    """Explains a verdict that does not hold, or why a claim has no verdict.
+
+    Gives the reason from the claims file, and says if the counted work agrees with the paper. Without such a reason,
+    counted work that does not hold either rules out the machine.
     """
     if line.verdict is None:
         return line.entry.untested or "no verdict yet"
@@ -100,14 +107,14 @@ def cells(lines: Sequence[Line]) -> list[list[str]]:
     return rows
 
 
-# Figures and tables with nothing to measure.
+# Figures and tables in which nothing is measured.
 SKETCHES: Final = {"tang2009": (("Figs. 2 to 6, Table 1", "the steps of the algorithm, sketches of them, and notation"),),
                    "sacht2024": (("Figs. 3 to 9", "sketches of branch and bound and of the four upper bounds"),),
                    "zhang2017": (("Figs. 1 to 7", "sketches of culling, of bounds and of the algorithms"),)}
 
 
 def items(paper: str, folder: Path = ROOT / "experiments") -> list[list[str]]:
-    """Returns the paper's tables and figures that have a stem, each with a description of the stem's measurement."""
+    """Returns the stems of the paper's tables and figures, each with its title."""
     rows = []
     for file in sorted((folder / paper).glob("*.toml"), key=lambda file: (file.stem.rstrip("0123456789"), len(file.stem), file.stem)):
         with file.open("rb") as text:
@@ -121,7 +128,7 @@ def count(lines: Sequence[Line]) -> str:
 
 
 def markdown(paper: str, lines: Sequence[Line], measured: str = "") -> str:
-    """`measured` says where and how the numbers were measured."""
+    """Returns the page in Markdown. `measured` says where and how the numbers were measured."""
     def row(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
@@ -136,7 +143,7 @@ def markdown(paper: str, lines: Sequence[Line], measured: str = "") -> str:
 
 
 def latex(paper: str, lines: Sequence[Line], measured: str = "") -> str:
-    """A longtable, as wide as the page."""
+    """Returns the page as a longtable that is as wide as the page."""
     widths = (0.09, 0.29, 0.1, 0.24, 0.28)
     columns = "".join(rf">{{\raggedright\arraybackslash}}p{{\dimexpr {width}\linewidth-2\tabcolsep\relax}}" for width in widths)
     head = " & ".join(HEADER[:5]) + r" \\"
@@ -147,7 +154,7 @@ def latex(paper: str, lines: Sequence[Line], measured: str = "") -> str:
 
 
 def papers() -> list[str]:
-    """Those with claims; ours last."""
+    """Returns the papers that have claims; our own claims come last."""
     return sorted((path.stem for path in claims.FOLDER.glob("*.toml")), key=lambda name: (name == claims.OWN, name))
 
 
@@ -156,12 +163,12 @@ def records(folder: Path) -> list[claims.Record]:
 
 
 def judging(lines: Iterable[Line], kept: bool) -> set[str]:
-    """The stems with a verdict, kept or of this run."""
+    """Returns the stems with a kept verdict, or those with a verdict of this run."""
     return {str(line.verdict["stem"]) for line in lines if line.verdict and line.kept == kept}
 
 
 def texts_of(lines: Sequence[Line], out: Path) -> list[str]:
-    """The tables behind the verdicts: of this run in `out`, or kept."""
+    """Returns the tables behind the verdicts: from `out` for this run's verdicts, and the kept tables for the others."""
     return conditions.present_texts(out / "tables", judging(lines, False)) + conditions.kept_texts(REFERENCE, judging(lines, True))
 
 

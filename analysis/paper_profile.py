@@ -1,13 +1,16 @@
-"""Puts the tables of a group's stems, run at the paper's sizes, into one file that is kept.
+"""Puts the tables of a group's stems, measured at the paper's sizes, into one file in results/reference.
 
     make zhang2017 PROFILE=paper && python3 -m analysis.paper_profile zhang2017
 
-writes results/reference/zhang2017_paper_profile.md; a single stem, such as points_speed, writes results/reference/points_speed.md. The
-group `corpus` has no paper: its full profile is `corpus`, and its file results/reference/corpus.md. Verdicts are kept beside the file in
-NAME.verdicts.json, and the times for README's table of winners in NAME.times.json. Stems of the group without a result here keep the
-tables, verdicts and times of the files, so that a long group can be measured in parts. The section `What it says` before the tables is
-written by hand and kept. README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims are
-written again from these files.
+writes results/reference/zhang2017_paper_profile.md. The file of a single stem, such as points_speed, is
+results/reference/points_speed.md. The group `corpus` has no paper: its largest profile is `corpus`, and its file is
+results/reference/corpus.md.
+
+The verdicts go to NAME.verdicts.json beside the file, and the times for README's table of winners to NAME.times.json.
+Stems without a result here keep their tables, verdicts and times, so that a long group can be measured in parts. The
+section `What it says`, before the tables, is written by hand and stays as it is.
+
+Afterwards this rewrites README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims.
 """
 
 from __future__ import annotations
@@ -35,10 +38,10 @@ SAYS: Final = "What it says"  # the section that is written by hand
 
 @dataclass
 class Kept:
-    """The content of a kept file."""
+    """The contents of a kept file."""
 
     machines: list[str] = field(default_factory=list)
-    rows: dict[str, str] = field(default_factory=dict)  # by stem, of the table at its head
+    rows: dict[str, str] = field(default_factory=dict)  # by stem; from the table at the head of the file
     tables: dict[str, str] = field(default_factory=dict)  # by stem
     verdicts: list[claims.Record] = field(default_factory=list)
     times: list[claims.Record] = field(default_factory=list)
@@ -65,7 +68,7 @@ def kept_of(path: Path) -> Kept:
 
 
 def in_order(group: str, stems: set[str]) -> list[str]:
-    """Tables before figures, each by its number."""
+    """Sorts stems: tables before figures, each by number."""
     def order(stem: str) -> tuple[str, int]:
         match = re.search(r"([a-z_]+)(\d*)$", stem.removeprefix(group))
         word, number = (match[1], match[2]) if match else ("", "")
@@ -75,7 +78,7 @@ def in_order(group: str, stems: set[str]) -> list[str]:
 
 
 def stems_of(group: str, folder: Path) -> list[str]:
-    """Stems with results."""
+    """Returns the stems of the group that have results."""
     return in_order(group, {path.stem for path in folder.glob(f"{group}*.h5") if f"{path.stem}_".startswith(f"{group}_")})
 
 
@@ -91,7 +94,9 @@ def check(results: Results) -> Results:
 
 
 def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Record], list[tables.Record]]:
-    """Returns the whole file, all verdicts, and the times of winners: newly measured stems, and the kept values of the others."""
+    """Returns the text of the file, all verdicts, and the times of winners: new ones for stems with results, kept ones
+    for the others.
+    """
     stems, whole = stems_of(group, folder), whole_profile(group)
     if not stems:
         raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE={whole}'")

@@ -1,8 +1,9 @@
-"""Whether a solver is on the Pareto front of gap against time: `python3 -m analysis.pareto STEM [--solver cover] [--results DIR]`.
+"""Tells whether a solver is on the Pareto front of gap against time: `python3 -m analysis.pareto STEM [--solver cover]
+[--results DIR]`.
 
-A cell is a scene of meshes, a pose and a tolerance. The solver is beaten in a cell by a certified solver that is faster and gives a gap no
-larger. Only separated times count: if a rival's gap is no larger and neither solver is clearly faster, or if their times are not
-comparable, the cell is open.
+A cell is a scene of meshes, a pose and a tolerance. The solver is beaten in a cell by a certified solver that is faster
+and whose gap is no larger. Only separated times count: the cell is open if a rival's gap is no larger but neither is
+clearly faster, or their times do not compare.
 """
 
 from __future__ import annotations
@@ -21,13 +22,13 @@ from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import Estimate, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
-SHARE: Final = 0.9  # of all cells, for the claim
+SHARE: Final = 0.9  # share of all cells that the claim needs
 
 
 @dataclass(frozen=True)
 class Rival:
     name: str
-    ratio: Estimate  # the solver's time to the rival's: above 1 where the rival is faster
+    ratio: Estimate  # time of the solver / time of the rival: above 1 if the rival is faster
     gap: float
 
 
@@ -37,7 +38,7 @@ class Cell:
     pose: int
     tolerance: float
     gap: float
-    rivals: tuple[Rival, ...]  # with a gap no larger that are not clearly slower
+    rivals: tuple[Rival, ...]  # rivals with a gap no larger that are not clearly slower
 
     @property
     def beaten_by(self) -> tuple[Rival, ...]:
@@ -53,7 +54,7 @@ class Cell:
 
 
 def cells(results: Results, solver: str) -> list[Cell]:
-    """Returns the cells of the solver's rows that are ok, in the order of the file."""
+    """Returns one cell for each row of the solver that is `ok`, in the order of the file."""
     cases, kinds = results.cases, dict(zip(results.models.name, results.models.kind))
     found = []
     for own in results.rows(solver=solver, status="ok"):

@@ -1,9 +1,10 @@
-"""Writes what follows from the program's own tables: analysis/shared/columns.py, the tables of results/README.md and of docs/experiments.md.
+"""Writes the files that follow from the program's own tables: analysis/shared/columns.py, and the tables in
+results/README.md and docs/experiments.md.
 
     python3 -m analysis.schema
 
-asks the program (`hausbench list columns`, `list keys`) and writes all three; a test fails if they differ from it.
-Nothing else in analysis/ starts the program: stems read result files, and shapes from the cache.
+asks the program (`hausbench list columns`, `list keys`) and writes all three; a test fails if they are out of date.
+Nothing else in analysis/ starts the program: stems read result files, and take shapes from the cache.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ Groups = dict[str, list[dict[str, Any]]]
 
 
 def program() -> Path:
-    """HAUSBENCH_PROGRAM, else the program that `make build` builds."""
+    """Returns HAUSBENCH_PROGRAM, or else the program that `make build` builds."""
     return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench"))
 
 
@@ -58,7 +59,7 @@ def columns() -> Groups:
 
 
 def module(groups: Groups) -> str:
-    """Returns a dataclass for each group, and the defaults of columns that a file lacks."""
+    """Returns columns.py: one dataclass per group, and the default of each column for files that lack it."""
     text = HEAD
     for group, known in groups.items():
         text += f"\n\n@dataclass(frozen=True)\nclass {group.capitalize()}:\n"
@@ -94,7 +95,7 @@ def table(known: list[dict[str, Any]]) -> str:
 
 
 def readme(text: str, groups: Groups) -> str:
-    """With the table of each group between its marks."""
+    """Returns the page with the table of each group between its marks."""
     for group, known in groups.items():
         text = between_marks(text, f"columns of {group}", table(known))
     return text

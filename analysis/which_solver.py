@@ -1,8 +1,9 @@
-"""Which solver is the fastest whose bounds are proven, and by what factor: scene by tolerance, for point sets, meshes and surfaces.
+"""Shows which certified solver is the fastest, and by what factor: scene by tolerance, for point sets, meshes and surfaces.
 
-    python3 -m analysis.which_solver   writes results/figures/which_solver.pdf and .png, results/tables/which_solver.csv, .md and .tex
+    python3 -m analysis.which_solver   writes results/figures/which_solver.pdf and .png,
+    results/tables/which_solver.csv, .md and .tex
 
-It reads the results in STEMS that are there. A solver takes part in a cell if it is certified and reached the tolerance.
+Reads the results in STEMS that exist. A solver takes part in a cell if it is certified and reached the tolerance.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ from analysis.shared.statistics import Estimate, ratio_by_round
 
 STEMS: Final = ("scaling_points", "points_speed", "scaling_meshes", "mesh_peers", "sacht2024_fig13", "error_vs_time")
 DOMAINS: Final = {"points": "Point sets", "mesh": "Meshes", "surface": "Surfaces"}
-FINEST: Final = 0.0  # stands for the finest tolerance asked of a solver: most solvers of point sets ignore it
+FINEST: Final = 0.0  # stands for each solver's finest tolerance: most solvers of point sets ignore the tolerance
 OF: Final = "diagonal"
 CAPTION: Final = "The fastest solver whose bounds are proven, by scene and tolerance, and how many times as fast it is as the next best."
-HIGHEST: Final = 7.8  # inches, of the figure: a page has room for it and its caption
+HIGHEST: Final = 7.8  # inches: a page has room for the figure and its caption
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,12 @@ class Cell:
     stem: str
     scene: str
     sizes: str
-    tolerance: float  # of the diagonal of A
+    tolerance: float  # as a fraction of the diagonal of A
     solver: str
     label: str
     rivals: int
-    ratio: Estimate | None  # the time of the next best to its own; None: it is alone
-    separated: bool  # from every rival
+    ratio: Estimate | None  # time of the next best / time of the fastest; None: no rival, or it is not ahead of each
+    separated: bool  # its time is separated from the time of every rival
 
     @property
     def title(self) -> str:
@@ -57,8 +58,9 @@ class Cell:
 
 
 def cells_of(results: Results) -> list[Cell]:
-    """One cell for each scene in its first pose and each tolerance that some certified solver reached. A tolerance at which one was read off the
-    trace of a finer run, and so has no times of its own, gives no cell.
+    """Returns one cell for each scene in its first pose and each tolerance that some certified solver reached.
+
+    A tolerance gives no cell if the answer of some solver was read off the trace of a finer run, because it has no time of its own.
     """
     cases, kinds, found = results.cases, dict(zip(results.models.name, results.models.kind)), list[Cell]()
     asked: dict[tuple[str, float], dict[str, int]] = {}
@@ -83,14 +85,20 @@ def cells_of(results: Results) -> list[Cell]:
 
 
 def takes_part(results: Results, row: int) -> bool:
-    """Takes the first of several seeds, and no other sweep over a parameter, because no one value could stand for the solver."""
+    """Tells whether a row takes part: only the first of several seeds does.
+
+    A solver that is swept over another parameter does not, because none of its values can stand for the solver.
+    """
     variant = str(results.cases.variant[row])
     return not variant or (variant.startswith("seed=") and row == min(results.rows(scene=results.cases.scene[row], label=results.cases.label[row],
                                                                                   tolerance=results.cases.tolerance[row])))
 
 
 def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], domain: str) -> Cell:
-    """The fastest is the solver that no other beats, by the ratios that are shown; if each is beaten by some other, none gets a number."""
+    """Returns the cell of the solver that no other beats, by the ratios that are shown.
+
+    If each is beaten by another one, the cell takes the least median and has no ratio.
+    """
     times = {label: results.total_by_round(row) for label, row in rows.items()}
     by_median = sorted(times, key=lambda label: float(np.median(list(times[label].values()))))
 
@@ -119,10 +127,10 @@ def table(cells: Sequence[Cell], machine: str) -> tables.Table:
 
 @dataclass
 class Row:
-    """A row of the picture: one scene, or several that differ in their size alone and have one tolerance and one winner."""
+    """A row of the picture: one scene, or several that differ only in size and share one tolerance and one winner."""
 
-    family: str  # of the name of the scene, without its size
-    sizes: list[str]  # empty strings for names without one
+    family: str  # name of the scene without its size
+    sizes: list[str]  # empty strings for names without a size
     cells: dict[float, list[Cell]]  # by tolerance
 
     @property
@@ -131,7 +139,7 @@ class Row:
 
 
 def rows_of(cells: Sequence[Cell]) -> list[Row]:
-    """Returns the rows of the cells of a domain, in their order."""
+    """Returns the rows for the cells of a domain, in their order."""
     scenes: dict[tuple[str, str], list[Cell]] = {}
     for one in cells:
         scenes.setdefault((one.stem, one.scene), []).append(one)
@@ -151,7 +159,7 @@ def rows_of(cells: Sequence[Cell]) -> list[Row]:
 
 
 def text_of(cells: Sequence[Cell]) -> str:
-    """Returns the winner and how far it is ahead: 'cover 2.2–3.3×'."""
+    """Returns the winner and the range of its lead: 'cover 2.2–3.3×'."""
     ratios = sorted(one.ratio.value for one in cells if one.ratio is not None and one.ratio.n)
     if len(cells) == 1 or len(ratios) < len(cells):
         return cells[0].text if len(cells) == 1 else cells[0].title
@@ -160,7 +168,7 @@ def text_of(cells: Sequence[Cell]) -> str:
 
 
 def draw(cells: Sequence[Cell]) -> Any:
-    """Draws point sets on the left, meshes and surfaces on the right: a row a scene, a column a tolerance."""
+    """Draws point sets on the left, meshes and surfaces on the right: one row per scene, one column per tolerance."""
     there = [domain for domain in DOMAINS if any(one.domain == domain for one in cells)]
     blocks = {domain: rows_of([one for one in cells if one.domain == domain]) for domain in there}
     right = [domain for domain in there if domain != "points"]

@@ -1,8 +1,11 @@
-"""README's table of where solvers win, from the times kept beside the tables in results/reference/. `python3 -m analysis.winners`
-writes it between two marks in README.md; analysis.paper_profile does so whenever it writes those tables.
+"""Writes README's table of where solvers win, from the times kept beside the tables in results/reference/: `python3 -m
+analysis.winners`.
 
-A solver wins a scene if its interval lies below the interval of every other. There is no winner if a solver has a single time, which has no
-interval, or an interval of less than 95 %, or if the times are not comparable; a line below the table says how many scenes that concerns.
+The table goes between two marks in README.md. analysis.paper_profile rewrites it whenever it writes those tables.
+
+A solver wins a scene if its interval lies below the interval of every other solver. A scene has no winner if a solver
+has a single time, which has no interval, or an interval of less than 95 %, or if the times do not compare; a line below
+the table says how many scenes these are.
 """
 
 from __future__ import annotations
@@ -23,8 +26,8 @@ from analysis.shared.statistics import CONFIDENCE, order_statistic_rank
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
 END: Final = "<!-- written by analysis/winners.py: end -->"
-SUFFIX: Final = ".times.json"  # after the name of a kept file of tables
-# By stem: the kept file that has its table, and how its scenes are called.
+SUFFIX: Final = ".times.json"  # follows the name of a kept file of tables
+# By stem: the kept file with its table, and the name of its scenes.
 RACES: Final = {"zhang2017_table3": ("zhang2017_paper_profile.md", "pairs of Table 3"),
                 "points_speed": ("points_speed.md", "workloads of 100K and 1M points"),
                 "mesh_peers": ("mesh_peers.md", "pairs of real meshes")}
@@ -41,7 +44,7 @@ class Time:
     label: str
     title: str
     n: int  # rounds, or seeds; 0: no answer
-    seconds: Sequence[float]  # the median, then the ends of its interval; a single time has none
+    seconds: Sequence[float]  # the median, then the ends of its interval; a single time has no ends
     apart: str  # why the times of the scene do not compare; empty if they do
 
     @property
@@ -50,7 +53,7 @@ class Time:
 
 
 def times(records: Iterable[tables.Record], results: Results) -> list[tables.Record]:
-    """The times in the records of a table, as they are kept."""
+    """Returns the times in the records of a table, in the form in which they are kept."""
     apart = {scene: reason_apart(one._replace(clock="") for one in origins(results, results.rows(scene=scene))) for scene in results.scenes}
     return [{"stem": results.stem, **{name: one[name] for name in ("scene", "solver", "label")}, "title": style.title(str(one["solver"]), str(one["label"])), "n": one["n"],
              "seconds": [x for end in ("median", "low", "high") if isinstance(x := one[f"{end}_seconds"], float) and math.isfinite(x)],
@@ -58,20 +61,20 @@ def times(records: Iterable[tables.Record], results: Results) -> list[tables.Rec
 
 
 def read(file: str, folder: Path = REFERENCE) -> list[Time]:
-    """The times beside a kept file of tables. Raises OSError if there are none."""
+    """Reads the times beside a kept file of tables. Raises OSError if there are none."""
     return [Time(**one) for one in tables.read_json((folder / file).with_suffix(SUFFIX))]  # type: ignore[arg-type]
 
 
 @dataclass
 class Race:
-    """The scenes of a table."""
+    """The outcome on the scenes of a table."""
 
     scenes: int
-    won: dict[str, list[float]] = field(default_factory=dict)  # by winner: how many times over the next best, for each scene
-    unjudged: int = 0  # scenes in which nobody can win
-    single: dict[str, None] = field(default_factory=dict)  # titles of the solvers with single times in them
+    won: dict[str, list[float]] = field(default_factory=dict)  # by winner: for each scene won, time of the next best / its time
+    unjudged: int = 0  # scenes in which no solver can win
+    single: dict[str, None] = field(default_factory=dict)  # titles of the solvers with single times in those scenes
     doubts: dict[str, None] = field(default_factory=dict)  # other reasons
-    least: dict[str, int] = field(default_factory=dict)  # in how many of them, single times aside, this interval lies below all else
+    least: dict[str, int] = field(default_factory=dict)  # by solver: those scenes that only single times keep it from winning
 
 
 def race(among: Sequence[Time]) -> Race:
@@ -108,7 +111,7 @@ def victories(races: dict[str, Race]) -> dict[str, list[str]]:
 
 
 def unjudged(races: dict[str, Race]) -> list[str]:
-    """Why scenes have no winner, one line a table."""
+    """Returns the reasons why scenes have no winner, one line per table."""
     lines = []
     for stem, seen in races.items():
         if not seen.unjudged:

@@ -1,6 +1,6 @@
-# Writes OUTPUT, a header with the compiler's flags for the libraries of the program, as COMMANDS (compile_commands.json) has them:
-# "LIBRARY: FLAGS; ...", and "FILE: FLAGS" for each source whose flags differ from those of most sources in its library. Paths are left
-# out, and a flag that is given twice is named once. OUTPUT is written only if it changes.
+# Writes the header OUTPUT with the compiler flags of the program's libraries, taken from COMMANDS (compile_commands.json): "LIBRARY: FLAGS; ..." with
+# the flags that most sources of the library share, and "FILE: FLAGS" for each source with other flags. Paths and repeated flags are left out.
+# OUTPUT is written only if it changes.
 cmake_minimum_required(VERSION 3.25)
 
 function(flags_of command result)

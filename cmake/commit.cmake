@@ -1,4 +1,4 @@
-# Writes OUTPUT, {"commit": ..., "dirty": ...} of the checkout SOURCE, when it differs from what is there. Run at each build.
+# Writes {"commit": ..., "dirty": ...} of the checkout SOURCE to OUTPUT, if that changes the file. Runs at each build.
 execute_process(COMMAND git -C ${SOURCE} rev-parse HEAD OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE
                 ERROR_QUIET RESULT_VARIABLE failed)
 set(dirty "unknown")

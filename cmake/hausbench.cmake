@@ -1,7 +1,7 @@
-# What the CMakeLists of the folders call.
+# Functions for the CMakeLists.txt of the folders.
 
-# Sources of a target. A unity build compiles those of one group together: a solver and what it alone uses, or what a folder shares, so that
-# a new file elsewhere does not change how a solver is compiled. Without a group (-) each is compiled alone.
+# Adds sources to a target. A unity build compiles the sources of a group together. A group is a solver with the sources that only it uses, or the
+# shared sources of a folder, so that a new file elsewhere does not change how a solver is compiled. With the group "-" each source is compiled alone.
 function(hausbench_sources target group)
   list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   target_sources(${target} PRIVATE ${ARGN})
@@ -10,9 +10,9 @@ function(hausbench_sources target group)
   endif()
 endfunction()
 
-# Sources that are compiled once for each instruction set, by including themselves again (hwy/foreach_target.h), so they stay alone.
-# Half of the time to build the fuzz targets went to sanitizers' checks in them, each one large function after inlining; `make asan-kernels`
-# has these checks.
+# Adds sources that are compiled once for each instruction set. They include themselves again (hwy/foreach_target.h), so they have no group.
+# The fuzz targets leave out the sanitizers' checks in these sources, which took half of the build time, since each source becomes one large
+# function after inlining. `make asan-kernels` has these checks.
 function(hausbench_vector_sources target)
   hausbench_sources(${target} - ${ARGN})
   if(HAUSBENCH_WITH_FUZZERS)
@@ -21,8 +21,8 @@ function(hausbench_vector_sources target)
   endif()
 endfunction()
 
-# hausbench_solver(NAME SOURCE ... [ALONE] [IF CONDITION ELSE WHY]): a solver of the program. One of its sources defines NAME_solver(). Where the
-# variable CONDITION is off, it is listed as not built, and WHY. Its folder is its group in a unity build, unless ALONE.
+# hausbench_solver(NAME SOURCE ... [ALONE] [IF CONDITION ELSE WHY]): adds a solver to the program. One of its sources defines NAME_solver(). If the
+# variable CONDITION is off, the solver is not built, and is listed with the reason WHY. Its group in a unity build is its folder, or none if ALONE.
 function(hausbench_solver name)
   cmake_parse_arguments(PARSE_ARGV 1 solver "ALONE" "IF;ELSE" "")
   if(solver_IF AND NOT ${solver_IF})
@@ -37,7 +37,7 @@ function(hausbench_solver name)
   set_property(GLOBAL APPEND PROPERTY HAUSBENCH_SOLVERS "SOLVER(${name})")
 endfunction()
 
-# The lists that registry.cpp reads, from all lines above.
+# Writes the lists that registry.cpp includes, from all calls of hausbench_solver().
 function(hausbench_write_solvers)
   foreach(list SOLVERS NOT_BUILT)
     get_property(lines GLOBAL PROPERTY HAUSBENCH_${list})

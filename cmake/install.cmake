@@ -1,4 +1,5 @@
-# What plug-ins are built against: find_package(hausbench), see CONTRIBUTING.md; and what the program reads, and its users, without the sources.
+# Installs the package that plug-ins are built with (find_package(hausbench), see CONTRIBUTING.md), the files that the program reads at run time, and
+# the documents.
 include(CMakePackageConfigHelpers)
 set(HAUSBENCH_PACKAGE_FOLDER ${CMAKE_INSTALL_LIBDIR}/cmake/hausbench)
 install(TARGETS hausbench_algorithms hausbench_text EXPORT hausbench_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -13,13 +14,13 @@ if(HAUSBENCH_WITH_PROGRAM)
     FILES_MATCHING PATTERN "*.py" PATTERN "*.mplstyle" PATTERN "*.toml" PATTERN "__pycache__" EXCLUDE)
   install(DIRECTORY docs/tour experiments DESTINATION ${CMAKE_INSTALL_DATADIR}/hausbench PATTERN "__pycache__" EXCLUDE)
 endif()
-# Documents lie as they do here, so that the links between them hold.
+# Documents keep their folders, so that the links between them stay valid.
 file(GLOB_RECURSE pages RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS algorithms/*.md docs/*.md docs/*.png docs/*.svg results/reference/*.md)
 foreach(page IN LISTS pages ITEMS README.md CONTRIBUTING.md CHANGELOG.md LICENSE CITATION.cff packages.txt results/README.md)
   cmake_path(GET page PARENT_PATH folder)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
 endforeach()
-# Headers of what solvers share; the folders of the solvers themselves stay here. They name each other as <hausbench/...>.
+# Headers that solvers share, without those in the folders of single solvers. They include each other as <hausbench/...>.
 set(HAUSBENCH_HEADERS ${CMAKE_BINARY_DIR}/generated/include/hausbench)
 install(CODE "
   file(REMOVE_RECURSE ${HAUSBENCH_HEADERS})

@@ -40,27 +40,27 @@ double generated(const ModelInfo& model) {
 double derived(const ModelInfo& model, double origin) {
     const auto number = [&](const char* name) { return model.numbers.at(name); };
     const std::string& operation = model.recipe;
-    // From V vertices and T triangles, 4^n T triangles and at most V + 4^n T vertices: a mesh has at most 3 T edges to split.
+    // V vertices and T triangles become 4^n T triangles and at most V + 4^n T vertices, as a mesh
+    // has at most 3 T edges to split.
     if (operation == "subdivide") return 2 * std::pow(4, number("levels")) * origin;
     if (operation == "repeat") return number("count") * origin;
     if (operation == "sample") return 2 * number("count");
     if (operation == "triangulate") return 36 * number("cells") * number("cells");
     if (operation == "remesh") return 10 / (number("edge") * number("edge"));
-    return 2 * origin + 4;  // two_clusters; the others add an element at most
+    return 2 * origin + 4;  // two_clusters; all others add at most one element
 }
 
-// Estimates the number of points and triangles of the model, given that of its origin (of a file: its bytes). An
-// upper bound, except for `triangulate` and `remesh`, whose size depends on the shape.
+// Estimates the number of points plus triangles of a model. `origin` is the same number for its origin, or the
+// bytes of its file. An upper bound, except for `triangulate` and `remesh`, whose size depends on the shape.
 double estimated_elements(const ModelInfo& model, double origin) {
     if (model.source == "generated") return generated(model);
     if (model.source == "derived") return derived(model, origin);
-    return origin / 4;  // a file in the densest format has four bytes for each
+    return origin / 4;  // the densest format takes four bytes for each
 }
 
-constexpr int most_derivations = 100;  // from one file or recipe
+constexpr int most_derivations = 100;  // in a chain from one file or recipe
 
-// Part of every key of the shape cache. Increase it whenever the output of a reader, a recipe or an operation
-// changes.
+// Part of every key of the shape cache. Increase it whenever a reader, a recipe or an operation changes its output.
 constexpr std::string_view shapes_version = "2";
 
 std::string key_of(const ModelInfo& model, const std::string& input) {
@@ -145,7 +145,7 @@ void Catalogue::keep_apart(std::filesystem::path folder, double most_bytes) {
     most_bytes_ = most_bytes;
 }
 
-// The one that is there, else the one to write.
+// Returns the existing file, or else the file to write.
 std::filesystem::path Catalogue::shape_file(const std::string& key) const {
     const std::filesystem::path cached = cache_ / "shapes" / (key + ".h5");
     return apart_.empty() || std::filesystem::exists(cached) ? cached : apart_ / (key + ".h5");
@@ -153,7 +153,7 @@ std::filesystem::path Catalogue::shape_file(const std::string& key) const {
 
 void Catalogue::expect_room(const ModelInfo& model, const Input& input) const {
     if (apart_.empty()) return;
-    constexpr double bytes_an_element = 24;  // a point; three indices take half of it
+    constexpr double bytes_an_element = 24;  // for a point; the three indices of a triangle take half
     const double bytes = bytes_an_element * estimated_elements(model, input.size);
     double taken = 0;
     for (const auto& file : std::filesystem::directory_iterator(apart_)) taken += double(file.file_size());
@@ -183,7 +183,7 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
     if (!std::filesystem::is_regular_file(file))
         throw InputError(fmt::format("model '{}': {} is not a regular file: name a file that holds a shape", model.name,
                                      file.string()));
-    if (std::filesystem::file_size(file) == 0)  // also the files of the kernel, some of which never end
+    if (std::filesystem::file_size(file) == 0)  // includes files of the kernel, some of which never end
         throw InputError(
             fmt::format("model '{}': {} is empty: name a file that holds a shape", model.name, file.string()));
     const std::string found = sha256_of_file(file);
@@ -198,7 +198,7 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
 
 LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
     if (const auto* mesh = model.written ? std::get_if<TriangleMesh>(&*model.written) : nullptr) {
-        LoadReport report{"generated"};  // as the readers of files do
+        LoadReport report{"generated"};  // drops unused vertices, as the readers of files do
         TriangleMesh used = without_unused(mesh->vertices, mesh->triangles);
         report.unreferenced = mesh->vertices.rows() - used.vertices.rows();
         return {std::move(used), report};

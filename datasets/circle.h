@@ -1,4 +1,5 @@
-// Cosines and sines with the same bits on every machine; the C library's depend on its version and on the processor.
+// Cosines and sines with the same bits on every machine. The C library's results depend on its
+// version and on the processor.
 #pragma once
 
 namespace hausbench {
@@ -7,7 +8,7 @@ struct Circle {
     double cosine, sine;
 };
 
-// By the Taylor series, to a few units in the last place; |angle| <= pi / 4.
+// Returns cosine and sine by their Taylor series, to a few units in the last place; |angle| <= pi / 4.
 inline Circle circle_near_zero(double angle) {
     double cosine = 1, sine = angle, term_c = 1, term_s = angle;
     for (int i = 1; i <= 10; ++i) {
@@ -19,7 +20,7 @@ inline Circle circle_near_zero(double angle) {
     return {cosine, sine};
 }
 
-// The same, turned to the left by so many quarters of a turn.
+// Returns the point turned to the left by a number of quarter turns.
 inline Circle turned(Circle circle, int quarters) {
     for (; quarters > 0; --quarters) circle = {-circle.sine, circle.cosine};
     return circle;

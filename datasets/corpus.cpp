@@ -12,7 +12,8 @@
 namespace hausbench {
 namespace {
 
-// Tables of corpus.toml for the corpus and for the whole corpus, and the list of models of manifest.toml.
+// The two lists of a part in corpus.toml: the key of its tables, and the key of its models that
+// manifest.toml has. The first part is the corpus, the second the rest of the whole corpus.
 struct Part {
     const char *models, *manifest;
 };

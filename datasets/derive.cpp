@@ -44,7 +44,7 @@ PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t see
     const auto corner = [&](Eigen::Index t, int k) -> Vec3 {
         return mesh.vertices.row(mesh.triangles(t, k)).transpose();
     };
-    // Works in a power-of-two unit in which no area underflows next to the total, because the norm squares it.
+    // Scales by a power of two, so that no area underflows next to the whole area: the norm squares it.
     const double extent = longest_side(mesh.vertices);
     const int exponent = extent > 0 && std::isfinite(extent) ? -std::ilogb(extent) : 0;
     const auto edge = [&](Eigen::Index t, int k) -> Vec3 {
@@ -92,7 +92,7 @@ Shape normalised(const Given& g) {
     return with_points(g, points);
 }
 
-// The number `distance` along (2, 1, 2) / 3, a unit vector: the box grows along every axis.
+// Returns `distance` times (2, 1, 2) / 3, a unit vector: the box grows along every axis.
 Eigen::RowVector3d away(const Given& g) { return g.real("distance") * Eigen::RowVector3d(2, 1, 2) / 3; }
 
 Points stacked(const Points& above, const Points& below) {
@@ -101,7 +101,7 @@ Points stacked(const Points& above, const Points& below) {
     return all;
 }
 
-// The last element once more, elsewhere, with vertices of its own.
+// Adds a shifted copy of the last element, with its own vertices.
 Shape with_stray(const Given& g) {
     const auto* mesh = std::get_if<TriangleMesh>(g.origin);
     const Points& points = g.points();
@@ -115,7 +115,7 @@ Shape with_stray(const Given& g) {
     return TriangleMesh{stacked(points, corners), triangles};
 }
 
-// All elements once more, elsewhere, with vertices of their own.
+// Adds a shifted copy of all elements, with its own vertices.
 Shape with_copy(const Given& g) {
     const Points& points = g.points();
     const Points all = stacked(points, points.rowwise() + away(g));
@@ -126,7 +126,7 @@ Shape with_copy(const Given& g) {
     return TriangleMesh{all, triangles};
 }
 
-// From the unit quaternion (1, t axis / |axis|) / sqrt(1 + t^2).
+// Rotates by the unit quaternion (1, t axis / |axis|) / sqrt(1 + t^2).
 Shape rotated(const Given& g) {
     const Vec3 axis = at_unit_scale(g.xyz());
     const double t = g.real("t");
@@ -207,7 +207,7 @@ std::vector<Index> first_equal(const Points& points) {
     const auto count = static_cast<std::size_t>(points.rows());
     std::unordered_map<Coordinates, Index, decltype(hash)> first(count, hash);
     std::vector<Index> firsts(count);
-    for (Index v = 0; v < points.rows(); ++v) {  // + 0.0 makes +0 of -0
+    for (Index v = 0; v < points.rows(); ++v) {  // + 0.0 turns -0 into +0
         const Coordinates p{points(v, 0) + 0.0, points(v, 1) + 0.0, points(v, 2) + 0.0};
         firsts[static_cast<std::size_t>(v)] = first.try_emplace(p, v).first->second;
     }
@@ -271,7 +271,7 @@ TriangleMesh subdivide(const TriangleMesh& mesh) {
     }
     fine.vertices.resize(mesh.vertices.rows() + static_cast<Eigen::Index>(edges.size()), 3);
     fine.vertices.topRows(old_count) = mesh.vertices;
-    for (std::size_t e = 0; e < edges.size(); ++e)  // halves first: no overflow, and exact except for subnormal numbers
+    for (std::size_t e = 0; e < edges.size(); ++e)  // halving first avoids overflow; exact except for subnormal numbers
         fine.vertices.row(old_count + static_cast<Eigen::Index>(e)) =
             mesh.vertices.row(edges[e][0]) / 2 + mesh.vertices.row(edges[e][1]) / 2;
     return fine;

@@ -36,7 +36,7 @@ SurfaceMesh manifold(const TriangleMesh& soup, const char* operation) {
             faces.push_back({corner(0), corner(1), corner(2)});
     }
     PMP::merge_duplicate_polygons_in_polygon_soup(points, faces);
-    PMP::orient_polygon_soup(points, faces);  // doubles vertices where no one surface goes through them
+    PMP::orient_polygon_soup(points, faces);  // duplicates vertices that several surfaces share
     PMP::remove_isolated_points_in_polygon_soup(points, faces);
     if (faces.empty() || !PMP::is_polygon_soup_a_polygon_mesh(faces))
         throw InputError(std::string(operation) + ": the mesh cannot be made a manifold");
@@ -61,7 +61,7 @@ TriangleMesh soup(const SurfaceMesh& mesh) {
     return result;
 }
 
-// CGAL 5.5 counts edges only.
+// A stop condition on triangles: CGAL 5.5 can only count edges.
 struct FewEnoughTriangles {
     std::size_t triangles;
 

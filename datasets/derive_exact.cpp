@@ -1,4 +1,4 @@
-// Operations for cases whose distance is known: of short coordinates the results are exact.
+// Operations for cases whose distance is known: for coordinates with few bits the results are exact.
 #include "datasets/derive.h"
 
 #include "algorithms/error.h"
@@ -27,7 +27,7 @@ Shape nudged(const Given& g) {
     return with_points(g, points);
 }
 
-// Copies the vertices with the faces, or the faces alone, which then share the first vertices.
+// Repeats all elements. A mesh copies its vertices too, or else repeats its faces over the same vertices.
 Shape repeated(const Given& g) {
     const Points& points = g.points();
     const Index count = g.whole("count");

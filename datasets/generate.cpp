@@ -14,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// The point at k/n of a turn: by the Taylor series, after an exact reduction to an eighth of a turn in integers.
+// Returns the point at k/n of a turn: by the Taylor series, after exact reduction to an eighth of a turn in integers.
 Circle circle_point(std::int64_t k, std::int64_t n) {
     const std::int64_t eighth = 8 * k / n;         // 0..7
     const std::int64_t rest = 8 * k - eighth * n;  // position within the eighth, in units of 1/n
@@ -33,11 +33,11 @@ public:
         return static_cast<Index>(points_.size() - 1);
     }
     void triangle(Index a, Index b, Index c) { triangles_.push_back({a, b, c}); }
-    void square(Index a, Index b, Index c, Index d) {  // corners in order; split from a to c
+    void square(Index a, Index b, Index c, Index d) {  // corners in order; cut from a to c
         triangle(a, b, c);
         triangle(a, c, d);
     }
-    // Vertices numbered row by row, the last row and column joined with the first.
+    // For vertices numbered row by row; joins the last row and column with the first.
     void closed_grid(Index rows, Index columns) {
         for (Index i = 0; i < rows; ++i)
             for (Index j = 0; j < columns; ++j) {
@@ -73,7 +73,7 @@ TriangleMesh icosphere(const Given& g) {
             corners.emplace_back(a, b, 0);
             corners.emplace_back(b, 0, a);
         }
-    // The faces are the triples of corners at the length of an edge, 2; the next distance is 3.2.
+    // The faces are the triples of corners whose distances are an edge length, 2; the next larger distance is 3.2.
     const auto joined = [&](std::size_t i, std::size_t j) { return (corners[i] - corners[j]).squaredNorm() < 5; };
     MeshBuilder builder;
     for (const Vec3& p : corners) builder.vertex(p.x(), p.y(), p.z());
@@ -141,8 +141,8 @@ TriangleMesh torus(const Given& g) {
     return builder.mesh();
 }
 
-// A rectangle from bore to rim, swept around the axis. The rim follows the teeth: each has a quarter tip, a quarter root and
-// straight flanks between them.
+// Sweeps a rectangle from bore to rim around the axis. The rim follows the teeth: a quarter of
+// each is tip, a quarter is root, with straight flanks between them.
 TriangleMesh gear(const Given& g) {
     const int steps = g.whole("steps"), rings = g.whole("rings"), layers = g.whole("layers");
     const double outer = g.real("outer"), root = g.real("root"), bore = g.real("bore"), height = g.real("height");
@@ -251,7 +251,7 @@ const std::vector<Recipe>& recipes() {
 
 namespace {
 
-// Names and places may come from texts with line breaks.
+// Makes the message one line: names and places may come from strings with line breaks.
 [[noreturn]] void refuse(std::string why) { throw InputError(one_line(std::move(why))); }
 
 }  // namespace

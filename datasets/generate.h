@@ -1,5 +1,5 @@
-// Shapes made by recipe, with + - x / and sqrt only, so that the result is the same bit for bit on every x86-64; a test
-// checks the hashes.
+// Shapes made by recipes that use only + - x / and sqrt, so that the result has the same bits on
+// every x86-64; a test checks the hashes.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -19,7 +19,7 @@ struct NumberSpec {
     std::string name;
     bool whole = false;
     double least = -1e300, most = 1e300;  // the allowed range, ends included
-    bool required = true;                 // else absent from Numbers if not given
+    bool required = true;                 // if not required and not given, it is absent from Numbers
 };
 
 inline NumberSpec whole_number(const char* name, double least, double most) { return {name, true, least, most}; }
@@ -27,7 +27,7 @@ inline NumberSpec seed_number(const char* name = "seed") { return whole_number(n
 inline NumberSpec coordinate(const char* name) { return {name, false, -1e100, 1e100}; }
 inline NumberSpec length(const char* name, double least = 1e-100) { return {name, false, least, 1e100}; }
 
-// A recipe makes a shape from numbers; an operation of derive.h makes it from a shape as well.
+// The input of a recipe: its numbers, and for the operations of derive.h also a shape.
 struct Given {
     const Numbers& numbers;
     const Shape* origin = nullptr;
@@ -51,18 +51,18 @@ template <class List> std::vector<std::string> names_of(const List& list) {
     return names;
 }
 
-// Throws InputError for an unknown name, which begins with `what` ("unknown recipe") and names the nearest.
+// Throws InputError for an unknown name; the message begins with `what` ("unknown recipe") and names the nearest.
 const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& name, const std::string& what);
 
 // `hausbench list keys` explains them.
 const std::vector<Recipe>& recipes();
-std::vector<Recipe> point_recipes();  // the recipes for points; point_recipes.cpp
+std::vector<Recipe> point_recipes();  // the recipes for points, in point_recipes.cpp
 
-// Throws InputError, whose message begins with `where`, for an unknown number (suggests the nearest), a missing one,
-// a fraction in place of an integer, or a number out of range.
+// Throws InputError for an unknown name (names the nearest), a missing one, a fraction where an
+// integer is required, or a number out of range. `where` begins every message.
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers);
 
-// The numbers must have passed check_numbers(). Throws InputError for an unknown recipe.
+// Requires numbers that passed check_numbers(). Throws InputError for an unknown recipe.
 Shape generate(const std::string& recipe, const Numbers& numbers);
 
 }  // namespace hausbench

@@ -17,7 +17,7 @@ class Sha256 {
 public:
     Sha256();
     Sha256& add(const void* bytes, std::size_t count);
-    // Hashes the length too, so that two fields cannot be confused with one.
+    // Hashes the length, too, so that two fields cannot be confused with one.
     Sha256& add(std::string_view text);
     // Hashes the rest of the stream, but at most `most` bytes.
     Sha256& add_stream(std::istream& in, std::uint64_t most);
@@ -27,7 +27,7 @@ private:
     std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
 };
 
-// Throws InputError if it cannot be read.
+// Throws InputError if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);
 
 }  // namespace hausbench

@@ -5,7 +5,7 @@
 #include "datasets/seal.h"
 #include "process/whole_file.h"
 
-// One by one, because the library's <hdf5.h> has the name of our own header.
+// Headers one by one, because the library's <hdf5.h> has the same name as our own header.
 #include <H5public.h>
 
 #include <H5Apublic.h>
@@ -36,7 +36,7 @@ namespace {
 
 static_assert(std::is_same_v<hid_t, std::int64_t>, "File::id_ holds an hid_t");
 
-// What went wrong first, in the library's own words.
+// Returns the library's message about the first error.
 std::string library_message() {
     std::string text;
     const auto visit = [](unsigned, const H5E_error2_t* error, void* data) -> herr_t {
@@ -49,7 +49,7 @@ std::string library_message() {
     return text.empty() ? "HDF5 gave no reason" : printable(text);  // it may quote the file
 }
 
-// The name of a file or of an object in it, for messages.
+// The place that messages name: a file, or an object in it.
 struct Place {
     const std::filesystem::path& file;
     std::string object = "";
@@ -94,7 +94,7 @@ Id text_type(const Place& at) {
     return type;
 }
 
-// Links made with it create the groups on their way.
+// Returns a property list with which new links also create missing groups.
 Id links_with_groups(const Place& at) {
     Id links(at, H5Pcreate(H5P_LINK_CREATE), H5Pclose);
     at.check(H5Pset_create_intermediate_group(links, 1));
@@ -107,7 +107,7 @@ void write_dataset(hid_t file, const Place& at, hid_t type, const void* values, 
     const hsize_t extent[2] = {count / columns, columns};
     const Id space(at, H5Screate_simple(columns > 1 ? 2 : 1, extent, nullptr), H5Sclose);
     const Id creation(at, H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    at.check(H5Pset_obj_track_times(creation, 0));  // the same contents, the same bytes
+    at.check(H5Pset_obj_track_times(creation, 0));  // same contents give the same bytes
     const Id dataset(at, H5Dcreate2(file, at.object.c_str(), type, space, links_with_groups(at), creation, H5P_DEFAULT),
                      H5Dclose);
     if (count > 0) at.check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
@@ -117,7 +117,7 @@ std::string group_name(const std::string& group) { return group.empty() ? "/" : 
 
 std::string attribute_name(const std::string& group, const std::string& name) { return group_name(group) + "@" + name; }
 
-// H5Lexists wants every step of the path to exist.
+// H5Lexists requires that every parent of the path exists.
 bool exists(hid_t file, const std::string& name) {
     if (name.empty() || name == "/") return true;
     for (std::size_t slash = name.find('/', 1);; slash = name.find('/', slash + 1)) {
@@ -126,7 +126,7 @@ bool exists(hid_t file, const std::string& name) {
     }
 }
 
-// The file that an object is in.
+// Returns the file that contains an object.
 std::string file_of(hid_t object) {
     const ssize_t length = H5Fget_name(object, nullptr, 0);
     if (length <= 0) return "";
@@ -135,7 +135,7 @@ std::string file_of(hid_t object) {
     return name;
 }
 
-// A link may lead into another file, which is not read.
+// Refuses objects in other files, to which a link may lead.
 void expect_in(hid_t file, hid_t object, const Place& at) {
     if (file_of(object) != file_of(file)) at.fail("is in another file, which is not read");
 }
@@ -158,8 +158,8 @@ void write_attribute(hid_t file, const Place& at, const std::string& group, cons
     at.check(H5Awrite(attribute, type, value));
 }
 
-// The content of a dataset or attribute. Its description is not trusted: only values that are stored in this file are
-// read, and no more of them than it has room for.
+// The values of a dataset or an attribute. A file's claims about them are not trusted: only
+// values stored in this file itself are read, and no more of them than it has room for.
 class Values {
 public:
     static Values of_dataset(hid_t file, const Place& at) {
@@ -215,7 +215,7 @@ private:
         return values;
     }
 
-    // The library clamps values that do not fit and reports nothing, so the wider type is read first and checked.
+    // Reads the wider type and checks its values, because the library clamps values that do not fit without an error.
     template <class T, class Wide> std::vector<T> narrowed() const {
         std::vector<T> values;
         for (const Wide value : raw<Wide>(native<Wide>())) {
@@ -225,7 +225,7 @@ private:
         return values;
     }
 
-    // If an attribute had more values than one, they would be written past the end of the variable.
+    // Returns 1 if an attribute holds one value, else fails: more values would be written past the end of the buffer.
     std::size_t one() const {
         const Id space(at_, H5Aget_space(object_), H5Sclose);
         if (H5Sget_simple_extent_type(space) == H5S_NULL || H5Sget_simple_extent_npoints(space) != 1)
@@ -243,7 +243,7 @@ private:
         if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT)
             at_.fail("is a view of other datasets, which is not read");
         if (H5Pget_external_count(creation) != 0) at_.fail("is kept in another file, which is not read");
-        constexpr std::size_t most_bytes_of_one = 1032;  // of deflate, the strongest filter of the library
+        constexpr std::size_t most_bytes_of_one = 1032;  // for deflate, the library's strongest filter
         const auto values = static_cast<std::size_t>(at_.check(H5Sget_simple_extent_npoints(space)));
         const std::size_t stored = H5Dget_storage_size(object_);
         if (stored > std::filesystem::file_size(at_.file)) at_.fail("is larger than its file");
@@ -260,7 +260,7 @@ private:
 }  // namespace
 
 File::File(const std::filesystem::path& file, Open how) : path_(file), created_(how == Open::create) {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors become exceptions, nothing is printed
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors become exceptions; print nothing
     H5Eclear2(H5E_DEFAULT);
     const Place at{path_};
     if (created_) {
@@ -284,7 +284,8 @@ void File::close() {
     Place{path_}.check(H5Fclose(std::exchange(id_, -1)));
 }
 
-// The library cannot close a file that it could not write, and then crashes at exit: so the bytes are made in memory.
+// Takes the bytes from memory and writes them here, because the library cannot close a file that
+// it failed to write, and then crashes at exit.
 void File::save() const {
     const Place at{path_};
     at.check(H5Fflush(id_, H5F_SCOPE_LOCAL));

@@ -1,4 +1,4 @@
-// A thin RAII layer over the HDF5 C library: whole columns in, whole columns out.
+// A thin RAII layer over the HDF5 C library that reads and writes whole columns.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace hausbench::h5 {
 
 enum class Open { create, read };
 
-// Everything throws std::runtime_error with the file, the object and the library's own message.
+// An HDF5 file. All functions throw std::runtime_error with the file, the object and the library's own message.
 class File {
 public:
     File(const std::filesystem::path& file, Open how);
@@ -18,19 +18,19 @@ public:
     File(const File&) = delete;
     File& operator=(const File&) = delete;
 
-    // Writes everything that was created, at once, and flushes it to disk (fsync); without this call nothing is
+    // Writes a created file at once and flushes it to disk (fsync); without this call nothing is
     // written. The file is built in memory, so writing takes twice its size there.
     void close();
 
-    // Datasets: name may contain groups ("cases/lower"), which are created as needed. `columns` > 1 makes a matrix,
-    // row-major.
+    // Datasets: `name` may contain groups ("cases/lower"), which are created as needed. `columns`
+    // > 1 makes a matrix, row-major.
     template <class T>  // double, or a signed or unsigned integer of 64 bits, or one of 32
     void write(const std::string& name, const std::vector<T>& values, std::size_t columns = 1);
-    // Variable-length UTF-8.
+    // Writes variable-length UTF-8 strings.
     void write(const std::string& name, const std::vector<std::string>& values);
 
     std::vector<double> read_doubles(const std::string& name) const;
-    // Any integer type that fits.
+    // These read any integer type whose values fit.
     std::vector<std::int64_t> read_integers(const std::string& name) const;
     std::vector<std::uint64_t> read_unsigned(const std::string& name) const;
     std::vector<std::int32_t> read_indices(const std::string& name) const;
@@ -39,7 +39,7 @@ public:
     bool has(const std::string& name) const;
     std::vector<std::string> children(const std::string& group) const;
 
-    // Attributes of a group ("" or "/" is the root; the group is created if need be).
+    // Attributes of a group ("" or "/" is the root). Writing creates the group if needed.
     void attribute(const std::string& group, const std::string& name, const std::string& value);
     void attribute(const std::string& group, const std::string& name, std::int64_t value);
     std::string text_attribute(const std::string& group, const std::string& name) const;

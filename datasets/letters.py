@@ -2,9 +2,9 @@
 
 datasets/fetch.py takes a font as an archive whose members are letters, "FONT.ttf!letter/H.obj". The outlines of TrueType are
 straight edges and quadratic curves between points of an integer grid. Each curve becomes `PIECES` edges; then the longest edge
-is halved until the solid has `TRIANGLES` triangles. A cap is cut into triangles by ear clipping, after each hole was joined to
-the rest by a bridge. All arithmetic is exact (Fractions), and all coordinates are dyadic where the grid is, so the text of the
-OBJ file, and with it its SHA-256, is the same on every machine.
+is halved until the solid has `TRIANGLES` triangles. A bridge joins each hole to the outer ring, and ear clipping cuts the caps
+into triangles. All arithmetic is exact (Fractions), and all coordinates are dyadic if the grid is, so the text of the OBJ file
+and its SHA-256 are the same on every machine.
 
 The mesh has two caps, z = 0 and z = depth, and two triangles for each edge of the outline: 4n - 4 + 4h triangles for n points
 and h holes. It is closed, and its triangles face outwards.
@@ -19,12 +19,12 @@ from fractions import Fraction
 Point = tuple[Fraction, Fraction]
 Ring = list[Point]  # the last point is joined to the first
 
-PIECES = 2  # edges of a curve: at t = k / PIECES, a power of two
+PIECES = 2  # edges per curve, at t = k / PIECES; a power of two
 TRIANGLES = 200
 
 
 def cross(a: Point, b: Point, c: Point) -> Fraction:
-    """Twice the area of a triangle, positive if it turns left."""
+    """Returns twice the signed area of a triangle: positive if it turns left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -33,7 +33,7 @@ def squared_length(a: Point, b: Point) -> Fraction:
 
 
 def area(ring: Ring) -> Fraction:
-    """Positive if the ring runs counter-clockwise."""
+    """Returns the signed area: positive if the ring runs counter-clockwise."""
     origin = ring[0]
     return sum((cross(origin, a, b) for a, b in edges(ring)), Fraction(0)) / 2
 
@@ -43,12 +43,12 @@ def edges(ring: Ring) -> list[tuple[Point, Point]]:
 
 
 def on_segment(p: Point, a: Point, b: Point) -> bool:
-    """Whether p lies on ab, ends included."""
+    """Returns whether p lies on ab, ends included."""
     return cross(a, b, p) == 0 and all(min(a[i], b[i]) <= p[i] <= max(a[i], b[i]) for i in (0, 1))
 
 
 def meet(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Whether ab and cd have a point in common that is not an end of both."""
+    """Returns whether ab and cd have a common point that is not an end of both."""
     if any(max(a[i], b[i]) < min(c[i], d[i]) or max(c[i], d[i]) < min(a[i], b[i]) for i in (0, 1)):
         return False
     shared = {a, b} & {c, d}
@@ -60,7 +60,7 @@ def meet(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def inside(p: Point, ring: Ring) -> bool:
-    """Whether p, which is on no edge, lies in the ring."""
+    """Returns whether p lies in the ring. p must not be on an edge."""
     crossed = [(a, b) for a, b in edges(ring) if (a[1] > p[1]) != (b[1] > p[1])]
     return sum((cross(a, b, p) > 0) == (b[1] > a[1]) for a, b in crossed) % 2 == 1
 
@@ -69,11 +69,11 @@ def inside(p: Point, ring: Ring) -> bool:
 
 
 def flatten(contour: list[tuple[Fraction, Fraction, bool]], pieces: int) -> Ring:
-    """The ring of a TrueType contour: points on the curve, and control points (False) of quadratic curves between them."""
+    """Returns the ring of a TrueType contour, given by points on the curve (True) and control points of quadratic curves (False)."""
     full: list[tuple[Point, bool]] = []
     for (x, y, on), (next_x, next_y, next_on) in zip(contour, contour[1:] + contour[:1]):
         full.append(((x, y), on))
-        if not on and not next_on:  # between two control points lies a point of the curve
+        if not on and not next_on:  # the middle of two control points is on the curve
             full.append((((x + next_x) / 2, (y + next_y) / 2), True))
     first = next(i for i, (_, on) in enumerate(full) if on)
     full = full[first:] + full[:first]
@@ -90,7 +90,7 @@ def flatten(contour: list[tuple[Fraction, Fraction, bool]], pieces: int) -> Ring
 
 
 def refine(rings: list[Ring], triangles: int) -> list[Ring]:
-    """Halves the longest edge until the solid has that many triangles; of several longest edges, the first."""
+    """Halves the longest edge, the first of several, until the solid has that many triangles."""
     rings = [list(ring) for ring in rings]
     while 4 * sum(len(ring) for ring in rings) - 4 + 4 * (len(rings) - 1) < triangles:
         _, ring, i = min((-squared_length(a, b), r, i) for r, ring in enumerate(rings) for i, (a, b) in enumerate(edges(ring)))
@@ -100,7 +100,7 @@ def refine(rings: list[Ring], triangles: int) -> list[Ring]:
 
 
 def sorted_rings(rings: list[Ring]) -> list[Ring]:
-    """The outer ring, counter-clockwise, then the holes, clockwise. Raises ValueError unless they are that, and apart."""
+    """Returns the outer ring, counter-clockwise, then the holes, clockwise. Raises ValueError for other rings, or if they overlap."""
     everything = [edge for ring in rings for edge in edges(ring)]
     if any(meet(*one, *other) for i, one in enumerate(everything) for other in everything[:i]):
         raise ValueError("its contours overlap")
@@ -110,11 +110,11 @@ def sorted_rings(rings: list[Ring]) -> list[Ring]:
     return [outer if area(outer) > 0 else outer[::-1], *(hole if area(hole) < 0 else hole[::-1] for hole in holes)]
 
 
-# ---- the caps; corners are numbers of points, so that both ends of a bridge may occur twice
+# ---- the caps; corners are numbers of points, so that the ends of a bridge may occur twice
 
 
 def bridged(rings: list[list[int]], at: Ring) -> list[int]:
-    """One ring of an outer ring and its holes: the shortest bridge first, and no two bridges at one point."""
+    """Joins an outer ring and its holes into one ring, by the shortest bridges first and with no two bridges at one point."""
     ring, holes = list(rings[0]), rings[1:]
     walls = [(at[a], at[b]) for r in rings for a, b in zip(r, r[1:] + r[:1])]
     while holes:
@@ -133,7 +133,7 @@ def bridged(rings: list[list[int]], at: Ring) -> list[int]:
 
 
 def is_ear(ring: list[int], k: int, at: Ring) -> bool:
-    """Whether corner k of the ring is convex, and no other point lies in its triangle or on the cut."""
+    """Returns whether corner k of the ring is convex, and no other point lies in its triangle or on the cut."""
     u, v, w = ring[k - 1], ring[k], ring[(k + 1) % len(ring)]
     sides = ((at[u], at[v]), (at[v], at[w]), (at[w], at[u]))
     return cross(at[u], at[v], at[w]) > 0 and not any(
@@ -141,9 +141,9 @@ def is_ear(ring: list[int], k: int, at: Ring) -> bool:
 
 
 def triangulate(rings: list[list[int]], at: Ring) -> list[tuple[int, int, int]]:
-    """Triangles of the region between the rings, counter-clockwise, with the rings' points as corners and no others.
+    """Returns counter-clockwise triangles of the region between the rings, with only the rings' points as corners.
 
-    Cuts off the ear with the shortest cut; of several, the one whose numbers are least. No triangle is degenerate.
+    Cuts off the ear with the shortest cut; of several, the one with the least numbers. No triangle is degenerate.
     """
     ring = bridged(rings, at)
     found: list[tuple[int, int, int]] = []
@@ -165,7 +165,7 @@ Solid = tuple[list[tuple[Fraction, Fraction, Fraction]], list[tuple[int, int, in
 
 
 def extruded(rings: list[Ring], depth: Fraction) -> Solid:
-    """Vertices and triangles of the solid between z = 0 and z = depth; the rings as sorted_rings() returns them."""
+    """Returns vertices and triangles of the solid between z = 0 and z = depth, for rings from sorted_rings()."""
     at = [point for ring in rings for point in ring]
     n, begin = len(at), 0
     numbered: list[list[int]] = []
@@ -185,7 +185,7 @@ def solid(rings: list[Ring], depth: Fraction, triangles: int = TRIANGLES) -> Sol
 
 
 def obj_text(mesh: Solid) -> bytes:
-    """An OBJ file with all digits. Raises ValueError if a coordinate is no double."""
+    """Returns an OBJ file with all digits. Raises ValueError if a coordinate is not a double."""
     vertices, faces = mesh
     if any(Fraction(float(c)) != c for vertex in vertices for c in vertex):
         raise ValueError("a coordinate is no double: the units of the em are no power of two")
@@ -195,7 +195,10 @@ def obj_text(mesh: Solid) -> bytes:
 
 
 def letter_solid(font: bytes, letter: str) -> Solid:
-    """A letter of a TrueType font, in units of the em. Raises ValueError if it has none, or one that is no ring with holes."""
+    """Returns a letter of a TrueType font, in units of the em.
+
+    Raises ValueError if the font lacks the letter, or if the letter is not one ring with holes.
+    """
     from fontTools.ttLib import TTFont, TTLibError
 
     try:

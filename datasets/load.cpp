@@ -52,7 +52,7 @@ std::vector<std::size_t> without_repeats(const std::vector<std::size_t>& face) {
     return corners.size() < 3 ? std::vector(face.begin(), face.begin() + 3) : corners;
 }
 
-// The triangles of all faces, three corners each.
+// Returns the triangles of all faces, three corners each.
 std::vector<Index> triangles_of(const Soup& soup, std::int64_t& polygons) {
     std::vector<Index> corners;
     for (const auto& face : soup.faces) {
@@ -106,7 +106,7 @@ LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool m
         throw InputError(name + ": has more triangles than can be numbered");
     TriangleMesh mesh = without_unused(
         points, Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3));
-    // A format that repeats vertices has none without a face.
+    // A format that repeats vertices has no unused ones.
     if (report.unreferenced && !merge) report.unreferenced = points.rows() - mesh.vertices.rows();
     return {std::move(mesh), report};
 }
@@ -124,10 +124,10 @@ std::string extension_of(const std::filesystem::path& file) {
     return extension.empty() ? "" : extension.substr(1);
 }
 
-// gzip shrinks numbers to about a tenth; it reaches a thousandth only for mere repetition.
+// Limits on inflation. gzip shrinks numbers to about a tenth; only pure repetition shrinks to a thousandth.
 constexpr std::size_t inflation = 200, inflated_anyway = std::size_t{1} << 26;
 
-// The whole file, decompressed if it is gzipped (zlib tests the first two bytes).
+// Returns the whole file, decompressed if it is gzipped (zlib tests the first two bytes).
 std::string read_all(const std::filesystem::path& file) {
     errno = 0;
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
@@ -139,7 +139,7 @@ std::string read_all(const std::filesystem::path& file) {
         const int count = gzread(in.get(), buffer.data(), static_cast<unsigned>(buffer.size()));
         int code = 0;
         const std::string why = gzerror(in.get(), &code);
-        // For a truncated archive gzread reports no error, but sets this code.
+        // For a truncated archive gzread reports no error but sets this code.
         if (count < 0 || (count == 0 && code != Z_OK)) throw InputError(file.string() + ": cannot be inflated: " + why);
         if (count == 0) return bytes;
         bytes.append(buffer.data(), static_cast<std::size_t>(count));
@@ -200,7 +200,7 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     LoadReport report;
     report.format = kind;
     const bool vrml = read->second == readers::read_vrml;
-    if (vrml) report.unreferenced = std::nullopt;  // shapes may share their vertices and use some of them each
+    if (vrml) report.unreferenced = std::nullopt;  // unknown, because shapes may share vertices
     return readers::finish(name, read->second(name, bytes), report, vrml || kind == "stl");
 }
 

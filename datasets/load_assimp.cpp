@@ -35,11 +35,11 @@ void count(const aiScene& scene, const aiNode& node, Tally& tally) {
     for (unsigned i = 0; i < node.mNumChildren; ++i) count(scene, *node.mChildren[i], tally);
 }
 
-// Null where assimp cannot read it: the importer knows why. `extension` is the file's own.
+// Returns null if assimp cannot read the file; the importer then has the reason. `extension` is the file's own.
 const aiScene* read_scene(Assimp::Importer& importer, const std::filesystem::path& file, const std::string& extension,
                           const std::string& format) {
     if (format.empty() || format == extension)
-        return importer.ReadFile(file.string(), 0);  // not from memory: the file may refer to others in its folder
+        return importer.ReadFile(file.string(), 0);  // not from memory, as it may refer to other files
     std::ifstream in(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     return importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str());
@@ -73,7 +73,7 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     Tally tally;
     if (scene && scene->mRootNode) {
         count(*scene, *scene->mRootNode, tally);
-        // Every node's transformation goes into the vertices of a mesh of its own.
+        // Applies every node's transformation to the vertices of a separate copy of the mesh.
         if (tally.meshes > 0)
             scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
     }

@@ -14,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// Which kind it is, where an experiment does not say.
+// Returns the source of a model whose table in an experiment does not give it.
 std::string kind_of_model(const toml::table& content) {
     return content.contains("path") ? "file" : content.contains("from") ? "derived" : "generated";
 }
@@ -73,7 +73,7 @@ private:
         model_.path = required("path");
         model_.sha256 = package ? required("sha256") : table_.text("sha256", "");
         model_.format = table_.text("format", "");
-        table_.allow({"triangles"});  // for readers of the manifest
+        table_.allow({"triangles"});  // information for readers of the manifest
         if (!model_.sha256.empty() &&
             (model_.sha256.size() != 64 || model_.sha256.find_first_not_of("0123456789abcdef") != std::string::npos))
             table_.fail(*content_.get("sha256"), "sha256 must be 64 digits of 0-9 and a-f");
@@ -88,7 +88,7 @@ private:
             check_numbers(where(content_), read_numbers("recipe", recipes()), model_.numbers);
     }
 
-    // Coordinates as they stand in the table.
+    // Reads the coordinates that the table lists.
     void read_listed() {
         model_.recipe = "listed";
         if (!content_.contains("vertices")) {
@@ -130,7 +130,7 @@ private:
         check_operation(where(content_), read_numbers("operation", operations()), model_.numbers);
     }
 
-    // The recipe or operation that the model names, whose numbers it then has.
+    // Returns the recipe or operation that the model names, and reads its numbers.
     const Recipe& read_numbers(const char* key, const std::vector<Recipe>& known) {
         const Recipe& recipe =
             find_recipe(known, model_.recipe, fmt::format("{}: unknown {}", where(*content_.get(key)), key));

@@ -1,4 +1,4 @@
-// Reads Wavefront OBJ: `v` lines, and the vertex numbers of `f` lines. Ignores all else.
+// Reads Wavefront OBJ: `v` lines, and the vertex numbers of `f` lines. Ignores everything else.
 #include "datasets/parse.h"
 #include "datasets/readers.h"
 
@@ -22,7 +22,8 @@ std::string as_ascii(std::string_view bytes) {
     return narrow;
 }
 
-// Removes the first line from `bytes` and returns it, joined with the next while a backslash ends it; counts lines in `number`.
+// Removes the first line from `bytes` and returns it, joined with the following lines as long as
+// a backslash ends it; counts lines in `number`.
 std::string next_statement(std::string_view& bytes, std::uint32_t& number) {
     std::string statement;
     for (bool goes_on = true; goes_on && !bytes.empty(); ++number) {
@@ -33,7 +34,7 @@ std::string next_statement(std::string_view& bytes, std::uint32_t& number) {
     return statement;
 }
 
-// Only the vertex of a corner counts; texture and normal, which follow slashes, are ignored.
+// Returns the vertices of a face. Ignores texture and normal of a corner, which follow slashes.
 std::vector<std::size_t> face_of(const std::string& name, std::string_view line, std::uint32_t number,
                                  std::size_t points) {
     std::vector<std::size_t> face;

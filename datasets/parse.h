@@ -1,4 +1,4 @@
-// Lines, words and numbers, which the readers of files share; private to datasets/.
+// Lines, words and numbers, for the readers of files; private to datasets/.
 #pragma once
 
 #include <charconv>
@@ -12,10 +12,10 @@ namespace hausbench::readers {
 // Throws InputError: "NAME: line 3: WHY".
 [[noreturn]] void refuse(const std::string& name, std::uint32_t line, const std::string& why);
 
-// A word of a file, fit for a message: the first 40 characters, on one line.
+// Returns a word of a file for a message: its first 40 characters, on one line.
 std::string shown(std::string_view word);
 
-std::string lower_case(std::string_view text);  // of ASCII letters
+std::string lower_case(std::string_view text);  // changes only ASCII letters
 
 constexpr std::string_view blanks = " \t\r\v\f";
 std::string_view trimmed(std::string_view text);
@@ -23,28 +23,28 @@ std::string_view trimmed(std::string_view text);
 // Removes the next word from `line` and returns it; empty at the end.
 std::string_view next_word(std::string_view& line);
 
-// Removes the first line, up to \n, \r\n or \r (old Macs), from `bytes` and returns it without these.
+// Removes the first line, up to \n, \r\n or \r (old Macs), from `bytes` and returns it without the line end.
 std::string_view next_line(std::string_view& bytes);
 
-// Returns the nearest number of this precision to a decimal one; infinity beyond the largest; nothing if the text is
-// not a number.
+// Returns the nearest number of this precision to a decimal number; infinity beyond the largest.
+// Returns nothing if the text is not a number.
 template <class Real = double> std::optional<Real> decimal(std::string_view text);
 
-// Returns nothing if the text is not an integer, or one that does not fit.
+// Returns nothing if the text is not an integer or does not fit.
 template <class Integer> std::optional<Integer> whole(std::string_view text) {
     Integer value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
-// How a file stores a number in bytes: F(loat), I(nteger) or U(nsigned), as PCD calls them, of 1, 2, 4 or 8 bytes.
+// The binary form of a number in a file: F(loat), I(nteger) or U(nsigned), as PCD calls them, with 1, 2, 4 or 8 bytes.
 struct Stored {
     char kind = 'F';
     std::uint64_t size = 4;
 
     bool known() const;
     bool is_float32() const { return kind == 'F' && size == 4; }
-    double value(const char* at) const;  // in the order of bytes of this machine
+    double value(const char* at) const;  // in this machine's byte order
 };
 
 }  // namespace hausbench::readers

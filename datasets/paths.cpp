@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Whether the place belongs to this user, to root or to the owner of the program, and no other user may write to it. A group of which
-// this user is the only member, as `adduser` makes it, may.
+// Returns whether the place belongs to this user, to root or to the owner of the program, and no
+// other user may write to it. A group may, if the owner is its only member, as `adduser` creates it.
 bool is_ours(const fs::path& place) {
     struct stat state {
     }, program{};
@@ -32,7 +32,8 @@ bool is_ours(const fs::path& place) {
     return user && members && user->pw_gid == state.st_gid && std::string_view(user->pw_name) == members->gr_name;
 }
 
-// share/hausbench of an installation, which is not a project: results and the cache do not belong there.
+// Returns whether a folder is share/hausbench of an installation. That is not a project: results
+// and the cache do not belong there.
 bool is_installed(const fs::path& folder) {
     return folder.filename() == "hausbench" && folder.parent_path().filename() == "share";
 }

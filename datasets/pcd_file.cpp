@@ -1,5 +1,5 @@
-// PCD, the format of the Point Cloud Library: DATA ascii, binary, and binary_compressed where liblzf is built in. VIEWPOINT is not applied,
-// as in PCL.
+// Reads PCD, the format of the Point Cloud Library: DATA ascii, binary, and binary_compressed if
+// liblzf is built in. Ignores VIEWPOINT, as PCL does.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/point_lines.h"
@@ -21,7 +21,7 @@ struct Field {
     std::string_view name;
     Stored type;
     std::uint64_t count = 1;
-    std::uint64_t offset = 0, column = 0;  // in a record; of a text line
+    std::uint64_t offset = 0, column = 0;  // bytes from the start of a record; number in a text line
 };
 
 constexpr std::uint64_t most = std::uint64_t{1} << 40;
@@ -29,7 +29,7 @@ constexpr std::uint64_t most = std::uint64_t{1} << 40;
 struct PcdHeader {
     std::vector<Field> fields;
     std::array<Field, 3> axes;
-    std::uint64_t points = 0, record = 0;  // how many; bytes of one
+    std::uint64_t points = 0, record = 0;  // number of points; bytes of one
     std::string_view data, body;
     std::uint32_t lines = 0;  // of the header
 };
@@ -128,7 +128,7 @@ private:
     std::map<std::string_view, std::uint64_t> counts_;
 };
 
-// The address of a field of a point: record by record, or field by field in a compressed file.
+// Reads points stored record by record or, in a compressed file, field by field.
 Soup from_binary(const std::string& name, const PcdHeader& header, std::string_view body, bool by_field) {
     if (header.points > 0 && body.size() / header.points < header.record)
         throw InputError(fmt::format("{}: is truncated: {} points of {} bytes are announced, and {} bytes are there",
@@ -155,7 +155,7 @@ std::string inflated(const std::string& name, std::string_view body) {
     if (body.size() < 8 || body.size() - 8 < packed)
         throw InputError(fmt::format("{}: is truncated: {} compressed bytes are announced, and {} are there", name,
                                      packed, body.size() < 8 ? 0 : body.size() - 8));
-    // LZF writes at most 264 bytes for each 3 that it reads: a larger number is damage, and would only take memory.
+    // LZF writes at most 264 bytes for each 3 that it reads. A larger number means damage and would only take memory.
     if (full / 88 > packed) throw InputError(name + ": is damaged: its bytes cannot inflate to the announced size");
     std::string out(full, '\0');
     if (lzf_decompress(body.data() + 8, packed, out.data(), full) != full)
@@ -182,7 +182,7 @@ Soup read_pcd(const std::string& name, std::string_view bytes) {
         soup = from_binary(name, header, header.body, false);
     } else if (header.data == "binary_compressed") {
         const std::string fields = inflated(name, header.body);
-        // From another number of points each field would begin elsewhere.
+        // With another number of points, each field would begin at another place.
         if (fields.size() > header.points * header.record)
             throw InputError(fmt::format("{}: is damaged: {} points of {} bytes are announced, and {} bytes are there",
                                          name, header.points, header.record, fields.size()));

@@ -1,5 +1,5 @@
-// Reads PLY, text or binary in either byte order, with numbers and lists of any type. Ignores all but x, y and z of vertices and the
-// vertex numbers of faces.
+// Reads PLY, text or binary in either byte order, with numbers and lists of any type. Ignores
+// everything except x, y and z of vertices and the vertex numbers of faces.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/readers.h"
@@ -22,7 +22,7 @@ const std::map<std::string, Stored, std::less<>> types = {
 struct Property {
     std::string_view name;
     Stored type;
-    std::optional<Stored> count = std::nullopt;  // of a list
+    std::optional<Stored> count = std::nullopt;  // only for a list
 
     bool is_corners() const { return count && (name == "vertex_index" || name == "vertex_indices"); }
     int axis() const { return !count && name.size() == 1 && name >= "x" && name <= "z" ? name[0] - 'x' : -1; }
@@ -45,7 +45,7 @@ public:
         read_header();
         if (format_ != "ascii" && format_ != "binary_little_endian" && format_ != "binary_big_endian")
             refuse_file(fmt::format("unknown PLY format '{}'", shown(format_)));
-        std::uint64_t least = 0;  // bytes that the counts of the header stand for
+        std::uint64_t least = 0;  // bytes implied by the counts in the header
         for (const Element& element : elements_) least += checked(element);
         if (points_ == 0) refuse_file("holds no vertices");
         if (body_.size() + (text() ? 1 : 0) < least)
@@ -54,7 +54,7 @@ public:
                             "{} bytes found after it",
                             points_, faces_, least, body_.size()));
         for (const Element& element : elements_) {
-            if (element.properties.empty()) continue;  // they hold no byte, so their count may be anything
+            if (element.properties.empty()) continue;  // it takes no bytes, so its count may be anything
             for (std::uint64_t i = 0; i < element.count; ++i) read_one(element);
         }
         return std::move(soup_);
@@ -106,7 +106,7 @@ private:
         return type->second;
     }
 
-    // Refuses a header without a mesh; returns the least number of bytes of its data.
+    // Refuses an element that cannot belong to a mesh. Returns the least number of bytes that it takes.
     std::uint64_t checked(const Element& element) {
         if (element.name == "tristrips" && element.count > 0)
             refuse_file("triangle strips are not supported: convert the file to faces");
@@ -164,7 +164,7 @@ private:
     double number(Stored type) {
         if (text()) {
             const std::string_view word = next_word_of_body();
-            // Rounded once: by way of a double it could be another float.
+            // Rounds once; going through a double could give another float.
             const auto value = type.is_float32() ? std::optional<double>(decimal<float>(word)) : decimal(word);
             if (!value || !std::isfinite(*value)) end_early();
             return *value;
@@ -177,7 +177,7 @@ private:
         return type.value(bytes.data());
     }
 
-    // A negative vertex number ends below 0, which finish() refuses.
+    // Returns an integer. A negative vertex number becomes a large one, which finish() refuses.
     std::size_t whole_number(Stored type) {
         const double value = number(type);
         if (std::floor(value) != value || std::abs(value) > 0x1p53) end_early();

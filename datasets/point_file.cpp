@@ -1,11 +1,11 @@
-// Point clouds as lines of decimal numbers: .xyz, .pts, .csv, and the points of a text PCD file (pcd_file.cpp).
+// Reads point clouds as lines of decimal numbers: .xyz, .pts, .csv, and the points of a text PCD file (pcd_file.cpp).
 //
-// A line has x, y and z, then other fields (intensity, colours, normals), which are ignored. The separator is ';' if
-// the line has one, otherwise ',' if it has one, otherwise white space. '#' begins a comment, and so does "//" at the
-// beginning of a line. A line with one integer gives the number of points (.pts, some .xyz). The first line may be a
-// header: columns named x, y and z in any order and case; in a .csv file a header without these names is skipped. In
-// a .csv file no line has more columns than the header, because decimal commas, or a separator within quotes, would
-// shift the numbers.
+// A line has x, y and z, and then anything else (intensity, colours, normals), which is ignored. The separator
+// of a line is ';' if it contains one, else ',' if it contains one, else white space. '#' begins a comment,
+// and so does "//" at the beginning of a line. A line with a single integer gives the number of points (.pts,
+// some .xyz). The first line may be a header, with columns named x, y and z in any order and in upper or lower
+// case; a header of a .csv file without these names is skipped. In a .csv file no line may have more columns
+// than the header, because decimal commas, or a separator within quotes, would shift the numbers.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/point_lines.h"
@@ -36,7 +36,8 @@ void split(std::string_view line, std::vector<std::string_view>& fields) {
     }
 }
 
-// Names begin like no number: a line that does is a point, and wrong if it cannot be read.
+// Returns whether no field begins like a number. A line with such a field is a point, and an
+// error if it cannot be read.
 bool names(const std::vector<std::string_view>& fields) {
     return std::none_of(fields.begin(), fields.end(), [](std::string_view field) {
         return field.empty() || std::string_view("0123456789+-.").find(field.front()) != std::string_view::npos;
@@ -86,7 +87,7 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
 bool PointLines::take_header(std::uint32_t number) {
     std::array<std::size_t, 3> columns{};
     int found = 0;
-    for (std::size_t i = fields_.size(); i-- > 0;)  // the first of two columns of one name counts
+    for (std::size_t i = fields_.size(); i-- > 0;)  // backwards: the first of two columns with one name counts
         for (std::size_t k = 0; k < 3; ++k)
             if (lower_case(fields_[i]) == std::string(1, "xyz"[k])) {
                 columns[k] = i;

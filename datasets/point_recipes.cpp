@@ -6,7 +6,8 @@
 namespace hausbench {
 namespace {
 
-// Close to normal, variance 1: the sum of 12 uniform numbers less 6. Takes 36 numbers for a vector.
+// Returns a vector whose coordinates are close to normal, with variance 1: the sum of 12 uniform
+// numbers less 6. Takes 36 random numbers.
 Vec3 normal(const Random& random, std::uint64_t which) {
     Vec3 vector;
     std::uint64_t counter = 36 * which;
@@ -22,7 +23,7 @@ Vec3 uniform(const Random& random, std::uint64_t which) {
     return {random.uniform(3 * which), random.uniform(3 * which + 1), random.uniform(3 * which + 2)};
 }
 
-// point(random, i) for each i below `count`.
+// Returns the set of point(random, i) for each i below `count`.
 template <class F> PointSet each(const Given& g, F&& point) {
     const Random random(g.seed());
     PointSet set{Points(g.whole("count"), 3)};

@@ -1,5 +1,5 @@
-// The last line of an HDF5 file that was written here: the SHA-256 of all bytes before it. HDF5 passes over it, and a program that changes the
-// file through HDF5 cuts it off.
+// The last line of an HDF5 file written by this program: the SHA-256 of all bytes before it. HDF5
+// ignores it, and a program that changes the file through HDF5 cuts it off.
 #pragma once
 
 #include "datasets/hash.h"
@@ -9,11 +9,12 @@
 
 namespace hausbench::h5 {
 
-// The line for the bytes that the hash has taken.
+// Returns the line for the bytes added to the hash.
 std::string seal_of(Sha256& hash);
 
-// Throws std::runtime_error, with the file, if something follows the data of an HDF5 file that is not their seal: the library itself may crash
-// or loop for ever on damaged files. Nothing follows the data of a file that another program changed. O(size of the file).
+// Throws std::runtime_error, with the file, if something other than the right seal follows the
+// data of an HDF5 file, because the library itself may crash or loop for ever on damaged files.
+// Accepts a file without a seal, which another program changed. O(size of the file).
 void check_seal(const std::filesystem::path& file);
 
 }  // namespace hausbench::h5

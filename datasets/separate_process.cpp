@@ -19,16 +19,16 @@ std::string last_line(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
     const std::size_t newline = text.rfind('\n');
     text = newline == std::string::npos ? text : text.substr(newline + 1);
-    constexpr std::string_view prefix = "hausbench: ";  // the program puts it before its messages
+    constexpr std::string_view prefix = "hausbench: ";  // which the program puts before its messages
     return printable(text.starts_with(prefix) ? text.substr(prefix.size()) : text);  // it may quote the file
 }
 
-// The task of the process, in the words of errors.
+// The words that errors use for the work of the process.
 struct Task {
     std::string subject, doer, cause;  // "a.obj", "the reader", "the file is damaged"
 };
 
-// Runs the program to its end; throws InputError where it does not do its work.
+// Runs the program to its end. Throws InputError if it fails.
 void run(const Task& task, std::vector<std::string> words, double seconds_limit, std::int64_t bytes_limit) {
     const std::string program = words.front();
     if (bytes_limit == 0) bytes_limit = spare_bytes();
@@ -50,7 +50,7 @@ void run(const Task& task, std::vector<std::string> words, double seconds_limit,
     const std::string said = last_line(child.output());
     if (code == 127) throw InputError(program + ": cannot be started");
     if (code == 2 && !said.empty()) throw InputError(said);
-    if (code == 4)  // the program's own, where an allocation failed
+    if (code == 4)  // the program's own code for a failed allocation
         fail(fmt::format("{} ran out of memory: {}, or too large for this machine", task.doer, task.cause));
     if (code != 0) fail(fmt::format("{} failed with exit code {}: {}", task.doer, code, said));
 }

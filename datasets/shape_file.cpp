@@ -36,7 +36,7 @@ LoadedShape read_unchecked(const std::filesystem::path& path, const std::string&
     LoadedShape loaded;
     const std::string kind = file.text_attribute("", "kind");
     const Points points =
-        rows_of_three<Points>(file.read_doubles("coordinates"));  // of a surface, the corners of its box
+        rows_of_three<Points>(file.read_doubles("coordinates"));  // for a surface, the corners of its box
     if (kind == "mesh")
         loaded.shape = TriangleMesh{points, rows_of_three<Triangles>(file.read_indices("triangles"))};
     else if (kind == "points")
@@ -61,7 +61,7 @@ LoadedShape read_unchecked(const std::filesystem::path& path, const std::string&
 }  // namespace
 
 void write_shape(const std::filesystem::path& path, const LoadedShape& loaded, const std::string& made_from) {
-    // The process number separates two writers of one file; the last rename wins, and both write the same shape.
+    // The process number separates two writers of the same file. The last rename wins, and both write the same shape.
     std::filesystem::path temporary = path;
     temporary += fmt::format(".{}.part", ::getpid());
     try {

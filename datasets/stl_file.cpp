@@ -1,4 +1,5 @@
-// Reads STL. A file is binary if its size matches the number of triangles in its header, whether or not it begins with "solid"; keywords of a text may be in any case.
+// Reads STL. A file is binary if its size matches the number of triangles in its header, even if
+// it begins with "solid". Keywords of a text file may be in upper or lower case.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/readers.h"
@@ -12,7 +13,7 @@ namespace {
 
 constexpr std::size_t header = 84, facet = 50;  // bytes
 
-// Returns the number of facets of a binary file, if it is one.
+// Returns the number of facets, if the file is binary.
 std::size_t facets_of(std::string_view bytes) {
     std::uint32_t facets = 0;
     if (bytes.size() >= header) std::memcpy(&facets, bytes.data() + 80, sizeof facets);
@@ -21,7 +22,7 @@ std::size_t facets_of(std::string_view bytes) {
 
 Soup read_binary(const std::string& name, std::string_view bytes) {
     const std::size_t facets = facets_of(bytes), expected = header + facet * facets;
-    // A longer one was usually transferred as text: its coordinates are wrong.
+    // A longer file was usually transferred as text, so its coordinates are wrong.
     if (bytes.size() != expected)
         throw InputError(fmt::format("{}: is {}, or not an STL file: {} facets take {} bytes, {} bytes found", name,
                                      bytes.size() < expected ? "truncated" : "damaged", facets, expected,
@@ -50,7 +51,7 @@ Soup read_text(const std::string& name, std::string_view bytes) {
     for (std::uint32_t number = 1; !bytes.empty(); ++number) {
         std::string_view line = next_line(bytes);
         const std::string keyword = lower_case(next_word(line));
-        const std::size_t first = 3 * soup.faces.size(), corners = soup.points.size() - first;  // of this facet
+        const std::size_t first = 3 * soup.faces.size(), corners = soup.points.size() - first;  // in this facet
         if (keyword == "solid") {
             if (in_solid) refuse(name, number, "a solid begins inside another");
             in_solid = true;

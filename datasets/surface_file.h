@@ -1,6 +1,6 @@
-// Algebraic surfaces written as text: files NAME.surface.toml, and models of recipe "surface" in the manifest.
+// Algebraic surfaces as text: files NAME.surface.toml, and models of recipe "surface" in the manifest.
 //
-//     polynomial = "x^2/4 + y^2/4 - z^2/9"     # the surface is where it vanishes; see kernel/polynomial.h
+//     polynomial = "x^2/4 + y^2/4 - z^2/9"     # the surface is the zero set; see kernel/polynomial.h
 //     box = [[-2, 2], [-2, 2], [-2, 2]]        # in x, y and z
 #pragma once
 
@@ -12,14 +12,14 @@
 
 namespace hausbench {
 
-// Reads these two keys; other keys are ignored. Throws InputError for a missing key, an invalid polynomial (with the column), a box that
-// is not three pairs of numbers or has no volume.
+// Reads these two keys and ignores others. Throws InputError for a missing key, an invalid
+// polynomial (with the column), or a box that is not three pairs of numbers or has no volume.
 AlgebraicSurface read_surface(const TomlReader& table);
 
-// Throws InputError also for invalid TOML and for other keys.
+// Also throws InputError for invalid TOML and for other keys.
 AlgebraicSurface read_surface_file(const std::filesystem::path& file);
 
-// "x^2 + y^2 - 1 = 0 in [-2, 2] x [-2, 2] x [-2, 2]"
+// Returns a description: "x^2 + y^2 - 1 = 0 in [-2, 2] x [-2, 2] x [-2, 2]".
 std::string describe(const AlgebraicSurface& surface);
 
 }  // namespace hausbench

@@ -26,7 +26,7 @@ std::string TomlReader::where(const toml::node& node) const {
 }
 
 void TomlReader::fail(const toml::node& node, const std::string& what) const {
-    throw InputError(one_line(where(node) + ": " + what));  // it may quote a key or a text with line breaks
+    throw InputError(one_line(where(node) + ": " + what));  // it may quote a key or a string with line breaks
 }
 
 const toml::node* TomlReader::find(std::string_view key) const {
@@ -72,7 +72,7 @@ std::string TomlReader::text(std::string_view key, const std::string& otherwise)
     return filled(text);
 }
 
-// A result file and the system's calls end a text at a NUL.
+// Refuses NUL, because result files and system calls end a string there.
 void TomlReader::expect_no_nul(const std::string& text, std::string_view key) const {
     if (text.find('\0') != std::string::npos)
         fail(required(key), fmt::format("'{}' holds the character NUL (\\u0000): remove it", key));

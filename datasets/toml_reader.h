@@ -1,4 +1,5 @@
-// Tables of a TOML file, key by key. Every message names the file, the line and the key, and for a wrong key the nearest known one.
+// Reads tables of a TOML file key by key. Every message has the file, the line and the key, and
+// for a wrong key the nearest known one.
 #pragma once
 
 #include <toml++/toml.h>
@@ -12,28 +13,29 @@
 
 namespace hausbench {
 
-// Throws InputError that names file and line.
+// Throws InputError with file and line.
 toml::table parse_toml(const std::filesystem::path& file);
 
-// What stands for every {} of a table: in its texts as `text`, and as the number where "{}" (or "-{}") stands in place of one.
+// The replacement for every {} in a table: `text` within strings, and `number` if the string is
+// "{}" or "-{}" and stands for a number.
 struct Filling {
     std::string text;
     double number = 0;
-    std::size_t index = 0;  // in the list of all
+    std::size_t index = 0;  // position among all fillings
 };
 
-// All but find() and where() throw InputError for a value of the wrong kind. `otherwise` is the value of a missing
-// key.
+// All functions except find() and where() throw InputError if a value has the wrong type or
+// range. `otherwise` is the default for a missing key.
 class TomlReader {
 public:
-    // `name` is the table's in messages, such as "[[scene]]"; `before_line` stands between file and line there.
+    // `name` is the table's name in messages, such as "[[scene]]"; `before_line` separates file and line in them.
     TomlReader(std::filesystem::path file, const toml::table& table, std::string name = "",
                std::string before_line = ": line ");
 
     void fill(const Filling& filling) { filling_ = filling; }
     const std::optional<Filling>& filling() const { return filling_; }
 
-    const toml::node* find(std::string_view key) const;  // null: it is missing
+    const toml::node* find(std::string_view key) const;  // null if missing
     const toml::node& required(std::string_view key) const;
     std::string text(std::string_view key) const;
     std::string text(std::string_view key, const std::string& otherwise) const;
@@ -43,10 +45,10 @@ public:
     double positive(const toml::node& node, std::string_view key,
                     double most = std::numeric_limits<double>::max()) const;
     double length(std::string_view key, double otherwise) const;  // 0 or more
-    // Empty if the key is missing.
+    // Returns an empty list if the key is missing.
     std::vector<std::string> texts(std::string_view key, std::string_view of = "texts") const;
 
-    // Known are the keys that a function above was asked for, and these.
+    // Makes more keys known. A key is also known if one of the functions above asked for it.
     void allow(const std::vector<std::string>& keys) const;
     void refuse_other_keys() const;
 

@@ -5,15 +5,16 @@
 namespace hausbench::readers {
 namespace {
 
-// Twice the signed area of the triangle at a corner, seen along the normal: positive if the polygon turns left.
+// Returns twice the signed area of the triangle at a corner, seen along the normal: positive if
+// the polygon turns left.
 double turn(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) {
     return (b - a).cross(c - a).dot(normal);
 }
 
 }  // namespace
 
-// Ear clipping (Meisters, "Polygons have ears", 1975), O(n^3) at worst; of a polygon that crosses itself, corners are cut
-// in order.
+// Ear clipping (Meisters, "Polygons have ears", 1975), O(n^3) at worst. If the polygon crosses
+// itself and has no ear left, cuts corners in order.
 std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& corners) {
     const std::size_t n = corners.size();
     std::vector<std::array<std::size_t, 3>> triangles;
@@ -34,7 +35,7 @@ std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& cor
         }
         return true;
     };
-    // Starts at the second corner, so that a convex polygon becomes the fan from its first corner.
+    // Starts at the second corner, so that a convex polygon becomes a fan around its first corner.
     while (left.size() > 3) {
         std::size_t at = 0;
         while (at < left.size() && !is_ear(at)) ++at;

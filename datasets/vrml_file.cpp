@@ -1,6 +1,6 @@
-// Reads VRML 2.0 (VRML97), text: the faces of every IndexedFaceSet, placed by the Transforms around it; USE repeats
-// the node that DEF named. Skips nodes without a surface (colours, lights, scripts, lines, points). Refuses visible
-// shapes other than IndexedFaceSet.
+// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, placed by the Transforms
+// around it; USE repeats a node named by DEF. Ignores everything without a surface (colours,
+// lights, scripts, lines, points). Refuses visible shapes other than IndexedFaceSet.
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
 #include "datasets/circle.h"
@@ -20,9 +20,9 @@
 namespace hausbench::readers {
 namespace {
 
-constexpr int deepest = 256;  // nodes in nodes; each takes a few hundred bytes of the stack
+constexpr int deepest = 256;  // levels of nodes; each takes a few hundred bytes of stack
 constexpr std::size_t parts_a_byte = 200,
-                      parts_anyway = std::size_t{1} << 18;  // of nodes, points and corners, with what USE repeats
+                      parts_anyway = std::size_t{1} << 18;  // nodes, points and corners, repeated by USE or not
 
 struct Word {
     std::string_view text;
@@ -38,7 +38,7 @@ struct VrmlField {
 
 struct Node {
     Word type;
-    std::map<std::string_view, VrmlField> fields;  // that are read
+    std::map<std::string_view, VrmlField> fields;  // only the ones that are read
 
     const VrmlField& field(std::string_view name) const {
         static const VrmlField none;
@@ -50,7 +50,7 @@ struct Node {
 
 bool one_of(char c, std::string_view characters) { return characters.find(c) != std::string_view::npos; }
 
-// From text to nodes.
+// Parses text into nodes.
 class VrmlText {
 public:
     VrmlText(const std::string& name, std::string_view bytes) : name_(name), rest_(bytes) {}
@@ -71,7 +71,7 @@ public:
     }
 
 private:
-    // The first character of the next word; 0 at the end.
+    // Returns the first character of the next word; 0 at the end.
     char peek() {
         while (!rest_.empty()) {
             const char c = rest_[0];
@@ -103,7 +103,7 @@ private:
         return word;
     }
 
-    // ROUTE a TO b, which moves nothing here. Refuses what defines nodes of its own.
+    // Skips ROUTE a TO b, which moves nothing here. Refuses statements that define new kinds of nodes.
     bool is_statement(const Word& word) {
         if (word.text == "PROTO" || word.text == "EXTERNPROTO")
             refuse(name_, word.line, fmt::format("{} is not supported: convert the file to OBJ or STL", word.text));
@@ -112,7 +112,7 @@ private:
         return true;
     }
 
-    // A node, or a word that is none.
+    // Reads a node or a plain word.
     void read_value(VrmlField& field, int depth) {
         const Word word = next();
         if (is_statement(word)) return;
@@ -135,7 +135,7 @@ private:
         }
     }
 
-    // One value, several numbers, or a list in brackets.
+    // Reads one value, several numbers, or a list in brackets.
     VrmlField read_field(int depth) {
         VrmlField field;
         if (peek() == '[') {
@@ -183,7 +183,7 @@ private:
     std::map<std::string_view, const Node*> defined_;
 };
 
-// The map of the Transforms above a node: matrix * p + shift.
+// The effect of the Transforms above a node on its points: matrix * p + shift.
 struct Placement {
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
     Vec3 shift = Vec3::Zero();
@@ -196,7 +196,7 @@ Circle circle_at(double angle) {
     return turned(rest, (static_cast<int>(quarters) + 4) % 4);
 }
 
-// From nodes to faces.
+// Turns nodes into faces.
 class VrmlScene {
 public:
     VrmlScene(const std::string& name, std::size_t bytes)
@@ -230,7 +230,7 @@ private:
         return *value;
     }
 
-    // The numbers of a field of a Transform.
+    // Returns the numbers of a field of a Transform.
     template <int n>
     Eigen::Matrix<double, n, 1> vector(const Node& node, std::string_view name, double unless_given) const {
         const auto& words = node.field(name).words;
@@ -241,7 +241,7 @@ private:
         return values;
     }
 
-    // Returns the rotation about an axis by an angle, by the right-hand rule.
+    // Returns the rotation given by an axis and an angle, by the right-hand rule.
     Eigen::Matrix3d rotation(const Node& node, std::string_view name) const {
         const auto values = vector<4>(node, name, 0);
         if (values[3] == 0) return Eigen::Matrix3d::Identity();
@@ -280,7 +280,7 @@ private:
         if (node.is({"Switch"})) {
             const auto& chosen = node.field("whichChoice").words;
             const auto& choice = node.field("choice").nodes;
-            const auto which = whole<std::size_t>(chosen.empty() ? "-1" : chosen[0].text);  // none of a negative number
+            const auto which = whole<std::size_t>(chosen.empty() ? "-1" : chosen[0].text);  // negative: none
             if (which && *which < choice.size()) draw(*choice[*which], at, depth + 1);
         }
     }
@@ -315,7 +315,7 @@ private:
         add_faces(node.field("coordIndex").words, first, backwards != (at.matrix.determinant() < 0));
     }
 
-    // -1 ends a face; the last need not be ended.
+    // Adds faces. -1 ends a face; the last face may lack it.
     void add_faces(const std::vector<Word>& corners, std::size_t first, bool backwards) {
         std::vector<std::size_t> face;
         for (std::size_t i = 0; i <= corners.size(); ++i) {

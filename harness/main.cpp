@@ -1,4 +1,4 @@
-// The program. `hausbench VERB --help` says what each verb takes.
+// The program. `hausbench VERB --help` describes each verb.
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
 #include "algorithms/registry.h"
@@ -23,7 +23,7 @@ namespace {
 
 using namespace hausbench;
 
-// The error in a command line, with the nearest known name for an unknown one.
+// Returns the error in a command line, with the nearest known name for an unknown one.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     const auto verbs = app.get_subcommands();
     const auto unknown = app.remaining(true);
@@ -59,7 +59,7 @@ int run_verb(int argc, char** argv) {
         "build.");
     app.formatter(std::make_shared<Help>());
     app.require_subcommand(1);
-    app.set_version_flag("--version", version_text);  // hashes the program, so only where it is asked for
+    app.set_version_flag("--version", version_text);  // hashes the program, so it runs only on demand
     int code = 0;
     for (const auto add : {add_measure, add_run, add_explain, add_status, add_show, add_compare, add_verify, add_draw,
                            add_merge, add_list, add_fetch, add_export, add_track, add_internal_verbs})
@@ -75,7 +75,7 @@ int run_verb(int argc, char** argv) {
     return code;
 }
 
-// Says what went wrong on standard error, and with --json as an object on standard output too. Returns the exit code.
+// Prints the error on standard error and, with --json, also as an object on standard output. Returns the exit code.
 int give_up(int argc, char** argv, int code, const std::string& what) {
     if (std::find(argv + 1, argv + argc, std::string_view("--json")) != argv + argc)
         fmt::print("{}\n", nlohmann::json{{"error", what}, {"exit_code", code}}.dump(
@@ -87,7 +87,7 @@ int give_up(int argc, char** argv, int code, const std::string& what) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    std::signal(SIGXFSZ, SIG_IGN);  // a file size limit gives a write error, as a full disk does, instead of a signal
+    std::signal(SIGXFSZ, SIG_IGN);  // at a file size limit, writing fails as on a full disk, without a signal
     try {
         return run_verb(argc, argv);
     } catch (const InputError& error) {

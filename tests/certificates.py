@@ -1,8 +1,8 @@
-"""Writes certificates for pairs of real meshes, checks them, and checks false claims, which must be refused.
+"""Writes and checks certificates for pairs of real meshes, then checks them again with false claims, which must be refused.
 
     python3 tests/certificates.py [--program build/release/hausbench] [--solver NAME] [--pairs N]
 
-Exit code 0: all proofs of true bounds are accepted, and all false claims refused; 1: a wrong verdict; 2: something is missing.
+Exit code 0: all true proofs are accepted and all false claims refused; 1: some are not; 2: the program is missing.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ PAIRS = tuple(pair for name in NEAR for pair in ((name, f"{name}_half"), (f"{nam
 
 
 class Refused(Exception):
-    """A command that should have worked; the message is its output."""
+    """Raised when a command fails that should succeed; the message is its output."""
 
 
 def run(*command: str, allowed: tuple[int, ...] = (0,)) -> subprocess.CompletedProcess[str]:
@@ -39,7 +39,7 @@ def run(*command: str, allowed: tuple[int, ...] = (0,)) -> subprocess.CompletedP
 
 
 def false_claims(proof: Path, lower: float) -> Iterator[tuple[str, Path]]:
-    """Makes copies that claim less than the lower bound, which a witness refutes: by the number alone, and with a shorter proof."""
+    """Yields two copies of the proof that claim less than the lower bound, which the witness attains: one changes only the number, one also cuts the proof short."""
     header, body = proof.read_bytes().rsplit(b"\nsha256 ", 1)[0].split(b"\n", 1)
     for name, content in (("number", body), ("end", body[:-1])):
         claim = json.loads(header)
@@ -52,7 +52,7 @@ def false_claims(proof: Path, lower: float) -> Iterator[tuple[str, Path]]:
 
 
 def check(program: str, solver: str, source: str, target: str, folder: Path) -> str:
-    """Returns one line about a pair. Raises Refused if the proof is refused, or a false claim is not."""
+    """Returns one line about a pair. Raises Refused if the proof is refused or a false claim is accepted."""
     files = [folder / f"{number}.off" for number in range(2)]
     for model, file in zip((source, target), files):
         run(program, "export", model, str(file))

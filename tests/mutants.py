@@ -2,9 +2,9 @@
 
     python3 tests/mutants.py [--list] [PATTERN ...]
 
-A mutant loses one term of a bound, or one check. If the test of a mutant stays green, no test watches that term: write the test,
-or remove the term. PATTERN selects the entries whose name or file contains it (* and ? as in file names). The copy is
-build/mutants in the tree, with one build folder that is reused. Exit code 1: some mutant was not caught.
+A mutant lacks one term of a bound, or one check. If its test still passes, no test covers that term: write a test, or
+remove the term. PATTERN selects the entries whose name or file contains it (* and ? work as in file names). The copy is
+build/mutants in the tree; its build folder is reused. Exit code 1: some mutant was not caught.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Mutant:
 
     @property
     def targets(self) -> list[str]:
-        """Returns the targets to build: none if only Python is tested."""
+        """The targets to build; none if the test needs only Python."""
         if not self.is_pytest:
             return [self.test]
         program = self.file.endswith((".cpp", ".h")) or self.test.startswith("pytest tests/program")
@@ -68,7 +68,7 @@ def read(root: Path) -> list[Mutant]:
 
 
 def place(mutant: Mutant, source: str) -> tuple[int, int]:
-    """Returns the place of the mutant's text. Line breaks and indentation count as one blank, so that a new layout loses no entry."""
+    """Returns the span of the mutant's text in the source. Any white space matches any other, so that reformatting keeps the entries valid."""
     found = [m.span() for m in re.finditer(r"\s+".join(map(re.escape, mutant.text.split())), source)]
     if len(found) != 1:
         times = f"found {len(found)} times, and must be unique" if found else "not found"
@@ -77,7 +77,7 @@ def place(mutant: Mutant, source: str) -> tuple[int, int]:
 
 
 def planted(mutant: Mutant, root: Path) -> str:
-    """Returns the mutant's file with the mutant in it."""
+    """Returns the text of the mutant's file with the mutant planted."""
     path = root / mutant.file
     if not path.is_file():
         raise BadEntry(f"{LIST}: {mutant.name}: there is no file {mutant.file}")
@@ -104,7 +104,7 @@ def not_plantable(root: Path, mutants: list[Mutant]) -> list[str]:
 
 
 def copy_tree(root: Path, copy: Path) -> None:
-    """Copies all files that git knows or would add. Equal files stay, so that little is rebuilt."""
+    """Copies all files that git tracks or would add. Unchanged files are left alone, so that little is rebuilt."""
     listed = subprocess.run(["git", "-C", root, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
                             check=True, capture_output=True, text=True).stdout
     files = {name for name in listed.split("\0") if name and (root / name).is_file()}
@@ -137,19 +137,19 @@ class Tree:
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
 
     def build(self, targets: list[str]) -> str:
-        """Returns an empty string, or the output of the compiler that failed."""
+        """Builds the targets; returns the output if that failed, else an empty string."""
         if not targets:
             return ""
         if not (self.build_folder / "build.ninja").is_file():
             launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-            configured = self.run(["cmake", "--preset", "release", "-DCMAKE_UNITY_BUILD=OFF", *launcher])  # recompile one file at a time
+            configured = self.run(["cmake", "--preset", "release", "-DCMAKE_UNITY_BUILD=OFF", *launcher])  # so that a mutant recompiles a single file
             if configured.returncode != 0:
                 return configured.stdout
         built = self.run(["cmake", "--build", "--preset", "release", "-j", str(self.jobs), "--target", *targets])
         return built.stdout if built.returncode != 0 else ""
 
     def test(self, mutant: Mutant) -> tuple[str, str]:
-        """Runs the test; returns `green`, `red` or `none` (no test ran), and the output."""
+        """Runs the mutant's test; returns `green`, `red` or `none` (no test ran), and the output."""
         try:
             if mutant.is_pytest:
                 done = self.run([sys.executable, "-B", "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *mutant.test.split()[1:]])
@@ -167,7 +167,7 @@ def last_lines(text: str, lines: int = 12) -> str:
 
 
 def check_unmutated(tree: Tree, mutants: list[Mutant]) -> None:
-    """Runs each test once without a mutant: one that is red anyway proves nothing."""
+    """Runs each test once without a mutant, because a test that fails anyway proves nothing."""
     targets = sorted({target for mutant in mutants for target in mutant.targets})
     print(f"without a mutant: building {' '.join(targets) or 'nothing'}", flush=True)
     if wrong := tree.build(targets):
@@ -180,7 +180,7 @@ def check_unmutated(tree: Tree, mutants: list[Mutant]) -> None:
 
 
 def try_one(tree: Tree, mutant: Mutant) -> tuple[str, str]:
-    """Returns the verdict (`caught`, `survived`, `broken`) and a remark for the reader. Restores the copy afterwards."""
+    """Returns the verdict on a mutant (`caught`, `survived` or `broken`) and a remark. Restores the copy afterwards."""
     path = tree.folder / mutant.file
     original = path.read_text()
     path.write_text(planted(mutant, tree.folder))
@@ -189,7 +189,7 @@ def try_one(tree: Tree, mutant: Mutant) -> tuple[str, str]:
             return "broken", f"it does not build, which is no catch\n{last_lines(wrong)}"
         verdict, output = tree.test(mutant)
     finally:
-        path.write_text(original)  # with a new time, so that it is rebuilt
+        path.write_text(original)  # with a new time stamp, so that it is rebuilt
     if verdict == "none":
         return "broken", f"no test ran, which is no catch\n{last_lines(output)}"
     return ("caught", "") if verdict == "red" else ("survived", f"{mutant.test} {mutant.filter} stays green")
@@ -209,7 +209,7 @@ def run(root: Path, mutants: list[Mutant], jobs: int) -> int:
     check_unmutated(tree, mutants)
     counts = {"caught": 0, "survived": 0, "broken": 0}
     begin = time.monotonic()
-    # Mutants of one file in a row: going from one to the next builds the file once, not twice.
+    # Mutants of the same file are run in a row, so that the file is built once from one to the next, not twice.
     for i, mutant in enumerate(sorted(mutants, key=lambda m: (m.file, m.test))):
         verdict, remark = try_one(tree, mutant)
         counts[verdict] += 1

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Counts habits of prose that make readers stumble, in comments, docstrings and documents.
 
-prose.py [--places] [PATH ...]   PATH: files or folders of the repository; default: all of it
+prose.py [--places] [PATH ...]   PATH: files or folders of the repository (default: all of it)
 
-Prints one line for each habit: how often it occurs, how often per 1,000 words, and the rate that we aim for. --places lists the places.
-It judges nothing: its exit code is 0 whatever it counts.
+Prints one line for each habit: its count, its rate per 1,000 words, and the rate that we aim for. --places lists the places.
+The exit code is 0 whatever the counts.
 """
 
 import argparse
@@ -59,7 +59,7 @@ def joined(lines: list[tuple[int, str]]) -> Iterator[Paragraph]:
 
 
 def after_mark(text: str, mark: str) -> list[tuple[int, str]]:
-    """Returns the comments that a mark opens, with their lines; a mark inside a string or an address opens none."""
+    """Returns the comments that start with a mark, with their line numbers; a mark inside a string or a URL does not count."""
     found = []
     for number, line in enumerate(text.splitlines(), 1):
         hit = re.search(rf"(?:^|\s){mark}+!?(?:\s+|$)(.*)", re.sub(r'"(?:\\.|[^"\\])*"', lambda quoted: "_" * len(quoted[0]), line))
@@ -82,7 +82,7 @@ def of_python(text: str) -> list[tuple[int, str]]:
 
 
 def of_document(text: str) -> list[tuple[int, str]]:
-    """Returns the prose of a Markdown page: no code, and each cell of a table by itself."""
+    """Returns the prose of a Markdown page, without code."""
     found, code = [], False
     for number, line in enumerate(text.splitlines(), 1):
         code ^= line.lstrip().startswith("```")

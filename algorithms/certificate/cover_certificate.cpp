@@ -7,18 +7,18 @@
 namespace hausbench {
 namespace {
 
-// The two lowest bits of a node's first number.
+// The kind of a node: the two lowest bits of its first number.
 enum Node : std::uint64_t { cut_node, one_leaf, centre_leaf, vertex_leaf };
 
 }  // namespace
 
-// Seven bits a byte, the lowest first; the highest bit of a byte says that another one follows.
+// Writes seven bits per byte, the lowest first; the highest bit of a byte says that another byte follows.
 void CertificateTree::number(std::uint64_t value) {
     for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<char>(value | 0x80));
     bytes_.push_back(static_cast<char>(value));
 }
 
-// Eight bytes, the lowest first, whatever the machine.
+// Writes eight bytes, the lowest first, on every machine.
 void CertificateTree::parameter(const CutPoint& point) {
     if (point.t < 0) return;
     const auto bits = std::bit_cast<std::uint64_t>(point.t);

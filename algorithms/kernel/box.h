@@ -22,8 +22,9 @@ struct Box {
     }
 };
 
-// Rounded: the differences, squares and sums are those of squared_length(p - q), in the same order. Each operation is
-// monotone, so for every q in the box the result is at most the computed squared_length(p - q): no slack is needed.
+// Returns the squared distance from p to the box, as rounded. It takes differences, squares and sums in the same
+// order as squared_length(p - q). Each operation is monotone, so the result is at most the computed
+// squared_length(p - q) for every q in the box; no slack is needed.
 inline double squared_distance_to_box(const Vec3& p, const Box& box) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = std::max(std::max(box.low[k] - p[k], p[k] - box.high[k]), 0.0);

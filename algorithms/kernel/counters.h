@@ -1,4 +1,5 @@
-// Work counters: exact on any machine, so they stand beside every time. Passed in, never global.
+// Work counters. They are the same on every machine, so they are reported beside every time. Passed in, never
+// global.
 #pragma once
 
 #include <array>
@@ -12,11 +13,11 @@ struct Counters {
     std::uint64_t point_triangle_distances = 0;  // point to triangle
     std::uint64_t node_visits = 0;               // nodes or cells of a tree whose box was tested
     std::uint64_t closest_point_queries = 0;
-    std::uint64_t bound_tests = 0;   // upper bounds of an element of A evaluated
+    std::uint64_t bound_tests = 0;   // upper bounds evaluated for elements of A
     std::uint64_t subdivisions = 0;  // elements of A split
     std::uint64_t queue_pushes = 0;
-    std::uint64_t box_distances = 0;           // box to box, or to the piece of a surface in a box
-    std::uint64_t polynomial_evaluations = 0;  // a polynomial bounded over a box
+    std::uint64_t box_distances = 0;           // box to box, or box to the piece of a surface in a box
+    std::uint64_t polynomial_evaluations = 0;  // polynomials bounded over a box
 
     bool operator==(const Counters&) const = default;
     Counters& operator+=(const Counters& more);
@@ -27,7 +28,7 @@ struct CounterField {
     std::uint64_t Counters::*member;
 };
 
-// The one list that files, tables and tests go by.
+// The only list of the counters; files, tables and tests follow it.
 inline constexpr std::array<CounterField, 9> counter_fields{{
     {"point_distances", &Counters::point_distances},
     {"point_triangle_distances", &Counters::point_triangle_distances},

@@ -1,4 +1,4 @@
-// A wall-time limit that costs nothing where there is none.
+// A limit of wall time. If there is no limit, the clock is never read.
 #pragma once
 
 #include <chrono>

@@ -7,9 +7,9 @@
 
 namespace hausbench {
 
-// Returns the vector times the power of two that brings its largest |coordinate| into [1, 2), so that its squares
-// neither underflow nor overflow. Exact, except for coordinates that vanish beside the largest. Zero and vectors that
-// are not finite stay as they are.
+// Returns v times the power of two that brings its largest |coordinate| into [1, 2), so that squares neither
+// underflow nor overflow. Exact, except that coordinates negligible beside the largest may underflow. Zero and
+// non-finite vectors are returned unchanged.
 inline Vec3 at_unit_scale(const Vec3& v) {
     const double largest = v.cwiseAbs().maxCoeff();
     if (!(largest > 0) || !v.allFinite()) return v;

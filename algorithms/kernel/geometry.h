@@ -1,4 +1,5 @@
-// Vectors, points, the data of shapes, and poses: below kernel/, structures/ and search/, which know no scene.
+// Vectors, points, the data of shapes, and poses. The base of kernel/, structures/ and search/, which know nothing
+// of scenes.
 //
 // Lengths are in the unit of the input files; nothing here rescales them (see session.h).
 #pragma once
@@ -14,17 +15,17 @@ namespace hausbench {
 using Vec3 = Eigen::Vector3d;
 using Index = std::int32_t;
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
-// One point, or one triangle, a row.
+// One point or triangle per row.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-// A finite set of points; never empty, all coordinates finite (checked where files are loaded).
+// A finite set of points; never empty, all coordinates finite (checked when files are loaded).
 struct PointSet {
     Points points;
 };
 
-// A triangle soup: no adjacency, orientation or manifoldness is assumed; degenerate triangles are legal.
-// Every vertex belongs to a triangle (loaders drop the others and say how many).
+// A triangle soup: no adjacency, orientation or manifoldness is assumed, and degenerate triangles are legal. Every
+// vertex belongs to a triangle (loaders drop the others and report their number).
 struct TriangleMesh {
     Points vertices;
     Triangles triangles;
@@ -38,16 +39,16 @@ struct AlgebraicSurface {
     Points box;  // two rows: least and largest corner, first < second in each coordinate
 };
 
-// Length of the diagonal of the axis-aligned box of the points.
+// Returns the length of the diagonal of the bounding box of the points.
 double diagonal(const Points& points);
 
-// Length of the longest side of that box.
+// Returns the length of the longest side of the bounding box.
 double longest_side(const Points& points);
 
-// Largest |coordinate|.
+// Returns the largest |coordinate|.
 double magnitude(const Points& points);
 
-// A rigid motion, or any affine one, as it is stored in result files.
+// A rigid motion or any other affine map, as stored in result files.
 struct Pose {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 translation = Vec3::Zero();
@@ -55,9 +56,10 @@ struct Pose {
     bool is_identity() const;
 };
 
-// A posed is, by definition, the points fl(R v + t) that this function returns: (r0 x + r1 y) + r2 z + t, rounded after
-// each operation, in that order. The identity pose returns the same bits. Every bound and witness is about that shape.
-// Surfaces do not move: a session refuses every other pose.
+// Returns the points fl(R v + t), computed as (r0 x + r1 y) + r2 z + t and rounded after each operation, in that
+// order. "A posed" is by definition the shape on these rounded points, and every bound and witness refers to it.
+// The identity pose returns the same bits. Surfaces do not move: a session refuses any pose of a surface but the
+// identity.
 Points posed(const Points& points, const Pose& pose);
 
 }  // namespace hausbench

@@ -6,7 +6,8 @@
 namespace hausbench {
 namespace {
 
-// Any middle will do; half widths are rounded up, as the rounding mode is.
+// Computes the middle and half widths of a box. Any middle will do; the half widths are rounded up because the
+// rounding mode is upward.
 void centre(const Box& box, Vec3& middle, Vec3& half) {
     for (int k = 0; k < 3; ++k) {
         middle[k] = 0.5 * box.low[k] + 0.5 * box.high[k];
@@ -14,7 +15,8 @@ void centre(const Box& box, Vec3& middle, Vec3& half) {
     }
 }
 
-// What overflows says nothing: its range is everything. An interval of NaN would hold nothing.
+// Returns whether both ends are finite. Callers replace any other interval by unbounded(), because an interval with
+// NaN would contain nothing.
 bool finite(const Interval& x) { return std::isfinite(x.inf()) && std::isfinite(x.sup()); }
 
 Interval unbounded() {
@@ -22,7 +24,7 @@ Interval unbounded() {
     return {-most, most};
 }
 
-// m + s.u + e v, |v| <= 1, e >= 0.
+// The form m + s.u + e v with |v| <= 1 and e >= 0.
 struct Affine {
     Interval m;
     std::array<Interval, 3> s;
@@ -53,7 +55,7 @@ FormEvaluator::FormEvaluator(const Polynomial& polynomial)
     sums_.resize((kept + 1) * (kept + 1) * (kept + 1));
 }
 
-// Each power from the one before, times m + h u.
+// Computes each power from the previous one, times m + h u.
 void FormEvaluator::set_powers(const Vec3& middle, const Vec3& half) {
     for (std::size_t k = 0; k < 3; ++k) {
         const Eigen::Index axis = Eigen::Index(k);
@@ -96,11 +98,11 @@ void FormEvaluator::add(const Polynomial::Term& term) {
     if (term.powers[0] + term.powers[1] + term.powers[2] > kept) add_beyond(x, y, z);
 }
 
-// Bounds the monomials of one term beyond `kept`. Those with even powers only have one sign, and u^i v^j w^k lies in
-// [0, 1]: together they lie between 0 and the sum of their coefficients. For all others only the absolute values
-// count.
+// Bounds the monomials of one term beyond degree `kept`. Monomials u^i v^j w^k with even powers lie in [0, 1] and
+// their coefficients have the same sign, so their sum lies between 0 and the sum of the coefficients. All other
+// monomials are bounded by the absolute values of their coefficients.
 void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
-    constexpr int n = kept + 2, half = kept / 2 + 2;  // places by degree, and by half the degree; the last: beyond
+    constexpr int n = kept + 2, half = kept / 2 + 2;  // slots by degree or half degree; the last holds the rest
     const Power* of[3] = {&x, &y, &z};
     double all[3][n], all_from[n + 1];
     Interval even[3][half], even_from[half + 1];
@@ -113,7 +115,7 @@ void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
         even[k][half - 1] = of[k]->even;
     }
     const auto beyond = [](auto* a, auto* b, auto* c, auto* c_from, int size) {
-        c_from[size] = 0.0;  // sums of c from a place on
+        c_from[size] = 0.0;  // sums of c from each slot to the last
         for (int i = size - 1; i >= 0; --i) c_from[i] = c_from[i + 1] + c[i];
         auto sum = c_from[size];
         for (int i = 0; i < size; ++i) {

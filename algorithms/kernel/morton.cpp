@@ -11,11 +11,11 @@
 namespace hausbench {
 namespace {
 
-constexpr int bits = 10;  // of a coordinate
+constexpr int bits = 10;  // per coordinate
 constexpr double cells = 1 << bits;
-constexpr std::size_t few = 32;  // points that are left in any order
+constexpr std::size_t few = 32;  // up to this many points are left in any order
 
-// Two zero bits before each bit.
+// Inserts two zero bits before each bit.
 std::uint32_t spread(std::uint32_t x) {
     x = (x | (x << 16)) & 0x030000ff;
     x = (x | (x << 8)) & 0x0300f00f;
@@ -23,8 +23,9 @@ std::uint32_t spread(std::uint32_t x) {
     return (x | (x << 2)) & 0x09249249;
 }
 
-// One step down the Hilbert curve: the octant of a cell becomes the digit of its place, which depends on how the curve enters and leaves
-// the cube: at corner `entry`, and along axis `along`; state 3 entry + along. Two steps at once: six bits.
+// One step down the Hilbert curve: maps the octant of a cell to a digit of the cell's position on the curve. The
+// digit depends on the corner `entry` where the curve enters the cube and on the axis `along` which it leaves; the
+// state is 3 entry + along. A double step handles two octants, that is six bits, at once.
 struct HilbertStep {
     std::uint8_t digits, state;
 };
@@ -63,13 +64,13 @@ constexpr std::array<std::array<HilbertStep, 64>, 24> hilbert_double_steps() {
     return steps;
 }
 
-// Key above, row below: one number to sort by.
+// The key in the upper half and the row in the lower half: one number to sort by.
 using Item = std::uint64_t;
 Item item_of(std::uint32_t key, Index row) { return (Item{key} << 32) | static_cast<std::uint32_t>(row); }
 Index row_of(Item item) { return static_cast<Index>(item & 0xffffffff); }
 std::uint32_t key_of(Item item) { return static_cast<std::uint32_t>(item >> 32); }
 
-// By key, stable: rows that rise before rise after within a key.
+// Sorts by key. The sort is stable, so rows that ascend before also ascend within each key afterwards.
 void sort_items(std::span<Item> items, std::vector<Item>& room) {
     if (items.size() < 1024) {
         std::sort(items.begin(), items.end());
@@ -88,7 +89,7 @@ void sort_items(std::span<Item> items, std::vector<Item>& room) {
         for (const Item item : from) to[counts[k][(item >> (32 + bits * k)) & (values - 1)]++] = item;
         std::swap(from, to);
     }
-    std::copy(from.begin(), from.end(), to.begin());  // an odd number of passes ends in the other room
+    std::copy(from.begin(), from.end(), to.begin());  // an odd number of passes leaves the result in the other buffer
 }
 
 enum class Curve { morton, hilbert };
@@ -98,8 +99,8 @@ template <Curve curve> std::uint32_t key_along(const MortonFrame& frame, const d
     return curve == Curve::hilbert ? hilbert_key(key) : key;
 }
 
-// Sorts each run of equal keys by the keys of a smaller frame, which splits it except for rounding; runs that do not
-// split stay as they are.
+// Sorts each run of equal keys by the keys of a smaller frame, which splits the run unless rounding prevents it.
+// Runs that are not split are left as they are.
 template <Curve curve>
 void refine_runs(const Points& points, std::span<Item> items, const MortonFrame& outer, std::vector<Item>& room) {
     for (std::size_t begin = 0; begin < items.size();) {
@@ -130,7 +131,7 @@ void refine_runs(const Points& points, std::span<Item> items, const MortonFrame&
 MortonFrame::MortonFrame(const Box& box) : MortonFrame(box.low, (box.high - box.low).maxCoeff()) {}
 
 MortonFrame::MortonFrame(const Vec3& low, double width) : low_(low), width_(width) {
-    if (width > 0x1p-900) cells_per_length_ = cells / width;  // else all is one cell
+    if (width > 0x1p-900) cells_per_length_ = cells / width;  // otherwise everything is in one cell
 }
 
 std::uint32_t MortonFrame::key(const double* point) const {
@@ -142,7 +143,8 @@ std::uint32_t MortonFrame::key(const double* point) const {
     return key;
 }
 
-// In which half of the cube x lies, in which half of that, ...: bits of a number below 2^52, the first the highest.
+// Returns the halvings of x as the bits of a number below 2^52: the highest bit says in which half of the cube x
+// lies, the next bit in which half of that half, and so on.
 std::uint64_t MortonFrame::halvings_of(double x, int axis) const {
     constexpr double places = 0x1p52;
     const double part = (x - low_[axis]) * cells_per_length_ * (places / cells);
@@ -150,7 +152,7 @@ std::uint64_t MortonFrame::halvings_of(double x, int axis) const {
 }
 
 bool MortonFrame::before(const double* first, const double* second) const {
-    std::uint64_t highest = 0;  // bits in which the two differ, on the axis where the first of them is
+    std::uint64_t highest = 0;  // bits that differ, on the axis with the first difference
     bool less = false;
     for (int k = 0; k < 3; ++k) {
         const std::uint64_t a = halvings_of(first[k], k), b = halvings_of(second[k], k), differ = a ^ b;

@@ -12,7 +12,7 @@ namespace {
 
 namespace tbb = oneapi::tbb;
 
-// Sets the environment while it lives.
+// Sets the floating-point environment for its lifetime.
 class Environment {
 public:
     explicit Environment(const std::fenv_t& wanted) {
@@ -42,11 +42,11 @@ void Threads::run(std::size_t count, int most, void* job, void (*one)(void* job,
             for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < count;)
                 one(job, block, worker);
         } catch (...) {
-            next.store(count, std::memory_order_relaxed);  // the others begin no more
-            throw;                                         // task_group hands it to the caller
+            next.store(count, std::memory_order_relaxed);  // no worker begins another block
+            throw;                                         // task_group rethrows it in the caller
         }
     };
-    // More than the cores of the machine would only make the library print a warning.
+    // With more threads than cores, the library would only print a warning.
     most = std::min(most, std::max(tbb::info::default_concurrency(), 1));
     const int wanted = static_cast<int>(std::min(static_cast<std::size_t>(most), count));
     tbb::task_arena arena(wanted);

@@ -1,14 +1,15 @@
-// A loop of independent blocks, worked off by several threads (oneTBB), whose outcome does not depend on how many there are.
+// A parallel loop over independent blocks (on oneTBB) whose outcome does not depend on the number of threads.
 //
 //     const Threads threads(query.threads);
 //     std::vector<Box> boxes(blocks);
 //     threads.for_each(blocks, [&](std::size_t block) { boxes[block] = box_of(part(n, block, blocks)); });
 //     for (const Box& box : boxes) ...
 //
-// Two rules make the outcome independent of the number: the blocks are chosen by the size of the input alone, and each block writes
-// only what belongs to its own number. The results are then put together in the order of the numbers.
+// Two rules make the outcome independent of the number: the number of blocks depends only on the size of the input,
+// and each block writes only the data of its own block. The caller then combines the results in the order of the
+// blocks.
 //
-// One thread makes no call of oneTBB at all: no thread is started, and the loop is a plain loop.
+// With one thread, oneTBB is never called: no thread is started, and the loop is a plain loop.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +23,8 @@
 
 namespace hausbench {
 
-// The half-open range of items that belongs to a block, of `items` that are cut into `blocks` of nearly equal size.
+// The half-open range of the items in one block, when `items` items are cut into `blocks` blocks of nearly equal
+// size.
 struct Part {
     std::size_t begin, end;
     std::size_t size() const { return end - begin; }
@@ -33,7 +35,7 @@ inline Part part(std::size_t items, std::size_t block, std::size_t blocks) {
     return {begin, begin + size + (block < longer ? 1 : 0)};
 }
 
-// How many blocks of at least `least` items each; at least one.
+// Returns the number of blocks, at least one, so that each has at least `least` items.
 inline std::size_t blocks_of(std::size_t items, std::size_t least) {
     return std::max<std::size_t>(items / std::max<std::size_t>(least, 1), 1);
 }
@@ -44,17 +46,17 @@ public:
 
     int most() const { return most_; }
 
-    // Calls body(block), or body(block, worker), once for each block below `count`; returns when all calls have
+    // Calls body(block) or body(block, worker) once for each block below `count`; returns when all calls have
     // returned. At most most() calls run at a time, one of them in the calling thread. It is not determined which
-    // blocks run at the same time, in which order, and by which worker. 0 <= worker < most(), and two calls at the
-    // same time have different workers, so each may have its own memory to work in; the contents that a block leaves
-    // there must not change the result of another block.
+    // blocks run at the same time, in which order, or on which worker. 0 <= worker < most(), and two simultaneous
+    // calls have different workers, so each worker may have its own scratch buffer; data that a block leaves there
+    // must not change the result of another block.
     //
-    // The threads are those of oneTBB, in an arena of their own: numbers of threads that others asked for elsewhere
-    // do not matter, and there are no more threads than the machine has cores. Starting them takes some ten
-    // microseconds. Each works in the floating-point environment of the caller. An exception of a body ends the loop
-    // once the blocks that have begun are done, and is rethrown; other blocks may then not have run. Do not fork() a
-    // process after this that goes on without exec(): the threads are not copied.
+    // The threads belong to a oneTBB arena of their own, so thread counts requested elsewhere do not matter, and
+    // there are never more threads than the machine has cores. Starting them takes some ten microseconds. Each
+    // thread works in the floating-point environment of the caller. If a body throws, the loop ends once the
+    // running blocks are done, other blocks may not run at all, and the exception is rethrown. Do not fork()
+    // afterwards unless the child calls exec(), because fork() does not copy the threads.
     template <class Body> void for_each(std::size_t count, const Body& body) const {
         if (most_ <= 1 || count <= 1) {
             for (std::size_t block = 0; block < count; ++block) call(body, block, 0);
@@ -79,10 +81,10 @@ private:
             body(block);
     }
 
-    // The thread sanitizer does not see how the library, which is not compiled with it, hands work from thread to
-    // thread. So, if it is on, this tells it the same order once more: each block sees everything before the loop,
-    // and the code after the loop sees everything that the blocks did. It tells nothing about two blocks, so a race
-    // between them is reported.
+    // The thread sanitizer does not see how oneTBB, which is not compiled with it, hands work from thread to
+    // thread. If the sanitizer is on, these atomics declare the same order again: each block sees everything done
+    // before the loop, and the code after the loop sees everything done by the blocks. They declare no order
+    // between two blocks, so a race between blocks is reported.
     template <class Body> struct Job {
         const Body& body;
 #ifdef __SANITIZE_THREAD__

@@ -1,8 +1,8 @@
-// closest_point (point_triangle.h) for a vector of points and triangles. Compiled once for every target: include it after
-// hwy/foreach_target.h.
+// closest_point (point_triangle.h) for a vector of points and triangles. Compiled once for every target: include it
+// after hwy/foreach_target.h.
 //
-// Same bits as the scalar kernel, on every target: the same operations in the same order, lane by lane, no fused
-// multiply-add, no approximate reciprocal.
+// It gives the same bits as the scalar kernel on every target: the same operations in the same order, lane by lane,
+// without fused multiply-add and without approximate reciprocals.
 #include "algorithms/kernel/triangle_block.h"
 
 #include <hwy/highway.h>
@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four at most: of the eight triangles of a leaf few are near enough to be measured.
+// Four lanes at most, because only a few of the eight triangles of a leaf are near enough to be measured.
 using Doubles = hn::CappedTag<double, 4>;
 using V = hn::Vec<Doubles>;
 
@@ -38,7 +38,7 @@ HWY_INLINE V3 set(const Vec3& a) {
     const Doubles d;
     return {hn::Set(d, a[0]), hn::Set(d, a[1]), hn::Set(d, a[2])};
 }
-// Lanes from `lane` on of three rows of a block.
+// Loads the lanes from `lane` on of three rows of a block.
 HWY_INLINE V3 load(const double (&rows)[3][block_width], std::size_t lane) {
     const Doubles d;
     return {hn::Load(d, rows[0] + lane), hn::Load(d, rows[1] + lane), hn::Load(d, rows[2] + lane)};
@@ -84,7 +84,7 @@ HWY_INLINE void offer(const V3& p, const V3& q, VFoot& best) {
                   hn::IfThenElse(nearer, q.z, best.point.z)};
 }
 
-// a, b: the ends of the longest edge; box: of the triangle.
+// a and b are the ends of the longest edge; `box` is the bounding box of the triangle.
 HWY_INLINE VFoot closest_point(const V3& p, const V3& a, const V3& b, const V3& c, const VBox& box) {
     const Doubles d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);

@@ -14,15 +14,15 @@ namespace {
 
 constexpr int most_power = 40;
 constexpr std::size_t most_products =
-    10'000'000;               // of terms, in all: seconds; the densest of power 40 takes half as many
-constexpr int deepest = 100;  // parentheses within parentheses: each takes some 500 bytes of stack
+    10'000'000;               // in total: seconds; the densest polynomial of power 40 takes half as many
+constexpr int deepest = 100;  // nested parentheses: each level takes some 500 bytes of stack
 
 using Powers = std::array<int, 3>;
 using Sum = std::map<Powers, Interval>;
 
 bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
 
-// The text may hold line breaks, and a message is one line; with blanks in their place the columns stay.
+// The text may contain line breaks, but a message is one line; replacing them by blanks keeps the columns.
 [[noreturn]] void refuse(std::string_view text, const std::string& what) {
     std::string message = fmt::format("polynomial '{}': {}", text, what);
     std::replace_if(
@@ -30,7 +30,7 @@ bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
     throw InputError(message);
 }
 
-// Recursive descent, one character ahead.
+// A recursive descent parser with one character of lookahead.
 class Reader {
 public:
     Reader(std::string_view text, const Vec3& origin) : text_(text), origin_(origin) {}
@@ -136,7 +136,7 @@ private:
             n = 10 * n + (text_[at_++] - '0');
         if (at_ == from) fail_at(from, "write a whole number from 0 after '^', such as x^2");
         if (n > most_power) fail_at(from, fmt::format("powers above {} are not supported", most_power));
-        if (base.size() == 1) {  // sharp: (-2)^2 and x^2 alike
+        if (base.size() == 1) {  // sharp, both for (-2)^2 and for x^2
             const auto& [powers, x] = *base.begin();
             Sum all{{{powers[0] * n, powers[1] * n, powers[2] * n}, power(x, n)}};
             check_size(all);
@@ -184,7 +184,8 @@ private:
         fail(fmt::format("'{}' where a number, x, y, z or '(' is expected", c));
     }
 
-    // Digits one at a time in interval arithmetic: exact as long as a double holds them, and enclosed beyond.
+    // Reads the digits one at a time in interval arithmetic: exact as long as a double can hold them, enclosed
+    // beyond.
     Interval number() {
         const std::size_t from = at_;
         Interval value(0.0);
@@ -241,7 +242,7 @@ Polynomial::Polynomial(std::string_view text, const Vec3& origin) : origin_(orig
         refuse(text, "is a constant, which has no surface: write one in x, y and z");
 }
 
-// An axis keeps the origin 0 if the box is near it, so that nothing changes for most surfaces.
+// An axis keeps the origin 0 if the box is near 0, so nothing changes for most surfaces.
 Polynomial Polynomial::of(const AlgebraicSurface& surface) {
     Vec3 origin = Vec3::Zero();
     for (int k = 0; k < 3; ++k) {
@@ -252,14 +253,14 @@ Polynomial Polynomial::of(const AlgebraicSurface& surface) {
     if (origin != Vec3::Zero()) {
         try {
             polynomial = Polynomial(surface.polynomial, origin);
-        } catch (const InputError&) {  // more terms than are multiplied out, or larger coefficients: it stays as it is
+        } catch (const InputError&) {  // too many terms or too large coefficients: it keeps the origin 0
         }
     }
     polynomial.normalise(surface.box);
     return polynomial;
 }
 
-// Multiplying by a power of two moves no zero; intervals enclose what underflows.
+// Multiplying by a power of two keeps the zeros; intervals enclose coefficients that underflow.
 void Polynomial::normalise(const Points& box) {
     const UpwardRounding upward;
     std::array<Interval, 3> x;

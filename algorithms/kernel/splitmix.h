@@ -1,11 +1,13 @@
-// SplitMix64: Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014. The same numbers on every machine.
+// SplitMix64: Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014. It gives the same
+// numbers on every machine.
 #pragma once
 
 #include <cstdint>
 
 namespace hausbench {
 
-// Odd, about 2^64 over the golden ratio: its multiples are spread evenly, and a product with it mixes bits into the upper ones.
+// An odd number, about 2^64 divided by the golden ratio. Its multiples are spread evenly, and multiplying by it
+// mixes low bits into the high ones.
 inline constexpr std::uint64_t golden_step = 0x9e3779b97f4a7c15;
 
 inline constexpr std::uint64_t splitmix(std::uint64_t z) {

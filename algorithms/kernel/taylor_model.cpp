@@ -41,7 +41,7 @@ void multiply(const TaylorModel& a, const TaylorModel& b, int most, TaylorModel&
     }
 }
 
-// The largest value of linear v + square v^2, |v| <= 1; at least.
+// Returns an upper bound of linear v + square v^2 for |v| <= 1.
 double most_on_line(const Interval& linear, const Interval& square) {
     const double b = magnitude(linear), a = square.sup();
     if (!(a < 0)) return b + a;
@@ -68,7 +68,7 @@ Interval TaylorModel::range() const {
     return Interval(c[0]) + Interval(-s, s);
 }
 
-// With q the quadratic part and a < 0 its coefficient of u^2, whatever v is:
+// Let a < 0, h and b be the coefficients of u^2, u v and u. For every v,
 //     a u^2 + (h v + b) u = a (u + (h v + b) / (2 a))^2 - (h v + b)^2 / (4 a) <= (h v + b)^2 / (-4 a),
 // which leaves a quadratic in v alone.
 double TaylorModel::at_most() const {
@@ -93,15 +93,16 @@ TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most) {
     return out;
 }
 
-// The terms that are left out: products whose degrees sum to more than the order, and products of the errors. A
-// coefficient is the sum of at most 25 products (of degree 4 by degree 4), each rounded, as is each sum: at most 1.01
-// * 26 epsilon of the sum of the absolute values, over all coefficients together.
+// `error` covers the products of degrees that sum to more than the order, the products with the errors of a and b,
+// and rounding. A coefficient is the sum of at most 25 products (of degree 4 by degree 4); each product is rounded,
+// and so is each sum. Over all coefficients together, rounding costs at most 1.01 * 26 epsilon times the sum of the
+// absolute values.
 TaylorModel operator*(const TaylorModel& a, const TaylorModel& b) {
     TaylorModel out;
     multiply(a, b, TaylorModel::order, out);
     const Norms of_a = norms(a), of_b = norms(b);
     const double all_a = sum(of_a), all_b = sum(of_b);
-    double beyond = 0, from = 0;  // `from`: the degrees of b that are too many for degree i of a
+    double beyond = 0, from = 0;  // `from`: norm of the degrees of b that are too high for degree i of a
     for (int i = 1; i <= TaylorModel::order; ++i) {
         from += of_b[std::size_t(TaylorModel::order + 1 - i)];
         beyond += of_a[std::size_t(i)] * from;
@@ -118,8 +119,8 @@ TaylorModel operator+(const TaylorModel& a, const TaylorModel& b) {
         out.c[i] = a.c[i] + b.c[i];
         rounded += std::abs(out.c[i]);
     }
-    // epsilon |exact| <= epsilon (1 + epsilon) |rounded|, and sums do not underflow. Rounded upward, a sum that overflows
-    // below is finite: so large a model says nothing.
+    // epsilon |exact| <= epsilon (1 + epsilon) |rounded|, and sums do not underflow. A sum that overflows below is
+    // rounded upward to a finite number, so a model this large gets an infinite error.
     out.error =
         rounded < 0x1p1000 ? a.error + b.error + 2 * epsilon * rounded : std::numeric_limits<double>::infinity();
     return out;

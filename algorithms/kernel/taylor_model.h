@@ -1,9 +1,9 @@
-// Taylor models in two variables: a polynomial p(u,v) of degree 8 with double coefficients, and a bound `error` on how far
-// the function meant is from p, for all u and v in [-1, 1].
+// Taylor models in two variables: a polynomial p(u,v) of degree 8 with double coefficients, and a bound `error` on
+// the difference between p and the represented function for all u and v in [-1, 1].
 //
-// See Makino and Berz: Taylor models and other validated functional inclusion methods, International Journal of Pure and
-// Applied Mathematics 4 (2003). All functions want UpwardRounding (interval.h). Rounding errors of coefficients are added
-// to `error`, so every result encloses.
+// See Makino and Berz: Taylor models and other validated functional inclusion methods, International Journal of
+// Pure and Applied Mathematics 4 (2003). All functions require UpwardRounding (interval.h). Rounding errors of
+// coefficients are added to `error`, so every result is an enclosure.
 #pragma once
 
 #include "algorithms/kernel/polynomial.h"
@@ -14,34 +14,36 @@ struct TaylorModel {
     static constexpr int order = 8;
     static constexpr std::size_t count = (order + 1) * (order + 2) / 2;
 
-    std::array<double, count> c{};  // by degree; of one degree, u^d first and v^d last
+    std::array<double, count> c{};  // by degree; within degree d from u^d to v^d
     double error = 0;
 
     static constexpr std::size_t start(int degree) { return std::size_t(degree) * std::size_t(degree + 1) / 2; }
     // Returns middle + half u (or half v), exactly.
     static TaylorModel variable(double middle, double half, int which);
 
-    double spread() const;  // at least the largest |p(u,v) - p(0,0)|
+    double spread() const;  // at least the largest |p(u,v) - p(0,0)| + error
     Interval range() const;
-    // Upper bound; tighter than range().sup() near a maximum, because it bounds the quadratic part
-    // by its largest value.
+    // Returns an upper bound, tighter than range().sup() near a maximum because it bounds the quadratic part by its
+    // largest value.
     double at_most() const;
 };
 
-// Degrees above `most` are left out without a bound: only for polynomials that are proven otherwise later.
+// Multiplies the polynomials only: `error` is 0, and degrees above `most` are dropped without a bound. Use it only
+// for polynomials that are proven in another way later.
 TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most);
 
 TaylorModel operator*(const TaylorModel& a, const TaylorModel& b);
 TaylorModel operator+(const TaylorModel& a, const TaylorModel& b);
 TaylorModel operator*(const TaylorModel& a, const Interval& factor);
 
-// The powers of three models, from which polynomials are evaluated. With `most` below the order, as product() says.
+// The powers of three models, used to evaluate polynomials. If `most` is below the order, the models have no error
+// bounds, as in product().
 class ModelPowers {
 public:
-    // Up to the degrees of f along each axis.
+    // Computes the powers up to the degrees of f along each axis.
     ModelPowers(const std::array<TaylorModel, 3>& at, const Polynomial& f, int most = TaylorModel::order);
 
-    TaylorModel value(const Polynomial& f) const;  // its degrees are at most those given before
+    TaylorModel value(const Polynomial& f) const;  // must not have higher degrees than the constructor's f
 
 private:
     std::array<std::vector<TaylorModel>, 3> powers_;

@@ -1,4 +1,4 @@
-// A triangle by its corners.
+// A triangle, given by its corners.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -26,14 +26,14 @@ inline Box box_of(const Triangle& t) {
     return box;
 }
 
-// Which corner the longest edge begins at.
+// Returns the corner at which the longest edge begins.
 inline int longest_edge(const Triangle& t) {
     const double ab = squared_length(t.b - t.a), bc = squared_length(t.c - t.b), ca = squared_length(t.a - t.c);
     if (bc > ab && bc >= ca) return 1;
     return ca > ab ? 2 : 0;
 }
 
-// The same triangle turned so that a and b are the ends of its longest edge.
+// Returns the same triangle, turned so that a and b are the ends of its longest edge.
 inline Triangle longest_edge_first(const Triangle& t) {
     const int edge = longest_edge(t);
     if (edge == 1) return {t.b, t.c, t.a};

@@ -1,4 +1,4 @@
-// Eight triangles side by side, for the kernels that take them at once.
+// Eight triangles side by side, for kernels that process them together.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -13,9 +13,9 @@ inline constexpr int block_width = 8;  // logical width, the same on every machi
 struct alignas(64) TriangleBlock {
     double corner[3][3][block_width];  // [corner][coordinate][lane], the longest edge first
     Index triangle[block_width];
-    std::int32_t count;  // lanes in use; the others repeat the first
+    std::int32_t count;  // lanes in use; the other lanes repeat the first
 
-    void set(const TriangleMesh& mesh, std::span<const Index> triangles) {  // 1 to 8
+    void set(const TriangleMesh& mesh, std::span<const Index> triangles) {  // 1 to 8 triangles
         count = static_cast<std::int32_t>(triangles.size());
         for (std::size_t lane = 0; lane < block_width; ++lane) {
             triangle[lane] = triangles[lane < triangles.size() ? lane : 0];
@@ -39,16 +39,16 @@ struct alignas(64) PointBlock {
     double coordinate[3][block_width];
 };
 
-// For each lane, the bits of closest_point(point, triangle).
+// For each lane, the same bits as closest_point(point, triangle).
 struct alignas(64) BlockFeet {
     double squared_distance[block_width];
     double point[3][block_width];
 };
 
-// One point against the triangles of a block.
+// Tests one point against the triangles of a block.
 void closest_points(const Vec3& point, const TriangleBlock& block, BlockFeet& feet);
 
-// The points of a block against one triangle.
+// Tests the points of a block against one triangle.
 void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet);
 
 }  // namespace hausbench

@@ -1,7 +1,7 @@
-// The distance of a point to triangles in their frames (triangle_frames.h). Compiled once for every target: include it after
-// hwy/foreach_target.h.
+// The distance from a point to triangles in their frames (triangle_frames.h). Compiled once for every target:
+// include it after hwy/foreach_target.h.
 //
-// The same bits on every target: the same operations lane by lane, no fused multiply-add.
+// It gives the same bits on every target: the same operations lane by lane, without fused multiply-add.
 #include "algorithms/kernel/triangle_frames.h"
 
 #include <hwy/highway.h>
@@ -17,10 +17,11 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Lanes of sixteen floats, or of sixteen doubles in two turns or more.
+// Vectors of sixteen floats, or of at most eight doubles: two or more steps for sixteen triangles.
 template <class T> using FrameLanes = hn::CappedTag<T, sizeof(T) == 4 ? 16 : 8>;
 
-// row(i): row i of the frames as a vector, or one number of it in all lanes, where the points differ.
+// row(i) returns row i of the frames as a vector. If the lanes hold different points, it returns one number of that
+// row in all lanes.
 template <class D, class Rows>
 HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::Vec<D> py, hn::Vec<D> pz) {
     using Numbers = hn::Vec<D>;
@@ -34,7 +35,8 @@ HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::
     const Numbers beyond = hn::Sub(x, hn::Min(hn::Max(x, zero), length));
     Numbers squared = hn::Add(hn::Mul(beyond, beyond), hn::Mul(y, y));
     Numbers inner = y;
-    // `side` is how far to the inner side of the line of an edge that begins at `from`; +1 where the triangle is to its right.
+    // `across` is the signed distance from the line of an edge that begins at (x - from_x, 0). `right`: the
+    // triangle is to the right of the edge, so a positive `across` is on the inner side.
     const auto edge = [&](std::size_t direction, std::size_t edge_length, Numbers from_x, bool right) HWY_ATTR {
         const Numbers ux = row(direction), uy = row(direction + 1);
         const Numbers t = hn::Add(hn::Mul(from_x, ux), hn::Mul(y, uy));
@@ -55,7 +57,7 @@ HWY_INLINE hn::Vec<FrameLanes<T>> squared_in_frames(const Rows& row, hn::Vec<Fra
     return squared_in_lanes(FrameLanes<T>(), row, px, py, pz);
 }
 
-// Bit i: lane i is set.
+// Returns the mask as bits: bit i is lane i.
 template <class D> HWY_INLINE unsigned lane_bits(D d, hn::Mask<D> mask) {
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, mask, bits);

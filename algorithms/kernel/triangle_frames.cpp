@@ -38,7 +38,7 @@ HWY_INLINE void store(V value, float* to) {
 }
 HWY_INLINE void store(V value, double* to) { hn::StoreU(value, D(), to); }
 
-// Corners turned so that ab is the longest edge.
+// The corners, turned so that ab is the longest edge.
 struct Corners {
     Vector a, b, c;
 };
@@ -60,9 +60,9 @@ HWY_INLINE Corners longest_edge_first(const CornerRows& corners, std::size_t lan
             choose(qr_longest, p, choose(rp_longest, q, r))};
 }
 
-// The axis h in the plane: the direction of g, made orthogonal to e once more after its length is 1, because rounding
-// has left a part along e that may be large beside it. For a flat triangle: any direction across e, such as an axis
-// that is not near e, less its part along e.
+// Returns the axis h in the plane: g scaled to length 1 and then made orthogonal to e again, because rounding
+// leaves a part along e that may be large beside g. A flat triangle gets any direction across e: a coordinate axis
+// that is not near e, minus its part along e.
 HWY_INLINE Vector direction_across(const Vector& e, const Vector& g, hn::Mask<D> is_flat) {
     const D d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -77,7 +77,7 @@ HWY_INLINE Vector cross(const Vector& e, const Vector& h) {
             hn::Sub(hn::Mul(e.x, h.y), hn::Mul(e.y, h.x))};
 }
 
-// Lanes `lane` and on.
+// Makes the frames of the lanes from `lane` on.
 template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t lane, TriangleFrames<T>& frames) {
     const D d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -89,7 +89,7 @@ template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t 
     const V x_c = dot(w, e);
     const Vector g = minus(w, times(x_c, e));
     const V flat = hn::Max(hn::Mul(hn::Set(d, 8 * frame_roundoff<T>), length), hn::Set(d, 2 * frame_point));
-    const auto is_flat = hn::Not(hn::Gt(hn::Sqrt(dot(g, g)), flat));  // points too
+    const auto is_flat = hn::Not(hn::Gt(hn::Sqrt(dot(g, g)), flat));  // also for points
     const Vector h = direction_across(e, g, is_flat);
 
     const auto put = [&](std::size_t row, V value) HWY_ATTR { store(value, frames.row[row] + lane); };
@@ -102,8 +102,8 @@ template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t 
     }
     put(frame_row::length, length);
     const V y_c = hn::Max(dot(w, h), zero);
-    // The edge to c from a corner that c is (x, y_c) away from. Flat: it runs along ab, and nothing beside that line is on the inner side of
-    // both edges.
+    // Stores the edge to c from a corner, where (x, y_c) is c minus that corner. In a flat triangle the edge runs
+    // along ab, and no point off that line is on the inner side of both edges.
     const auto put_edge = [&](std::size_t direction, std::size_t edge_length, V x, V along_ab) HWY_ATTR {
         const V size = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y_c, y_c))), inverse = inverse_or_one(size);
         put(direction, hn::IfThenElse(is_flat, along_ab, hn::Mul(x, inverse)));

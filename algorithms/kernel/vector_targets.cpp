@@ -1,7 +1,9 @@
-// The functions that Highway's headers expect from its library: which instruction sets the processor has, and which of them is in use.
+// The functions that Highway's headers expect from its library: which instruction sets the processor has, and which
+// one is in use.
 //
-// Highway's own library is not linked: Debian has it as a shared library only, whose initialiser measures a timer (`rdtscp`) that nothing here
-// needs. Some virtual machines hide that instruction, and valgrind then ends the program before main().
+// Highway's own library is not linked: Debian has it only as a shared library, and its initialiser measures a timer
+// (`rdtscp`) that nothing here needs. Some virtual machines hide that instruction, and valgrind then ends the
+// program before main().
 #undef HWY_SHARED_DEFINE  // so that these functions are hidden, and stay out of a plug-in's symbols
 #include <hwy/targets.h>
 
@@ -17,11 +19,11 @@
 namespace hwy {
 namespace {
 
-std::atomic<std::int64_t> targets_for_test{0};  // 0: those of the processor
+std::atomic<std::int64_t> targets_for_test{0};  // 0: the targets of the processor
 ChosenTarget chosen_target;
 
-// Returns the targets whose instructions the processor has and the system allows. A target needs everything that the compiler may use in
-// it (HWY_TARGET_STR_... in hwy/ops/set_macros-inl.h).
+// Returns the targets whose instructions the processor has and the system allows. A target requires every feature
+// that the compiler may use for it (HWY_TARGET_STR_... in hwy/ops/set_macros-inl.h).
 std::int64_t targets_of_processor() {
     std::int64_t targets = HWY_ENABLED_BASELINE | HWY_SCALAR | HWY_EMU128;
 #if HWY_ARCH_X86

@@ -4,8 +4,9 @@
 
 namespace hausbench {
 
-// Subtracting some uM from the computed distance would not be a proof: that it is not too large is measured, not proven
-// (kernel/point_triangle.h). Support planes prove it for the point, which is within 2 level uM of A (kernel/rounding.h).
+// Subtracting some uM from the computed distance would not be a proof, because only tests show that computed
+// distances are not too large (kernel/point_triangle.h). Support planes prove a bound for the point, which is
+// within 2 level uM of A (kernel/rounding.h).
 double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {
     if (!rounding_.certify || farthest.source < 0) return std::sqrt(std::max(farthest.point.squared, 0.0));
     const double distance = target_.certified_distance(farthest.point.point, counters);

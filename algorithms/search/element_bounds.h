@@ -14,7 +14,7 @@ struct Farthest {
     int level = 0;      // its possible distance from A by rounding, in the levels of kernel/rounding.h
 };
 
-// Its functions are not inline, so that searches without it stay fast.
+// The bounds of all triangles of A. Its functions are not inline, so that searches without it stay fast.
 struct ElementBounds {
     std::vector<Farthest> farthest;
     std::vector<double> upper;    // the largest upper bound of a settled piece

@@ -25,7 +25,7 @@ struct MeshPair {
     const TriangleTree* source_tree;  // over A, unposed; null if not used
 };
 
-// Returns the magnitude of the box of both at their poses. O(n + m).
+// Returns the diagonal of the box around A posed and B. O(n + m).
 inline double diagonal_of(const MeshPair& pair) {
     Box box = box_of(pair.points);
     box.add(box_of(pair.target.mesh().vertices));
@@ -38,7 +38,7 @@ template <class Tree> class MeshSolver : public Solver {
     static constexpr bool is_tree = std::derived_from<Tree, TriangleTree>;
 
 public:
-    // Tree over A, for solvers that use regions.
+    // The tree over A, for solvers that use regions.
     using RegionTree = std::conditional_t<is_tree, Tree, TriangleBvh>;
 
     Needs needs(const Scene& scene, const QuerySet&) const override {
@@ -71,7 +71,8 @@ public:
 protected:
     explicit MeshSolver(bool textbook = false, bool regions = false) : textbook_(textbook), regions_(regions) {}
 
-    // Applies even if a tree over A was built needlessly, because answers must not depend on what was left out.
+    // Returns whether to use regions. Does not ask whether a tree over A was built, because answers must not depend
+    // on the structures that were left out.
     bool has_regions(const Scene& scene) const { return regions_ && element_count(scene.source) > scan_at_most; }
 
     const TriangleMesh& source() const { return *source_; }

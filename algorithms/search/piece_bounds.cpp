@@ -8,21 +8,22 @@ namespace {
 
 double largest_squared(const PieceCorners& v) { return std::max({v[0].squared, v[1].squared, v[2].squared}); }
 
-// Squared length of the edge opposite to each corner.
+// Returns the squared length of the edge opposite to each corner.
 std::array<double, 3> squared_edges(const std::array<Vec3, 3>& v) {
     return {squared_length(v[2] - v[1]), squared_length(v[0] - v[2]), squared_length(v[1] - v[0])};
 }
 
 std::array<Vec3, 3> points_of(const PieceCorners& v) { return {v[0].point, v[1].point, v[2].point}; }
 
-// Returns the t at which a function that is linear along the edge is zero, given its values at the ends; they differ
-// in sign, so the computed t is in [0, 1], too.
+// Returns the point of the edge where a linear function with these values at the ends is zero. The values have
+// different signs, so t is in [0, 1] as computed, too.
 Vec3 zero_on_edge(const Vec3& a, const Vec3& b, double at_a, double at_b) {
     const double t = at_a / (at_a - at_b);
     return (1 - t) * a + t * b;
 }
 
-// The part of `apex` - a that is orthogonal to the edge, of length 1; NaN where there is none.
+// Returns the direction of the part of `apex` - a that is orthogonal to the edge, as a unit vector; NaN if there is
+// none.
 Vec3 across(const Vec3& a, const Vec3& b, const Vec3& apex) {
     const Vec3 edge = b - a, to = apex - a;
     const Vec3 height = to - (dot(to, edge) / squared_length(edge)) * edge;
@@ -34,8 +35,9 @@ struct Plane {
     double of(const Vec3& point) const { return dot(point - origin, normal); }
 };
 
-// The plane that halves the angle of two triangles at the edge that they share; positive on the side of `one`. Corners are
-// shared by place, so that soups have neighbours too. None where they do not share two.
+// Returns the plane that halves the angle of two triangles at the edge that they share, positive on the side of
+// `one`; nothing if they do not share two corners. Corners are shared if their places are equal, so triangles of
+// soups have neighbours, too.
 std::optional<Plane> bisector(const Triangle& one, const Triangle& two) {
     const std::array<Vec3, 3> p{one.a, one.b, one.c}, q{two.a, two.b, two.c};
     std::array<int, 3> partner{-1, -1, -1};
@@ -56,9 +58,9 @@ std::optional<Plane> bisector(const Triangle& one, const Triangle& two) {
     return Plane{a, across(a, b, p[alone_p]) - across(a, b, q[3 - in_q])};
 }
 
-// h(T, {p, q})^2, T cut by the plane between the two points.
+// Returns h(T, {p, q})^2, for T cut by the plane between the two points.
 double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const Vec3& q,
-                             std::array<double, 3>& nearer) {  // positive: q is
+                             std::array<double, 3>& nearer) {  // positive: q is nearer
     double most = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         const double to_p = squared_length(v[i] - p), to_q = squared_length(v[i] - q);
@@ -77,18 +79,21 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
 
 }  // namespace
 
-// x is the longest edge, X the angle opposite to it, cos X = (y^2 + z^2 - x^2) / 2yz. T is acute where cos X > 0, and the
-// circumradius is x / (2 sin X), well conditioned as X is in [60, 90] degrees.
+// Let x be the longest edge and X the angle opposite to it, so cos X = (y^2 + z^2 - x^2) / 2yz. T is acute if
+// cos X > 0. Its circumradius is then x / (2 sin X), which is well conditioned because X is in [60, 90] degrees.
 //
-// Rounding, s_x = fl(x^2) within 5.01u x^2: fl(fl(s_y + s_z) - s_x) errs by 5.01u (x^2 + y^2 + z^2), 2.1u x^2 for the sum, 1.1u x^2
-// for the difference: by less than 19u x^2. 24u s_x is added. Then `cosine` is at least cos X but for 9u of itself, and its
-// square but for 19u. As it is capped at 1/4, 1 - square errs by (19/4 + 2)u / (3/4) = 9u, its root by 5u, sqrt(s_x) by 3.5u, the
-// division by u: less than 10u in all. The cap is right, as X is largest: where rounding took another edge for the longest,
-// that is shorter by 5.1u at most, and so is sin X; 3.5u, 2u and 5.1u are less than 11u. 16u is more, and than the rounding of that
-// product. With no sum added, half of the longest edge errs by 3.5u and 5.1u.
-// Underflow: where x < 2^-459, g errs by no more than 2^-459, a sixty-fourth of the uM that surface_sum_at_most has to spare, as M >= 2^-400.
-// Otherwise squares that underflow are off by 2^-155 s_x. A z so short that its own square is subnormal meets the cap: twice is at least
-// 5u s_x, so the cosine is at least 2.4u sqrt(s_x) / sqrt(s_z) >= 2.4u 2^-459 / 2^-511 > 1, where it is not infinite.
+// Rounding: s_x = fl(x^2) is within 5.01u x^2 of x^2. fl(fl(s_y + s_z) - s_x) errs by 5.01u (x^2 + y^2 + z^2), by
+// 2.1u x^2 for the sum and by 1.1u x^2 for the difference: by less than 19u x^2 in total. 24u s_x is added. Then
+// cos X is at most 1 + 9u times `cosine`, and its square at most 1 + 19u times the computed square. The square is
+// capped at 1/4, so 1 - square errs by (19/4 + 2)u / (3/4) = 9u, its root by 5u, sqrt(s_x) by 3.5u and the division
+// by u: less than 10u in total. The cap is right because X is the largest angle. If rounding took another edge for
+// the longest, that edge is shorter by at most 5.1u, and so is sin X; 3.5u, 2u and 5.1u are less than 11u. The 16u
+// used covers this and the rounding of its own product. In a triangle that is not acute, no sum is added, and half
+// of the longest edge errs by 3.5u and 5.1u.
+// Underflow: if x < 2^-459, g errs by at most 2^-459, a sixty-fourth of the uM that surface_sum_at_most has to
+// spare, as M >= 2^-400. Otherwise squares that underflow are off by 2^-155 s_x. If z is so short that its own
+// square is subnormal, the cap applies: `twice` is at least 5u s_x, so the cosine is infinite or at least
+// 2.4u sqrt(s_x) / sqrt(s_z) >= 2.4u 2^-459 / 2^-511 > 1.
 double covering_radius_at_most(const std::array<Vec3, 3>& corners) {
     std::array<double, 3> edges = squared_edges(corners);
     std::sort(edges.begin(), edges.end());
@@ -106,7 +111,7 @@ double PieceBounds::same_triangle(const PieceCorners& v, int level) {
     return same ? at_most(largest_squared(v), level) : infinity;
 }
 
-// As near as any: but for what rounding may do to two distances. h(T, S_i) is an upper bound whatever S_i is.
+// "As near" allows for the rounding of two distances. h(T, S_i) is an upper bound for any S_i.
 double PieceBounds::tied_triangle(const PieceCorners& v, int level) {
     const double slack = 8 * unit_roundoff * magnitude_;
     ++counters_.bound_tests;
@@ -162,9 +167,9 @@ BlockFeet PieceBounds::distances(const std::array<Vec3, 7>& points, std::size_t 
     return feet;
 }
 
-// Returns the squared bound for T cut by the plane that halves the angle of the two triangles of B: one part has the
-// corner `alone`, the other part the other two, and each counts against its triangle. If the plane does not cut both
-// edges, their midpoints are used. Infinite if the two triangles share no edge.
+// Returns the squared bound for T cut by the plane that halves the angle of the two triangles of B. One part has
+// the corner `alone`, the other part has the two other corners, and each part is measured against its own triangle.
+// If the plane does not cut both edges, T is cut at their midpoints. Infinite if the two triangles share no edge.
 double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
     const MeasuredPoint &one = v[alone], &two = v[(alone + 1) % 3], &three = v[(alone + 2) % 3];
     const auto side = bisector(target_.triangle(one.triangle), target_.triangle(two.triangle));
@@ -183,8 +188,9 @@ double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
                      to_two.squared_distance[0], to_two.squared_distance[1]});
 }
 
-// Squared, of T cut into three quadrilaterals, each with a corner, the midpoints beside it and the barycentre, against the
-// triangle nearest to that corner. `whole`: the least h(T, S_i)^2, of S_i `near`.
+// Returns the squared bound for T cut into three quadrilaterals, each with a corner, the midpoints beside it and
+// the barycentre, against the triangle nearest to that corner. Sets `whole` to the least h(T, S_i)^2, and `near` to
+// that S_i.
 double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) {
     std::array<Vec3, 7> points{v[0].point, v[1].point, v[2].point};
     for (std::size_t k = 0; k < 3; ++k) points[3 + k] = 0.5 * (v[(k + 1) % 3].point + v[(k + 2) % 3].point);
@@ -205,7 +211,7 @@ double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) 
     return most;
 }
 
-// A cut's corners may be off T by level_of_inner_point, beside what T's own corners are off.
+// The corners of a cut may be off T by level_of_inner_point, in addition to the errors of T's own corners.
 double PieceBounds::u3(const PieceCorners& v, int level) {
     ++counters_.bound_tests;
     for (std::size_t alone = 0; alone < 3; ++alone) {
@@ -225,7 +231,8 @@ double PieceBounds::u3(const PieceCorners& v, int level) {
     return std::min(three, one);
 }
 
-// A corner's closest point as computed is within 7uM of B, and the distance to it, computed like that to B, errs as that does.
+// The computed closest point of a corner is within 7uM of B. A distance to it is computed like a distance to B, and
+// errs as much.
 double PieceBounds::u4(const PieceCorners& v, int level) {
     ++counters_.bound_tests;
     const auto points = points_of(v);

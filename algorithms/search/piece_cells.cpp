@@ -11,15 +11,16 @@ namespace {
 using Kind = PieceArgument::Kind;
 using Polygon = std::vector<Vec3>;
 
-// Of the way from an end where a function is `from` to one where it is `to`, of another sign: where it is 0. Never -0, which is no place.
+// Returns the fraction of the way, from an end where a linear function is `from` to an end where it is `to` (of
+// opposite sign), at which it is 0. Never -0, which is not a valid place.
 double zero_between(double from, double to) { return std::abs(from) / (std::abs(from) + std::abs(to)); }
 
 struct Chord {
-    std::size_t into, out_of;  // edges, where the function becomes positive, and where it ceases to be
+    std::size_t into, out_of;  // edges where the function becomes positive, and where it ceases to be
     double into_at, out_of_at;
 };
 
-// Returns the place where a function with these values at the corners changes its sign, if it does.
+// Returns where a function with these values at the corners changes its sign, or nothing if it does not.
 std::optional<Chord> chord_of(const std::vector<double>& values) {
     std::optional<std::size_t> into, out_of;
     const auto next = [&](std::size_t i) { return (i + 1) % values.size(); };
@@ -33,7 +34,7 @@ std::optional<Chord> chord_of(const std::vector<double>& values) {
                  zero_between(values[*out_of], values[next(*out_of)])};
 }
 
-// The first child is where the function is positive.
+// Writes the cut along a chord; the first child is where the function is positive.
 void write(CertificateTree& tree, const Chord& chord) {
     tree.cut(CutPoint::along(chord.into, chord.into_at), CutPoint::along(chord.out_of, chord.out_of_at));
 }
@@ -62,11 +63,12 @@ struct Site {
     Index triangle;
 };
 
-// `sites`: those that may be nearest to a point of the polygon.
+// Cuts the polygon until each cell has one nearest site. `sites` are those that may be nearest to a point of the
+// polygon.
 void write_nearest(CertificateTree& tree, const Polygon& polygon, const std::vector<Site>& sites) {
     if (sites.size() == 1) return tree.one(sites[0].triangle);
     const Vec3 &a = sites[0].point, &b = sites[1].point, way = b - a;
-    std::vector<double> nearer;  // positive: a is
+    std::vector<double> nearer;  // positive: a is nearer
     for (const Vec3& x : polygon) nearer.push_back(0.5 * dot(way, way) - dot(x - a, way));
     std::vector<Site> without_a(sites.begin() + 1, sites.end()), without_b = sites;
     without_b.erase(without_b.begin() + 1);
@@ -99,15 +101,16 @@ void write_corner_cut_off(CertificateTree& tree, const PieceArgument& argument, 
     tree.one(v[argument.alone].triangle);
 }
 
-// First along the median from the middle of the edge 01 to corner 2, which the barycentre is a third of the way along.
+// The first cut is along the median from the middle of edge 01 to corner 2; the barycentre is a third of the way
+// along it.
 void write_three(CertificateTree& tree, const PieceCorners& v, PieceTurn turn) {
     constexpr double third = 1.0 / 3;
     tree.cut(CutPoint::along(turn.place(0), 0.5), CutPoint::corner(turn.place(2)));
-    // The middle of 01, 1, 2.
+    // The polygon: the middle of 01, corner 1, corner 2.
     tree.cut(CutPoint::along(1, 0.5), CutPoint::back(2, third));
     tree.one(v[2].triangle);
     tree.one(v[1].triangle);
-    // 2, 0, the middle of 01.
+    // The polygon: corner 2, corner 0, the middle of 01.
     tree.cut(CutPoint::along(0, 0.5), CutPoint::along(2, third));
     tree.one(v[0].triangle);
     tree.one(v[2].triangle);

@@ -8,16 +8,17 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// With more cuts than this beyond the search's own, there is no certificate.
+// If the proof needs more cuts than this that the search did not make, there is no certificate.
 constexpr std::uint64_t most_more_cuts = 1'000'000;
 
-// `proven` is above the upper bound by the possible loss of the check (cover_certificate.h), (14 L + 100) u D below L
-// cuts, and by the error of chords of cells (piece_cells.h), less than 100 u D. L <= 156: three cuts for each of 50
-// levels, or one for each of 102, and at most six for the cells. If a piece was examined again, `slack` is added.
-// Together this is less than 1e-12 D = 9007 u D.
+// `proven` exceeds the upper bound by the checker's possible loss (cover_certificate.h), (14 L + 100) u D below L
+// cuts, and by the error of the chords of cells (piece_cells.h), less than 100 u D. L <= 156: three cuts for each
+// of 50 levels, or one for each of 102, and at most six for the cells. If a piece was bounded again, `slack` is
+// added. All of this is less than 1e-12 D = 9007 u D.
 constexpr double loss_of_check = 200, loss_of_cut = 14, slack = 4096;
 
-// The cuts that make the parts of a piece, told to a tree. One of four is left over from three cuts; `next` writes what stands between.
+// Writes the cuts that make the parts of a piece to a tree; next(i) writes part i. After three cuts, the last of
+// four parts is left over.
 template <class Write>
 void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t opposite, const Write& next) {
     if (split == Split::longest_edge) {
@@ -26,8 +27,8 @@ void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t 
         next(1);
         return;
     }
-    // Corner 0 is cut off, from the middle 4 of the edge to it to the middle 5 of the edge from it. The rest is 5, 1,
-    // 2, 4, then 3, 2, 4, 5, then 4, 5, 3; 3 is opposite to corner 0.
+    // Corner 0 is cut off from the middle of the edge to it, 4, to the middle of the edge from it, 5. This leaves
+    // 5, 1, 2, 4, then 3, 2, 4, 5, then 4, 5, 3; 3 is opposite to corner 0.
     tree.cut(CutPoint::along(turn.place(2), 0.5), CutPoint::along(turn.place(0), 0.5));
     next(0);
     tree.cut(CutPoint::corner(0), CutPoint::along(1, 0.5));
@@ -37,7 +38,7 @@ void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t 
     next(3);
 }
 
-// How the corners of the parts stand, of cut_triangle().
+// The turns of the parts of cut_triangle().
 constexpr std::array<std::uint8_t, 4> turns_of_four = {1, 1, 1, 2};
 constexpr std::array<std::uint8_t, 2> turns_of_two = {0, 2};
 
@@ -122,24 +123,24 @@ public:
           unit_(unit_roundoff * diagonal_of(proofs.pair_)),
           slack_(slack * unit_) {}
 
-    // False: too many cuts.
+    // Writes the tree of triangle i; returns false if it needs too many cuts.
     bool triangle(Index i, CertificateTree& tree) {
         const auto v = proofs_.pair_.source.triangles.row(i);
         const Points& points = proofs_.pair_.points;
         return piece(static_cast<Node>(i), {points.row(v[0]), points.row(v[1]), points.row(v[2])}, 0, tree);
     }
 
-    // So that the check, with its own loss, finds no more than this above the upper bound.
+    // Returns the most that the check, with its own loss, can find above the upper bound.
     double loss() const { return (loss_of_cut * depth_ + loss_of_check) * unit_ + (looked_again_ > 0 ? slack_ : 0); }
 
     std::uint64_t looked_again() const { return looked_again_; }
 
 private:
-    struct More {  // a piece that is looked at anew
+    struct More {  // a piece to be bounded again
         Corners corners;
         int level;
         PieceTurn turn;
-        Index near;  // triangle of B where to begin, or -1
+        Index near;  // triangle of B to begin with, or -1
     };
 
     bool piece(Node node, const Corners& corners, int level, CertificateTree& tree) {
@@ -163,7 +164,8 @@ private:
         return true;
     }
 
-    // The bound of the larger piece may have been the exact one, and a part's bound has more rounding in it.
+    // Bounds a piece again, or its parts. It may miss the upper bound by rounding: the bound of its parent may have
+    // been equal to the upper bound, and the bound of a part includes more rounding.
     bool look_again(const More& more, CertificateTree& tree) {
         PieceCorners corners;
         Index near = more.near;
@@ -195,7 +197,7 @@ private:
                suffices(bounds_.u4(corners, more.level));
     }
 
-    // A leaf of this level.
+    // Records the depth of a leaf at this level.
     void reach(int level) { depth_ = std::max(depth_, (proofs_.split_ == Split::midpoint ? 3 : 1) * level + 6); }
 
     const PieceProofs& proofs_;

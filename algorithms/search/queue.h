@@ -7,9 +7,10 @@
 
 namespace hausbench {
 
-// `Piece` has a member `upper`, its upper bound. The heap moves a bound and an index, 16 bytes; the pieces themselves do not
-// move, and the slot of a removed piece is reused, so memory is bounded by the peak number of pieces. The order of equal
-// bounds is that of std::push_heap and std::pop_heap, which depends only on the order of the calls.
+// A priority queue of pieces. `Piece` has a member `upper`, its upper bound. The heap moves a bound and an index,
+// 16 bytes; the pieces themselves do not move, and the slot of a removed piece is reused, so memory is bounded by
+// the peak number of pieces. Pieces with equal bounds come in the order of std::push_heap and std::pop_heap, which
+// depends only on the order of the calls.
 template <class Piece> class PieceQueue {
 public:
     bool empty() const { return heap_.empty(); }

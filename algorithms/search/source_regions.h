@@ -7,7 +7,7 @@
 // can be settled; so it is made when the group is taken from the queue, largest bound first.
 //
 // Rounding: the box contains the posed vertices as computed, and so their triangles (kernel/posed_box.h). q is within 7uM of B, and its
-// distance to a corner errs like the distance of a vertex, so the bound is widened like that of a vertex (kernel/rounding.h).
+// distance to a corner errs like the distance of a vertex, so the bound is widened like the bound of a vertex (kernel/rounding.h).
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -30,8 +30,9 @@ public:
           bounds_(bounds),
           counters_(counters) {}
 
-    // Calls one of the two for every triangle of A, once: `settle` with its upper bound, which is at most bounds.purged_at_most(0), and
-    // the triangle of B that all of it is so near to; or `look`, with a triangle of B that is near, or -1. `look` may offer points to the bounds. False: out of time.
+    // Calls one of the two functions once for every triangle of A: `settle` with its upper bound (at most
+    // bounds.purged_at_most(0)) and a triangle of B that is within this bound of every point of it, or `look` with
+    // a triangle of B that is near, or -1. `look` may offer points to the bounds. Returns false if time runs out.
     bool walk(const std::function<void(Index triangle, Index near)>& look,
               const std::function<void(Index triangle, double upper, Index shown)>& settle);
 
@@ -39,11 +40,11 @@ private:
     struct Region {
         double upper;
         Box box;             // posed
-        Vec3 q;              // of B
+        Vec3 q;              // a point of B
         Index near;          // the triangle of q; -1: unknown
         Index shown;         // triangle of B at distance `upper`; -1: none yet
-        std::int32_t child;  // as WideNode has it
-        bool own;            // whether q is nearest to its own centre
+        std::int32_t child;  // as in WideNode
+        bool own;            // whether q is nearest to the centre of this box
     };
 
     bool improve(Region& region);

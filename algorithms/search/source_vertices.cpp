@@ -82,7 +82,7 @@ Index SourceVertices::measure_triangle(Index i, Index near) {
     return near;
 }
 
-// Measures one triangle whatever the regions say, so that there is a witness and a first lower bound.
+// Measures one triangle regardless of the regions, so that there is a witness and a first lower bound.
 bool SourceVertices::measure_regions() {
     measure_triangle(0, -1);
     return regions_->walk([&](Index i, Index near) { measure_triangle(i, near); },

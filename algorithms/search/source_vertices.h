@@ -30,17 +30,17 @@ public:
     // Records proofs for skipped triangles from now on.
     void use_proofs(PieceProofs& proofs) { proofs_ = &proofs; }
 
-    // Measures the vertices and offers each to the bounds, triangle by triangle; each query begins at the triangle of
-    // B that was nearest to the vertex before. With a warm start it begins at the one that was nearest at the pose
-    // before, and triangles of A that this pose's distances to those settle are left out, like the triangles of
-    // regions. If bounds of each triangle are kept, a vertex is offered to all its triangles. Returns false if the
-    // time ended.
+    // Measures the vertices triangle by triangle and offers each to the bounds. A query begins at the triangle of B
+    // nearest to the previous vertex or, with a warm start, at the one that was nearest at the previous pose.
+    // Triangles of A are left out if distances to these triangles, or the regions, settle them. If the bounds of
+    // each triangle are kept, a vertex is offered to all its triangles. Returns false if time runs out.
     bool measure();
 
     // Returns whether triangle i of A was skipped with its bound kept. Call it after measure().
     bool settled(Index i) const { return !settled_.empty() && settled_[static_cast<std::size_t>(i)]; }
 
-    // The vertices of a triangle; if it was left out, those that no other triangle needed are not measured.
+    // Returns the corners of a triangle. If the triangle was left out, corners that no other triangle needed are
+    // not measured.
     std::array<MeasuredPoint, 3> corners(Index i) const {
         const auto v = [&](int k) { return vertices_[static_cast<std::size_t>(a_.triangles(i, k))]; };
         return {v(0), v(1), v(2)};

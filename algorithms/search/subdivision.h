@@ -46,7 +46,7 @@ Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place
     return cut;
 }
 
-// Likewise, at midpoints. Calls `measure` once for each new vertex, in order.
+// Makes four or two pieces, cut at midpoints. Calls `measure` once for each new vertex, in order.
 template <class Vertex, class Measure>
 Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, const Measure& measure) {
     const auto midpoint = [](const Vertex& one, const Vertex& two) { return Vec3(0.5 * (one.point + two.point)); };

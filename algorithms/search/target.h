@@ -16,7 +16,7 @@ inline constexpr Index scan_at_most = 32;
 struct MeasuredPoint {
     Vec3 point;
     double squared = -1;  // squared distance to B; negative: unknown
-    Index triangle = -1;  // of B, nearest
+    Index triangle = -1;  // nearest triangle of B
 };
 
 class Target {
@@ -33,7 +33,7 @@ public:
     const TriangleMesh& mesh() const { return mesh_; }
     Triangle triangle(Index i) const { return triangle_of(mesh_, i); }
 
-    // `warm`: a triangle to try first, or -1, as in ClosestHints.
+    // Returns the closest point of B. `warm` is a triangle to try first, or -1, as in ClosestHints.
     ClosestPoint closest(const Vec3& point, Index warm, Counters& counters) const;
 
     // Returns the squared distance of `point` to one triangle. Counts nothing.

@@ -1,7 +1,8 @@
 // Hints that a mesh solver may carry from one pose of A to the next: nearest triangles and the farthest point.
 //
-// They only decide what to try first. Every bound is proven anew at each pose, so a state from any other pose is correct too, but
-// slower. Ours, in none of the papers, so a solver uses it only if the caller passes a state.
+// They only decide what to try first. Every bound is proven anew at each pose, so a state from any other pose is
+// correct too, but slower. This is ours and in none of the papers, so a solver uses it only if the caller passes a
+// state.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -17,11 +18,11 @@ struct WarmStart final : State {
     // The triangle of B nearest to each vertex of A; -1: unknown. Empty before the first pose.
     std::vector<Index> nearest;
     Index source = -1;             // triangle of A with the farthest point; -1: unknown
-    int corner = -1;               // the corner that was the point; -1: none
-    double second = 0, third = 0;  // otherwise: the weights of these corners, in [0, 1]
-    Index target = -1;             // triangle of B, nearest to it
-    // Of each triangle of A, one of B that lay near it (Tang et al. 2009, section 6, for the second direction of H); -1, or beyond the end:
-    // none is known.
+    int corner = -1;               // the corner that is this point; -1: none
+    double second = 0, third = 0;  // if corner is -1: the weights of these corners, in [0, 1]
+    Index target = -1;             // triangle of B nearest to this point
+    // For each triangle of A, a triangle of B that lay near it (Tang et al. 2009, section 6, for the second
+    // direction of H); -1, or beyond the end: unknown.
     std::vector<Index> partner;
     // Triangle of B near each node of a tree over A, then near each leaf; -1: unknown.
     std::vector<Index> near_node;
@@ -51,7 +52,8 @@ struct WarmStart final : State {
         third = weight(ee * dot(f, p) - ef * dot(e, p));
     }
 
-    // A point of `triangle`, which is `source` at another pose: within level_of_closest_point (kernel/rounding.h) of it.
+    // Returns a point of `triangle`, which is `source` at another pose; it is within level_of_closest_point
+    // (kernel/rounding.h) of it.
     Vec3 point_in(const Triangle& triangle) const {
         const Vec3 near = triangle.a + second * (triangle.b - triangle.a) + third * (triangle.c - triangle.a);
         return closest_point(near, triangle).point;

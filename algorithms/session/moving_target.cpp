@@ -18,26 +18,29 @@ struct Undone {
 
 double largest(const auto& entries) { return entries.cwiseAbs().maxCoeff(); }
 
-// A is posed by p(x) = P x + s and B by g(x) = R x + t; the distance is between their points as rounded. The solver measures B as it is
-// against A posed by q(x) = Q x + w, where Q = fl(R^T P) and w = fl(R^T (s - t)), so that q is about p followed by the inverse of g.
+// A is posed by p(x) = P x + s and B by g(x) = R x + t; the distance is between their points as rounded. The solver
+// measures B at rest against A posed by q(x) = Q x + w, where Q = fl(R^T P) and w = fl(R^T (s - t)), so q is about
+// p followed by the inverse of g.
 //
-// Stretch. |g(x) - g(y)|^2 = (x - y)^T R^T R (x - y), so g changes no distance by more than a factor of 1 -+ |R^T R - I|, in the norm of
-// Frobenius.
-// Wider. g(q(x)) - p(x) = (R Q - P) x + (R w + t - s): with M_A the largest |coordinate| of A, at most 3 max|R Q - P| M_A + max|R w + t - s|
-// in each coordinate, times sqrt 3 < 1.74 in length. Faces move no farther than their corners.
-// Rounding. S_p, S_q, S_g: the largest |coordinate| of any step of posing A by p, A by q, B by g. In each coordinate, u = 2^-53:
-//   - the two residuals as computed err by 4u (3.01 S_q + S_p) and 5u (3.01 S_q + S_p + S_g);
-//   - posing takes 4.1u S each, that by q is turned by g after it: 4.1u (1.01 S_q + S_p + S_g);
-//   - points of the witness are moved by g and rounded, 4.1u (3.01 S_q + S_g) and 4.1u S_g, and the lower bound has to hold for
-//     the witness as shown, which is off A by as much: twice.
-// Together at most 56u S_q + 14u S_p + 22u S_g, in length 100u (S_p + S_q + S_g).
+// Stretch. |g(x) - g(y)|^2 = (x - y)^T R^T R (x - y), so g changes no distance by more than a factor of
+// 1 -+ |R^T R - I|, in the Frobenius norm.
+// Wider. g(q(x)) - p(x) = (R Q - P) x + (R w + t - s). With M_A the largest |coordinate| of A, this is at most
+// 3 max|R Q - P| M_A + max|R w + t - s| in each coordinate, and sqrt 3 < 1.74 times that in length. Faces move no
+// farther than their corners.
+// Rounding. S_p, S_q, S_g are the largest |coordinate| in any step of posing A by p, A by q, B by g. In each
+// coordinate, with u = 2^-53:
+//   - The two residuals as computed err by 4u (3.01 S_q + S_p) and 5u (3.01 S_q + S_p + S_g).
+//   - Posing errs by 4.1u S each, and the error of posing by q is then turned by g: 4.1u (1.01 S_q + S_p + S_g).
+//   - Points of the witness are moved by g and rounded, 4.1u (3.01 S_q + S_g) and 4.1u S_g. The lower bound must
+//     hold for the witness as shown, which is off A by as much, so this counts twice.
+// Together this is at most 56u S_q + 14u S_p + 22u S_g, and in length 100u (S_p + S_q + S_g).
 std::optional<Undone> undo(double source_largest, const Pose& p, double target_largest, const Pose& g) {
     Undone undone;
     undone.back = g;
     const Eigen::Matrix3d& r = g.rotation;
     const double stretch = (r.transpose() * r - Eigen::Matrix3d::Identity()).norm();
     if (!(stretch <= 0x1p-40)) return std::nullopt;
-    undone.stretch = stretch + 32 * unit_roundoff;  // as computed: entries of R are hardly more than 1
+    undone.stretch = stretch + 32 * unit_roundoff;  // for its own rounding: entries of R are hardly more than 1
     undone.source.rotation = r.transpose() * p.rotation;
     undone.source.translation = r.transpose() * (p.translation - g.translation);
     const Pose& q = undone.source;

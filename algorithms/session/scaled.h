@@ -24,7 +24,7 @@ bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target);
 // if scaling back is inexact, and widened by the error of scaling and posing the shapes. Starts the trace, and ends it if the
 // solver traces.
 //
-// Some poses bring the scaled coordinates of a shape above largest_safe_coordinate (2^400), or those of both shapes below
+// Some poses bring the scaled coordinates of a shape above largest_safe_coordinate (2^400), or the coordinates of both shapes below
 // smallest_safe_magnitude (2^-400). They are answered by another solver, made for the posed shapes at a scale of their own; making it
 // counts as solving, and `state` is not used. Throws InputError for a pose that moves a surface or makes a point that is not finite.
 class Scaled final : public Adapter {

@@ -8,7 +8,7 @@ namespace {
 using namespace builder;
 
 constexpr int most_bins = 16;
-constexpr int most_levels_by_area = 40;            // beyond these, halves
+constexpr int most_levels_by_area = 40;            // from this depth on, parts of equal size
 constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut along their longest axis
 
 struct Bin {
@@ -18,7 +18,7 @@ struct Bin {
 
 struct Cut {
     int axis = -1;
-    int bin = 0;  // the first one of the right side
+    int bin = 0;  // the first bin of the right side
     float cost = std::numeric_limits<float>::infinity();
 };
 
@@ -27,7 +27,7 @@ float blocks(std::int32_t count) {
     return static_cast<float>(filled);
 }
 
-// Which bin a centre falls into.
+// Maps the centre of an element to its bin along each axis.
 struct Binning {
     Float4 least, factor;
     int bins;
@@ -74,7 +74,7 @@ private:
         const Binning binning(range, std::clamp(range.size() / 2, 4, most_bins));
         const Cut cut = best_cut(range, binning);
         if (cut.axis < 0) return halves_by_number(range);
-        // No branch depends on an element: which side it is on cannot be predicted.
+        // Without branches on elements, because the side of an element cannot be predicted.
         FloatBox* const elements = builder_.elements.data();
         std::int32_t left = range.begin, right = 0;
         for (std::int32_t i = range.begin; i < range.end; ++i) {
@@ -89,7 +89,7 @@ private:
         return {builder_.range(range.begin, left), builder_.range(left, range.end)};
     }
 
-    // Halves a range whose centres are all equal.
+    // Splits by number, for ranges without a cut, such as those whose centres all coincide.
     std::pair<Range, Range> halves_by_number(const Range& range) const {
         const std::int32_t middle = range.begin + (range.size() + 1) / 2;
         return {builder_.range(range.begin, middle), builder_.range(middle, range.end)};

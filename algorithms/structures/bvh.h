@@ -1,6 +1,7 @@
 // A bounding volume hierarchy over triangles (triangle_tree.h), for closest point queries.
 //
-// Eight children a node, eight triangles a leaf, built by the surface area heuristic (build_bvh in wide_tree.h).
+// It has up to eight children per node and eight triangles per leaf, and is built by the surface area heuristic
+// (build_bvh in wide_tree.h).
 #pragma once
 
 #include "algorithms/structures/triangle_tree.h"

@@ -1,5 +1,5 @@
-// The triangle of smallest computed distance among some, as many at once as a vector of doubles holds. Compiled once for every
-// target: include it after hwy/foreach_target.h.
+// Finds the triangle with the smallest computed distance among several, as many at once as fit in a vector of
+// doubles. Compiled once for every target: include it after hwy/foreach_target.h.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/kernel/point_triangle-inl.h"
 
@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// The same corner of some triangles, side by side: three coordinates each, of one lane after the other.
+// Loads one corner of several triangles, side by side. place[k] points to the three coordinates of lane k.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE V3 gather(const double* const (&place)[4]) {
     const Doubles d;
@@ -45,8 +45,8 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 }
 #endif
 
-// Offers the nearest among some lanes; triangle[k] is the triangle of lane k. Usually one at most is offered, so that
-// branches are predicted well.
+// Offers the nearest of some lanes; triangle[k] is the triangle of lane k. Seldom more than one lane is offered, so
+// the branches are predictable.
 HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
     const Doubles d;
     const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};
@@ -63,7 +63,7 @@ HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* tr
     }
 }
 
-// Offers some triangles of a mesh. Not inlined: the code is there once.
+// Offers some triangles of a mesh. Not inlined, so that the code exists only once.
 inline HWY_NOINLINE void offer_triangles(const Vec3& point, const TriangleMesh& mesh, const Index* triangle,
                                          std::size_t count, ClosestPoint& best) {
     const Doubles d;
@@ -80,7 +80,7 @@ inline HWY_NOINLINE void offer_triangles(const Vec3& point, const TriangleMesh& 
                 const double x = at[to][0] - at[from][0], y = at[to][1] - at[from][1], z = at[to][2] - at[from][2];
                 return (x * x + y * y) + z * z;
             };
-            // As longest_edge (point_triangle.h), but without a branch: it could not be foreseen.
+            // The same as longest_edge (triangle.h), but without a branch, because it would be unpredictable.
             const double ab = squared_edge(0, 1), bc = squared_edge(1, 2), ca = squared_edge(2, 0);
             const unsigned is_bc = static_cast<unsigned>(bc > ab) & static_cast<unsigned>(bc >= ca);
             const unsigned first = is_bc | (static_cast<unsigned>(ca > ab) & (is_bc ^ 1)) << 1;

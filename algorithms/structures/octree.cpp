@@ -8,16 +8,18 @@ namespace {
 using namespace builder;
 
 constexpr int most_depth = 48;   // of the tree
-constexpr int most_levels = 24;  // of cells in one frame: more than single precision can tell apart
+constexpr int most_levels = 24;  // of cells in one frame; single precision resolves fewer
 
-// A cell is known by its lower corner; its side is 2 (of the root, in twice the local frame: 4) halved `level` times.
+// A cell is given by its lower corner. In twice the local frame the root has side 4, and every level halves the
+// side.
 class OctreeSplit {
 public:
     explicit OctreeSplit(Builder& builder) : builder_(builder), scratch_(builder.elements.size()) {}
 
     int operator()(const Range& whole, int depth, std::array<Range, tree_width>& parts) {
         if (whole.size() <= tree_width * leaf_capacity) return split_into_leaves(whole, parts);
-        // The smallest cell of the octree that holds all centres is found anew: cells with one child are passed over.
+        // Find the smallest cell that contains all centres, starting at the root; this skips cells with a single
+        // child.
         Float4 corner = Float4{} - 2;
         float side = 4;
         for (int level = 0; level < most_levels && depth < most_depth; ++level) {
@@ -35,8 +37,8 @@ private:
         return (centre[0] >= middle[0] ? 1 : 0) | (centre[1] >= middle[1] ? 2 : 0) | (centre[2] >= middle[2] ? 4 : 0);
     }
 
-    // As many leaves as the elements fill, cut across the longest axis again and again. A part that is far smaller than the
-    // whole is a child of its own, as in a BVH.
+    // Splits into as many leaves as the elements fill, by repeated cuts across the longest axis. A part that is far
+    // smaller than the whole becomes a child of its own, as in a BVH.
     int split_into_leaves(const Range& whole, std::array<Range, tree_width>& parts) {
         int count = 1;
         for (int i = 0; i < count;) {
@@ -54,7 +56,7 @@ private:
         return count;
     }
 
-    // One part for each occupied octant, but octants with at most eight elements together share a leaf.
+    // Makes one part for each occupied octant, but octants with at most eight elements together share a leaf.
     int split_at(Float4 middle, const Range& whole, std::array<Range, tree_width>& parts) {
         std::array<std::int32_t, 8> sizes{};
         FloatBox* elements = builder_.elements.data();

@@ -5,15 +5,15 @@
 
 namespace hausbench {
 
-// Let d be the exact x - origin >= 0 and r the rounded one. q step is a double for every q here, and rounding is monotone:
-// r < q step implies d < q step, and r > q step implies d > q step. So for the largest q with q step <= r,
-// (q - 1) step < d < (q + 1) step. If a sum is at most (at least) a double, so is the rounded sum; hence plane(q) is on the
-// right side of x, or plane(q - 1) of a lower and plane(q + 1) of an upper coordinate is. In real numbers: a lower q has
-// q step <= r, an upper one r <= q step, and |r - d| <= u r < 2^-45 step.
+// Let d be the exact x - origin >= 0 and r the rounded one. q step is a double for every q here, and rounding is
+// monotone: r < q step implies d < q step, and r > q step implies d > q step. So the largest q with q step <= r has
+// (q - 1) step < d < (q + 1) step. If a sum is at most (at least) a double, so is the rounded sum. Hence plane(q)
+// is on the right side of x or, if not, plane(q - 1) is for a lower and plane(q + 1) for an upper coordinate. In
+// real numbers: a lower q has q step <= r, an upper one has r <= q step, and |r - d| <= u r < 2^-45 step.
 //
-// No q exceeds 255: `step` is a power of two above the rounded quotient of the longest rounded extent by 255. If 255
-// step were not above the rounded extent, the quotient would be at least `step`, because rounding is monotone. If the
-// product with the inverse underflows, the largest q is 0, which is right.
+// No q exceeds 255: `step` is a power of two above the rounded quotient of the longest rounded extent by 255. If
+// 255 step were not more than the rounded extent, the quotient would be at least `step`, because rounding is
+// monotone. If the product with the inverse underflows, the largest q is 0, as it should be.
 Box QuantisedBoxes::set(std::span<const Box> boxes) {
     Box whole = boxes.front();
     for (const Box& box : boxes.subspan(1)) whole.add(box);

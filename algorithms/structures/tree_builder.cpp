@@ -8,7 +8,7 @@
 namespace hausbench::builder {
 namespace {
 
-constexpr float least_spread = 0x1p-12F;  // of the centres, in a frame of size 1: 2^12 different places are left
+constexpr float least_spread = 0x1p-12F;  // of the centres in a frame of size 1: 2^12 different places are left
 
 Vec3 middle_of(const Box& box) { return 0.5 * box.low + 0.5 * box.high; }
 
@@ -60,8 +60,7 @@ void Builder::localise(Range& whole) {
     whole = range(whole.begin, whole.end);
 }
 
-// Each element is compared with each other one, since no branch depends on an element then: which side it is on cannot be
-// predicted.
+// Compares each element with every other one. This needs no branch on an element, whose side cannot be predicted.
 void Builder::put_in_order(const Range& range, std::int32_t middle) {
     using Int4 [[gnu::vector_size(16)]] = std::int32_t;
     constexpr std::int32_t most = tree_width * leaf_capacity;
@@ -69,7 +68,7 @@ void Builder::put_in_order(const Range& range, std::int32_t middle) {
     int axis = 0;
     for (int k = 1; k < 3; ++k) axis = extent[k] > extent[axis] ? k : axis;
 
-    // Integers in the order of the coordinates; the last bits tell them apart.
+    // Integers in the order of the coordinates; the last bits hold the index, so that no two are equal.
     std::array<Int4, most / 4> keys;
     FloatBox* const first = elements.data() + range.begin;
     const std::int32_t size = range.size(), fours = (size + 3) / 4;
@@ -82,7 +81,7 @@ void Builder::put_in_order(const Range& range, std::int32_t middle) {
     }
     std::int32_t left = 0, right = 0;
     for (std::int32_t i = 0; i < size; ++i) {
-        Int4 less{};  // minus how many
+        Int4 less{};  // minus the number of smaller keys
         const Int4 own = Int4{} + key(i)[i % 4];
         for (std::int32_t j = 0; j < fours; ++j) less += keys[static_cast<std::size_t>(j)] < own;
         const bool is_left = -(less[0] + less[1] + less[2] + less[3]) < middle - range.begin;

@@ -1,8 +1,8 @@
-// Shared by the builders of trees: elements with their boxes, ranges of them, and nodes made of ranges. Not for use
-// elsewhere.
+// The common part of the tree builders: elements with their boxes, ranges of elements, and nodes made of ranges.
+// Not for use elsewhere.
 //
 // Builders decide by boxes in single precision, in a frame that becomes finer on the way down (Builder::localise).
-// These boxes may be inexact, because the boxes of the tree are set afterwards from exact ones.
+// These boxes may be inexact, because the boxes of the tree are set afterwards, from exact ones.
 #pragma once
 
 #include "algorithms/structures/wide_tree.h"
@@ -14,10 +14,10 @@
 
 namespace hausbench::builder {
 
-// Four numbers at once, on every x86-64 processor, and also without vectors.
+// Four floats at once, on every x86-64 processor, and on machines without vectors, too.
 using Float4 [[gnu::vector_size(16)]] = float;
 
-// A box in single precision; the fourth numbers are for the builder.
+// A box in single precision; the fourth numbers are free for the builder.
 struct FloatBox {
     Float4 low = Float4{} + std::numeric_limits<float>::infinity(),
            high = Float4{} - std::numeric_limits<float>::infinity();
@@ -32,14 +32,14 @@ struct FloatBox {
     }
 };
 
-// Single precision coordinates (x - centre) scale: a box becomes [-1, 1] or less.
+// Single precision coordinates (x - centre) scale: a box becomes [-1, 1] or smaller.
 struct LocalFrame {
     Vec3 centre = Vec3::Zero();
     double scale = 1;  // a power of two
 
     static LocalFrame of(const Box& box);
 
-    // Anything far outside counts as being at 2^40, so that areas do not overflow.
+    // Coordinates far outside are clamped to 2^40, so that areas do not overflow.
     Float4 local(const Vec3& p) const {
         Float4 result{};
         for (int k = 0; k < 3; ++k) {
@@ -49,22 +49,22 @@ struct LocalFrame {
     }
 };
 
-// Half the surface.
+// Returns half the surface area.
 inline float area(const FloatBox& box) {
     const Float4 d = box.high - box.low;
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
-// While a tree is built, the bits of the fourth number of `low` tell which element it is. As numbers they are 2 or more:
-// never subnormal, which would be slow.
+// While a tree is built, the bits of the fourth number of `low` store the number of the element. Read as floats
+// they are 2 or more, so never subnormal, which would be slow.
 inline void set_number(FloatBox& element, Index number) { element.low[3] = std::bit_cast<float>(number + 0x40000000); }
 inline Index number_of(const FloatBox& element) {
     return std::bit_cast<Index>(static_cast<float>(element.low[3])) - 0x40000000;
 }
-inline Float4 centre_of(const FloatBox& element) { return element.low + element.high; }  // twice
+inline Float4 centre_of(const FloatBox& element) { return element.low + element.high; }  // twice the centre
 
-// A part so much smaller than the node is a child of its own: it is cut where the frame, and the planes of the children's
-// boxes, are as fine as it takes.
+// A part that is smaller than the node by this factor becomes a child of its own, so that it is cut further down,
+// where the frame and the planes of the children's boxes are fine enough.
 inline constexpr float finest_part = 0x1p-5F;
 
 struct Range {
@@ -73,7 +73,7 @@ struct Range {
 
     std::int32_t size() const { return end - begin; }
 
-    // Half of the longest extent of the centres.
+    // Returns the extent of the centres along the longest axis.
     float spread() const {
         const Float4 d = centres.high - centres.low;
         return 0.5F * std::max(std::max(d[0], d[1]), d[2]);
@@ -84,7 +84,7 @@ struct Builder {
     const TriangleMesh& mesh;
     std::vector<FloatBox> elements;
     WideTree tree;
-    std::array<FloatBox, tree_width * leaf_capacity> scratch;  // of put_in_order()
+    std::array<FloatBox, tree_width * leaf_capacity> scratch;  // for put_in_order()
 
     explicit Builder(const TriangleMesh& mesh);
 
@@ -99,16 +99,17 @@ struct Builder {
     }
 
     // If the centres lie so close together that single precision can hardly tell them apart, gives the elements
-    // coordinates in a frame around their centres. O(size), and the frame shrinks by a factor of 2^12 or more each
+    // coordinates in a frame around their centres. O(size); the frame shrinks by a factor of 2^12 or more each
     // time.
     void localise(Range& range);
 
-    // Puts elements before and after `middle` that lie on either side of it along the longest axis. At most 64 of them.
+    // Partitions a range at `middle` along its longest axis: elements with smaller centres come first. The range
+    // has at most 64 elements.
     void put_in_order(const Range& range, std::int32_t middle);
 
-    // Appends a leaf; returns how nodes refer to it.
+    // Appends a leaf; returns its reference as stored in nodes.
     std::int32_t add_leaf(const Range& range) {
-        // The triangles of a leaf are measured four at a time.
+        // The triangles of a leaf are measured four at a time, so neighbours should be in the same half.
         constexpr std::int32_t half = leaf_capacity / 2;
         if (range.size() > half) put_in_order(range, range.begin + half);
         for (std::int32_t i = range.begin; i < range.end; ++i) {
@@ -118,7 +119,7 @@ struct Builder {
         return ~static_cast<std::int32_t>(tree.leaves() - 1);
     }
 
-    // Builds the tree; split(range, depth, children) fills in at most eight parts and returns how many.
+    // Builds the tree. split(range, depth, children) fills in at most eight parts and returns their number.
     template <class Split> WideTree build(Split&& split) {
         add_node(range(0, static_cast<std::int32_t>(elements.size())), 0, split);
         tree.nodes.shrink_to_fit();
@@ -149,7 +150,8 @@ struct Builder {
     }
 };
 
-// Eight parts of about equal numbers, in the order they have; whole leaves where there are few.
+// Splits a range in its present order into up to eight parts of about equal size; if there are few elements, into
+// one part per leaf.
 inline int split_evenly(const Builder& builder, const Range& whole, std::array<Range, tree_width>& parts) {
     const std::int32_t leaves = (whole.size() + leaf_capacity - 1) / leaf_capacity;
     const std::int32_t count = std::min<std::int32_t>(leaves, tree_width);

@@ -10,7 +10,7 @@ namespace hausbench {
 
 namespace {
 
-// If the largest |coordinate| of the mesh is M, no unit is smaller than this fraction of it.
+// No unit is smaller than this fraction of the largest |coordinate| of the mesh.
 constexpr double least_unit_of_magnitude = 0x1p-100;
 
 constexpr std::size_t least_of_block = 4096;  // triangles that a thread takes at a time
@@ -23,7 +23,7 @@ void LocalUnits::set(const Box& box, double least) {
         origin[k] = 0.5 * (box.low[k] + box.high[k]);
         half = std::max({half, box.high[k] - origin[k], origin[k] - box.low[k]});
     }
-    // The power of two above it: the exponent and one more.
+    // The next larger power of two: the exponent plus one.
     const std::uint64_t exponent = (std::bit_cast<std::uint64_t>(half) >> 52) + 1;
     unit = std::bit_cast<double>(exponent << 52);
     inverse = std::bit_cast<double>((2046 - exponent) << 52);
@@ -52,8 +52,9 @@ TriangleOrder::TriangleOrder(const TriangleMesh& mesh, const Threads& threads) {
 
 namespace {
 
-// Leaves out copies of the triangle before: the same corners in the same order. All distances to them are the same bits, and ties are
-// decided for the lowest index, which comes first. Without this, what lies in a stack of copies would be near too many triangles.
+// Leaves out each triangle that copies the one before it (the same corners in the same order). Distances to a copy
+// have the same bits, and ties go to the lowest index, which comes first. Without this, too many triangles would be
+// near a point in a stack of copies.
 std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> order) {
     const auto is_copy = [&](Index i, Index j) {
         for (Index k = 0; k < 3; ++k)
@@ -64,7 +65,7 @@ std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> o
     return order;
 }
 
-// A leaf of the runs of triangles that the order is cut into.
+// A run of triangles in the order that becomes one leaf.
 struct Run {
     std::size_t begin, end;
     Box box;
@@ -72,7 +73,7 @@ struct Run {
 
 double longest_side(const Box& box) { return (box.high - box.low).maxCoeff(); }
 
-// Largest fraction of the whole that one side may have if a run is cut there.
+// A run is cut only where one side is at most this fraction of the whole in size.
 constexpr double small_part = 0x1p-6;
 
 Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
@@ -81,9 +82,9 @@ Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_
     return box;
 }
 
-// Returns where to cut a run that has triangles far from others, so that they share no coordinates: after the
-// triangles that lie close together at its beginning, otherwise before those at its end; `end` if there is nothing to
-// cut.
+// Returns where to cut a run that has triangles far away from the others, so that they do not share coordinates:
+// after the triangles that lie close together at its beginning, or else before those at its end. Returns `end` if
+// there is nothing to cut.
 std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
     const double small = small_part * longest_side(box_of(mesh, order, begin, end));
     if (!(small > 0)) return end;
@@ -102,10 +103,10 @@ std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, st
     return end;
 }
 
-// Sixteen triangles, before it is known whether they are one leaf.
+// Sixteen triangles, before it is known whether they form one leaf.
 struct Sixteen {
     Box box;
-    bool mixed;  // a quarter of them is small beside the whole
+    bool mixed;  // one quarter of them is small beside the whole
 };
 
 Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
@@ -121,8 +122,8 @@ Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::
     return all;
 }
 
-// Makes runs of sixteen. In a run that mixes scales, each scale becomes a run of its own, unless that makes more than
-// a sixteenth more runs.
+// Cuts the order into runs of sixteen. A run that mixes scales is cut into one run per scale, as long as this adds
+// no more than a sixteenth to the number of runs.
 std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& order, const Threads& threads) {
     std::vector<Sixteen> all((order.size() + frames_width - 1) / frames_width);
     const std::size_t blocks = blocks_of(all.size(), least_of_block / frames_width);
@@ -215,7 +216,8 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
 
 namespace {
 
-// Frames of triangles begin to end - 1 of the list, in coordinates of the place; unused entries repeat the last.
+// Makes the frames of triangles begin to end - 1 of the list, in the coordinates of the place. Unused lanes repeat
+// the last triangle.
 void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, std::size_t begin, std::size_t end,
                NearTriangles<double>& near) {
     CornerRows corners;

@@ -19,8 +19,9 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// The search for one closest point. Nothing whose computed distance is within the radius is ever left out, but triangles are measured in
-// double precision only once most of those that frames cannot tell from the nearest are known.
+// The search for one closest point. It never skips a triangle whose computed distance is within the radius. It
+// measures triangles in double precision late, when it knows most of those that frames cannot tell from the nearest
+// one.
 class ClosestSearch {
 public:
     HWY_INLINE ClosestSearch(const TriangleBlocks::Tree& tree, const Vec3& point, double early_out, ClosestPoint& best,
@@ -32,10 +33,10 @@ public:
           counters_(counters),
           radius_(std::sqrt(best.squared_distance), point) {}
 
-    // Frames shorten the radius by certain bounds of exact distances. The computed distance of a nearest triangle may
-    // be larger if a mesh is small beside its coordinates; then the rest is searched, too. No known input finds
-    // another triangle there, because computed distances are closer to exact ones than is proven; so no test can need
-    // it, but the proof does.
+    // Frames shorten the radius by bounds of exact distances. If a mesh is small beside its coordinates, the
+    // computed distance of the nearest triangle may be larger; then the leaves left out are searched, too. The
+    // proof needs this, but no test can: on every known input the second walk finds no other triangle, because
+    // computed distances are closer to exact ones than is proven.
     HWY_INLINE void run() {
         walk<true>();
         if (done_) return;
@@ -46,7 +47,8 @@ public:
     }
 
 private:
-    // A leaf that was looked at. Which of its triangles matter is settled once the radius is short: no branch depends on them before.
+    // A visited leaf. Which of its triangles matter is decided only once the radius is short; until then, no branch
+    // depends on them.
     struct Seen {
         alignas(64) float squared[frames_width];
         const TriangleFramesLeaf* leaf;
@@ -84,7 +86,7 @@ private:
         if (!by_frames || leaves_ == most_seen || radius_.distance * radius_.distance <= early_out_) measure();
     }
 
-    // Measures, in double precision, the triangles seen that lie within the radius.
+    // Measures those triangles of the seen leaves that are still within the radius.
     void measure() {
         std::size_t count = 0;
         for (const Seen& seen : std::span(seen_, leaves_)) {
@@ -117,10 +119,11 @@ void blocks_closest(const TriangleBlocks::Tree& tree, const Vec3& point, double 
     ClosestSearch(tree, point, early_out, best, counters).run();
 }
 
-// Takes sixteen if there are so many, so that gathering does not wait for a leaf before it goes on.
+// Sixteen lanes if the target has them, because gathering does not wait for the result of one leaf before it goes
+// on.
 using Wide = FrameLanes<float>;
 
-// The triangles of a leaf that may be within `radius`.
+// Returns the triangles of a leaf that may be within `radius`, as bits.
 HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& point, const SearchRadius& radius) {
     const LocalPoint local(leaf.units, point);
     if (HWY_UNLIKELY(!local.is_near())) return local.beyond(leaf.units, radius.at(leaf.units)) ? 0 : in_use(leaf.count);
@@ -146,7 +149,7 @@ void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double 
     });
 }
 
-// Copies the triangles of a leaf that `mask` names, moved to the place of `near`.
+// Copies the triangles of a leaf that are set in `mask`, moved to the place of `near`.
 HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, NearTriangles<float>& near) {
     const Wide d;
     const auto ratio_of = static_cast<float>(leaf.units.unit * near.units.inverse);
@@ -178,7 +181,7 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
             put(frame_row::shift + axis, shift);
             squares = hn::Add(squares, hn::Mul(shift, shift));
         }
-        // 0.8 R and what makes up for rounding here (near_error).
+        // 0.8 R, enlarged to make up for rounding here (near_error).
         const auto corner = hn::Add(hn::Sqrt(squares), hn::Mul(load(frame_row::length), ratio));
         put(frame_row::count, hn::Add(hn::Mul(corner, hn::Set(d, 0.8001F)), moved));
         for (const std::size_t i : {frame_row::length, frame_row::ac_length, frame_row::bc_length})

@@ -1,5 +1,5 @@
-// The walks over triangle blocks: leaves near a point, nearest first or in any order. Compiled once for every target: include it after
-// hwy/foreach_target.h.
+// Walks over triangle blocks that visit the leaves near a point, nearest first or in any order. Compiled once for
+// every target: include it after hwy/foreach_target.h.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/triangle_frames-inl.h"
 #include "algorithms/structures/triangle_blocks.h"
@@ -21,22 +21,23 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// Eight: a search must wait for its last result before it knows the next place, and wider vectors take longer.
+// Eight lanes: a search must finish one step before it knows the next, and wider vectors take longer.
 using F = hn::CappedTag<float, 8>;
 using VF = hn::Vec<F>;
 using Keys = hn::RebindToSigned<F>;
 
-// Distances from the origin of a leaf or node, in its units. Nearer than this, single precision is enough to filter:
-// it errs by 2^-9 units for boxes, and by 2^-4 for triangles. Farther, boxes are measured in double precision, and so
-// are all triangles of a leaf; still farther even that tells nothing, and there is no filter.
+// Distances from the origin of a leaf or node, in its units. Up to farthest_in_float, single precision tells what
+// is near: it errs by 2^-9 units for boxes and by 2^-4 for triangles. Beyond it, boxes are measured in double
+// precision, and so are all triangles of a leaf. Beyond farthest_filtered, double precision tells nothing either,
+// and nothing is filtered.
 constexpr double farthest_in_float = 0x1p13, farthest_filtered = 0x1p60;
-constexpr std::size_t most_levels = 9;  // 16^9 leaves are more than an Index counts
+constexpr std::size_t most_levels = 9;  // 16^9 leaves exceed the range of Index
 
 // A point in the coordinates of a leaf or node.
 struct LocalPoint {
     float at[3];
     double exactly[3];
-    double most;  // |coordinate|
+    double most;  // the largest |coordinate|
 
     HWY_INLINE LocalPoint(const LocalUnits& units, const Vec3& point) : most(0) {
         for (int k = 0; k < 3; ++k) {
@@ -48,24 +49,25 @@ struct LocalPoint {
     HWY_INLINE bool is_near() const { return most < farthest_in_float; }
     HWY_INLINE bool is_filtered() const { return most < farthest_filtered; }
 
-    // All content, which is within sqrt(3) units of the origin, is farther than this, in units.
+    // Returns a distance, in units, that all content exceeds: the content is within sqrt(3) units of the origin.
     double base() const {
         double squared = 0;
         for (const double x : exactly) squared += x * x;
         return std::sqrt(squared) * (1 - 0x1p-50) - 2;
     }
 
-    // Too far for a filter: no part of the content is nearer.
+    // Returns whether all content is beyond `radius`, for a point that is too far away for a filter.
     HWY_INLINE bool beyond(const LocalUnits& units, double radius) const {
         return most < 0x1p900 && (most - 2) * units.unit > radius;
     }
 };
 
-// The largest distance that still matters. Rounding adds far less to a distance than the errors of single precision,
-// unless a place is small beside its coordinates. M is the largest |coordinate| of the point and the place, u =
-// 2^-53: a triangle at computed distance f is within f (1 + 4u) + 8uM (kernel/rounding.h), f < 4M: 24uM; a coordinate
-// of the point in units of the place errs by u of at most 2M: sqrt(3) 2uM < 4uM; and a distance to a box from far
-// away, computed in double precision, by 4u of at most 4M. Together this is less than the 64uM that are used.
+// The largest distance that still matters. Rounding adds far less to a distance than the errors of single
+// precision, except where a place is small beside its coordinates. Let M be the largest |coordinate| of the point
+// and the place, and u = 2^-53. A triangle at computed distance f is within f (1 + 4u) + 8uM (kernel/rounding.h),
+// and f < 4M: 24uM. A coordinate of the point in units of the place errs by u of at most 2M: sqrt(3) 2uM < 4uM. A
+// distance to a box from far away, computed in double precision, errs by 4u of at most 4M: 16uM. Together this is
+// less than the 64uM that are used.
 class SearchRadius {
 public:
     double distance;
@@ -83,13 +85,13 @@ private:
     double point_magnitude_;
 };
 
-// To the nearest: a float that is at most x is at most this. Not infinite.
+// Rounds to the nearest float: every float that is at most x is at most the result. Never infinite.
 HWY_INLINE float limit_of(double x) { return x < 0x1p126 ? static_cast<float>(x) : std::numeric_limits<float>::max(); }
 
 HWY_INLINE unsigned in_use(std::int32_t count) { return (1U << count) - 1; }
 
-// Calls use(lane, squares) with the computed squared distances to the boxes of the children. Those of unused children
-// are infinite.
+// Calls use(lane, squares) with the computed squared distances to the boxes of the children. Unused lanes are
+// infinite.
 template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const LocalPoint& point, const Use& use) {
     const F d;
     const VF at[3] = {hn::Set(d, point.at[0]), hn::Set(d, point.at[1]), hn::Set(d, point.at[2])};
@@ -104,9 +106,9 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
     }
 }
 
-// The same from far away, where single precision would tell nothing: the excess of the distances to the boxes over
-// `base`. Rounding is monotone, so a larger excess is never rounded below the rounded far_limit; SearchRadius
-// accounts for the error of a distance itself.
+// The same for a point so far away that single precision would tell nothing: calls use() with the distances to the
+// boxes minus `base`. Rounding is monotone, so a larger number is never rounded below the rounded far_limit; errors
+// of the distance itself are covered by SearchRadius.
 template <class Use>
 HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& point, double base, const Use& use) {
     alignas(64) float above[frames_width];
@@ -123,20 +125,20 @@ HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& poin
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) use(lane, hn::Load(d, above + lane));
 }
 
-// What something within `radius` has at most there.
+// Returns the largest such value for anything within `radius`.
 inline float far_limit(const BoxNode& node, double base, const SearchRadius& radius) {
     return limit_of(radius.at(node.units) * node.units.inverse - base);
 }
 
-// Returns the largest computed square of anything within `radius` in measure_children.
+// Returns the largest square in measure_children for anything within `radius`.
 HWY_INLINE float box_limit(const BoxNode& node, const SearchRadius& radius) {
     const double in_units = radius.at(node.units) * node.units.inverse;
     return limit_of(in_units * in_units * (1 + box_error));
 }
 
-// The children of a node in the order of their distance: squares in its units, or the excess of a distance over a
-// base, rounded down to a multiple of 16 in the last place, as integers, which have the same order; the last four
-// bits name the child.
+// The children of a node in the order of their distance. Keys are squares in units of the node, or distances minus
+// a base, rounded down to a multiple of 16 in the last place. They are compared as integers, which have the same
+// order as the floats; the last four bits are the number of the child.
 struct alignas(64) OrderedChildren {
     std::int32_t key[frames_width];
 
@@ -156,7 +158,7 @@ struct alignas(64) OrderedChildren {
             hn::Store(hn::IfThenElse(hn::Eq(keys, hn::Set(d, taken)), hn::Set(d, none), keys), d, key + lane);
         }
     }
-    // Returns the least.
+    // Sets the keys; returns the least.
     HWY_INLINE std::int32_t set(const BoxNode& node, const LocalPoint& point) {
         return set_by([&](const auto& use) HWY_ATTR { measure_children(node, point, use); });
     }
@@ -174,7 +176,7 @@ struct alignas(64) OrderedChildren {
         });
         return hn::GetLane(hn::MinOfLanes(d, all));
     }
-    // Sets bit c if child c is at most `most` away. Unused children are NaN.
+    // Returns, as bits, the children whose key is at most `most`. `none` is NaN as a float, so it never counts.
     HWY_INLINE unsigned within(float most) const {
         const F d;
         const Keys di;
@@ -185,14 +187,14 @@ struct alignas(64) OrderedChildren {
         }
         return mask;
     }
-    // Takes all children, in their own order, because their distances are unknown.
+    // Sets the keys if nothing is known about distances.
     HWY_INLINE std::int32_t set_unknown(std::int32_t count) {
         for (std::int32_t c = 0; c <= child_bits; ++c) key[c] = c < count ? c : none;
         return 0;
     }
 };
 
-// Squared distances to the triangles of a leaf.
+// Computes the squared distances to the triangles of a leaf.
 HWY_INLINE void leaf_squares(const TriangleFramesLeaf& leaf, const LocalPoint& point, float (&squared)[frames_width]) {
     const F d;
     const VF x = hn::Set(d, point.at[0]), y = hn::Set(d, point.at[1]), z = hn::Set(d, point.at[2]);
@@ -218,18 +220,18 @@ HWY_INLINE float least_of(const float (&squared)[frames_width]) {
     return hn::GetLane(hn::MinOfLanes(d, all));
 }
 
-// How much a computed distance in the frames of a leaf may differ from the exact one, in its units.
+// Returns how much a distance computed in the frames of a leaf may differ from the exact one, in units of the leaf.
 HWY_INLINE double leaf_error(const LocalPoint& point) {
     return frame_error<float> * frame_roundoff<float> * (2 * point.most + 2);
 }
 
-// The square, in units of the leaf, that a triangle within `radius` has at most.
+// Returns the largest square, in units of the leaf, for a triangle within `radius`.
 HWY_INLINE float leaf_limit(const TriangleFramesLeaf& leaf, double error, const SearchRadius& radius) {
     const double in_units = radius.at(leaf.units) * leaf.units.inverse + error;
     return limit_of(in_units * in_units);
 }
 
-// Calls leaf(number) for each leaf that may have something within `radius`, in any order, and ends where it returns false.
+// Calls leaf(number) for each leaf that may have something within `radius`, in any order, until it returns false.
 template <class Leaf>
 HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point, const SearchRadius& radius,
                              std::uint64_t& visits, const Leaf& leaf) {
@@ -271,14 +273,14 @@ HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point
     }
 }
 
-// A node on the way to the nearest leaf, and which of its children are left.
+// A node on the way to the nearest leaf, and its remaining children.
 struct WalkStep {
     OrderedChildren children;
     const BoxNode* node;
     double base;                 // negative: the keys are squares
     std::uint32_t level, first;  // of the children
 
-    // Returns the least key.
+    // Sets the step to a node; returns the least key.
     HWY_INLINE std::int32_t set(const BoxNode& at, const Vec3& point, const SearchRadius& radius) {
         const LocalPoint local(at.units, point);
         node = &at;
@@ -300,7 +302,8 @@ struct WalkStep {
         return first + static_cast<std::uint32_t>(key & OrderedChildren::child_bits);
     }
 
-    // The nearest leaf, and then the others as they come: none has to wait for another then. False: leaf() wants no more.
+    // Visits the nearest leaf, and then the others in any order, so that none of them waits for another. Returns
+    // false if leaf() wants no more.
     template <class Leaf>
     HWY_INLINE bool visit_leaves(std::int32_t least, const SearchRadius& radius, const Leaf& leaf) const {
         if (beyond(least, radius)) return true;
@@ -314,8 +317,8 @@ struct WalkStep {
     }
 };
 
-// Calls leaf(number) for leaves that may have something within `radius`, which it may lower, and ends where it returns false. Nearest
-// child first.
+// Calls leaf(number) for leaves that may have something within `radius`, nearest child first, until it returns
+// false. leaf() may lower the radius.
 template <class Leaf>
 HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& point, const SearchRadius& radius,
                               std::uint64_t& visits, const Leaf& leaf) {

@@ -20,7 +20,8 @@ int TriangleGrid::Axis::cell(double x) const {
     return static_cast<int>(std::min(std::max(scaled, 0.0), static_cast<double>(cells - 1)));
 }
 
-// Flat boxes have one cell across. The planes are moved outward until the number of their cell changes.
+// Lays the grid over a box, with cells of side `edge`. A flat box has one cell across. Planes are moved outward
+// until the cell number changes.
 void TriangleGrid::lay(const Box& box, double edge) {
     for (int k = 0; k < 3; ++k) {
         Axis& axis = axes_[k];
@@ -78,7 +79,8 @@ TriangleGrid::TriangleGrid(const TriangleMesh& mesh) : mesh_(&mesh) {
     const auto count = static_cast<std::size_t>(mesh.triangles.rows());
     for (Index i = 0; i < mesh.triangles.rows(); ++i) box_.add(box_of(triangle_of(mesh, i)));
     const Vec3 extent = box_.high - box_.low;
-    // Cubes as if all sides were at least a hundredth of the longest, so that a flat box has cells of the size of its triangles.
+    // The volume counts each side as at least a hundredth of the longest, so that a flat box gets cells of the size
+    // of its triangles.
     const double longest = extent.maxCoeff();
     const double volume = (extent.cwiseMax(0.01 * longest) / (longest > 0 ? longest : 1)).prod();
     double edge = longest * std::cbrt(volume / (cells_per_triangle * static_cast<double>(count)));
@@ -104,7 +106,8 @@ void TriangleGrid::fill() {
     for_each_cell([&](std::size_t cell, Index i) { order_[static_cast<std::size_t>(next[cell]++)] = i; });
 }
 
-// A lower bound of the squared distance, as computed, to what lies in cells outside of the block; infinite where there are none.
+// Returns a lower bound of the computed squared distance to everything in cells outside the block, or infinity if
+// there are no such cells.
 double TriangleGrid::beyond(const Vec3& point, const Block& block) const {
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) {
@@ -122,7 +125,8 @@ double TriangleGrid::beyond(const Vec3& point, const Block& block) const {
     return least;
 }
 
-// Calls `look` for the triangles of each cell that may hold a point at squared distance <= `squared`, which `look` may lower.
+// Calls `look` for the triangles of each cell that may hold a point at squared distance <= `squared`; `look` may
+// lower `squared`.
 template <class Look>
 void TriangleGrid::search(const Vec3& point, const double& squared, Counters& counters, const Look& look) const {
     int at[3];
@@ -149,7 +153,7 @@ void TriangleGrid::search(const Vec3& point, const double& squared, Counters& co
         }
         for (int z = block.low[2]; z <= block.high[2]; ++z) {
             for (int y = block.low[1]; y <= block.high[1]; ++y) {
-                // Only the ends of a row belong to the shell where the row goes through its inside.
+                // If a row goes through the inside of the shell, only its ends belong to the shell.
                 const bool inside = std::abs(z - at[2]) < shell && std::abs(y - at[1]) < shell;
                 for (int x = block.low[0]; x <= block.high[0]; ++x) {
                     if (inside && std::abs(x - at[0]) < shell) x = std::min(at[0] + shell, block.high[0] + 1);

@@ -7,12 +7,12 @@ namespace hausbench {
 
 namespace {
 
-// The vertices of a leaf, each once: a small hash table from their number in the mesh to their place in the leaf.
+// The distinct vertices of a leaf: a small hash table from a vertex number in the mesh to a place in the leaf.
 class VertexTable {
 public:
     VertexTable() { place_.fill(-1); }
 
-    // The place of the vertex; a new one is the next.
+    // Returns the place of a vertex; a new vertex gets the next place.
     int place_of(Index vertex) {
         for (auto at = static_cast<std::size_t>(vertex);; ++at) {
             std::int8_t& place = place_[at % place_.size()];

@@ -1,4 +1,4 @@
-// The triangles of one leaf of a tree: a byte a plane of their boxes, and corners that they share.
+// The triangles of one leaf of a tree: their boxes with one byte per plane, and corners that they share.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -11,14 +11,15 @@ namespace hausbench {
 
 struct alignas(64) TriangleLeaf {
     QuantisedBoxes boxes;  // of the triangles
-    // Three times the number in the leaf's own table of vertices; the longest edge first; unused: as triangle 0.
+    // Three times the number of the corner in the leaf's own table of vertices, with the longest edge first. Unused
+    // lanes repeat triangle 0.
     std::uint8_t corner[3][leaf_capacity];
-    std::uint32_t first_vertex;  // of that table
-    std::int32_t first;          // of the triangles' numbers, in the order of the tree
-    std::int32_t count;          // triangles
+    std::uint32_t first_vertex;  // where that table begins
+    std::int32_t first;          // where its triangles begin in the order of the tree
+    std::int32_t count;          // number of triangles
 
-    // Appends the vertices that the triangles need at vertices[3 * next], each once, and moves `next` behind them. One to
-    // eight triangles. Returns the box around them, exactly.
+    // Sets the leaf to one to eight triangles. Appends their vertices at vertices[3 * next], each once, and moves
+    // `next` behind them. Returns the exact box around the triangles.
     Box set(const TriangleMesh& mesh, std::span<const Index> triangles, double* vertices, std::uint32_t& next);
 
     Triangle at(int lane, const double* vertices) const {
@@ -31,11 +32,11 @@ struct alignas(64) TriangleLeaf {
 };
 static_assert(sizeof(TriangleLeaf) == 128);
 
-// The leaves of a tree, and the mesh that they refer to.
+// The leaves of a tree, and the arrays that they refer to.
 struct TriangleLeaves {
     const TriangleLeaf* leaf;
     const double* vertices;
-    const Index* order;  // numbers of triangles
+    const Index* order;  // triangle numbers
 };
 
 }  // namespace hausbench

@@ -15,11 +15,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// Offers the triangles of a leaf that are near enough to matter. The radius before the leaf decides which are
-// counted, so that counters are the same whatever the width of a vector.
+// Offers the triangles of a leaf that are near enough to matter. The choice depends only on the distance known
+// before the leaf, so counters are the same for every vector width.
 //
-// Lanes stay at their places in the leaf, so that loading does not wait for the boxes to be measured. Not inlined:
-// the walk keeps its registers, and the code exists once.
+// Lanes stay where they are in the leaf, so that loading them does not wait for the measuring of boxes. Not
+// inlined, so that the walk keeps its registers and the code exists only once.
 static HWY_NOINLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
                                     Counters& counters) {
     const Doubles d;
@@ -66,9 +66,9 @@ unsigned tree_leaf_distances(const TriangleLeaves& leaves, std::size_t i, const 
     return mask;
 }
 
-// `first_leaf`: the leaf of the hint, or negative. A hint that turns out farther than the size of a triangle is as
-// good as none: searching with such a radius takes longer than finding a better leaf. If one corner is farther than
-// twice that, the leaf is not even examined.
+// `first_leaf` is the leaf of the hint, or negative. A hint farther away than the size of its triangle is as good
+// as none, because searching with so large a radius takes longer than finding a better leaf. If a corner is farther
+// than twice that size, the leaf is not even visited.
 void tree_closest(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double early_out_squared,
                   std::int32_t first_leaf, ClosestPoint& best, Counters& counters) {
     const auto early_out = [&] { return best.triangle >= 0 && best.squared_distance <= early_out_squared; };
@@ -148,7 +148,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh, WideTree&& tree) : mesh_(&m
 
 void TriangleTree::fill_leaves() {
     const std::size_t leaves = tree_.leaves();
-    leaves_ = std::make_unique_for_overwrite<TriangleLeaf[]>(leaves);  // every byte of use is written below
+    leaves_ = std::make_unique_for_overwrite<TriangleLeaf[]>(leaves);  // every byte that is used is written below
     std::vector<Box> boxes(leaves);
     std::uint32_t vertices = 0;
     const auto make_room = [&](std::size_t room) {
@@ -158,11 +158,13 @@ void TriangleTree::fill_leaves() {
         vertex_room_ = room;
     };
     constexpr std::size_t most = 3 * leaf_capacity;  // vertices of a leaf
-    // Most meshes take 1.4 vertices a triangle; the others as many as their leaves so far.
+    // Most meshes take 1.4 vertices per triangle. For the others, the room grows by the average of the leaves so
+    // far.
     make_room(tree_.order.size() * 7 / 5 + most);
     for (std::size_t i = 0; i < leaves; ++i) {
         if (vertices + most > vertex_room_) make_room(vertices + (vertices / i + 1) * (leaves - i) + most);
-        // What later leaves need lies anywhere in the mesh: first the numbers of the corners, then the corners.
+        // Later leaves refer to places anywhere in the mesh: prefetch first the numbers of the corners, then the
+        // corners.
         if (i + 4 < leaves) {
             for (const Index next : tree_.leaf(i + 4)) __builtin_prefetch(mesh_->triangles.row(next).data());
             for (const Index next : tree_.leaf(i + 2)) {

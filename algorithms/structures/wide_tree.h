@@ -1,5 +1,5 @@
-// A tree of boxes with up to eight children per node, shared by the BVH and the octree. Nodes keep the boxes of their
-// children quantised (quantised_boxes.h).
+// A tree of boxes with up to eight children per node: the common part of the BVH and the octree. Nodes store the
+// boxes of their children quantised (quantised_boxes.h).
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -11,13 +11,13 @@
 
 namespace hausbench {
 
-inline constexpr int leaf_capacity = 8;  // elements of a leaf
+inline constexpr int leaf_capacity = 8;  // elements per leaf
 inline constexpr int most_tree_levels = 100;
 
 struct alignas(64) WideNode {
     QuantisedBoxes boxes;            // of the children
-    std::int32_t child[tree_width];  // >= 0: a node; negative: ~ the number of a leaf
-    std::int32_t count;              // children
+    std::int32_t child[tree_width];  // >= 0: a node number; negative: ~(leaf number)
+    std::int32_t count;              // number of children
 };
 static_assert(sizeof(WideNode) == 128);
 
@@ -36,23 +36,24 @@ struct WideTree {
                order.capacity() * sizeof(Index);
     }
 
-    // Sets the boxes of all nodes from the boxes of the leaves, which are exact. Can be called again after elements
-    // have moved; the shape of the tree stays. O(n).
+    // Sets the boxes of all nodes from the exact boxes of the leaves. Also used after elements have moved; the
+    // shape of the tree stays. O(n).
     void fit(std::span<const Box> leaf_boxes);
 };
 
-// The shape of a tree; its boxes are set by fit(). At least one element.
+// Builds the shape of a tree over at least one element; fit() sets its boxes.
 //
-// Top-down, by the surface area heuristic over 16 bins along each axis (Wald, On fast construction of SAH-based bounding
-// volume hierarchies, 2007), the cost of a side being the blocks it fills; collapsed to eight children by always
-// opening the child of largest area that is not far smaller than the node. O(n log n) time, O(n) memory.
+// Top-down, by the surface area heuristic over 16 bins along each axis (Wald, On fast construction of SAH-based
+// bounding volume hierarchies, 2007), where the cost of a side counts the blocks that it fills. The tree is
+// collapsed to eight children by always opening the child of largest area that is not far smaller than the node.
+// O(n log n) time, O(n) memory.
 WideTree build_bvh(const TriangleMesh& mesh);
 
-// Builds an octree: each element belongs to the cell that contains the centre of its box. Cells with one child are
-// skipped. A cell of up to eight elements is a leaf, or shares one with small cells beside it. A cell of up to 64 is
-// cut into as many leaves as it fills, in halves across the longest axis. If all centres of a cell lie in a 2^-12th
-// of the root's cube, another octree begins, in the cube around them. Elements whose centres cannot be told apart,
-// and those at level 48 of the tree, are cut into as many leaves as they fill.
+// Builds the shape of an octree: each element belongs to the cell that contains the centre of its box. Cells with
+// one child are skipped. A cell of up to eight elements is a leaf, or shares one with small cells beside it. A cell
+// of up to 64 is cut into as many leaves as it fills, in halves across the longest axis. If all centres of a cell
+// lie within a 2^-12th of the root's cube, another octree begins, in the cube around them. Elements whose centres
+// cannot be told apart, and elements at level 48 of the tree, are cut into as many leaves as they fill.
 WideTree build_octree(const TriangleMesh& mesh);
 
 }  // namespace hausbench

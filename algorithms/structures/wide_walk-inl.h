@@ -1,4 +1,4 @@
-// The walk over a WideTree: leaves near a point, nearest first. Compiled once for every target.
+// The walk over a WideTree: visits the leaves near a point, nearest first. Compiled once for every target.
 #include "algorithms/structures/wide_tree.h"
 
 #include <hwy/cache_control.h>
@@ -22,8 +22,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using BoxLanes = hn::CappedTag<double, tree_width>;
 
-// Squared distances to the boxes of a node: none is more than the computed squared distance to a point of the box's
-// content. From near the node, they are integers, in a unit that is a power of two; from far away, they are numbers.
+// Squared distances to the boxes of a node. None of them exceeds the computed squared distance to a point of the
+// box's content. Seen from near the node they are integers, in a unit that is a power of two; from far away they
+// are doubles.
 struct BoxDistances {
     alignas(64) double from_far[tree_width];
     alignas(32) std::int32_t squares[tree_width];
@@ -32,7 +33,7 @@ struct BoxDistances {
     HWY_INLINE double operator[](std::size_t i) const { return unit > 0 ? unit * squares[i] : from_far[i]; }
 };
 
-// Bytes of the planes along each axis, from `lane` on, as numbers.
+// Loads the planes of axis k, from `lane` on, as numbers.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE hn::Vec<BoxLanes> load_planes(const std::uint8_t (&xy)[tree_width][2], const std::uint8_t (&z)[tree_width],
                                          std::size_t lane, int k) {
@@ -51,7 +52,7 @@ HWY_INLINE hn::Vec<BoxLanes> load_planes(const std::uint8_t (&xy)[tree_width][2]
 }
 #endif
 
-// From far away: the computed squared distances to the boxes, as squared_distance_to_box (box.h).
+// For a point far away: computes the squared distances to the boxes as squared_distance_to_box (box.h) does.
 inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
     const BoxLanes d;
     const auto step = hn::Set(d, boxes.step);
@@ -68,16 +69,17 @@ inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Ve
     distances.unit = 0;
 }
 
-// From near the boxes: calls use(lane, squares) with squared distances to some of them, in units of the square of a
-// sixteenth of a step, until all boxes have had their turn. False: the point is far away, and nothing was done.
+// For a point near the boxes: calls use(lane, squares) with squared distances to some of them, in units of the
+// square of a sixteenth of a step, until all boxes are done. Returns false, with nothing done, if the point is far
+// away.
 //
-// All numbers are integers, in sixteenths of a step from the origin. Along an axis, let q be the coordinate of the
-// point in steps, |q| <= 2^10; the double difference errs by at most 2^-42, planes by 2^-45. The last bits of q + 1.5
-// 2^48 give n, which is 16 q to nearest; so n + 1 is 16 q + 1/2 or more and n - 1 is 16 q - 1/2 or less. Hence a
-// positive low - 1 - n or n - (high + 1), at most 20463, is less than the exact distance to the content by 1/4 or
-// more, a factor of 1 + 2^-17 or more: far more than the loss of double precision (rounding.h; underflow vanishes
-// beside a step of 2^-440). All of them are numbers of 16 bits. Three squares sum up to less than 2^31, and the
-// product with the square of a sixteenth of a step, a power of two, is exact.
+// All values are integers, in sixteenths of a step from the origin. Along an axis, let q be the coordinate of the
+// point in steps, |q| <= 2^10; the double difference errs by at most 2^-42, planes by 2^-45. The last bits of
+// q + 1.5 2^48 are n, which is 16 q rounded to nearest, so n + 1 is 16 q + 1/2 or more and n - 1 is 16 q - 1/2 or
+// less. Hence a positive low - 1 - n or n - (high + 1), at most 20463, is less than the exact distance to the
+// content by 1/4 or more, which is a factor of 1 + 2^-17 or more. This is far more than double precision loses
+// (rounding.h; underflow is negligible beside a step of 2^-440). All these numbers have 16 bits. Three squares sum
+// up to less than 2^31, and the product with the square of a sixteenth of a step, a power of two, is exact.
 #if HWY_TARGET == HWY_SCALAR
 template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& boxes, const Vec3& p, Use&& use) {
     std::int32_t squares[tree_width] = {};
@@ -107,7 +109,7 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
     const auto z = hn::Mul(hn::Sub(hn::Set(d, p[2]), hn::Set(d, boxes.origin[2])), inverse);
     const auto near = hn::And(hn::Le(hn::Abs(xy), most), hn::Le(hn::Abs(z), most));
     if (HWY_UNLIKELY(!hn::AllTrue(d, near))) return false;
-    // The last 16 bits of x and y, repeated, and of z and zeros.
+    // Byte patterns: the last 16 bits of x and y, repeated, and the last 16 bits of z with zeros between.
     alignas(16) static constexpr std::uint8_t from_xy[16] = {0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9};
     alignas(16) static constexpr std::uint8_t from_z[16] = {0, 1, 255, 255, 0, 1, 255, 255,
                                                             0, 1, 255, 255, 0, 1, 255, 255};
@@ -142,7 +144,7 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
 
 using BoxSquares = hn::Vec<hn::CappedTag<std::int32_t, tree_width>>;
 
-// A bit for each lane: whether it is at most `most`.
+// Returns a bit for each lane: whether its square is at most `most`.
 HWY_INLINE unsigned at_most(BoxSquares squares, std::int32_t most) {
     const hn::CappedTag<std::int32_t, tree_width> d;
     std::uint8_t bits[8] = {};
@@ -150,10 +152,11 @@ HWY_INLINE unsigned at_most(BoxSquares squares, std::int32_t most) {
     return ~static_cast<unsigned>(bits[0]) & ((1U << hn::Lanes(d)) - 1);
 }
 
-// The square of a sixteenth of a step.
+// Returns the square of a sixteenth of a step.
 HWY_INLINE double square_unit(const QuantisedBoxes& boxes) { return boxes.step * boxes.step * 0x1p-8; }
 
-// The largest number of units that is at most `squared`: the product is exact, or less than 1 where it underflows.
+// Returns the largest number of units that is at most `squared`. The product is exact, or less than 1 if it
+// underflows.
 HWY_INLINE std::int32_t whole_units(const QuantisedBoxes& boxes, double squared) {
     const double scale = boxes.inverse * 16;
     return static_cast<std::int32_t>(std::min(squared * (scale * scale), 0x1p31 - 1));
@@ -170,7 +173,8 @@ inline unsigned near_from_far(const BoxDistances& distances, double squared) {
     return mask;
 }
 
-// Computes the distances to all boxes; the set bits tell which of the first `count` are at most `squared` >= 0 away.
+// Computes the distances to all boxes. Returns, as bits, which of the first `count` boxes are at most
+// `squared` >= 0 away.
 HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, const Vec3& p, double squared,
                                BoxDistances& distances) {
     const hn::CappedTag<std::int32_t, tree_width> d;
@@ -188,7 +192,7 @@ HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, 
     return mask & ((1U << count) - 1);
 }
 
-// The same bits, from distances that are known.
+// Returns the same bits for distances that are already known.
 HWY_INLINE unsigned near_again(const QuantisedBoxes& boxes, const BoxDistances& distances, double squared) {
     const hn::CappedTag<std::int32_t, tree_width> d;
     if (HWY_UNLIKELY(!(distances.unit > 0))) return near_from_far(distances, squared);
@@ -200,11 +204,11 @@ HWY_INLINE unsigned near_again(const QuantisedBoxes& boxes, const BoxDistances& 
     return mask;
 }
 
-// The distances to all boxes; returns the nearest of them, or one that is hardly farther. One that is not in use repeats the
-// first.
+// Computes the distances to all boxes; returns the nearest box, or one that is hardly farther. Unused boxes repeat
+// the first and never win.
 HWY_INLINE std::uint32_t nearest_box(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
     const hn::CappedTag<std::int32_t, tree_width> d;
-    // The last three bits of a distance make room for the lane.
+    // The last three bits of a distance are replaced by the lane.
     auto nearest = hn::Set(d, std::numeric_limits<std::int32_t>::max());
     const bool near = measure_near_boxes(boxes, p, [&](std::size_t lane, BoxSquares squares) HWY_ATTR {
         hn::Store(squares, d, distances.squares + lane);
@@ -221,7 +225,7 @@ HWY_INLINE std::uint32_t nearest_box(const QuantisedBoxes& boxes, const Vec3& p,
 // A walk over the leaves near one point.
 class Walk {
 public:
-    // `leaves`: data that the caller keeps of each leaf, to be loaded early.
+    // `leaves` is the caller's data for each leaf, to be prefetched.
     template <class Leaf>
     HWY_INLINE Walk(const WideTree& tree, const Leaf* leaves, const Vec3& point, std::uint64_t& visits)
         : tree_(tree),
@@ -230,8 +234,8 @@ public:
           point_(point),
           visits_(visits) {}
 
-    // Goes down to the nearest child again and again; returns the leaf it ends in: a cheap way to a small radius. At most
-    // once, before the leaves are visited, which then leave it out.
+    // Descends to the nearest child again and again and returns the leaf it reaches: a cheap way to a small radius.
+    // Call it at most once, before visit_leaves(), which then leaves that leaf out.
     HWY_INLINE std::size_t greedy_descent() {
         std::int32_t child = 0;
         while (child >= 0) {
@@ -248,11 +252,11 @@ public:
         return static_cast<std::size_t>(~child);
     }
 
-    // Calls leaf(i, squared) for leaves whose box may hold something at computed squared distance <= squared, near ones
-    // first; it may lower `squared`, and ends the walk by returning false.
+    // Calls leaf(i, squared) for leaves whose box may hold something at computed squared distance <= squared, near
+    // ones first, until it returns false. leaf() may lower `squared`.
     template <class Leaf> HWY_INLINE void visit_leaves(double squared, Leaf&& leaf) {
         std::int32_t child = 0;
-        // The nodes that the descent has passed; without a descent, the root.
+        // Start with the children that the descent passed by; without a descent, start at the root.
         for (std::size_t i = 0; i < depth_; ++i) {
             const Step& step = path_[i];
             const unsigned mask = near_again(step.node->boxes, step.distances, squared);
@@ -295,7 +299,7 @@ private:
         hwy::Prefetch(place + 64);
     }
 
-    // Insertion sort, farthest first, so that the nearest is popped first.
+    // Sorts children onto the stack, farthest first, so that the nearest is popped first.
     HWY_INLINE void push(const WideNode& node, unsigned mask, const BoxDistances& distances) {
         const std::size_t base = size_;
         for (; mask != 0; mask &= mask - 1) {
@@ -308,7 +312,7 @@ private:
         }
     }
 
-    // False: nothing is left that is near enough.
+    // Returns false if nothing left is near enough.
     HWY_INLINE bool pop(double squared, std::int32_t& child) {
         while (size_ > 0) {
             const Entry& next = stack_[--size_];

@@ -1,4 +1,4 @@
-"""Every solver on every mesh of the packages: how many answers it gives within each time, and how the others ended."""
+"""Every solver on every mesh of the packages: how many answers come within how much time, and why the others are missing."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from analysis.shared.verdicts import Verdict, never
 
 NEVER_RAN: Final = ("skipped", "not_built")
 ANSWERS: Final = "ok"
-MOST_NAMED: Final = 20  # meshes of one reason, by name; the CSV has all
+MOST_NAMED: Final = 20  # meshes listed by name for one reason; the CSV has all
 
 
 def seconds(results: Results, row: int) -> float:
-    """Time of preparing and of the first answer of the process; NaN if it did not reach the tolerance."""
+    """Returns the time to prepare and give the first answer in round 0; NaN if the row did not reach the tolerance."""
     return results.total_by_round(row).get(0, np.nan) if results.cases.status[row] == ANSWERS else np.nan
 
 
 def shown_reason(reason: str) -> str:
-    """Returns the reason without names, files and numbers, so that rows with the same reason are counted together."""
+    """Removes what differs for each mesh (names, files and numbers), so that similar reasons are counted together."""
     def differs(word: str, before: str | None) -> bool:
         return before != "signal" and ("/" in word or word[0] in "'\"" or any(character.isdigit() for character in word))
 
@@ -38,7 +38,7 @@ def shown_reason(reason: str) -> str:
 
 
 def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
-    """Scenes without a single run, whose mesh or derived mesh could not be had: status and reason."""
+    """Returns status and reason of each scene without a single run, because its mesh or derived mesh could not be had."""
     cases = results.cases
     found: dict[str, tuple[str, str]] = {}
     for scene in results.scenes:
@@ -49,8 +49,9 @@ def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
 
 
 def sound(results: Results) -> Verdict:
-    """No certified solver is wrong, fails or crashes on a mesh that could be read. The unit is the mesh, because solvers on one mesh are
-    not independent trials.
+    """Judges that no certified solver is wrong, fails or crashes on a readable mesh.
+
+    Solvers on one mesh are not independent trials, so each mesh is one trial.
     """
     cases, lost = results.cases, unmeasured(results)
     rows = [row for row in range(len(cases))
@@ -65,7 +66,7 @@ def named(scenes: list[str]) -> str:
 
 
 def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
-    """A sentence for each reason why rows are not `ok`, the most frequent first: of meshes, and of single solvers."""
+    """Returns a sentence for each reason why rows are not `ok`, the most frequent first: for whole meshes, then for single solvers."""
     cases = results.cases
     meshes: dict[str, list[str]] = {}
     for scene, (status, reason) in lost.items():
@@ -84,7 +85,10 @@ def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
 
 
 def late(results: Results) -> list[str]:
-    """Solvers are asked to stop at the limit, and ended some seconds after it: an answer in between counts."""
+    """Says how many answers came after the limit, by solver.
+
+    A solver is asked to stop at the limit and is ended some seconds later. An answer in between counts.
+    """
     cases = results.cases
     after = Counter(style.title(cases.solver[row], cases.label[row]) for row in range(len(cases))
                     if cases.status[row] == ANSWERS and cases.solve_seconds[row] > cases.case_seconds_limit[row])
@@ -124,7 +128,7 @@ def quantile(values: Sequence[float] | np.ndarray[Any, Any], share: float) -> st
 
 
 def draw(labels: list[tuple[str, str]], times: dict[str, list[float]], meshes: int) -> Any:
-    """The share of meshes that are answered within a time: what stands higher answers more, what begins further left answers sooner."""
+    """Draws the share of meshes answered within a time. A higher curve answers more; a curve further left answers sooner."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
     for solver, label in labels:
         known = np.sort([x for x in times[label] if np.isfinite(x)])

@@ -21,15 +21,15 @@ from analysis.shared.verdicts import FAILS, NOT_JUDGED, OPEN, Verdict, above_one
 
 PEER: Final = "cgal"
 AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
-LARGE: Final = {"cover": 30_000}  # triangles of A and B, of the pairs that count for that mean, where not all do
+LARGE: Final = {"cover": 30_000}  # triangles of A and B: that mean takes only pairs of this size and more (default: all)
 EVERYWHERE: Final = {"cover": 5}  # times as fast as CGAL, on every pair
 INTERVAL: Final = ", interval over rounds, for these pairs"
 
-Pair = tuple[Cell, Cell]  # CGAL, and the solver
+Pair = tuple[Cell, Cell]  # the cells of CGAL and of the solver
 
 
 def ratio(pair: Pair) -> Estimate:
-    """Time of CGAL over time of the solver. If CGAL was stopped by its time limit, that limit is its time, which gives a lower bound."""
+    """Returns how many times as long CGAL takes. If CGAL was stopped, its time limit stands for its time: a lower bound."""
     peer, own = pair
     if peer.failures and comparable(pair):
         return ratio_of_medians([limit_of(peer)] * len(own.times), list(own.times.values()))
@@ -37,7 +37,7 @@ def ratio(pair: Pair) -> Estimate:
 
 
 def identical(results: Results, scene: str) -> bool:
-    """A mesh and itself, which is not in the means: CGAL matches faces."""
+    """Tells whether a scene is a mesh and itself. The means leave it out, because CGAL matches faces."""
     row = results.rows(scene=scene)[0]
     return bool(results.cases.source[row] == results.cases.target[row])
 
@@ -47,8 +47,9 @@ def limit_of(cell: Cell) -> float:
 
 
 def comparable(pair: Pair) -> bool:
-    """Whether the solver answered, CGAL answered or was stopped by its time limit (any other end says nothing about its time), and both
-    times are comparable.
+    """Tells whether the solver answered, CGAL answered or was stopped at its limit, and their times compare.
+
+    Any other failure of CGAL says nothing about its time.
     """
     peer, own = pair
     return not own.failures and peer.failures.keys() <= {"timeout"} and not apart_of(pair)
@@ -59,7 +60,10 @@ def apart_of(pair: Pair) -> str:
 
 
 def times_by_round(pair: Pair) -> dict[int, tuple[float, float]]:
-    """The times of CGAL and of the solver in each round that has both. The time limit stands for CGAL's time only if its row ended in a timeout."""
+    """Returns the times of CGAL and of the solver in each round that has both.
+
+    The time limit stands for CGAL's time only if its row ended in a timeout.
+    """
     peer, own = pair
     stopped = bool(peer.failures)
     return {number: (limit_of(peer) if stopped else peer.times[number], seconds)
@@ -67,7 +71,10 @@ def times_by_round(pair: Pair) -> dict[int, tuple[float, float]]:
 
 
 def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
-    """The geometric mean over pairs, round by round, of the rounds that every pair has: the unit of its interval is the round."""
+    """Returns the ratio of the geometric means over pairs, round by round, for the rounds that every pair has.
+
+    The unit of its interval is the round.
+    """
     times = [times_by_round(pair) for pair in pairs]
     rounds = set[int]().union(*times).intersection(*times)
     means = {number: scipy.stats.gmean([of[number] for of in times], axis=0) for number in rounds}
@@ -88,7 +95,7 @@ def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
     if mean.n:
         too_few = f"n = {mean.n}; " if verdict.outcome == NOT_JUDGED else ""
         verdict = replace(verdict, evidence=f"{too_few}{tables.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
-    if stopped := sum(bool(peer.failures) for peer, _ in answered):  # its limit is the least that it takes: the mean may be larger
+    if stopped := sum(bool(peer.failures) for peer, _ in answered):  # CGAL takes at least its limit: the mean may be larger
         verdict = replace(verdict, outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
                           evidence=f"{verdict.evidence}, at least: CGAL did not end on {stopped}")
     if lost:
@@ -104,9 +111,7 @@ def size_of(cell: Cell) -> float:
 
 
 def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
-    """Judges the claim for every pair, round by round. If CGAL was stopped, its limit is its time; that can confirm the claim but not
-    refute it.
-    """
+    """Judges every pair, round by round. If CGAL was stopped, its limit stands for its time: this can confirm, but not refute."""
     aim = EVERYWHERE[label]
 
     def over_aim(pair: Pair) -> Estimate:
@@ -125,7 +130,7 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
 
 
 def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]) -> list[str]:
-    """How many times as long another solver takes in geometric mean, as a note; none where no pair has both."""
+    """Returns a note on how many times as long another solver takes in geometric mean; empty if no pair has both."""
     both = [(cells[scene, other], cells[scene, label]) for scene in scenes if {(scene, other), (scene, label)} <= cells.keys()]
     answered = [pair for pair in both if not pair[0].failures and not pair[1].failures and not apart_of(pair)]
     if not answered:
@@ -179,13 +184,14 @@ def make(results: Results) -> Report:
 
 
 def best_lower(cells: Sequence[Cell]) -> float:
-    """The largest proven lower bound of the pair."""
+    """Returns the largest proven lower bound of the pair."""
     return max((cell.interval[0] for cell in cells if not math.isnan(cell.interval[0])), default=math.nan)
 
 
 def draw(grid: Grid) -> Any:
-    """Draws a band for each pair, and in it a mark and its interval for each solver, below one another; those that did not end stand right of the frame, with the
-    letter why.
+    """Draws a band for each pair, with a mark and its interval for each solver, one below another.
+
+    Solvers that did not end are right of the frame, with a letter for the reason.
     """
     scenes, labels, cells = grid.scenes, grid.labels, grid.cells
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, min(7.8, 1.1 + 0.3 * len(scenes))))

@@ -1,4 +1,4 @@
-"""Pairs on which published mesh programs end wrong or not at all: how each solver ends on them."""
+"""Pairs on which published mesh programs end with a wrong answer or with none: the outcome of each solver."""
 
 from __future__ import annotations
 
@@ -15,13 +15,17 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, never_chosen
 from analysis.stability.stability_outcomes import STOPS, Outcome
 
-# The words of outcomes, from best to worst.
+# The outcomes, from best to worst.
 CONVERGED, STOPPED, NO_BOUNDS, WRONG = ("converged", "stopped", "no bounds", "wrong")
-SLACK: Final = 1e-12  # of the diagonal of A: models' coordinates are rounded, `exact` is not
+SLACK: Final = 1e-12  # fraction of the diagonal of A: coordinates of models are rounded, `exact` is not
 
 
 def outcome(results: Results, row: int) -> str:
-    """`stopped`: at its time limit, budget or precision floor, with bounds that hold. `wrong`: bounds that cannot be true."""
+    """Returns the outcome of a row.
+
+    `stopped`: at its time limit, budget or precision floor, with valid bounds. `wrong`: bounds that cannot be true, or
+    a certified solver that says that it has converged and has not.
+    """
     cases = results.cases
     status, lower, upper, exact = cases.status[row], cases.lower[row], cases.upper[row], cases.exact[row]
     if status == "unsound":
@@ -38,14 +42,14 @@ def outcome(results: Results, row: int) -> str:
 
 
 def ends(results: Results, row: int) -> str:
-    """The text of a cell: the outcome, and why it is not `converged`."""
+    """Returns the text of a cell: the outcome, and the reason if it is not `converged`."""
     found, status = outcome(results, row), results.cases.status[row]
     word = style.status_word(status)
     return found if found in (CONVERGED, WRONG) else f"{word}, bounds hold" if found == STOPPED else word
 
 
 def claim(results: Results) -> Verdict:
-    """Every row of a certified solver has an interval, and none is wrong."""
+    """Judges that every row of a certified solver has an interval, and none is wrong."""
     rows = [row for row in range(len(results.cases)) if results.cases.certified[row]]
     ill = [row for row in rows if outcome(results, row) in (WRONG, NO_BOUNDS)]
     return never_chosen(claims.of("hausbench", "traps"), len(ill), len(rows), "answers")
@@ -84,7 +88,7 @@ def make(results: Results) -> Report:
 
 
 def distance(results: Results, row: int) -> str:
-    """Returns '0', or the proven distance: its first three digits if they are known, otherwise the interval."""
+    """Returns '0', or the proven distance over the diagonal: its first three digits if they are known, else the interval."""
     if results.cases.exact[row] == 0:
         return "0"
     known, diagonal = results.reference_of(row), float(results.cases.source_diagonal[row])
@@ -107,7 +111,7 @@ def mark(results: Results, row: int) -> tuple[Outcome, str]:
 
 
 def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]], rows: dict[tuple[str, str], int]) -> Any:
-    """Draws a cell for each solver and pair, coloured by how it ended, with a letter where it did not converge."""
+    """Draws a cell for each solver and pair, coloured by its outcome, with a letter if it did not converge."""
     marks = {(i, j): mark(results, rows[scene, label]) for i, scene in enumerate(scenes) for j, (_, label) in enumerate(labels) if (scene, label) in rows}
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN if len(labels) <= 6 else style.DOUBLE_COLUMN, 1.5 + 0.17 * len(scenes)))
     for (i, j), (kind, letter) in marks.items():

@@ -45,7 +45,7 @@ def make(results: Results) -> Report:
 
 
 def draw(scenes: list[str], ratios: list[Estimate]) -> Any:
-    """One line a workload: the ratio and its interval."""
+    """Draws one line per workload: the ratio and its interval."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 1.0 + 0.16 * len(scenes)))
     for i, ratio in enumerate(ratios):
         style.interval(ax, ratio, i, color=style.look(OURS).colour, linewidth=1)

@@ -25,7 +25,7 @@ class Cell:
     def __init__(self, results: Results, row: int) -> None:
         cases = results.cases
         self.row, self.status = row, cases.status[row]
-        self.reported = not math.isnan(cases.reported_seconds[row])  # a program outside, by its own clock
+        self.reported = not math.isnan(cases.reported_seconds[row])  # an outside program, timed by its own clock
         self.rounds = results.reported_by_round(row) if self.reported else results.total_by_round(row)
         self.wall, self.origin = results.total_by_round(row, "wall"), origin(results, row)
         self.time = median(list(self.rounds.values())) if self.status == "ok" else NO_DATA
@@ -39,7 +39,10 @@ class Cell:
 
 
 def ratio(other: Cell, ours: Cell) -> Estimate:
-    """How many times as long the other takes; paired by round where both have rounds. A program that reports its own time reports wall time."""
+    """Returns how many times as long the other takes; paired by round if both have rounds.
+
+    A program that reports its own time reports wall time, and is compared with our wall time.
+    """
     if lacking := apart([one.origin._replace(clock="wall") if other.reported else one.origin for one in (other, ours)]):
         return lacking
     own = ours.wall if other.reported else ours.rounds
@@ -96,8 +99,9 @@ def make(results: Results) -> Report:
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
-    """Draws a band for each workload, and in it a mark and its interval for each solver, below one another; those that did not end are right of the frame, with the
-    letter why.
+    """Draws a band for each workload, with a mark and its interval for each solver, one below another.
+
+    Solvers that did not end are right of the frame, with a letter for the reason.
     """
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, min(7.8, 1.1 + 0.27 * len(scenes))))
     looks = {label: style.look(solver, label) for solver, label in labels}

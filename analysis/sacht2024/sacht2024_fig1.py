@@ -1,4 +1,4 @@
-"""Fig. 1 of Sacht and Jacobson 2024: a mesh, the same surface meshed again, and where the two are the farthest apart."""
+"""Fig. 1 of Sacht and Jacobson 2024: a mesh, the same surface meshed again, and the place where they are farthest apart."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Drawn, Mesh
 
 MARK: Final = "#D55E00"
-PAPER: Final = 0.09  # percent of the diagonal: h of the paper's pair is below
+PAPER: Final = 0.09  # percent of the diagonal: h of the paper's pair is below this
 REMESHED: Final = "remeshed by CGAL (for TetWild)"
 
 
@@ -43,7 +43,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, case: int) -> Any:
-    """A, B, how far A is from B, and the witness from near."""
+    """Draws A, B, the distance of A to B, and the witness from near."""
     cases = results.cases
     source, target = cases.source[case], cases.target[case]
     a, b, eye = shapes.mesh(results, source), shapes.mesh(results, target), mesh_picture.view_of(source)
@@ -72,7 +72,10 @@ def draw_distances(ax: Any, figure: Any, a: Drawn, diagonal: float, eye: mesh_pi
 
 
 def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats, diagonal: float) -> None:
-    """Draws a cut through both meshes in the plane of the picture, which holds the witness, with a scale bar in percent of the diagonal."""
+    """Draws a cut through both meshes in the plane of the picture, which contains the witness.
+
+    The scale bar is in percent of the diagonal.
+    """
     ends = eye.seen(pair)
     room = 2.5 * float(np.linalg.norm(pair[1] - pair[0]))
     for shown, colour, line, name in ((a, "black", "-", "A"), (b, "#0072B2", style.DASHED, "B")):
@@ -89,7 +92,10 @@ def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats, d
 
 
 def draw_scale(ax: Any, middle: Floats, room: float, diagonal: float) -> None:
-    """Draws a bar of 1, 2 or 5 times a power of ten percent of the diagonal, at the lower left of a frame that reaches `room` in all directions."""
+    """Draws a bar of 1, 2 or 5 times a power of ten percent of the diagonal.
+
+    It is at the lower left of a frame that reaches `room` in all directions.
+    """
     percent = 100 * 0.5 * room / diagonal
     power = 10.0 ** np.floor(np.log10(percent))
     percent = max(times * power for times in (1, 2, 5) if times * power <= percent)
@@ -99,7 +105,7 @@ def draw_scale(ax: Any, middle: Floats, room: float, diagonal: float) -> None:
 
 
 def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:
-    """Returns the segments in which triangles cross the plane at this depth, each from one side of its triangle to another."""
+    """Returns the segments in which triangles meet the plane at this depth, one for each triangle that crosses it."""
     sides, found = corners[shown.triangles], list[Floats]()
     above = sides[:, :, 2] > depth
     for triangle, flags in zip(sides[above.any(axis=1) & ~above.all(axis=1)], above[above.any(axis=1) & ~above.all(axis=1)]):

@@ -1,4 +1,4 @@
-"""Fig. 10 of Sacht and Jacobson 2024: which order of their four upper bounds is the fastest, a mesh against itself meshed again."""
+"""Fig. 10 of Sacht and Jacobson 2024: the fastest order of their four upper bounds, for meshes against themselves meshed again."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import UNTESTED, Verdict
 
-# The orders that the paper draws, in its words: the seven worst, two in between, the ten best, from worst to best.
+# The orders that the paper draws, from the worst to the best, in its words: the seven worst, two in between, the ten best.
 DRAWN: Final = ("1", "2", "21", "12", "41", "4", "412", "3", "3241",
                 "23", "1243", "231", "213", "123", "2341", "2314", "234", "2134", "1234")
 SINGLE: Final = ("1", "2", "3", "4")
 TEN_BEST: Final = DRAWN[-10:]
 BEST, SOLVED = "1234", 0.753
 WITHOUT_U3: Final = "#4D4D4D"  # darker than the other bars, also in grey
-WITHIN = 0.1  # of the share of pairs that are solved
+WITHIN = 0.1  # allowed difference in the share of pairs that are solved
 NEVER_RAN = ("skipped", "failed", "not_built")
 
 
@@ -34,7 +34,7 @@ class Orders:
     def __init__(self, results: Results) -> None:
         self.results, cases = results, results.cases
         rows: dict[str, dict[str, int]] = {}
-        self.lost: dict[str, str] = {}  # pairs without a model, and why
+        self.lost: dict[str, str] = {}  # pairs without a model, and the reason
         for row in range(len(cases)):
             scene = cases.scene[row]
             if cases.status[row] in NEVER_RAN:
@@ -54,16 +54,16 @@ class Orders:
         return cell is not None and not cell.failures
 
     def reason_apart(self, scene: str) -> str:
-        """Why the times of this pair do not compare; empty if they do."""
+        """Returns why the times of this pair do not compare; empty if they do."""
         return reason_apart(one for (_, of), cell in self.cells.items() if of == scene for one in cell.origins)
 
     def cost(self, order: str, scene: str, what: str) -> float:
-        """Time, or the measure that MEASURES names; NaN if it did not reach the tolerance or times are not comparable."""
+        """Returns the time, or the count that MEASURES names; NaN if the tolerance was not reached, or if times do not compare."""
         cell = self.cells.get((order, scene))
         return np.nan if cell is None or (not what and self.apart) else cell.cost(what)
 
     def shared(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
-        """Returns the winners among these orders on each pair that some order solves."""
+        """Returns which of these orders win each pair that some order solves."""
         return shared_wins({order: [self.cost(order, scene, what) for scene in self.solved]
                             for order in orders if order in self.orders})
 
@@ -81,7 +81,7 @@ class Orders:
 
 
 def verdicts(found: Orders) -> list[Verdict]:
-    """All but the share that is solved, in time and in counted work."""
+    """Judges all claims in time and in counted work, except the share of solved pairs."""
     def more(claim: str, ahead: Iterable[str], behind: Iterable[str]) -> Verdict:
         ahead, behind = list(ahead), list(behind)
         return judged(claim, lambda what: wins_more(claim, found.of(ahead, what), found.of(behind, what)))
@@ -141,7 +141,7 @@ def make(results: Results) -> Report:
 
 
 def place(order: str) -> str:
-    """The order's place in the paper, which prints a picture and names these."""
+    """Returns the place of an order in the paper, which prints a picture and names these."""
     if order not in DRAWN:
         return tables.NOTHING
     at = DRAWN.index(order)
@@ -156,7 +156,7 @@ def lost_note(found: Orders) -> list[str]:
 
 
 def draw(found: Orders) -> Any:
-    """Bars as in the paper, of the orders that it draws and the best one here: shared wins in time, and in counted work."""
+    """Draws bars as in the paper, for the orders that it draws and the best one here: shared wins in time, and in counted work."""
     work = list(MEASURES)[-1]
     drawn = [order for order in DRAWN if order in found.orders]
     for what in ("", work):
@@ -178,7 +178,7 @@ def draw(found: Orders) -> Any:
         ax.set_ylabel(f"pairs (%), n = {len(found.solved)}")
         ax.set_title(f"shared wins in {name}", fontsize=8)
         ax.grid(False, axis="x")
-        for edge in (7, 9, len(DRAWN)):  # the paper's worst, those in between, its best, ours
+        for edge in (7, 9, len(DRAWN)):  # the paper's worst, the two in between, its best, ours
             if edge < len(drawn) and drawn[:len(DRAWN)] == list(DRAWN):
                 ax.axvline(edge - 0.5, color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)))
     axes[1].set_xticks(x, drawn)

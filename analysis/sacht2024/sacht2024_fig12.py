@@ -1,4 +1,4 @@
-"""Fig. 12 of Sacht and Jacobson 2024: the near-zero pairs as pictures; A coloured by its distance to B."""
+"""Fig. 12 of Sacht and Jacobson 2024: pictures of the near-zero pairs; A is coloured by its distance to B."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analysis.shared.notes import machine_line, scene_notes
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
 
-EDGES: Final = 20_000  # triangles: of a mesh with more of them the edges would hide it
+EDGES: Final = 20_000  # triangles: edges would hide a mesh of more
 
 
 def make(results: Results) -> Report:
@@ -36,7 +36,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, shown: list[int]) -> Any:
-    """A above, B below; one colour scale for all, by the square root, up to the largest distance drawn."""
+    """Draws A above, B below; one colour scale for all, by the square root, up to the largest distance drawn."""
     cases = results.cases
     figure, axes = plt.subplots(2, len(shown), figsize=(style.DOUBLE_COLUMN, 4.3), squeeze=False)
     pairs = []

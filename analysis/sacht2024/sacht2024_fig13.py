@@ -19,7 +19,7 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median, ratio_by_round
 from analysis.shared.verdicts import Verdict, everywhere
 
-TOLERANCES = tuple(10.0**-k for k in range(1, 9))  # of the diagonal of A
+TOLERANCES = tuple(10.0**-k for k in range(1, 9))  # fractions of the diagonal of A
 RIVALS = ("kang", "zheng")
 
 
@@ -28,14 +28,17 @@ class Reach:
     """When one solver, on one pair, first proved a gap within the tolerance. NaN: never, within the limits."""
 
     seconds: float
-    read_from: str  # "trace", "case", or why it was not reached
-    by_round: dict[int, float] = field(default_factory=dict)  # one round where it was read off a trace
-    work: dict[str, int] = field(default_factory=dict)  # by MEASURES; not of a trace
+    read_from: str  # "trace", "case", or the reason why it was not reached
+    by_round: dict[int, float] = field(default_factory=dict)  # a single round if it was read off a trace
+    work: dict[str, int] = field(default_factory=dict)  # by MEASURES; none for a trace
     origins: frozenset[Origin] = frozenset()
 
 
 def reach(results: Results, scene: str, label: str, tolerance: float) -> Reach:
-    """From the trace of the finest run; where the solver offers none, from the run that asked for this tolerance."""
+    """Reads the time from the trace of the finest run, or else from the run that asked for this tolerance.
+
+    The latter is for solvers that offer no trace.
+    """
     cases = results.cases
     rows = [int(r) for r in results.rows(scene=scene, label=label)
             if cases.status[r] != "unsound" and cases.tolerance_of[r] == "diagonal"]
@@ -63,7 +66,7 @@ Found = dict[tuple[str, str, float], Reach]  # by label, scene, tolerance
 
 
 def mean_of_rounds(found: Found, label: str, scenes: list[str], t: float) -> dict[int, float]:
-    """The mean over all pairs, by round; empty where a pair was not reached, for a mean is never over fewer pairs than there are."""
+    """Returns the mean over all pairs, by round; empty if a pair was not reached, because a mean is always over all pairs."""
     each = [found[label, scene, t].by_round for scene in scenes if (label, scene, t) in found]
     if len(each) < len(scenes) or not all(each):
         return {}
@@ -72,13 +75,13 @@ def mean_of_rounds(found: Found, label: str, scenes: list[str], t: float) -> dic
 
 
 def work_of(found: Found, label: str, scenes: list[str], t: float, what: str) -> float:
-    """The sum over all pairs; NaN where one is missing or counts nothing."""
+    """Returns the sum over all pairs; NaN if one is missing or counts nothing."""
     counts = [found[label, scene, t].work.get(what, 0) for scene in scenes if (label, scene, t) in found]
     return float(sum(counts)) if len(counts) == len(scenes) and all(counts) else np.nan
 
 
 def verdicts(found: Found, scenes: list[str]) -> list[Verdict]:
-    """Over the tolerances: the ratio of means over the pairs, by round."""
+    """Judges the ratio of means over the pairs, by round, at every tolerance."""
     def over(claim: str, ratio: Callable[[float], Estimate]) -> Verdict:
         return everywhere(claim, [ratio(t) for t in stages], "tolerances")
 
@@ -147,7 +150,7 @@ def make(results: Results) -> Report:
 
 
 def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) -> str:
-    """Why pairs are missing: 'CGAL: crown timeout (1e-7, 1e-8).'"""
+    """Explains why pairs are missing: 'CGAL: crown timeout (1e-7, 1e-8).'"""
     parts = []
     for solver, label in labels:
         why: dict[str, list[str]] = {}
@@ -164,7 +167,7 @@ def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) ->
 
 
 def tracing_cost(results: Results) -> str:
-    """How long traced runs took beside timed ones: the trace's last sample over the median solve."""
+    """Says how long traced runs took beside timed ones: the trace's last sample over the median solve."""
     cases, ratios = results.cases, []
     for case in np.flatnonzero((cases.trace_end > cases.trace_begin) & (cases.status == "ok")):
         time = median(results.wall_seconds(int(case)))
@@ -178,7 +181,7 @@ def tracing_cost(results: Results) -> str:
 
 def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, float], Estimate],
          reached: dict[tuple[str, float], int], asked: set[tuple[str, float]], paper: dict[str, float]) -> Any:
-    """Lines where all pairs were reached; above the frame's break, how many were where not all."""
+    """Draws lines at tolerances where all pairs were reached; above the break of the frame, the number of pairs at the others."""
     missing = [pair for pair in labels if any(reached[pair[1], t] < pairs for t in TOLERANCES if (pair[1], t) in asked)]
     strip = 0.14 * len(missing)
     figure, (top, ax) = plt.subplots(2, 1, sharex=True, figsize=(style.SINGLE_COLUMN, 2.75 + strip + 0.05),

@@ -1,4 +1,4 @@
-"""Fig. 2 of Sacht and Jacobson 2024: how many times as fast as Zheng's method theirs is, a mesh against its half."""
+"""Fig. 2 of Sacht and Jacobson 2024: how many times as fast as Zheng's method theirs is, for a mesh against its half."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ NEVER_RAN = ("skipped", "failed", "not_built")
 class Pair:
     scene: str
     triangles: int
-    cells: dict[str, Cell]  # of both solvers
+    cells: dict[str, Cell]  # by solver
     limit: float
     distance: float  # h over the diagonal of A
 
@@ -39,7 +39,7 @@ class Pair:
         return self.cells[solver].time.value
 
     def over(self, solver: str) -> bool:
-        """It did not come to the tolerance: it was stopped at the limit, or failed."""
+        """Tells whether a solver did not reach the tolerance: it was stopped at the limit, or failed."""
         return bool(self.cells[solver].failures)
 
     def late(self, solver: str) -> bool:
@@ -50,7 +50,7 @@ class Pair:
         return not self.over(FAST) and not self.over(SLOW)
 
     def ratio(self, what: str = "") -> float:
-        """Zheng over Sacht: times, or the measure that MEASURES names. NaN if one of them has none."""
+        """Returns the ratio of Zheng to Sacht, of times or of the counts that MEASURES names. NaN if one of them has none."""
         if not self.both:
             return np.nan
         pair = self.cells[SLOW], self.cells[FAST]
@@ -61,7 +61,7 @@ class Pairs:
     def __init__(self, results: Results) -> None:
         self.results = results
         self.pairs: list[Pair] = []
-        self.lost: dict[str, str] = {}  # pairs without an answer of both, and why: a model that is not there
+        self.lost: dict[str, str] = {}  # pairs without an answer of both, and the reason: a missing model
         cases = results.cases
         for scene in results.scenes:
             rows = {solver: results.rows(scene=scene, label=solver) for solver in (FAST, SLOW)}
@@ -80,7 +80,7 @@ class Pairs:
         return [ratio for ratio in known if np.isfinite(ratio) and ratio > 0]
 
     def why_apart(self) -> str:
-        """Why the times of some pairs do not compare; empty if all do."""
+        """Returns why the times of some pairs do not compare; empty if all do."""
         found = (reason_apart(pair.cells[SLOW].origins | pair.cells[FAST].origins) for pair in self.pairs if pair.both)
         return next(filter(None, found), "")
 
@@ -89,7 +89,7 @@ class Pairs:
 
 
 def verdicts(found: Pairs) -> list[Verdict]:
-    """The means in time and in counted work."""
+    """Judges the claims; the means in time and in counted work."""
     def means(name: str, mean: Any, bar: float, what: str) -> Verdict:
         claim = claims.of("sacht2024", name)
         return in_time_and_work(lambda measure: Verdict(claim, UNTESTED, f"times {why}") if why and not measure else
@@ -109,7 +109,7 @@ def verdicts(found: Pairs) -> list[Verdict]:
 
 
 def nearer_more(found: Pairs) -> Verdict:
-    """Correlates how near a pair is with the subdivisions of Sacht per triangle of A, over the pairs that it ends on."""
+    """Correlates minus the distance of a pair with the subdivisions of Sacht per triangle of A, over the pairs that it ends on."""
     known = [pair for pair in found.pairs if not pair.over(FAST) and np.isfinite(pair.distance)]
     return rising(claims.of("sacht2024", "nearer_more"), [-pair.distance for pair in known],
                   [pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in known])
@@ -185,7 +185,7 @@ def notes(found: Pairs) -> list[str]:
 
 
 def draw(found: Pairs) -> Any:
-    """A point a pair; left of times, right of counted work."""
+    """Draws one point per pair; times on the left, counted work on the right."""
     figure, axes = plt.subplots(1, 2, sharey=True, figsize=(style.DOUBLE_COLUMN, 2.7))
     looks, work = style.look(FAST), list(MEASURES)[-1]
     many = len(found.pairs) > 60

@@ -1,4 +1,4 @@
-"""Section 5.2 of Sacht and Jacobson 2024: what its program fails on, built again; each solver ends with bounds that hold, or does not."""
+"""Section 5.2 of Sacht and Jacobson 2024: inputs on which its program fails, built again, and how each solver ends on them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 PIECES: Final = "too many pieces"
 STRAY: Final = "unreferenced vertex"
 TOLERANCE: Final = 1e-8  # of all rows that do not say otherwise
-# What the published program does, as the paper tells, or as it was seen where that is said.
+# The behaviour of the published program, as the paper tells it, or as it was seen if that is said.
 THEIRS: Final = {
     STRAY: "the vertex counts towards l, which rises above every u; the queue runs empty (mesh 82541)",
     "round-off": "the u of the triangle with the maximum is rounded below l; the queue runs empty (mesh 441717)",
@@ -27,7 +27,7 @@ THEIRS: Final = {
 
 
 def problem(results: Results, row: int) -> str:
-    """How the row fails; empty where it has bounds that hold and says truly how it ended."""
+    """Returns how the row fails; empty if its bounds hold and it says truly how it ended."""
     cases, status = results.cases, results.cases.status[row]
     low, high = float(cases.lower[row]), float(cases.upper[row])
     if not (np.isfinite(low) and np.isfinite(high)):
@@ -57,7 +57,7 @@ def certified(results: Results, scene: str) -> list[int]:
 
 
 def verdicts(results: Results) -> list[Verdict]:
-    """Each row is deterministic, so a count says all."""
+    """Judges every row. Each is deterministic, so a count is enough."""
     found = []
     for scene in results.scenes:
         rows = certified(results, scene)
@@ -72,7 +72,7 @@ def without_problem(results: Results, name: str, rows: list[int]) -> Verdict:
 
 
 def reached(results: Results) -> Verdict:
-    """Judges the rows of sacht with their own max_factor: whether only the coarser tolerance is reached."""
+    """Judges, by the rows of sacht with a max_factor of their own, whether only the coarser tolerance is reached."""
     cases, claim = results.cases, claims.of("sacht2024", "too_few_pieces")
     status = {float(cases.tolerance[row]): cases.status[row] for row in results.rows(scene=PIECES, solver="sacht")
               if cases.label[row] != "sacht"}
@@ -112,7 +112,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> Any:
-    """Draws the gap of each solver: filled where it ends within its tolerance, open where it was stopped, a cross where it fails."""
+    """Draws the gap of each solver: filled if it ends within its tolerance, open if it was stopped, with a cross if it fails."""
     cases = results.cases
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 2.9))
     gaps = [results.gap(row) / float(cases.source_diagonal[row]) for row in range(len(cases)) if results.is_bounded(row)]

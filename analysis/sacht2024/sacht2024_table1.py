@@ -1,4 +1,4 @@
-"""Table 1 of Sacht and Jacobson 2024: the near-zero pairs of meshes, theirs and what stands in for them."""
+"""Table 1 of Sacht and Jacobson 2024: the near-zero pairs of meshes, the paper's and their stand-ins."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from analysis.shared.results import ResultError, Results
 
 
 def topology(results: Results, model: str) -> str:
-    """'closed', 'open', and whether it is a manifold; a dash where the model is not there."""
+    """Returns 'closed' or 'open', and whether the mesh is a manifold; a dash if the model is missing."""
     try:
         found = shapes.mesh(results, model)
     except ResultError:
@@ -24,7 +24,7 @@ def topology(results: Results, model: str) -> str:
 
 
 def share(results: Results, scene: str, quantity: str) -> float:
-    """The distance over the diagonal of A, from its certified interval."""
+    """Returns the distance over the diagonal of A, from its certified interval."""
     rows = results.rows(scene=scene, quantity=quantity)
     return results.share(rows[0]) if rows else float("nan")
 
@@ -61,7 +61,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
-    """How far apart each pair is, against its triangles; the line is at 0.1 %."""
+    """Draws the distance of each pair against its triangles, with a line at 0.1 %."""
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
     cases = results.cases
     for scene in results.scenes:

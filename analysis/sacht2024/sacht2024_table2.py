@@ -9,12 +9,13 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-PAPER = 4.38  # times as fast as Tang's program, which the paper quotes of Zheng et al.
+PAPER = 4.38  # times as fast as Tang's program; the paper quotes it from Zheng et al.
 
 
 def verdicts(pairs: Pairs) -> list[Verdict]:
-    """The stand-ins of the paper's pairs, and the derived pairs, which are nearer, each on their own. Only the former are of the paper's table,
-    in which its method is the fastest.
+    """Judges the stand-ins of the paper's pairs and the derived pairs, which are nearer, separately.
+
+    Only the stand-ins belong to the paper's table, in which its method is the fastest.
     """
     groups = {"near zero": [scene for scene in pairs.scenes if scene in pairs.papers],
               "nearer than 0.1 %": [scene for scene in pairs.scenes if scene not in pairs.papers]}

@@ -19,7 +19,7 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
 
 
 def fastest(pairs: Pairs) -> Verdict:
-    """On most pairs: of each the ratio of the better of the two rivals."""
+    """Judges the claim on most pairs, by the ratio to the better of the two rivals on each."""
     claim = claims.of("sacht2024", "fastest_far")
     return in_time_and_work(lambda what: most_of(claim, [
         least_of([pairs.ratio(scene, rival, "sacht", what) for rival in ("kang", "zheng")]) for scene in pairs.scenes]))

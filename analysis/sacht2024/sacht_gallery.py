@@ -26,7 +26,7 @@ def meshes_of(results: Results, scenes: Sequence[str]) -> dict[str, tuple[Mesh, 
 
 
 def draw(ax: Any, results: Results, pairs: dict[str, tuple[Mesh, Mesh]], upright: bool = True, name: Callable[[str], str] = style.scene_title) -> None:
-    """Draws the pairs from left to right, each mesh scaled to the same size; `upright` puts A above B, else B is to the right of A."""
+    """Draws the pairs from left to right, each mesh scaled to the same size. `upright` puts A above B; else B is right of A."""
     placed = []
     for k, (scene, (a, b)) in enumerate(pairs.items()):
         eye = mesh_picture.view_of(str(results.cases.source[results.rows(scene=scene)[0]]))

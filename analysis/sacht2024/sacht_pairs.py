@@ -1,4 +1,4 @@
-"""Tables 2 and 3 of Sacht and Jacobson 2024 have one form: pairs of meshes, the time of each solver, ratios of them."""
+"""Tables 2 and 3 of Sacht and Jacobson 2024: pairs of meshes, the time of each solver, and the ratios of times."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from analysis.shared.results import Results
 from analysis.shared.sizes import tests_claims
 from analysis.shared.verdicts import Verdict, above_one
 
-PRINTED: Final = ("kang", "zheng", "sacht")  # whose times the paper prints
+PRINTED: Final = ("kang", "zheng", "sacht")  # solvers whose times the paper prints
 RATIOS: Final = (("zheng", "kang"), ("kang", "sacht"), ("zheng", "sacht"), ("cgal", "sacht"))
 SECOND: Final = {"ms": 1e-3}
-Ratio = tuple[str, str]  # of the first label's time, or work, to the second's
+Ratio = tuple[str, str]  # of the first label's time or work to the second's
 STANDS_IN: Final = {"crown": "elephant", "monster": "bunny", "bust": "Snowden", "ramesses": "dragon"}  # for the paper's models
 
 
@@ -33,7 +33,7 @@ def named(scene: str, between: str = " ") -> str:
 
 
 class Pairs(Grid):
-    """All pairs of a result file, with the values that the paper prints."""
+    """All pairs of a result file, and the paper's numbers on them."""
 
     def __init__(self, results: Results) -> None:
         super().__init__(results)
@@ -43,11 +43,11 @@ class Pairs(Grid):
             row["scene"]: {**row, **{label: row[label] * unit for label in PRINTED}} for row in self.printed["row"]}
 
     def less_on(self, claim: str, slow: str, fast: str, scene: str) -> Verdict:
-        """A claim about one pair of meshes."""
+        """Judges a claim about one pair of meshes."""
         return in_time_and_work(lambda what: above_one(claim, self.ratio(scene, slow, fast, what)))
 
     def average(self, claim: str, slow: str, fast: str, bar: float = 1.0, scenes: Sequence[str] | None = None) -> Verdict:
-        """A claim that `fast` is `bar` times as fast on average over these pairs; in time, and in counted work."""
+        """Judges a claim that `fast` is `bar` times as fast on average over these pairs, in time and in counted work."""
         among = self.scenes if scenes is None else scenes
         return in_time_and_work(lambda what: on_average(claim, [self.ratio(scene, slow, fast, what) for scene in among], bar))
 
@@ -56,7 +56,7 @@ class Pairs(Grid):
 
 
 def percent(share: float) -> str:
-    """A share in percent; tiny ones, such as what rounding leaves of zero, with their power of ten."""
+    """Returns a share in percent; tiny ones, such as what rounding leaves of a zero, with their power of ten."""
     return tables.number(100 * share)
 
 
@@ -96,7 +96,7 @@ def make(spec: Spec, results: Results) -> Report:
 
 
 def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> list[list[str]]:
-    """Returns times, counted work, and the values that the paper prints."""
+    """Returns the rows of a scene: times, counted work, and the paper's times."""
     paper = pairs.papers.get(scene, {})
     rows = [[named(scene), "here", pairs.results.sizes(pairs.first(scene)), percent(pairs.distance(scene)),
              *pairs.texts(scene, scale), *[tables.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios]]]

@@ -1,4 +1,4 @@
-"""Cost against size: the exponents of time and of memory with intervals, and forecasts for larger sizes."""
+"""Cost against size: exponents of time and of memory with intervals, and forecasts for larger sizes."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import CONFIDENCE
 
-LEAST_SECONDS: Final = 2e-4  # below it starting, and what is read from cold memory, decide
-LEAST_BYTES: Final = 2**20  # below it pages and what loading left free decide
-FIXED: Final = 10.0  # a cost that is not so many times that of the smallest size has a fixed part, which would flatten the line
+LEAST_SECONDS: Final = 2e-4  # shorter times depend on starting and on reads from cold memory
+LEAST_BYTES: Final = 2**20  # smaller peaks depend on pages and on memory that loading left free
+FIXED: Final = 10.0  # a cost below this many times the cost of the smallest size has a fixed part, which would flatten the line
 LEAST_SIZES: Final = 3  # two sizes make a line that nothing can contradict
 ANSWERS: Final = "ok"
-# By stem: its elements, the label whose memory the others' is held against, and a note.
+# By stem: its elements, the label with whose memory the others are compared, and a note.
 # The scans have edges of more than two faces, or faces that are turned around; simplifying makes a manifold of them first.
 STEMS: Final = {
     "scaling_points": ("point", "cgal_kdtree", ""),
@@ -45,8 +45,10 @@ UNKNOWN: Final = Interval(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Growth:
-    """cost = constant n^exponent: the least squares line through logarithms, and Student's intervals around it. They hold if the logarithms
-    scatter about a line with one variance; where cost bends (caches, a fixed part), they say how far it is from one.
+    """cost = constant n^exponent: the least squares line through logarithms, and Student's intervals around it.
+
+    The intervals hold if the logarithms scatter about a line with one variance. If cost bends (caches, a fixed part),
+    they say how far it is from a line.
     """
 
     sizes: tuple[float, ...]
@@ -64,7 +66,7 @@ class Growth:
         return Interval(float(fit.slope), float(fit.slope) - half, float(fit.slope) + half)
 
     def at(self, n: float) -> Interval:
-        """The cost to be expected at another size, with the interval for one more measurement there."""
+        """Returns the cost to be expected at another size, with the interval for one more measurement there."""
         if not self.known:
             return UNKNOWN
         x, y = np.log(self.sizes), np.log(self.costs)
@@ -80,8 +82,9 @@ class Growth:
 
 
 def growth(sizes: Sequence[float], costs: Sequence[float], least: float, fixed: float = FIXED) -> Growth:
-    """Fits the sizes from which on every known cost is large enough to judge: at least `least`, and `fixed` times the cost of the smallest
-    size.
+    """Returns the growth from the size on at which every known cost is large enough to tell.
+
+    Large enough: at least `least`, and `fixed` times the cost of the smallest size.
     """
     known = sorted((n, cost) for n, cost in zip(sizes, costs, strict=True) if not math.isnan(cost))
     bar = max([least, *[fixed * cost for _, cost in known[:1]]])
@@ -91,31 +94,31 @@ def growth(sizes: Sequence[float], costs: Sequence[float], least: float, fixed: 
 
 @dataclass(frozen=True)
 class Curve:
-    """One solver in one regime, the sizes in ascending order."""
+    """One solver in one regime, with its sizes in ascending order."""
 
     regime: str
     solver: str
     label: str
-    rows: tuple[int, ...]  # of /cases, with an answer
-    sizes: tuple[float, ...]  # |A| + |B|, of these rows
+    rows: tuple[int, ...]  # rows of /cases with an answer
+    sizes: tuple[float, ...]  # |A| + |B| of these rows
     prepare: tuple[float, ...]  # seconds
-    solve: tuple[float, ...]  # of the first answer
-    peak: tuple[float, ...]  # bytes; NaN unknown
+    solve: tuple[float, ...]  # seconds, of the first answer
+    peak: tuple[float, ...]  # bytes; NaN: unknown
     structures: tuple[float, ...]  # bytes that the structures hold
     lost: tuple[tuple[float, str], ...]  # size and status of the rows without an answer
 
-    times_compare: bool = True  # else no exponent is made of them
+    times_compare: bool = True  # if not, no exponent is made of them
 
     @property
     def title(self) -> str:
         return style.title(self.solver, self.label)
 
     def growth_of(self, seconds: Sequence[float], least: float = LEAST_SECONDS) -> Growth:
-        """Growth of times, one for each size."""
+        """Returns the growth of times, one for each size."""
         return growth(self.sizes, seconds, least) if self.times_compare else Growth((), ())
 
     def last(self, values: Sequence[float]) -> float:
-        """An element, at the largest size that was answered."""
+        """Returns the value per element, at the largest size that was answered."""
         return values[-1] / self.sizes[-1] if self.sizes else math.nan
 
 
@@ -147,12 +150,12 @@ def curves(results: Results) -> list[Curve]:
 
 
 def text(x: Interval) -> str:
-    """'1.02 [0.98, 1.06]'."""
+    """Returns '1.02 [0.98, 1.06]'."""
     return tables.NOTHING if math.isnan(x.value) else f"{x.value:.2f} [{x.low:.2f}, {x.high:.2f}]"
 
 
 def short(n: float) -> str:
-    """'300K', '20M'."""
+    """Returns '300K' or '20M'."""
     for unit, name in ((1e9, "G"), (1e6, "M"), (1e3, "K")):
         if n >= unit:
             return f"{n / unit:.3g}{name}"
@@ -202,13 +205,13 @@ def record(one: Curve, i: int, grown: Sequence[Growth]) -> tables.Record:
 
 
 def answered(one: Curve) -> str:
-    """'2K to 600K; timeout at 2M'."""
+    """Returns '2K to 600K; timeout at 2M'."""
     there = f"{short(one.sizes[0])} to {short(one.sizes[-1])}" if one.sizes else "none"
     return "; ".join([there, *[f"{style.status_word(status)} at {short(n)}" for n, status in one.lost]])
 
 
 def peak_ratio(rival: Curve | None, one: Curve) -> float:
-    """At the largest size that both answered with a peak large enough to tell."""
+    """Returns the ratio at the largest size that both answered with a peak large enough to tell."""
     if rival is None or rival is one:
         return math.nan
     theirs = dict(zip(rival.sizes, rival.peak))
@@ -222,20 +225,20 @@ def notes(results: Results) -> dict[str, str]:
 
 
 def has_marks(ax: Any) -> bool:
-    """Whether the frame has marks for numbers; failures are drawn at the edge, in a place of their own."""
+    """Tells whether the axes show numbers; marks of failures at the edge do not count, because they have no place on the axes."""
     return any(len(line.get_xdata()) and line.get_transform() == ax.transData for line in ax.lines)
 
 
 def tick(axes: Iterable[Any]) -> None:
     for ax in axes:
-        if has_marks(ax):  # an empty logarithmic axis has no ticks to ask for
+        if has_marks(ax):  # an empty logarithmic axis has no ticks
             ax.set(xscale="log", yscale="log")
             scales.log_ticks(ax.xaxis)
             scales.log_ticks(ax.yaxis)
 
 
 def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
-    """Draws solving (filled) and preparing (small and open) above, and the peak memory of an element below."""
+    """Draws times to solve (filled) and to prepare (small and open) above, and the peak memory per element below."""
     figure, axes = plt.subplots(2, max(1, len(by_regime)), figsize=(style.DOUBLE_COLUMN, 4.4), sharex=True, sharey="row", squeeze=False)
     for (regime, own), above, below in zip(by_regime.items(), axes[0], axes[1]):
         lost = []
@@ -246,7 +249,7 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
                 continue
             above.plot(one.sizes, one.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7)
             above.plot(one.sizes, one.solve, **style.filled_marker(looks))
-            # CGAL builds soups and manifolds differently: no line joins the two.
+            # CGAL builds soups and manifolds differently, so no line joins the two.
             prepare = style.open_marker(looks) | {"markersize": 0.6 * looks.size, "markeredgewidth": 0.5} | ({} if one.solver == "cgal" else PREPARE)
             above.plot(one.sizes, one.prepare, **prepare)
             told = [(n, peak / n) for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES]

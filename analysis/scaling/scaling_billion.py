@@ -1,11 +1,12 @@
-"""Forecasts the cost of a thousand million points in each set, in one piece and in shards, from the sizes that were measured.
+"""The cost of a thousand million points in each set, on paper: a forecast from the measured sizes, in one piece and in shards.
 
-Shards: split A into k cells with equally many points (a k-d tree's). The task of a cell takes its points A_i and B_i, all points of B
-within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is never below h(A_i, B), because B_i is part of B. If u_i <= r it is
-exact: each point of A_i has its nearest point of B within u_i, so in B_i. Otherwise, if u_i is above the largest exact answer so far (0 if
-there is none), the task runs again with margin u_i, and is exact by the same argument; if B_i is empty, the margin is doubled until it is
-not. h(A, B) is the largest of the exact answers. For a solver that gives an interval, u_i is its upper end, and the box of A_i is rounded
-outward. The plan leaves out the cost of tasks that run again.
+In shards: split A into k cells with as many points each (the cells of a k-d tree). The task of a cell takes its points
+A_i, and B_i: all points of B within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is never below h(A_i,
+B), because B_i is a part of B. If u_i <= r it is exact: each point of A_i has its nearest point of B within u_i, so in
+B_i. Otherwise, if u_i is above the largest exact answer so far (0 if there is none), the task runs once more with the
+margin u_i, and is exact by the same argument; if B_i is empty, its margin is doubled until it is not. h(A, B) is the
+largest of the exact answers. If a solver gives an interval, u_i is its upper end, and the box of A_i is rounded
+outward. The plan does not include the cost of tasks that run again.
 """
 
 from __future__ import annotations
@@ -27,13 +28,13 @@ from analysis.shared.results import Results
 RESULTS_OF: Final = "scaling_points"
 SOLVERS: Final = ("scan", "kdtree", "inc")
 DRAWN: Final = "scan"
-EACH: Final = 1e9  # points of A, and of B
+EACH: Final = 1e9  # points of A, and as many of B
 POINT: Final = 24  # bytes: three doubles
-COPIES: Final = 2  # of a shape while it is loaded: as it is read, and as it is kept
-LEAST_SECONDS: Final = 1e-3  # below it a fixed part decides, which a line through logarithms would carry on
-PASSES: Final = 3  # over the files: to split them (read and write), and to read the shards
+COPIES: Final = 2  # copies of a shape while it is loaded: as it is read, and as it is kept
+LEAST_SECONDS: Final = 1e-3  # in shorter times a fixed part dominates, which a line through logarithms would carry on
+PASSES: Final = 3  # passes over the files: to split them (read and write), and to read the shards
 MOST_TASKS: Final = 100_000
-MOST_MARGIN: Final = 4.0  # a margin that makes B so many times as large as A: cells gain little
+MOST_MARGIN: Final = 4.0  # if a margin makes B this many times as large as A, cells gain little
 TOO_WIDE: Final = "margin too wide"
 
 
@@ -45,17 +46,19 @@ class Shards:
 
 
 def widened(tasks: float, margin: float) -> float:
-    """Estimates how many times the points of a cell its margin takes in, for points spread evenly in a cube or on a surface in it. Cells of
-    a surface are smaller, box / sqrt(tasks). If points are spread unevenly, the number may be half as large again. `margin` is a
-    fraction of the diagonal.
+    """Estimates the points in the margin of a cell, as a multiple of the cell's points. `margin` is a fraction of the diagonal.
+
+    This is for points spread evenly in a cube, or on a surface in it: cells of a surface are the smaller ones, box /
+    sqrt(tasks). If points lie unevenly, it may be half as much again.
     """
     side = 1 / math.sqrt(3) / math.sqrt(tasks)
     return (1 + 2 * margin / side)**3
 
 
 def shards(each: float, margin: float, memory: float, bytes_of: Callable[[float], float]) -> Shards | None:
-    """Returns the fewest tasks, to one in twenty, whose points fit into `memory` together with the solver's own memory; None if no number
-    of cells does, or the margin takes in too much.
+    """Returns the fewest tasks, to within 5 %, whose points fit into `memory` together with the solver's memory for them.
+
+    None if no number of cells does, or the margin takes in too much.
     """
     tasks = 1
     while tasks <= MOST_TASKS:
@@ -71,10 +74,10 @@ def shards(each: float, margin: float, memory: float, bytes_of: Callable[[float]
 class Forecast:
     regime: str
     title: str
-    distance: Interval  # of the diagonal of A
+    distance: Interval  # as a fraction of the diagonal of A
     peak: Interval  # bytes, besides the points
-    seconds: Interval  # preparing and solving
-    known: bool  # enough sizes for a plan
+    seconds: Interval  # to prepare and solve
+    known: bool  # there are enough sizes for a plan
     plan: Shards | None
     plan_seconds: Interval
 
@@ -84,7 +87,7 @@ def times(x: Interval, factor: float) -> Interval:
 
 
 def distances(results: Results, one: Curve) -> Growth:
-    """h as a fraction of the diagonal of A."""
+    """Returns the growth of h as a fraction of the diagonal of A."""
     cases = results.cases
     return growth(one.sizes, [float(cases.upper[row] / cases.source_diagonal[row]) for row in one.rows], 0, 0)
 
@@ -98,7 +101,9 @@ def memory_of(one: Curve) -> Growth:
 
 
 def forecast(results: Results, one: Curve, memory: float) -> Forecast:
-    """Sizes the shards with the upper ends of the forecasts; a margin is the largest expected distance."""
+    """Returns the forecast for one solver. The upper ends of its intervals size the shards; the margin is the upper end
+    of the distance.
+    """
     total, seconds, peak, distance = 2 * EACH, cost(one), memory_of(one), distances(results, one)
     margin = distance.at(total).high
     known = seconds.known and peak.known and math.isfinite(margin)
@@ -108,7 +113,7 @@ def forecast(results: Results, one: Curve, memory: float) -> Forecast:
 
 
 def text(x: Interval, scale: float) -> str:
-    """'70 [61, 82]'."""
+    """Returns '70 [61, 82]'."""
     if math.isnan(x.value):
         return tables.NOTHING
     return f"{tables.number(scale * x.value, 2)} [{tables.number(scale * x.low, 2)}, {tables.number(scale * x.high, 2)}]"
@@ -160,7 +165,7 @@ def make(results: Results) -> Report:
 
 
 def draw(found: list[Curve], memory: float) -> Any:
-    """Draws the measurements, the line through them, and the band of the forecast."""
+    """Draws the measured costs, the line through them, and the band of the forecast."""
     figure, axes = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.6))
     colours = [style.look(name).colour for name in ("scan", "ohd", "nohd", "adaptive")]
     entries = []

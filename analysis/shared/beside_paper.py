@@ -1,5 +1,6 @@
-"""A figure of times beside those that a paper prints: one band a scene, one line a solver in it; filled: here, open: the paper, bar: the
-interval of the median.
+"""A figure of times beside the times that a paper prints: one band per scene, one line per solver.
+
+Filled marks: here; open marks: the paper; bars: the interval of the median.
 """
 
 from __future__ import annotations
@@ -24,7 +25,10 @@ def row_title(grid: Grid, scene: str) -> str:
 
 
 def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[Grid, str], str] = row_title) -> Any:
-    """`papers` are the seconds that the paper prints, by scene and label; they are drawn only beside times of the paper's sizes. `title` names a scene."""
+    """Draws the figure. `title` names a scene.
+
+    `papers` holds the seconds that the paper prints, by scene and label; they are drawn only beside times at the paper's sizes.
+    """
     here = "here, the paper's sizes" if tests_claims(grid.results) else "here, smaller sizes"
     if not tests_claims(grid.results):
         papers = {}
@@ -51,7 +55,7 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[G
                 style.interval(ax, cell.time, y, color=looks.colour, linewidth=1.6, zorder=2)
                 ax.plot(cell.time.value, y, **style.filled_marker(looks))
             elif cell:
-                # On the side where the paper's mark is not.
+                # On the side without the paper's mark.
                 right = bool(printed) and printed**2 < min(known) * max(known)
                 ax.text(0.985 if right else 0.015, y, f"{looks.title}: {cell.text(1)}", fontsize=6, color="#333333",
                         transform=ax.get_yaxis_transform(), ha="right" if right else "left", va="center")

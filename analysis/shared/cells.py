@@ -1,10 +1,11 @@
-"""Rows of a result file that make one cell of a table: one label on one scene, its seeds pooled.
+"""Cells of tables: all rows of one label on one scene, with the seeds pooled.
 
-A time is process CPU time, children included, if one thread works at a time, and wall time if several do: the result file says which
-(`clock`), and notes.clock_note says it under a table. Preparing is wall time and is added to the first answer of the process, round by
-round, so that a solver gains nothing by building something while it solves. The unit of every interval is the round, a fresh process. If
-there are several seeds, the unit is the seed, which has its own processes, by the median of its rounds: rounds alone would show how times
-vary, but not how seeds do.
+A time is CPU time of the process and its children if one thread works at a time, and wall time if several do. The
+result file says which (`clock`), and notes.clock_note says it under a table. Preparation is wall time. It is added to
+the first answer of the process, round by round, so that a solver gains nothing by building structures while it solves.
+
+The unit of every interval is the round, a fresh process. With several seeds the unit is the seed, which has processes
+of its own, by the median of its rounds: rounds alone would show how times vary, but not how seeds do.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ MEASURES: Final = {"distances": DISTANCES, "distances, bounds and nodes": WORK}
 
 
 def takes_seed(results: Results, row: int) -> bool:
-    """The solver leaves something to chance: its counts are of the seed that it was given."""
+    """Tells whether the solver is randomized; its counts then belong to the seed that it was given."""
     return "seed" in results.options(row)
 
 
@@ -46,7 +47,7 @@ class Cell:
         self.seeded = takes_seed(results, first)
         self.origins = origins(results, rows)
         self.failures = Counter(cases.status[r] for r in rows if cases.status[r] != "ok")
-        # Leaving out the failed seeds would leave out the slow ones, so there is no median then.
+        # If a seed failed, there is no median: leaving out the seeds that failed would leave out the slow ones.
         ok = not self.failures
         self.times = self._by_unit([results.total_by_round(r) for r in rows]) if ok else {}
         self.time: Estimate = median(list(self.times.values()))
@@ -57,7 +58,7 @@ class Cell:
         self.peak = float(np.median(cases.peak_bytes[rows])) if ok and (cases.peak_bytes[rows] >= 0).all() else np.nan
 
     def _by_unit(self, runs: list[dict[int, float]]) -> dict[int, float]:
-        """The rounds of one row, or the medians of several seeds."""
+        """Returns the times of one row by round, or the medians of several rows by seed."""
         if len(runs) == 1:
             return runs[0]
         return {seed: float(np.median(list(run.values()))) for seed, run in zip(self._seeds(), runs) if run}
@@ -66,7 +67,7 @@ class Cell:
         return [int(self.results.options(row).get("seed", i)) for i, row in enumerate(self.cases)]
 
     def share_preparation(self, other: Cell) -> None:
-        """If both are prepared with one structure, gives both the shorter of its two times, round by round."""
+        """Gives both cells the shorter of their two preparation times, round by round, because they use the same structure."""
         before = [self.results.prepare_by_round(cell.cases[0]) for cell in (self, other)]
         for cell in (self, other):
             solve = self.results.first_by_round(cell.cases[0])
@@ -77,7 +78,7 @@ class Cell:
         self.prepare = other.prepare = min(self.prepare, other.prepare)
 
     def counted(self, names: Sequence[str]) -> dict[int, float]:
-        """Work by seed, or the one count of a solver without seeds; empty where a row failed or nothing is counted."""
+        """Returns the work by seed, or the single count of a solver without seeds; empty if a row failed or nothing is counted."""
         counters = self.results.cases.counters
         if self.failures or not any(name in counters for name in names):
             return {}
@@ -85,12 +86,12 @@ class Cell:
                 for seed, row in zip(self._seeds(), self.cases)}
 
     def count(self, names: Sequence[str]) -> float:
-        """The median over seeds; NaN where nothing is counted."""
+        """Returns the median over seeds; NaN if nothing is counted."""
         found = list(self.counted(names).values())
         return float(np.median(found)) if found and min(found) > 0 else np.nan
 
     def cost(self, what: str = "") -> float:
-        """Time, or the measure that MEASURES names; NaN if it has none."""
+        """Returns the time, or the count that MEASURES names; NaN if there is none."""
         return self.count(MEASURES[what]) if what else self.time.value
 
     def text(self, scale: float) -> str:
@@ -106,8 +107,9 @@ class Cell:
 
 
 def compare(slow: Cell, fast: Cell, by: float = 1.0) -> Estimate:
-    """The ratio of times, divided by `by`: paired by round, or by seed where both have several; of times measured apart otherwise. No data if they do not
-    compare.
+    """Returns the ratio of times, divided by `by`; no data if the times do not compare.
+
+    The ratio is paired by round, or by seed if both have several. Otherwise it is a ratio of medians.
     """
     if slow.failures or fast.failures:
         return NO_DATA
@@ -120,12 +122,12 @@ def compare(slow: Cell, fast: Cell, by: float = 1.0) -> Estimate:
 
 
 def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
-    """The ratio of counted work: exact of solvers that take no seed; one seed is one draw."""
+    """Returns the ratio of counted work: exact if no solver takes a seed; a single seed is one draw."""
     return ratio_of_counts(slow.counted(names), fast.counted(names), (slow.seeded, fast.seeded))
 
 
 def in_time_and_work(judge: Callable[[str], Verdict], counted: Iterable[str] = MEASURES) -> Verdict:
-    """The verdict on times, `judge("")`, with those on each kind of counted work."""
+    """Returns the verdict on times, `judge("")`, together with the verdicts on each kind of counted work."""
     return judge("").with_counts({what: judge(what) for what in counted})
 
 
@@ -135,10 +137,10 @@ def count_text(cell: Cell | None, names: Sequence[str]) -> str:
 
 
 class Grid:
-    """A cell for each scene and each label that was run on it."""
+    """One cell for each scene and each label that was run on it."""
 
     def __init__(self, results: Results, labels: Sequence[tuple[str, str]] = ()) -> None:
-        """Takes labels with their solvers, in the order of columns; default: the order of style.LOOKS."""
+        """`labels` are (solver, label) pairs in the order of columns; default: all pairs, in the order of style.LOOKS."""
         self.results, self.scenes = results, results.scenes
         self.labels = list(labels) or style.order(zip(results.cases.solver, results.cases.label))
         self.cells = {(scene, label): Cell(results, rows) for scene in self.scenes for _, label in self.labels
@@ -148,7 +150,7 @@ class Grid:
         return self.results.rows(scene=scene)[0]
 
     def row(self, scene: str) -> list[Cell | None]:
-        """A cell for each label; None where it was not run."""
+        """Returns a cell for each label; None if it was not run."""
         return [self.cells.get((scene, label)) for _, label in self.labels]
 
     def texts(self, scene: str, scale: float) -> list[str]:
@@ -158,13 +160,13 @@ class Grid:
         return [style.title(*pair) for pair in self.labels]
 
     def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Ratio of times, or of the measure that MEASURES names; NO_DATA if one of the two was not run."""
+        """Returns the ratio of times, or of the counts that MEASURES names; NO_DATA if one of the two was not run."""
         above, below = self.cells.get((scene, slow)), self.cells.get((scene, fast))
         if above is None or below is None:
             return NO_DATA
         return compare_work(above, below, MEASURES[what]) if what else compare(above, below)
 
     def less(self, claim: str, slow: str, fast: str, scenes: Sequence[str] | None = None) -> Verdict:
-        """A claim that `fast` takes less than `slow` on all of these scenes, in time and in counted work."""
+        """Judges a claim that `fast` takes less than `slow` on all of these scenes, in time and in counted work."""
         among = self.scenes if scenes is None else scenes
         return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in among]))

@@ -1,10 +1,17 @@
 """Claims, from analysis/claims/<paper>.toml, and their verdicts as data.
 
-A table in such a file is one claim: `claim` (the words that tables print, perhaps with {blanks}), `stem` (or a list of them) that judges it,
-`judged_as` (average, every pair, most, never, ...), and the sentence of the paper, `quote`, with its `section`. Claims of our own are in
-hausbench.toml and have neither. `counts = true` says that its ratio is one of counted work; `differs` says why it does not hold here, if that is known. A claim
-with blanks has `in_general`: the same words without blanks, for a page on which it has no verdict. `untested` gives the reason why no script judges the sentence;
-such a claim needs neither `stem` nor `judged_as`, and must not get a verdict.
+Each table of such a file is one claim, with these keys:
+
+    claim        the words that tables print, perhaps with {blanks}
+    in_general   the same words without blanks, for a page on which the claim has no verdict; required if there are
+    blanks
+    stem         the stem that judges it, or a list of stems
+    judged_as    average, every pair, most, never, ...
+    quote        the sentence of the paper; our own claims, in hausbench.toml, have no quote and no section
+    section      the section of that sentence
+    counts       true: the ratio of the claim is of counted work
+    differs      why the claim does not hold here, if that is known
+    untested     why no script judges it; such a claim needs neither `stem` nor `judged_as`, and must not get a verdict
 """
 
 from __future__ import annotations
@@ -22,15 +29,15 @@ from analysis.shared.verdicts import Ratio, Verdict
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
 OWN: Final = "hausbench"
-STATED: Final = "experiment"  # in place of a paper, for claims that an experiment states itself
+STATED: Final = "experiment"  # stands in place of a paper, for claims that an experiment states itself
 KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "in_general", "untested"})
-SUFFIX: Final = ".verdicts.json"  # after the stem, or the name of a kept file of tables
+SUFFIX: Final = ".verdicts.json"  # follows the stem, or the name of a kept file of tables
 Record = tables.Record
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A table of a claims file."""
+    """A claim of a claims file."""
 
     paper: str
     id: str
@@ -39,14 +46,14 @@ class Entry:
     section: str
     quote: str
     judged_as: str
-    counts: bool  # its ratio is of counted work, not of time
+    counts: bool  # the ratio is of counted work, not of time
     differs: str  # why it does not hold here, if that is known
-    in_general: str = ""  # its words without blanks, if it has blanks
-    untested: str = ""  # why no script judges it
+    in_general: str = ""  # the words without blanks, if there are blanks
+    untested: str = ""  # why no script judges the claim
 
 
 class Claim(str):
-    """The words of a claim, with their entry. `place` is the only place for which it is claimed here, such as a scene."""
+    """The words of a claim, and the entry that they come from. `place` is the only place, such as a scene, that it is about here."""
 
     entry: Entry
     place: str
@@ -54,7 +61,7 @@ class Claim(str):
 
 @cache
 def entries(paper: str) -> dict[str, Entry]:
-    """The claims of a paper, by id. Raises ValueError for a missing or unknown key, with the file and the claim."""
+    """Reads the claims of a paper, by id. Raises ValueError for a missing or unknown key, naming the file and the claim."""
     path = FOLDER / f"{paper}.toml"
     with path.open("rb") as file:
         return {name: _entry(path, name, table) for name, table in tomllib.load(file).items()}
@@ -76,7 +83,7 @@ def _entry(path: Path, name: str, table: dict[str, object]) -> Entry:
 
 
 def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:
-    """The claim, its blanks filled in. Raises KeyError if the paper's file has no such claim, or a blank is left."""
+    """Returns the claim with its blanks filled in. Raises KeyError if the paper's file has no such claim, or a blank is left."""
     entry = entries(paper)[name]
     text = entry.text.format(**blanks)
     claim = Claim(f"{place}: {text}" if place else text)
@@ -85,8 +92,10 @@ def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:
 
 
 def record(verdict: Verdict, stem: str, profile: str) -> Record:
-    """One verdict as it stands in a file. Raises TypeError if its claim was typed and not taken from a claims file, and ValueError if the file does not
-    name the stem, or says that no script judges the claim.
+    """Returns a verdict as it stands in a file.
+
+    Raises TypeError if its claim is not from a claims file, and ValueError if that file does not name the stem or marks
+    the claim as untested.
     """
     claim = verdict.claim
     if not isinstance(claim, Claim):
@@ -112,5 +121,5 @@ def records(verdicts: Iterable[Verdict], stem: str, profile: str) -> list[Record
 
 
 def read(path: Path) -> list[Record]:
-    """Returns the verdicts of a file; none if there is no file. Raises ValueError if it is damaged."""
+    """Reads the verdicts of a file; none if there is no file. Raises ValueError if it is damaged."""
     return tables.read_json(path) if path.exists() else []

@@ -1,4 +1,7 @@
-"""Makes text safe to draw: names from results must not be read as formulas or vanish, and letters that the font lacks must stay visible."""
+"""Makes text safe to draw.
+
+Names from results must not be read as formulas or vanish, and letters that the font lacks must stay visible.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +18,8 @@ import matplotlib.ticker
 
 from analysis.shared.printable import printable, spelled
 
-_done: Final = weakref.WeakSet[Any]()  # texts that are drawable
-_POWER: Final = re.compile(r"\$10\^\{-?\d+\}\$")  # a tick of a logarithmic axis
+_done: Final = weakref.WeakSet[Any]()  # texts that are drawable already
+_POWER: Final = re.compile(r"\$10\^\{-?\d+\}\$")  # a tick label of a logarithmic axis
 
 
 @cache
@@ -26,19 +29,19 @@ def _glyphs() -> frozenset[int]:
 
 
 def drawable(text: str) -> str:
-    """The text with its dollar signs escaped, and '<U+4E2D>' for a letter that the font of figures lacks."""
+    """Returns the text with its dollar signs escaped, and '<U+4E2D>' for a letter that the font of figures lacks."""
     if _POWER.fullmatch(text):
         return text
     return spelled(printable(text, lines=True), lambda letter: letter == "\n" or ord(letter) in _glyphs()).replace("$", r"\$")
 
 
 def legend_label(text: str) -> str:
-    """The text as the label of a line: matplotlib leaves labels that begin with '_' out of legends."""
+    """Returns the text as the label of a line; matplotlib leaves labels that begin with '_' out of legends."""
     return f" {text}" if text.startswith("_") else text
 
 
 class _Drawable(matplotlib.ticker.Formatter):  # type: ignore[misc]
-    """Labels of ticks that another formatter takes from a list."""
+    """A formatter that makes the tick labels of another formatter drawable."""
 
     def __init__(self, inner: Any) -> None:
         self.inner = inner
@@ -48,12 +51,12 @@ class _Drawable(matplotlib.ticker.Formatter):  # type: ignore[misc]
 
 
 def as_formula(text: Any) -> None:
-    """Lets matplotlib read what stands between dollar signs in this text."""
+    """Lets matplotlib read the parts of this text between dollar signs as formulas."""
     _done.add(text)
 
 
 def make_drawable(artist: Any) -> None:
-    """Makes all texts of a figure, or of a part of it, drawable, apart from formulas."""
+    """Makes all texts of a figure, or of a part of it, drawable, except formulas."""
     for text in set(artist.findobj(matplotlib.text.Text)) - set(_done):
         text.set_text(drawable(text.get_text()))
         _done.add(text)

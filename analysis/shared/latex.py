@@ -1,4 +1,6 @@
-"""A table in LaTeX: a float with the caption, the cells and at most NOTE_WORDS words of notes; further notes and the claims follow it as text."""
+"""A table in LaTeX: a float with the caption, the cells and at most NOTE_WORDS words of notes; further notes and the
+claims follow as text.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ NEEDS: Final = r"% needs \usepackage{booktabs,array,longtable,rotating,pdflscape
 
 
 def split_notes(notes: Sequence[str], words: int = NOTE_WORDS) -> tuple[list[str], list[str]]:
-    """Returns the notes that fit that many words, and the others, each in their order."""
+    """Splits the notes into those that fit into `words` words and the others, each in their order."""
     inside: list[str] = []
     after: list[str] = []
     for note in notes:
@@ -28,7 +30,7 @@ def split_notes(notes: Sequence[str], words: int = NOTE_WORDS) -> tuple[list[str
 
 
 def _sentences(notes: Iterable[str]) -> str:
-    """One paragraph; a note without an end gets a full stop."""
+    """Joins the notes into one paragraph; a note without an end gets a full stop."""
     return " ".join(tex.tex_escape(note.strip() if note.rstrip().endswith((".", "!", "?")) else f"{note.strip()}.") for note in notes)
 
 
@@ -48,7 +50,7 @@ def _columns(block: Block, left: int) -> str:
 
 
 def _body(table: Table, block: Block) -> list[str]:
-    """The rows; of a block of columns, those with another cell than 'n/a' in the columns that are its own."""
+    """Returns the rows. A block of columns leaves out the rows that have only 'n/a' in the block's own columns."""
     own = [k for k in block if k >= (table.parts[0] if table.parts else table.left)]
     lines: list[str] = []
     for i, row in enumerate(table.rows):
@@ -85,20 +87,21 @@ def _pages(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> 
     """Returns a table of several pages as a longtable, which cannot float."""
     lines = [r"\begin{landscape}"] * chosen.sideways + [rf"{{\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}\setlength{{\LTcapwidth}}{{\linewidth}}%"]
     for number, block in enumerate(chosen.blocks):
-        lines += [r"\addtocounter{table}{-1}"] * (number > 0)  # every longtable counts as a table
+        lines += [r"\addtocounter{table}{-1}"] * (number > 0)  # every longtable increments the number of tables
         lines += _longtable(table, block, "" if number else caption)
-    # Upright, on the page of what follows: sideways they would often be alone on a page. In a box, so that no page ends within them.
+    # The notes are upright, on the page of the text that follows, because sideways they would often be alone on a page.
+    # They are in a box, so that no page ends within them.
     return [*lines, "}", *[r"\end{landscape}"] * chosen.sideways, *[rf"\noindent\parbox{{\linewidth}}{{\footnotesize {_sentences(notes)}}}"] * bool(notes)]
 
 
 def _list(heading: str, items: Iterable[str]) -> list[str]:
-    """Returns a heading, which no page ends with, and a list, of which each item is on one page."""
+    """Returns a heading and a list. No page ends after the heading or within an item."""
     return [r"\begingroup\footnotesize\interlinepenalty=10000\csname @beginparpenalty\endcsname=10000\relax", rf"\par\medskip\noindent\textbf{{{heading}}}",
             r"\begin{itemize}\setlength{\itemsep}{0pt}\setlength{\parskip}{0pt}\setlength{\parsep}{0pt}", *[rf"\item {item}" for item in items], r"\end{itemize}\endgroup"]
 
 
 def _after(table: Table, label: str, notes: Sequence[str]) -> list[str]:
-    """The claims, and the notes that have no room in the float."""
+    """Returns the claims, and the notes that do not fit into the float."""
     where, lines = rf"Table~\ref{{{label}}}", list[str]()
     if table.verdicts:
         lines += _list(f"Claims tested in {where}.", [tex.tex_escape(verdict.line().removeprefix("Claim: ")) for verdict in table.verdicts])
@@ -108,7 +111,10 @@ def _after(table: Table, label: str, notes: Sequence[str]) -> list[str]:
 
 
 def latex(table: Table, stem: str) -> str:
-    """The table and what follows it, for pages of 7.16 x 9.2 inches; a table too wide for an upright page is printed sideways or in several blocks."""
+    """Returns the table and the text that follows it, for pages of 7.16 x 9.2 inches.
+
+    A table too wide for an upright page is printed sideways or in several blocks.
+    """
     label = "tab:" + re.sub("[^A-Za-z0-9_.-]", "-", stem)
     whole = " ".join([table.caption, *table.header, *table.lines_below(), *(cell for row in table.rows for cell in row)])
     spelt = list(filter(None, [tex.noted(tex.tex_escape(whole))]))

@@ -1,4 +1,4 @@
-"""Reads result files. The only place in analysis/ that knows their layout, which results/README.md describes."""
+"""Reads result files. No other module in analysis/ knows their layout, which results/README.md describes."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ NEEDED = ("cases/identity", "cases/solver", "cases/scene", "cases/status", "case
 
 
 def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
-    """Reads the known columns of a group. A file may have others; a column that an older file lacks takes its default."""
+    """Reads the columns of a group that are known here, and ignores others. A column that the file lacks takes its default."""
     group, values = file.get(name, {}), dict[str, Any]()
     for path in NEEDED:
         if path.startswith(f"{name}/") and path not in file:
@@ -70,8 +70,9 @@ def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
 
 
 def _end_of_data(head: bytes) -> int | None:
-    """Returns where the data of an HDF5 file end, from its first bytes ("Superblock" in its specification, with addresses of 8 bytes); None
-    if unknown.
+    """Returns where the data of an HDF5 file end, from its first bytes; None if unknown.
+
+    See "Superblock" in the specification of HDF5. Only addresses of 8 bytes are known here.
     """
     if len(head) < 52 or not head.startswith(b"\x89HDF\r\n\x1a\n") or head[8] > 3 or head[13 if head[8] < 2 else 9] != 8:
         return None
@@ -84,7 +85,10 @@ def _begins_as_hdf5(path: Path) -> bool:
 
 
 def _has_broken_seal(path: Path) -> bool:
-    """Something follows the data of the file that is not their SHA-256. Nothing follows the data of a file that another program changed."""
+    """Tells whether something other than the SHA-256 of the data follows the data of the file.
+
+    A file that another program changed has nothing after its data, and is not broken.
+    """
     with path.open("rb") as file:
         end, left = _end_of_data(file.read(64)), path.stat().st_size - SEAL_LENGTH
         file.seek(max(0, left))
@@ -108,7 +112,7 @@ def _attribute(value: Any) -> Any:
 
 
 def _of_profile(results: Results, profile: str) -> Results:
-    """The rows that the experiment asks for in this profile."""
+    """Returns the rows that the experiment requests in this profile."""
     asked = [not profiles or profile in profiles.split(",") for profiles in results.cases.profile]
     keep = np.flatnonzero(asked)
     if len(keep) == len(results.cases):
@@ -133,10 +137,11 @@ def _of_profile(results: Results, profile: str) -> Results:
 
 
 def load(path: Path, profile: str = "") -> Results:
-    """Opens a result file read-only and reads it whole, then keeps the rows of one profile: the latest run's, unless one is named. Raises
-    ResultError for a missing, damaged or foreign file, or one of a newer schema.
+    """Reads a whole result file, read-only, and returns its rows of one profile: `profile`, or else the profile of the latest run.
+
+    Raises ResultError if the file is missing, damaged or foreign, or has a newer schema.
     """
-    stem = path.stem.removesuffix(".everything")  # of `run --leave-nothing-out`
+    stem = path.stem.removesuffix(".everything")  # `run --leave-nothing-out` adds the suffix
     if not path.is_file():
         raise ResultError(f"{path}: no such file: measure it with {remedy.measure(stem)}")
     whole = f"take an intact copy, or move it away and measure again with {remedy.measure(stem)}"
@@ -170,6 +175,6 @@ def load(path: Path, profile: str = "") -> Results:
 
 
 def paper_numbers(name: str) -> dict[str, Any]:
-    """The numbers that a paper prints, from results/reference/<name>.toml."""
+    """Returns the numbers that a paper prints, from results/reference/<name>.toml."""
     with (REFERENCE / f"{name}.toml").open("rb") as file:
         return tomllib.load(file)

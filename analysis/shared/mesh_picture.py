@@ -1,4 +1,4 @@
-"""Meshes as pictures: seen from far away without perspective, the farthest triangles drawn first."""
+"""Pictures of meshes, seen from far away without perspective; the farthest triangles are drawn first."""
 
 from __future__ import annotations
 
@@ -33,8 +33,10 @@ def view(eye: tuple[float, float, float], up: tuple[float, float, float] = (0.0,
 
 
 def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: float = 0.0, both_sides: bool = False, shade: float = 0.4) -> None:
-    """Draws triangles in their colours (n x 4; grey, if not given), darker by up to `shade` where they are turned away from the eye. `edges` is the width of
-    their outlines; 0: none. What faces away is left out, unless both sides are asked for: a surface with holes shows its inside.
+    """Draws triangles in their colours (n x 4; default: grey), darker by up to `shade` the more they turn away from the eye.
+
+    `edges` is the width of their outlines; 0: none. Triangles that face away are left out, unless `both_sides` is set:
+    a surface with holes shows its inside.
     """
     corners = of.seen(shown.corners)
     sides = corners[shown.triangles]
@@ -50,7 +52,7 @@ def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: f
 
 
 def frame(ax: Any, corners: Floats, margin: float = 0.02) -> None:
-    """Shows all of these points, as seen, and nothing of the axes."""
+    """Fits the axes to all of these projected points, and hides everything else of the axes."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     room = margin * float((high - low)[:2].max())
     ax.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room), aspect="equal", xticks=[], yticks=[])
@@ -58,13 +60,16 @@ def frame(ax: Any, corners: Floats, margin: float = 0.02) -> None:
 
 
 def ring(ax: Any, at: Floats, colour: str = "black", size: float = 9.0) -> None:
-    """Draws a ring with a white edge, which shows on dark and on light surfaces."""
+    """Draws a ring with a white edge, which stands out on dark and on light surfaces."""
     for edge, width in (("white", 3.2), (colour, 1.4)):
         ax.plot([at[0]], [at[1]], "o", markersize=size, markerfacecolor="none", markeredgecolor=edge, markeredgewidth=width, zorder=6)
 
 
 def thumbnails(ax: Any, placed: Sequence[tuple[Mesh, View, float, float]], most: int = 2000) -> None:
-    """Draws meshes in one frame, each scaled to a box of size 1 whose middle is at its place (x, y). A mesh of more than `most` triangles has no edges."""
+    """Draws meshes in one frame, each scaled to a box of size 1 that is centred at its place (x, y).
+
+    A mesh of more than `most` triangles has no edges.
+    """
     middles = np.array([[x, y] for _, _, x, y in placed])
     for shown, of, x, y in placed:
         seen = of.seen(shown.corners)
@@ -80,12 +85,12 @@ VIEWS: Final = {"fandisk": view((-1, 0.6, 1)), "wuson": view((1, 0.5, -1)), "cou
 
 
 def view_of(name: str) -> View:
-    """Returns the view of a model or scene, chosen by hand if VIEWS has an entry."""
+    """Returns the view of a model or a scene: the one in VIEWS, chosen by hand, or else a usual one."""
     return VIEWS.get(name, view((0.5, 0.4, 1)))
 
 
 def _hidden_by(shown: Mesh, of: View, point: Floats) -> int:
-    """How many triangles are in front of a point of the mesh."""
+    """Returns the number of triangles in front of a point of the mesh."""
     x, y, depth = of.seen(point)
     sides = of.seen(shown.corners)[shown.triangles]
     a, b, c = (sides[:, k, :2] - (x, y) for k in range(3))
@@ -97,7 +102,7 @@ def _hidden_by(shown: Mesh, of: View, point: Floats) -> int:
 
 
 def _facing(shown: Mesh, of: View, point: Floats) -> float:
-    """Returns how much the triangles at the vertex next to the point face the eye: 1 if straight, 0 or less if they are turned away."""
+    """Returns how directly the triangles at the vertex nearest to the point face the eye: 1 if straight, 0 or less if turned away."""
     nearest = int(np.argmin(np.linalg.norm(shown.corners - point, axis=1)))
     sides = of.seen(shown.corners[shown.triangles[(shown.triangles == nearest).any(axis=1)].reshape(-1)]).reshape(-1, 3, 3)
     normal = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]).sum(axis=0)
@@ -105,7 +110,10 @@ def _facing(shown: Mesh, of: View, point: Floats) -> float:
 
 
 def showing(shown: Mesh, of: View, point: Floats) -> View:
-    """The view turned about the vertical, and raised or lowered, by as little as shows the point and not edge-on; the view itself if none does."""
+    """Returns the view turned about the vertical, and raised or lowered, by the least angles that show the point and not edge-on.
+
+    Returns the view itself if no angles do.
+    """
     x, y, z = of.axes[2]
     round_by, height = np.arctan2(x, z), np.arcsin(np.clip(y, -1, 1))
     turns = [(turn, tilt) for turn in range(-180, 180, 15) for tilt in range(-75, 76, 15)]
@@ -120,7 +128,7 @@ def showing(shown: Mesh, of: View, point: Floats) -> View:
 
 
 def across(of: View, direction: Floats) -> View:
-    """The view that is turned until this direction lies in the plane of the picture, from left to right."""
+    """Returns the view turned until this direction lies in the plane of the picture, from left to right."""
     length = float(np.linalg.norm(direction))
     if not length > 0:
         return of

@@ -1,7 +1,7 @@
-"""Means and wins over many pairs of shapes, and verdicts on them. The unit is the pair: one ratio, or one winner, a pair.
+"""Means and wins over many pairs of shapes, and verdicts on them. The unit is the pair: it gives one ratio or one winner.
 
-The pairs are regarded as a sample of all that could have been chosen, so an interval shows how far the choice of pairs may have moved a
-mean. The error of a single time is another question: with one round for each pair, noise widens the spread between pairs.
+The pairs are treated as a sample of all pairs that could have been chosen, so an interval says how far the choice of
+pairs may have moved a mean. It does not say how precise one time is: with one round per pair, noise widens the spread between pairs.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from analysis.shared.columns import Floats
 from analysis.shared.statistics import CONFIDENCE, NO_DATA, Estimate, student_half_width
 from analysis.shared.verdicts import ERROR, FAILS, HOLDS, NOT_JUDGED, OPEN, UNTESTED, Ratio, Verdict, weighed, why
 
-Wins = npt.NDArray[np.bool_]  # one a pair
+Wins = npt.NDArray[np.bool_]  # one per pair
 
 
 def _student(x: Floats) -> Estimate:
-    """The mean with Student's interval, of 95 % if the values are normal. One value has no interval."""
+    """Returns the mean with Student's interval, of 95 % if the values are normal. A single value has no interval."""
     middle = float(np.mean(x))
     if len(x) == 1:
         return Estimate(middle, math.nan, math.nan, 1, 0.0)
@@ -36,15 +36,16 @@ def _student(x: Floats) -> Estimate:
 
 @functools.cache
 def _chi_square(degrees: int) -> Floats:
-    """Values of equal chance."""
+    """Returns 400 equally likely values of the chi-square distribution."""
     return np.asarray(scipy.stats.chi2.ppf((np.arange(400) + 0.5) / 400, degrees))
 
 
 def _lognormal(x: Floats) -> tuple[float, float]:
-    """The generalized confidence interval for the mean of lognormal values (Krishnamoorthy and Mathew 2003), which holds its 95 % with few values too.
+    """Returns the generalized confidence interval for the mean of lognormal values (Krishnamoorthy and Mathew 2003).
 
-    With the logarithms' mean m and variance v/n as if known, log of the mean is normal, about m + v/2; v follows from the variance of the sample by a
-    chi-square. The interval runs between the quantiles of this mixture, which is computed, not drawn.
+    It keeps its 95 % with few values too. Let m be the mean of the logarithms and v their variance. If v were known,
+    the log of the mean would be normal about m + v/2, with variance v/n; v itself follows from the variance of the
+    sample by a chi-square. The interval runs between the quantiles of this mixture, which are computed, not drawn at random.
     """
     logs, n = np.log(x), len(x)
     variance = np.var(logs, ddof=1) * (n - 1) / _chi_square(n - 1)
@@ -58,9 +59,10 @@ def _lognormal(x: Floats) -> tuple[float, float]:
 
 
 def arithmetic_mean(ratios: npt.ArrayLike) -> Estimate:
-    """The mean of positive ratios. The interval holds Student's and the one for lognormal ratios, so it is of 95 % if the ratios are either.
+    """Returns the mean of positive ratios. Its interval is of 95 % if the ratios are normal or lognormal.
 
-    Student's alone leaves out the mean of few skewed ratios far more often: of 5 to 10 lognormal ones in 10 % of the cases and more.
+    It contains both Student's interval and the one for lognormal ratios. Student's alone misses the mean of few skewed
+    ratios far more often: for 5 to 10 lognormal ones in 10 % of the cases and more.
     """
     x = np.asarray(ratios, dtype=np.float64).ravel()
     if not len(x):
@@ -73,8 +75,9 @@ def arithmetic_mean(ratios: npt.ArrayLike) -> Estimate:
 
 
 def geometric_mean(ratios: npt.ArrayLike) -> Estimate:
-    """The mean of the logarithms of positive ratios, turned back: A/B and B/A give inverse means, and no outlier rules it. The interval is Student's of the
-    logarithms, so it is of 95 % if the ratios are lognormal.
+    """Returns the geometric mean of positive ratios: A/B and B/A give inverse means, and no outlier dominates it.
+
+    The interval is Student's for the logarithms, so it is of 95 % if the ratios are lognormal.
     """
     x = np.asarray(ratios, dtype=np.float64).ravel()
     if not len(x):
@@ -84,8 +87,10 @@ def geometric_mean(ratios: npt.ArrayLike) -> Estimate:
 
 
 def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
-    """A claim that the mean over all pairs that could have been chosen is `bar` or more. The verdict errs with at most 5 % if the interval of the mean
-    promises 95 %: arithmetic_mean and geometric_mean say of which ratios it does.
+    """Judges a claim that the mean over all pairs that could have been chosen is at least `bar`.
+
+    The verdict errs with at most 5 % if the interval of the mean is of 95 %; arithmetic_mean and geometric_mean say for
+    which ratios it is.
     """
     if not mean.n:
         return Verdict(claim, UNTESTED, "no pair with both")
@@ -95,13 +100,16 @@ def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
 
 
 def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verdict:
-    """A claim that ratios are above `bar` on average: by their geometric mean over the pairs. Pairs without a ratio leave it open."""
+    """Judges a claim that ratios are above `bar` on average, by their geometric mean over the pairs.
+
+    Pairs without a ratio leave it open.
+    """
     known = [x.value for x in ratios if x.n]
     if not known:
         return Verdict(claim, UNTESTED, f"no pair with both{why(ratios)}")
     mean = geometric_mean(known)
     verdict = mean_at_least(claim, mean, bar, "geometric mean")
-    if verdict.outcome == HOLDS and not mean.low > bar:  # as in counts that are all the same
+    if verdict.outcome == HOLDS and not mean.low > bar:  # for example if all counts are the same
         return replace(verdict, outcome=OPEN)
     if len(known) < len(ratios):
         return replace(verdict, outcome=verdict.outcome if verdict.outcome == NOT_JUDGED else OPEN, evidence=f"{verdict.evidence}, no ratio for {len(ratios) - len(known)}{why(ratios)}")
@@ -109,7 +117,7 @@ def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verd
 
 
 def share_near(claim: str, count: int, of: int, share: float, within: float) -> Verdict:
-    """A claim that so large a share of the pairs is something, to within `within`: by the interval of Clopper and Pearson."""
+    """Judges a claim that this share of the pairs has a property, to within `within`, by the interval of Clopper and Pearson."""
     if not of:
         return Verdict(claim, UNTESTED, "no pairs")
     found = scipy.stats.binomtest(count, of).proportion_ci(CONFIDENCE, method="exact")
@@ -122,19 +130,20 @@ def share_near(claim: str, count: int, of: int, share: float, within: float) -> 
 
 
 def chance(more: Wins, less: Wins) -> float:
-    """One-sided p-value of "`more` wins no more often than `less`": pairs that one of them alone wins are tosses of a coin
-    (McNemar's exact test). Without such a pair 1.
+    """Returns the one-sided p-value of "`more` wins no more often than `less`".
+
+    Pairs that only one of them wins are tosses of a coin (McNemar's exact test). Without such a pair the p-value is 1.
     """
     ours, theirs = int((more & ~less).sum()), int((less & ~more).sum())
     return float(scipy.stats.binomtest(ours, ours + theirs, alternative="greater").pvalue) if ours + theirs else 1.0
 
 
 def wins_more(claim: str, ahead: Mapping[str, Wins], behind: Mapping[str, Wins], verb: str = "wins") -> Verdict:
-    """A claim that each of `ahead` wins more pairs than each of `behind`.
+    """Judges a claim that each of `ahead` wins more pairs than each of `behind`.
 
-    It holds where every comparison is separated: no correction is needed (an intersection-union test, Berger 1982). It does not hold
-    where some comparison is separated the other way; these depend on each other, so the least p-value is multiplied by
-    their number (Bonferroni).
+    It holds if every comparison is separated; no correction is needed (an intersection-union test, Berger 1982). It
+    does not hold if some comparison is separated the other way; these comparisons depend on each other, so the least
+    p-value is multiplied by their number (Bonferroni).
     """
     both = [(a, b) for a in ahead for b in behind]
     pairs = len(next(iter(ahead.values()))) if ahead else 0
@@ -154,7 +163,7 @@ def wins_more(claim: str, ahead: Mapping[str, Wins], behind: Mapping[str, Wins],
 
 
 def shared_wins(costs: Mapping[str, Sequence[float]], within: float = 1.05) -> dict[str, Wins]:
-    """Returns the winners of each pair: all whose cost is at most `within` times the least. NaN means no answer, which never wins."""
+    """Returns the winners of each pair: all whose cost is at most `within` times the least. NaN means no answer, and never wins."""
     if not costs:
         return {}
     table = np.array([np.asarray(cost, dtype=np.float64) for cost in costs.values()])

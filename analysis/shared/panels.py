@@ -1,4 +1,4 @@
-"""Letters of the panels of a figure, (a), (b), ..., from the top left to the bottom right."""
+"""Letters for the panels of a figure, (a), (b), ..., from the top left to the bottom right."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any, Final
 
 import matplotlib.layout_engine
 
-STRIP: Final = 0.35  # inches: lower axes are a strip of a panel
+STRIP: Final = 0.35  # inches: lower axes are only a strip that belongs to a panel
 ROW: Final = 0.3  # inches: panels whose tops are nearer than this are in one row
 LETTERS: Final = [*ascii_lowercase, *[first + second for first in ascii_lowercase for second in ascii_lowercase]]
 _LETTERED: Final = re.compile(r"^\(([a-z]{1,2})\)")
 
 
 def panels(figure: Any) -> list[Any]:
-    """The axes that show something, row by row; neither the scales of colours nor second axes on one place."""
+    """Returns the axes that show something, row by row, without colour bars and second axes at the same place."""
     found: dict[tuple[float, ...], Any] = {}
     for ax in figure.get_axes():
         shows = ax.axison or ax.get_title() or ax.lines or ax.collections or ax.patches or ax.images
@@ -31,8 +31,10 @@ def panels(figure: Any) -> list[Any]:
 
 
 def add_letters(figure: Any) -> None:
-    """Adds a letter to each panel, if there are several: before its title, or else above its top left corner; inside, if the panels were placed by hand, because
-    nothing makes room then. A title that begins with a letter keeps it.
+    """Adds a letter to each panel if there are several. A title that begins with a letter keeps it.
+
+    The letter goes before the title, or above the top left corner of a panel without one. If the panels were placed by
+    hand, it goes inside, because nothing makes room for it.
     """
     axes = panels(figure)
     room = figure.get_layout_engine() is not None and not isinstance(figure.get_layout_engine(), matplotlib.layout_engine.PlaceHolderLayoutEngine)

@@ -1,4 +1,4 @@
-"""How a result is measured, for the messages that ask for it."""
+"""The command that measures a result, for the messages that ask for it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 
 
 def measure(stem: str, file: str = "", root: Path = ROOT) -> str:
-    """'make STEM' for an experiment of the project in a clone of it, 'hausbench run STEM' beside an installed program; else 'hausbench run FILE', with the
-    file of the experiment if that is known."""
+    """Returns the command that measures a stem.
+
+    It is 'make STEM' for an experiment of the project in a clone, and 'hausbench run STEM' for one beside an installed
+    program. For any other experiment it is 'hausbench run FILE', with the file of the experiment if that is known.
+    """
     ours = any(path.stem == stem for path in (root / "experiments").rglob("*.toml"))
     if ours and (root / "Makefile").is_file():
         return f"'make {stem}'"

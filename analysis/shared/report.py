@@ -1,4 +1,4 @@
-"""The output of a stem and how it is written: a figure, and a table with its numbers in full."""
+"""The output of a stem, a figure and a table with its numbers in full, and how it is written."""
 
 from __future__ import annotations
 
@@ -22,23 +22,24 @@ from analysis.shared.results import Results
 
 
 FORMATS: Final = ("pdf", "png")
-NO_TIMES: Final = "no times"  # in place of a clock, for a table that shows none
-CAPTION: Final = ".txt"  # <out>/figures/<stem>.txt is the caption of a figure
+NO_TIMES: Final = "no times"  # in place of a clock, for a table without times
+CAPTION: Final = ".txt"  # <out>/figures/<stem>.txt holds the caption of a figure
 
 
 @dataclass(frozen=True)
 class Report:
-    draw: Callable[[], Any] | None  # the figure, or several by name; tables do not wait for it; None: no figure
-    table: tables.Table | None = None  # without one the figure has no notes
-    records: Sequence[tables.Record] = ()  # of the CSV
-    key: str = ""  # of the letters in the figure; stands below it
-    clock: str = ""  # a sentence on the clock of the table's times, if they are not those of the rows; or NO_TIMES
-    caption: str = ""  # of the figure: what each panel and mark shows; default: the caption of the table
-    parts: Mapping[str, Sequence[int]] = field(default_factory=dict)  # of several figures: the rows that each shows, for its footnote; default: all
+    draw: Callable[[], Any] | None  # draws the figure, or several by name; None: no figure. Tables do not wait for it
+    table: tables.Table | None = None  # without a table the figure has no notes
+    records: Sequence[tables.Record] = ()  # rows of the CSV
+    key: str = ""  # meaning of the letters in the figure; printed below it
+    clock: str = ""  # a sentence on the clock of the table's times, if it is not the clock of the rows; or NO_TIMES
+    caption: str = ""  # caption of the figure: what each panel and mark shows; default: the caption of the table
+    parts: Mapping[str, Sequence[int]] = field(default_factory=dict)  # for several figures: the rows that each shows, for its footnote; default: all
 
     def printed(self, results: Results, stem: str = "") -> tables.Table | None:
-        """The table with what every table has: notes on its clock and on rows that were run beside others, and verdicts only on claims that
-        results of these sizes test.
+        """Returns the table with notes on its clock and on rows that ran beside others.
+
+        Its verdicts cover only claims that results of these sizes test.
         """
         if self.table is None:
             return None
@@ -47,9 +48,10 @@ class Report:
         return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
 
     def save(self, results: Results, out: Path, stem: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
-        """Writes <out>/tables/<stem>.csv, .md and .tex, its verdicts as <stem>.verdicts.json, and <out>/figures/<stem>.pdf and .png, or the formats named,
-        with the caption of the figure as <stem>.txt if it has one of its own; the stem of the results, if no other is given. Deletes an old figure if there
-        is none now.
+        """Writes tables, verdicts, figures and caption, and returns their paths. `stem` defaults to the stem of the results.
+
+        The files are <out>/tables/<stem>.csv, .md and .tex, <stem>.verdicts.json, <out>/figures/<stem>.pdf and .png (or
+        the chosen formats), and <stem>.txt if the figure has a caption of its own. An old figure is deleted if there is none now.
         """
         stem = stem or results.stem
         table, paths = self.printed(results, stem), list[Path]()
@@ -67,7 +69,7 @@ class Report:
         return [*paths, *figures, *save_caption(self.caption, out, stem)]
 
     def _footnote(self, results: Results, rows: Sequence[int] | None = None) -> str:
-        """Returns what stands below a figure of these rows; of all, if not given."""
+        """Returns the text below a figure of these rows, or of all."""
         texts = [self.key, unchecked_line(results, rows)] if self.table is not None else []
         return " ".join(filter(None, [*[f"{text}." for text in texts if text], side_by_side_line(results)]))
 
@@ -89,7 +91,7 @@ def delete_figures(out: Path, stem: str, formats: Sequence[str]) -> None:
 
 
 def save_png(figure: Any, path: Path) -> Path:
-    """As a PNG alone, for a page; the same numbers give the same bytes."""
+    """Writes a figure as a PNG only, for a page. The same numbers give the same bytes."""
     make_drawable(figure)
     drawn = io.BytesIO()
     figure.savefig(drawn, format="png", metadata={"Software": None})
@@ -99,7 +101,10 @@ def save_png(figure: Any, path: Path) -> Path:
 
 
 def save_figures(drawn: Any, out: Path, stem: str, caption: str, footnote: str, formats: Sequence[str], footnotes: Mapping[str, str] | None = None) -> list[Path]:
-    """Writes one figure as <stem>, or several as <stem>-<name>; of several, an old <stem> is deleted, and `footnotes` may have one of its own for a name."""
+    """Writes one figure as <stem>, or several as <stem>-<name>.
+
+    With several figures an old <stem> is deleted, and `footnotes` may replace the footnote of a name.
+    """
     if not isinstance(drawn, dict):
         return save_figure(drawn, out, stem, caption, footnote, formats)
     delete_figures(out, stem, formats)
@@ -108,19 +113,20 @@ def save_figures(drawn: Any, out: Path, stem: str, caption: str, footnote: str, 
 
 
 def _whole(figure: Any) -> Any:
-    """The figure and what stands above and below it; wider than the figure only if something sticks out."""
+    """Returns the box of the figure and of the text above and below it. It is wider than the figure only if something sticks out."""
     box, pad = figure.get_tightbbox(figure.canvas.get_renderer()), 0.05
     return Bbox([[min(0, box.x0), min(0, box.y0) - pad], [max(figure.get_figwidth(), box.x1), max(figure.get_figheight(), box.y1)]])
 
 
 def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
-    """Writes <out>/figures/<stem>.pdf and .png, or the formats named, without dates, so that the same numbers give the same bytes. A footnote stands
-    below all else, and makes the figure higher.
+    """Writes <out>/figures/<stem>.pdf and .png, or the chosen formats. A footnote goes below everything and makes the figure higher.
+
+    The files contain no dates, so that the same numbers give the same bytes.
     """
     add_letters(figure)
     make_drawable(figure)
     if footnote:
-        figure.draw_without_rendering()  # so that the layout is settled before the text, which it must not make room for
+        figure.draw_without_rendering()  # settles the layout before the text is added, so that it makes no room for the text
         figure.set_layout_engine("none")
         figure.text(0.5, -0.01, "\n".join(textwrap.wrap(drawable(footnote), int(20 * figure.get_figwidth()))), ha="center", va="top",
                     fontsize=6.5, color=style.GREY)
@@ -128,14 +134,14 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{stem}.{suffix}" for suffix in formats]
     before = os.environ.get("SOURCE_DATE_EPOCH")
-    os.environ["SOURCE_DATE_EPOCH"] = "0"  # the subset fonts inside a PDF carry a date too
+    os.environ["SOURCE_DATE_EPOCH"] = "0"  # subset fonts inside a PDF carry a date too
     try:
         metadata: dict[str, dict[str, Any]] = {
             "pdf": {"Title": stem, "Subject": caption, "CreationDate": None},
             "svg": {"Title": stem, "Description": caption, "Date": None},
             "png": {"Title": stem, "Description": caption, "Software": None}}
         for path in paths:
-            drawn = io.BytesIO()  # the PDF writer cannot be ended if the disk is full
+            drawn = io.BytesIO()  # in memory first: on a full disk the PDF writer could not be closed
             with plt.rc_context({"figure.constrained_layout.use": False} if footnote else {}):  # savefig() would turn it on again
                 figure.savefig(drawn, format=path.suffix[1:], metadata=metadata[path.suffix[1:]], bbox_inches=_whole(figure) if footnote else None)
             tables.write_whole(path, drawn.getvalue())

@@ -16,11 +16,11 @@ from analysis.shared.columns import Answers, Cases, Fields, Floats, Ints, Ledger
 from analysis.shared.statistics import by_round
 
 
-LEAST_SHARE: Final = 0.2  # of its wall time, that an outside program must spend as CPU time to be timed by it
+LEAST_SHARE: Final = 0.2  # an outside program is timed by CPU time only if that is at least this share of its wall time
 
 
 class ResultError(Exception):
-    """A result file that cannot be used: one line with its name and the remedy."""
+    """A result file cannot be used. The message is one line with the name of the file and the remedy."""
 
 
 class Interval(NamedTuple):
@@ -29,7 +29,7 @@ class Interval(NamedTuple):
 
 
 def _hash_of(*texts: str) -> str:
-    """SHA-256 of texts, each after its length, as Sha256 in datasets/hash.h takes it."""
+    """Returns the SHA-256 of texts, each preceded by its length, as Sha256 in datasets/hash.h takes it."""
     digest = hashlib.sha256()
     for text in texts:
         digest.update(len(text.encode()).to_bytes(8, "little") + text.encode())
@@ -47,18 +47,18 @@ class Results:
     preparation: Preparation
     trace: Trace
     fields: Fields
-    field_values: Floats  # of all fields, see fields_of
+    field_values: Floats  # values of all fields; see fields_of()
     ledger: Ledger
 
     def rows(self, **equal: object) -> list[int]:
-        """Rows of /cases whose named columns have these values, in the order of the file."""
+        """Returns the rows of /cases whose named columns have these values, in the order of the file."""
         keep = np.ones(len(self.cases), dtype=bool)
         for column, value in equal.items():
             keep &= getattr(self.cases, column) == value
         return [int(row) for row in np.flatnonzero(keep)]
 
     def in_order(self, column: str, rows: Iterable[int] | None = None) -> list[Any]:
-        """The distinct values of a column of /cases, by first appearance."""
+        """Returns the distinct values of a column of /cases, by first appearance."""
         values = getattr(self.cases, column)
         return list(dict.fromkeys(values if rows is None else (values[row] for row in rows)))
 
@@ -72,13 +72,13 @@ class Results:
 
     @cached_property
     def names(self) -> Texts:
-        """Name of the solver of each row as shown: its label, with the parameters that the experiment varies."""
+        """The name under which the solver of each row is shown: its label, with the parameters that the experiment sweeps."""
         return np.array([f"{label}({variant})" if variant else label
                          for label, variant in zip(self.cases.label, self.cases.variant)], dtype=object)
 
     @cached_property
     def programs(self) -> Texts:
-        """The build of the program that ran each row. Column `build` of a plug-in's solver is a hash of that and of the plug-in."""
+        """The build of the program that ran each row. For a solver of a plug-in, column `build` is a hash of both."""
         program = str(self.meta.get("build", ""))
         with_plugin = {_hash_of(program, str(plugin["sha256"])) for plugin in json.loads(self.meta.get("plugins") or "[]")}
         return np.array([program if build in with_plugin else build for build in self.cases.build], dtype=object)
@@ -88,11 +88,11 @@ class Results:
         return options
 
     def extras(self, case: int) -> dict[str, float]:
-        """Numbers that the solver reports of itself, by name."""
+        """Returns the numbers that the solver reports about its run, by name."""
         return {name: float(value) for name, value in json.loads(self.cases.extras[case] or "{}").items()}
 
     def facts(self, case: int) -> dict[str, str]:
-        """Returns the texts that the solver reports, by name."""
+        """Returns the texts that the solver reports about its run, by name."""
         return {name: str(text) for name, text in json.loads(self.cases.facts[case] or "{}").items()}
 
     def _by_case(self, column: Ints) -> tuple[Ints, Ints]:
@@ -112,14 +112,16 @@ class Results:
         return self._by_case(self.preparation.case)
 
     def repeats_of(self, case: int) -> Ints:
-        """Rows of /repeats."""
+        """Returns the rows of /repeats of a case."""
         order, begin = self._repeats_by_case
         return order[begin[case]:begin[case + 1]]
 
     def clock_of(self, case: int) -> str:
-        """Which time stands for this case: "cpu" of the process, children included, where one thread works at a time,
-        else "wall". "wall" also where nothing was timed: the row was read off the trace of a finer tolerance. And for an outside program whose CPU
-        time is less than LEAST_SHARE of its wall time: it waits for another process, a GPU or a disk, whose time is not in it.
+        """Returns the clock that counts for this case: "cpu" (of the process and its children) or "wall".
+
+        It is "cpu" if one thread works at a time, else "wall". It is also "wall" if nothing was timed, because the row
+        was read off the trace of a finer tolerance, and for an outside program whose CPU time is less than LEAST_SHARE
+        of its wall time: such a program waits for another process, a GPU or a disk, whose time is not included.
         """
         order, begin = self._answers_by_case
         cpu, wall = (np.concatenate([answers[order[begin[case]:begin[case + 1]]], repeats[self.repeats_of(case)]])
@@ -129,8 +131,9 @@ class Results:
         return "wall" if self.cases.solver[case] == "external" and cpu.sum() < LEAST_SHARE * wall.sum() else "cpu"
 
     def first_by_round(self, case: int, clock: str = "") -> dict[int, float]:
-        """Time of the first answer of each process, by the clock of the case or the one named. Files of older programs have
-        repeats in its place, and a row that was read off a trace has the time of the sample.
+        """Returns the time of the first answer of each process, by the clock of the case or by `clock`.
+
+        Files of older programs have repeats in its place. A row that was read off a trace has the time of the sample.
         """
         order, begin = self._answers_by_case
         rows = order[begin[case]:begin[case + 1]]
@@ -150,8 +153,9 @@ class Results:
                 if not np.isnan(self.answers.reported_seconds[row])}
 
     def solve_by_round(self, case: int, clock: str = "") -> dict[int, float]:
-        """Time of solving once more, by the clock of the case or the one named: the median over the repeats of each round, which is a fresh
-        process. If no repeat was timed, the first answers.
+        """Returns the time of solving once more, by round, by the clock of the case or by `clock`.
+
+        It is the median over the repeats of a round, which is a fresh process. Without repeats it is the time of the first answer.
         """
         rows = self.repeats_of(case)
         seconds = self.repeats.cpu_seconds if (clock or self.clock_of(case)) == "cpu" else self.repeats.wall_seconds
@@ -159,7 +163,7 @@ class Results:
         return by_round(self.repeats.round[known], seconds[known]) if len(rows) else self.first_by_round(case, clock)
 
     def prepare_by_round(self, case: int) -> dict[int, float]:
-        """Wall time to build all structures, by round; empty where there are none."""
+        """Returns the wall time to build all structures, by round; empty if there are none."""
         found: dict[int, float] = {}
         order, begin = self._preparation_by_case
         for row in order[begin[case]:begin[case + 1]]:
@@ -168,24 +172,25 @@ class Results:
         return found
 
     def total_by_round(self, case: int, clock: str = "") -> dict[int, float]:
-        """Time of preparing and the first answer, by round, which is the waiting time for a single question. A repeat would be too short,
-        because what a solver builds on the way and the pages that it touches first are already there. A round without preparation of its
-        own has the median of the others.
+        """Returns the time to prepare and give the first answer, by round: the waiting time for a single question.
+
+        A repeat would be too short, because structures that a solver builds on the way, and pages that it touches
+        first, are there already. A round without preparation of its own gets the median of the others.
         """
         before, usual = self.prepare_by_round(case), self.prepare_seconds(case)
         return {number: seconds + before.get(number, usual)
                 for number, seconds in self.first_by_round(case, clock).items()}
 
     def wall_seconds(self, case: int) -> Floats:
-        """Wall time of solving, one number a round."""
+        """Returns the wall time of solving, one number per round."""
         return np.array(list(self.solve_by_round(case, "wall").values()))
 
     def total_seconds(self, case: int) -> Floats:
-        """Preparing and the first answer by the clock of the case, one number a round."""
+        """Returns the time to prepare and give the first answer, by the clock of the case, one number per round."""
         return np.array(list(self.total_by_round(case).values()))
 
     def prepare_seconds(self, case: int) -> float:
-        """Time of all structures together, the median over the rounds; 0 if there were none."""
+        """Returns the time to build all structures, the median over the rounds; 0 if there are none."""
         return float(np.nan_to_num(self.cases.prepare_seconds[case]))
 
     def trace_of(self, case: int) -> Trace:
@@ -193,12 +198,12 @@ class Results:
         return Trace(self.trace.seconds[part], self.trace.lower[part], self.trace.upper[part])
 
     def fields_of(self, case: int) -> dict[str, Floats]:
-        """The values of each field of a case by name: a number for each vertex or element of A. Empty where it has none."""
+        """Returns the values of each field of a case by name: a number per vertex, element or piece of A. Empty if it has none."""
         return {str(self.fields.name[row]): self.field_values[int(self.fields.begin[row]):int(self.fields.end[row])]
                 for row in np.flatnonzero(self.fields.case == case)}
 
     def is_bounded(self, case: int) -> bool:
-        """The row has bounds that hold, whether or not it got as far as it was asked to. An unsound row never does."""
+        """Tells whether the row has valid bounds, even if it did not reach the tolerance. An unsound row has none."""
         return bool(self.cases.status[case] != "unsound" and np.isfinite(self.cases.lower[case])
                     and np.isfinite(self.cases.upper[case]))
 
@@ -216,19 +221,21 @@ class Results:
         return found
 
     def _asked(self, case: int) -> tuple[str, str, str, bytes]:
-        poses: Floats = np.concatenate([self.cases.pose[case], self.cases.target_pose[case]]) + 0.0  # -0 and 0 are the same pose
+        poses: Floats = np.concatenate([self.cases.pose[case], self.cases.target_pose[case]]) + 0.0  # + 0.0 makes -0 and 0 the same pose
         return self.cases.quantity[case], self.cases.source[case], self.cases.target[case], poses.tobytes()
 
     def reference_of(self, case: int) -> Interval:
-        """Returns the proven interval of the true distance of this case, h or H, for the same shapes in the same poses: [greatest lower,
-        least upper] of the reference answer and of all rows with bounds of certified solvers. NaN if there is neither. If bounds
-        contradict each other (which `verify` reports), the interval lies between the two.
+        """Returns the interval in which the true distance of this case, h or H, is proven to lie; NaN if nothing is proven.
+
+        It is [greatest lower, least upper] over the reference answer and all rows of certified solvers with bounds, for
+        the same shapes in the same poses. Bounds that contradict each other (which `verify` reports) give the interval
+        between the two.
         """
         proven = self.proven_of(case)
         return Interval(min(proven), max(proven))
 
     def proven_of(self, case: int) -> Interval:
-        """The same, but bounds that contradict each other cross: [greatest lower, least upper]."""
+        """Returns the same, but bounds that contradict each other cross: [greatest lower, least upper]."""
         return self._proven.get(self._asked(case), Interval(np.nan, np.nan))
 
     def reference(self, scene: str, pose_index: int = 0) -> Interval:
@@ -236,36 +243,36 @@ class Results:
         return self.reference_of(rows[0]) if rows else Interval(np.nan, np.nan)
 
     def error(self, case: int, lower: float | None = None) -> float:
-        """How far the answer may be from the true distance: the largest |lower - h| over all h in the reference, and
-        NaN where no certified solver has an answer.
+        """Returns how far the answer may be from the true distance: the largest |lower - h| over all h in the reference.
 
-        The answer is the lower bound, because a witness shows it and programs report it; the gap shows how good the upper bound is. So the
-        gap measures what a solver has proved, and the error what it has found. Exact answers have error 0 if some row's interval has width
-        0. `lower` replaces the row's own (for samples of its trace).
+        NaN if no certified solver has an answer. The answer is the lower bound, because a witness shows it and programs
+        report it; the gap says how good the upper bound is. So the gap measures the proof, and the error measures the
+        answer. Exact answers have error 0 if the interval of some row has width 0. `lower` replaces the lower bound of
+        the row (for samples of its trace).
         """
         low, high = self.reference_of(case)
         value = float(self.cases.lower[case]) if lower is None else lower
         return max(abs(value - low), abs(value - high))
 
     def middle(self, case: int) -> float:
-        """Middle of the proven interval."""
+        """Returns the middle of the interval in which the true distance is proven to lie."""
         low, high = self.reference_of(case)
         return 0.5 * (low + high)
 
     def length_unit(self, case: int) -> float:
-        """The diagonal of A, which distances are divided by; 1 for a single point, so that they stay lengths."""
+        """Returns the diagonal of A, by which distances are divided; 1 for a single point, so that they stay lengths."""
         return float(self.cases.source_diagonal[case]) or 1.0
 
     def share(self, case: int) -> float:
-        """The same over the diagonal of A."""
+        """Returns middle() over the diagonal of A."""
         return self.middle(case) / self.length_unit(case)
 
     def sizes(self, case: int, between: str = " / ") -> str:
-        """'1,000 / 2,000'."""
+        """Returns the sizes of A and B: '1,000 / 2,000'."""
         return f"{self.cases.source_elements[case]:,}{between}{self.cases.target_elements[case]:,}"
 
     def check_of(self, case: int) -> str:
-        """Returns the harness's verdict on the lower bound, in words; a bound without a witness is not checked."""
+        """Returns the result of the harness's check of the lower bound, in words. A bound without a witness is not checked."""
         check = str(self.cases.lower_check[case])
         return "not checked (no witness)" if check == "no witness" else check
 

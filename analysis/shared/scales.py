@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 
 class LogAxis:
-    """A logarithmic vertical axis on which exact zeros stay visible, in a band of their own below a break.
+    """A logarithmic vertical axis on which exact zeros stay visible, in a separate band below a break.
 
-    Give it every value that will be drawn, then map values with `place`. Values below 1e-250 are drawn at 1e-250.
+    Give it every value that will be drawn, then map the values through `place`. Values below 1e-250 are drawn at 1e-250.
     """
 
     LEAST: Final = 1e-250
@@ -43,7 +43,7 @@ class LogAxis:
             edge = 10.0 ** (low - 1.3 * room)
             ax.axhspan(bottom, edge, color="#F1F1F1", linewidth=0, zorder=0)
             ax.axhline(edge, color="white", linewidth=2.5, zorder=0.5)
-            for y in (10.0 ** (low - 1.15 * room), 10.0 ** (low - 1.45 * room)):  # the break, on the axis itself
+            for y in (10.0 ** (low - 1.15 * room), 10.0 ** (low - 1.45 * room)):  # the break, drawn on the axis itself
                 ax.plot([-0.02, 0.02], [y, y], transform=ax.get_yaxis_transform(), color="black", linewidth=0.6,
                         clip_on=False, zorder=5)
         ax.set_yticks(ticks, labels)
@@ -55,7 +55,10 @@ class LogAxis:
 
 
 def log_ticks(axis: Any) -> None:
-    """Powers of ten, without minor ticks; if fewer than two are in view, also 3 times them, or 2 and 5 times, as plain numbers."""
+    """Sets ticks at powers of ten, without minor ticks.
+
+    If fewer than two powers are in view, adds 3 times them, or 2 and 5 times, and writes plain numbers.
+    """
     low, high = np.log10(sorted(axis.get_view_interval()))
     few = np.floor(high) - np.ceil(low) < 1
     axis.set_minor_locator(matplotlib.ticker.NullLocator())

@@ -1,5 +1,7 @@
-"""The shapes behind the rows, for pictures and counts. Result files hold no coordinates; the harness keeps each shape that it has loaded
-or made in its cache, as an HDF5 file with the SHA-256 that /models of the result has too.
+"""The shapes behind the rows, for pictures and counts.
+
+Result files hold no coordinates. The harness keeps each shape that it has loaded or made in its cache, as an HDF5 file
+with the same SHA-256 as in /models of the result.
 """
 
 from __future__ import annotations
@@ -24,34 +26,37 @@ Indices = npt.NDArray[np.int64]
 @dataclass(frozen=True)
 class Mesh:
     corners: Floats
-    triangles: Indices  # in the order in which the fields of a result are
+    triangles: Indices  # in the order of the fields of a result
 
     @cached_property
     def _edge_uses(self) -> Indices:
-        """For each edge that joins two places, the number of triangles that use it. Corners at one place are one corner."""
+        """The number of triangles at each edge that joins two places. Corners at one place count as one corner."""
         _, place = np.unique(self.corners + 0.0, axis=0, return_inverse=True)
         sides = np.sort(place.reshape(-1)[self.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
         return np.asarray(np.unique(sides[sides[:, 0] != sides[:, 1]], axis=0, return_counts=True)[1], dtype=np.int64)
 
     @property
     def closed(self) -> bool:
-        """No edge is used once."""
+        """Every edge is used by at least two triangles."""
         return bool((self._edge_uses > 1).all())
 
     @property
     def manifold(self) -> bool:
-        """No edge is used more than twice. Vertices at which two fans of triangles meet are not looked for."""
+        """No edge is used more than twice. Does not look for vertices at which two fans of triangles meet."""
         return bool((self._edge_uses < 3).all())
 
 
 def cache_folder() -> Path:
-    """As datasets/paths.cpp finds it from within a checkout."""
+    """Returns the cache folder, as datasets/paths.cpp finds it from within a checkout."""
     return Path(os.environ.get("HAUSBENCH_CACHE") or Path(os.environ.get("HAUSBENCH_ROOT", ROOT)) / "datasets" / "cache")
 
 
 @cache
 def _files(folder: Path) -> dict[str, Path]:
-    """Returns shape files by the SHA-256 of their shape; their names tell how they were made. Files of other versions are skipped."""
+    """Returns the shape files by the SHA-256 of their content; their names depend on how the shape was made.
+
+    Files of other versions are skipped.
+    """
     found = {}
     for path in folder.glob("*.h5"):
         with h5py.File(path, "r") as file:
@@ -61,7 +66,7 @@ def _files(folder: Path) -> dict[str, Path]:
 
 
 def _arrays(results: Results, model: str) -> tuple[Floats, Indices]:
-    """Returns coordinates and triangles, the latter empty if the model is a point set. Raises ResultError if the cache does not have them."""
+    """Returns coordinates and triangles; no triangles if the model is not a mesh. Raises ResultError if the cache lacks them."""
     hashes = dict(zip(results.models.name, results.models.sha256))
     path = _files(cache_folder() / "shapes").get(hashes.get(model, ""))
     if path is None or not path.exists():
@@ -73,25 +78,25 @@ def _arrays(results: Results, model: str) -> tuple[Floats, Indices]:
 
 
 def mesh(results: Results, model: str) -> Mesh:
-    """A model of the result file, in the unit of the model."""
+    """Reads a model of the result file, in the unit of the model."""
     return Mesh(*_arrays(results, model))
 
 
 @dataclass(frozen=True)
 class Drawn(Mesh):
-    """A posed, cut finely enough to show how far each place of it is from B."""
+    """A in its pose, cut finely enough to show how far each place of it is from B."""
 
-    elements: Indices  # for each triangle here, the triangle of A that it is part of
-    distances: Floats  # from each corner to B, A's own vertices first
+    elements: Indices  # for each triangle here, the triangle of A that contains it
+    distances: Floats  # distance of each corner to B; A's own vertices come first
 
     @property
     def colours(self) -> Floats:
-        """One distance for each triangle, the mean of its corners."""
+        """One distance per triangle, the mean over its corners."""
         return np.asarray(self.distances[self.triangles].mean(axis=1))
 
 
 def drawn(results: Results, case: int) -> Drawn:
-    """The fields of a case, which must have `distance`. In files of older programs A is not cut."""
+    """Returns A with the fields of a case, which must include `distance`. In files of older programs A is not cut."""
     fields = results.fields_of(case)
     if {"x", "y", "z", "a", "b", "c", "element"} <= fields.keys():
         corners, triangles = (np.column_stack([fields[name] for name in names]) for names in ("xyz", "abc"))
@@ -101,7 +106,7 @@ def drawn(results: Results, case: int) -> Drawn:
 
 
 def points(results: Results, model: str) -> Floats | None:
-    """n x 3, likewise; None where the cache does not have them."""
+    """Returns the coordinates, n x 3, in the unit of the model; None if the cache lacks them."""
     try:
         return _arrays(results, model)[0]
     except ResultError:

@@ -1,4 +1,4 @@
-"""Whether a result has the sizes at which a paper's claims are tested: those that its experiment asks for in profile `paper`."""
+"""Decides whether a result has the sizes at which a paper's claims are tested: the sizes of profile `paper` of its experiment."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import UNTESTED, Verdict
 
 PAPER: Final = "paper"
-# Keys of an experiment that change how often or how long something is measured, and not what.
+# Keys of an experiment that change how often or how long something is measured, but not what is measured.
 HOW: Final = frozenset({"title", "paper", "profile", "model", "scene", "solver", "rounds", "repeats", "limits", "trace", "fields", "stages", "reference",
                         "expected_unsound", "claim", "plugins"})
 
 
 def _asked(experiment: dict[str, Any], profile: str) -> set[str]:
-    """Everything that the experiment asks for in a profile: its scenes, its solvers, and the other keys, each as a text."""
+    """Returns everything that the experiment requests in a profile: its scenes, its solvers and the other keys, each as text."""
     top = experiment | experiment.get("profile", {}).get(profile, {})
     tables = [(kind, {key: value for key, value in table.items() if key not in ("profiles", "note")})
               for kind in ("scene", "solver") for table in top.get(kind, []) if profile in table.get("profiles", [profile])]
@@ -29,8 +29,9 @@ def _asked(experiment: dict[str, Any], profile: str) -> set[str]:
 
 
 def tests_claims(results: Results) -> bool:
-    """Whether the profile of the result asks for everything that profile `paper` asks for. Also true if the result does not tell its
-    profile.
+    """Tells whether the profile of the result requests everything that profile `paper` does.
+
+    Also true if the result does not say what was requested.
     """
     experiment = tomllib.loads(str(results.meta.get("experiment_toml", "")))
     profile = str(results.meta.get("profile", ""))
@@ -38,7 +39,7 @@ def tests_claims(results: Results) -> bool:
 
 
 def kept_outcome(claim: claims.Claim, stem: str) -> str:
-    """What came out at the paper's sizes, from the verdicts kept in results/reference; empty if that was not measured."""
+    """Returns the outcome at the paper's sizes, from the verdicts kept in results/reference; empty if it was not measured."""
     for path in sorted(REFERENCE.glob(f"*{claims.SUFFIX}")):
         for one in claims.read(path):
             if (one["paper"], one["id"], one["stem"], one["place"]) == (claim.entry.paper, claim.entry.id, stem, claim.place) \
@@ -48,7 +49,7 @@ def kept_outcome(claim: claims.Claim, stem: str) -> str:
 
 
 def tested(verdicts: Iterable[Verdict], results: Results, stem: str) -> list[Verdict]:
-    """Returns the verdicts; those on a paper's claims become `not tested` if the result has smaller sizes than the paper."""
+    """Returns the verdicts. Those on a paper's claims become `not tested` if the result has smaller sizes than the paper."""
     if tests_claims(results):
         return list(verdicts)
     return [_untested(verdict, results, stem) for verdict in verdicts]

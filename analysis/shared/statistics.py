@@ -1,9 +1,9 @@
 """Medians and ratios with intervals that assume nothing about the distribution of times.
 
-Pure functions. The unit is the round: repeats inside one process are not independent, so `by_round` makes one number of them before
-anything else is worked out. An interval runs between order statistics, so its coverage follows from the binomial distribution alone (David
-and Nagaraja, Order Statistics, section 7.1). Two rounds cannot give 95 %, six can: with fewer the interval is the whole range, `coverage`
-is its probability, and nothing counts as separated.
+Pure functions. The unit is the round: repeats inside one process are not independent, so `by_round` first reduces them
+to one number. An interval runs between order statistics, so its coverage follows from the binomial distribution alone
+(David and Nagaraja, Order Statistics, section 7.1). Two rounds cannot give 95 %, six can. With fewer than six the
+interval is the whole range, `coverage` says how much it is worth, and nothing counts as separated.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """A median or a ratio, with the interval that covers the true one with probability `coverage` or more.
+    """A median or a ratio, with an interval that covers the true value with probability `coverage` or more.
 
     n = 0: no data, everything is NaN. n = 1: no interval, `low` and `high` are NaN and the coverage is 0.
-    p_above and p_below are of ratios alone: one-sided p-values against "the true ratio is at most 1" and "at least 1".
-    p_least is the least that either of them can be with so many rounds, whatever the data say.
+    p_above and p_below apply to ratios only: one-sided p-values against "the true ratio is at most 1" and "at least 1".
+    p_least is the smallest value that either of them can take with so many rounds, whatever the data.
     """
 
     value: float
@@ -38,7 +38,7 @@ class Estimate:
     p_above: float = 1.0
     p_below: float = 1.0
     p_least: float = 1.0
-    reason: str = ""  # why there are no data
+    reason: str = ""  # why there is no data
 
     @property
     def has_interval(self) -> bool:
@@ -46,7 +46,7 @@ class Estimate:
 
     @property
     def separated(self) -> bool:
-        """For a ratio: an interval of 95 % or more leaves out 1. A narrower promise separates nothing."""
+        """For a ratio: an interval of 95 % or more excludes 1. An interval of less coverage separates nothing."""
         return self.has_interval and self.coverage >= CONFIDENCE and not self.low <= 1.0 <= self.high
 
 
@@ -58,7 +58,7 @@ def no_data(reason: str) -> Estimate:
 
 
 def by_round(rounds: Iterable[int], values: Iterable[float]) -> dict[int, float]:
-    """One number a round: the median of its repeats."""
+    """Returns one number per round: the median of its repeats."""
     found: dict[int, list[float]] = {}
     for number, value in zip(rounds, values, strict=True):
         found.setdefault(int(number), []).append(float(value))
@@ -66,19 +66,20 @@ def by_round(rounds: Iterable[int], values: Iterable[float]) -> dict[int, float]
 
 
 def order_statistic_rank(n: int, confidence: float) -> int:
-    """The largest k for which [x_(k), x_(n+1-k)] (1-based) covers the median with `confidence`, or 0 if none does."""
+    """Returns the largest k for which [x_(k), x_(n+1-k)] (1-based) covers the median with `confidence`; 0 if none does."""
     below = scipy.stats.binom.cdf(np.arange((n + 1) // 2), n, 0.5)  # P(Binomial(n, 1/2) <= 0, 1, ...)
     return int(np.searchsorted(2 * below, 1 - confidence, side="right"))
 
 
 def coverage_of_rank(n: int, k: int) -> float:
-    """The probability that [x_(k), x_(n+1-k)] covers the median of a continuous distribution."""
+    """Returns the probability that [x_(k), x_(n+1-k)] covers the median of a continuous distribution."""
     return float(1 - 2 * scipy.stats.binom.cdf(k - 1, n, 0.5))
 
 
 def median(values: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
-    """The sample median and its order-statistic interval. The values are independent: one a round, or one a seed that
-    has processes of its own. NaNs are the caller's mistake: ValueError. O(n log n).
+    """Returns the sample median and its order-statistic interval. O(n log n).
+
+    The values must be independent: one per round, or one per seed that has processes of its own. Raises ValueError for NaN.
     """
     x = np.sort(np.asarray(values, dtype=np.float64).ravel())
     n = len(x)
@@ -94,10 +95,10 @@ def median(values: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
 
 
 def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
-    """median(numerator) / median(denominator) of positive times that cannot be paired.
+    """Returns median(numerator) / median(denominator) of positive times that cannot be paired.
 
-    Each median gets an interval of half the error; the ratio of their ends covers by Bonferroni. Conservative, and the
-    same on every machine (no resampling). Needs seven values on either side for 95 %.
+    Each median gets an interval of half the error; the ratio of their ends covers by Bonferroni. This is conservative,
+    and the same on every machine (no resampling). It needs seven values on either side for 95 %.
     """
     half = 1 - (1 - confidence) / 2
     a, b = median(numerator, half), median(denominator, half)
@@ -111,7 +112,7 @@ def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confi
 
 
 def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
-    """One-sided p-value against median(greater) <= median(less): the least error at which the intervals above part."""
+    """Returns the one-sided p-value against median(greater) <= median(less): the least error at which the intervals separate."""
     a, b = np.sort(np.asarray(greater, dtype=np.float64)), np.sort(np.asarray(less, dtype=np.float64))
     tails = [scipy.stats.binom.cdf(np.arange((len(x) + 1) // 2), len(x), 0.5) for x in (a, b)]
     for tail in np.unique(np.concatenate(tails)):
@@ -123,13 +124,13 @@ def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
 
 def ratio_by_round(numerator: Mapping[int, float], denominator: Mapping[int, float],
                    confidence: float = CONFIDENCE) -> Estimate:
-    """Ratio of times by round (or by seed) that were measured side by side; NO_DATA if they share no round."""
+    """Returns the ratio of times by round (or by seed), measured side by side; NO_DATA if they share no round."""
     shared = sorted(numerator.keys() & denominator.keys())
     return paired_ratio([numerator[i] for i in shared], [denominator[i] for i in shared], confidence)
 
 
 def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
-    """The median of the ratios of pairs that were measured side by side (interleaved), with its sign-test interval."""
+    """Returns the median ratio of pairs that were measured side by side (interleaved), with its sign-test interval."""
     a, b = np.asarray(numerator, dtype=np.float64), np.asarray(denominator, dtype=np.float64)
     if a.shape != b.shape:
         raise ValueError(f"{len(a)} times cannot be paired with {len(b)}")
@@ -146,29 +147,33 @@ def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidenc
 
 
 def student_half_width(values: Floats) -> float:
-    """Half width of Student's interval for the mean of two values or more, which is near 95 % if the sum does not consist of a few of them."""
+    """Returns the half width of Student's interval for the mean of at least two values.
+
+    Its coverage is near 95 % unless a few values dominate the sum.
+    """
     return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(values) - 1) * np.std(values, ddof=1) / math.sqrt(len(values)))
 
 
 def exact(ratio: float) -> Estimate:
-    """A ratio that is known without any error, such as one of counted work."""
+    """Returns a ratio that is known without error, such as a ratio of counted work."""
     if math.isnan(ratio):
         return NO_DATA
     return Estimate(ratio, ratio, ratio, 1, 1.0, 0.0 if ratio > 1 else 1.0, 0.0 if ratio < 1 else 1.0, 0.0)
 
 
 def one_draw(ratio: float) -> Estimate:
-    """A ratio of counted work where a solver has a seed and ran with one alone: another seed would give another count."""
+    """Returns a ratio of counted work if a seeded solver ran with a single seed: another seed would give another count."""
     return NO_DATA if math.isnan(ratio) else Estimate(ratio, math.nan, math.nan, 1, 0.0)
 
 
 def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, float],
                     seeded: tuple[bool, bool] = (False, False)) -> Estimate:
-    """Ratio of counted work by seed. A solver that takes no seed has one count, which is exact. Seeds that both have are paired; one seed
-    is one draw.
+    """Returns the ratio of counted work by seed. A solver without a seed has one count, which is exact.
+
+    Seeds that both have are paired. A single seed is one draw.
     """
     if not numerator or not denominator or min(denominator.values()) <= 0 or min(numerator.values()) <= 0:
-        return NO_DATA  # 0: a peer, which counts nothing
+        return NO_DATA  # 0: a solver that counts nothing, such as a peer
     if not any(seeded):
         return exact(next(iter(numerator.values())) / next(iter(denominator.values())))
     if not seeded[0]:
@@ -182,10 +187,10 @@ def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, fl
 
 
 def simes(chances: Iterable[float]) -> float:
-    """The p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n p_(k) / k.
+    """Returns the p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n p_(k) / k.
 
-    Exact for independent p-values and conservative for positively dependent ones (Sarkar 1998). Ratios of different
-    scenes come from different processes.
+    It is exact for independent p-values and conservative for positively dependent ones (Sarkar 1998). Ratios of
+    different scenes come from different processes.
     """
     p = np.sort(np.fromiter(chances, dtype=np.float64))
     return float(min(1.0, (len(p) * p / np.arange(1, len(p) + 1)).min())) if len(p) else 1.0

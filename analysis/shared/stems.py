@@ -1,6 +1,8 @@
-"""Finds the script of a stem and the results that it draws. The script is analysis/<folder>/<stem>.py, as the experiment is
-experiments/<folder>/<stem>.toml, unless SCRIPTS names another in that folder. The results are the stem's own, or those of the
-experiments in RESULTS_OF: the first of several is loaded for it, and the Makefile measures the others before it draws.
+"""Finds the script of a stem, and the results that it draws.
+
+The script of experiments/<folder>/<stem>.toml is analysis/<folder>/<stem>.py, unless SCRIPTS names another one in that
+folder. A script draws the results of its own stem, or of the stems that it lists as RESULTS_OF: the first of these is
+loaded for it, and the Makefile measures the others before it draws.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from typing import Final
 
 from analysis.shared.results import ResultError
 
-# Stems that share a script with others; it tells them apart by the stem of the results. tools/walk reads these lines.
+# Stems that share a script, which tells them apart by the stem of the results. tools/walk reads these lines.
 SCRIPTS: Final = {
     "corpus_decimation": "every_mesh",
     "corpus_remesh": "every_mesh",
@@ -34,26 +36,26 @@ def script_of(stem: str) -> Path:
 
 
 def _named_in(script: Path) -> list[str]:
-    """The stems that the script names as RESULTS_OF. Read, not imported: imports take seconds."""
+    """Returns the stems that the script lists as RESULTS_OF. Reads the text instead of importing it, which would take seconds."""
     found = _RESULTS_OF.search(script.read_text(encoding="utf-8"))
     return re.findall(r'"(\w+)"', found[1]) if found else []
 
 
 def module_of(stem: str) -> str:
-    """The name to import it by."""
+    """Returns the name under which the script is imported."""
     return ".".join(("analysis", *script_of(stem).relative_to(ANALYSIS).with_suffix("").parts))
 
 
 def results_of(stem: str) -> str:
-    """The stem of the result file that this one draws."""
+    """Returns the stem of the result file that this stem draws."""
     return (_named_in(script_of(stem)) or [stem])[0]
 
 
 def also_reads(stem: str) -> list[str]:
-    """The stems whose results it needs beside that file."""
+    """Returns the other stems whose results it needs."""
     return _named_in(script_of(stem))[1:]
 
 
 def drawn_with(stem: str) -> list[str]:
-    """Returns the stem itself, and all stems that draw its results."""
+    """Returns the stem itself and all stems that draw its results."""
     return [stem, *sorted(file.stem for file in ANALYSIS.rglob("*.py") if file.stem != stem and _named_in(file)[:1] == [stem])]

@@ -1,8 +1,8 @@
-"""How figures look: one fixed colour, marker and line for each solver (LOOKS), the words and letters of failures, legends, widths of columns.
+"""The look of figures: one fixed colour, marker and line per solver (LOOKS), words and letters for failures, legends, widths.
 
-Colours are the ones of Okabe and Ito (2008) with a few from Paul Tol's muted set; both can be told apart with every common kind of colour
-blindness. There are more solvers than such colours, so a colour returns once, in the other family (point sets or meshes) and with another
-marker.
+Colours are from Okabe and Ito (2008), with a few from Paul Tol's muted set; both can be told apart with every common
+kind of colour blindness. There are more solvers than such colours, so a colour is used once more in the other family
+(point sets or meshes), with another marker.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Look:
 
     @property
     def entry(self) -> str:
-        """The title in a legend."""
+        """The title as it stands in a legend."""
         return legend_label(self.title)
 
     @property
@@ -56,7 +56,7 @@ class Look:
 
 DASHED: Final = (0, (4, 1.5))
 DOTTED: Final = (0, (1, 1))
-# Solvers with a look of their own, in the order of legends and tables. introduce() gives the others one.
+# Solvers with a fixed look, in the order of legends and tables. introduce() gives the others one.
 LOOKS: Final[dict[str, Look]] = {
     # point sets
     "naive": Look("NAIVEHDD", "#000000", "s"),
@@ -82,7 +82,7 @@ LOOKS: Final[dict[str, Look]] = {
     "surface_enclosure": Look("surface enclosure (ours)", "#D55E00", "h"),
     "surface_meshes": Look("surface meshes (ours)", "#0072B2", "s"),
     "external": Look("external program", "#777777", ">", (0, (4, 1.5, 1, 1.5)))}
-NEUTRAL: Final = Look("", GREY, "o")  # of no solver
+NEUTRAL: Final = Look("", GREY, "o")  # for entries that belong to no solver
 PROGRAMS: Final = {"scipy_ckdtree": "SciPy cKDTree", "scipy_directed_hausdorff": "SciPy directed_hausdorff"}  # titles of external programs
 
 # Letters in figures for rows without bounds.
@@ -94,7 +94,7 @@ STATUS_WORDS: Final = {"timeout": "timeout", "out_of_memory": "out of memory", "
 
 
 def letters_key(statuses: Iterable[str]) -> str:
-    """Returns the meanings of the letters of these statuses, such as 'T timeout, B budget spent', or nothing."""
+    """Returns the meaning of the letters of these statuses: 'T timeout, B budget spent'; empty if they have none."""
     there = {str(status) for status in statuses}
     return ", ".join(f"{letter} {STATUS_WORDS[status]}" for status, letter in STATUS_LETTERS.items() if status in there)
 
@@ -107,21 +107,22 @@ def status_letter(status: str) -> str:
     return STATUS_LETTERS.get(status, "?")
 
 
-# Colours of Paul Tol's muted and light sets that no solver above has.
+# Colours of Paul Tol's muted and light sets that no solver above uses.
 _OWN_COLOURS: Final = ("#332288", "#AA4499", "#117733", "#CC6677", "#44AA99", "#DDCC77", "#6699CC", "#661100")
 _OWN_MARKERS: Final = "o^sDvP*Xp8Hd<>"
 _VARIANT_MARKERS: Final = "phd<>8*PHXv"
-_own: dict[str, Look] = {}  # by the solver's name, or the label of an external program
+_own: dict[str, Look] = {}  # by the name of the solver, or the label of an external program
 _LINES: Final[tuple[Line, ...]] = ("-", DASHED, DOTTED, (0, (4, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)))
-_variants: dict[str, tuple[int, str]] = {}  # of each label of a solver that has several: its number, and its marker
+_variants: dict[str, tuple[int, str]] = {}  # for each label of a solver with several labels: its number and its marker
 _in_front = ""
 _width = DOUBLE_COLUMN
-_behind: dict[str, int] = {}  # the number of each label that is drawn in grey
+_behind: dict[str, int] = {}  # number of each label that is drawn in grey
 
 
 def introduce(results: Results) -> None:
-    """Gives solvers that are not in LOOKS, plug-ins' too, and external programs their titles and colours of their own, and the variants of a solver
-    shades and lines of their own, in the order of the file.
+    """Gives a look to solvers that are not in LOOKS, to external programs and to the variants of a solver, in the order of the file.
+
+    Solvers (also of plug-ins) and programs get a title and a colour; variants get a shade, a marker and a line.
     """
     used = {LOOKS[solver].marker for solver, name in zip(results.cases.solver, results.names) if solver in LOOKS and name == solver}
     titles: dict[str, str] = json.loads(str(results.meta.get("titles") or "{}"))
@@ -140,7 +141,7 @@ def introduce(results: Results) -> None:
 
 
 def _unused(markers: str, used: set[str], k: int) -> str:
-    """The first of the markers that no solver here has, which is then used; the k-th if all are."""
+    """Returns the first marker that no solver here uses, and counts it as used; the k-th if all are used."""
     found = next((marker for marker in markers if marker not in used), markers[k % len(markers)])
     used.add(found)
     return found
@@ -157,15 +158,16 @@ def width() -> float:
 
 
 def highlight(label: str) -> None:
-    """Draws all other solvers in shades of grey from now on, each with a line of its own; '' ends that."""
+    """Draws all other solvers in shades of grey from now on, each with its own line; '' ends that."""
     global _in_front
     _in_front = label
     _behind.clear()
 
 
 def look(solver: str, label: str = "") -> Look:
-    """Returns the look of a solver; a label of its own (a variant) keeps the colour and gets another marker and line. A solver that is not
-    listed above and was not introduced is grey, with a marker that depends only on its name.
+    """Returns the look of a solver. A label of its own (a variant) keeps the colour and gets another marker and line.
+
+    A solver that is neither in LOOKS nor introduced is grey, with a marker that depends only on its name.
     """
     found = _look(solver, label)
     if not _in_front or _in_front in (label, label.partition("(")[0], solver if not label else ""):
@@ -188,7 +190,7 @@ def _look(solver: str, label: str) -> Look:
 
 
 def shade(colour: str, by: float) -> str:
-    """Returns the colour, lighter (by > 0) or darker."""
+    """Returns the colour made lighter (by > 0) or darker (by < 0)."""
     mixed = [(1 - abs(by)) * part + (by if by > 0 else 0) for part in matplotlib.colors.to_rgb(colour)]
     return str(matplotlib.colors.to_hex(mixed))
 
@@ -198,7 +200,7 @@ def title(solver: str, label: str = "") -> str:
 
 
 def order(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Distinct (solver, label) pairs in the order of LOOKS, unknown ones last, by first appearance."""
+    """Returns the distinct (solver, label) pairs in the order of LOOKS; unknown solvers come last, by first appearance."""
     place = {name: i for i, name in enumerate(LOOKS)}
     return sorted(dict.fromkeys(pairs), key=lambda pair: place.get(pair[0], len(place)))
 
@@ -208,7 +210,7 @@ PANELS: Final = frozenset({"a_pears", "b_cow_hippo", "c_rabbits", "d_cups", "e_w
 
 
 def scene_title(scene: str) -> str:
-    """'b_cow_hippo' -> '(b) cow, hippo' for a panel; other names keep their words."""
+    """Returns '(b) cow, hippo' for the panel 'b_cow_hippo', and other names with spaces for underscores."""
     if scene in PANELS:
         letter, *words = scene.split("_")
         return f"({letter}) {', '.join(words)}"
@@ -216,9 +218,9 @@ def scene_title(scene: str) -> str:
 
 
 def margin_marks(ax: Any, marks: Sequence[tuple[Look, str]], height: float, pitch: float = 8.5) -> None:
-    """Draws failures in a column to the right of the axes, from the top down: for each an open marker and its letter.
+    """Draws failures in a column to the right of the axes, from the top down: an open marker and a letter for each.
 
-    `height` of the column and `pitch` are in points; what does not fit is said as '+n'.
+    `height` of the column and `pitch` are in points; '+n' counts the failures that do not fit.
     """
     room = max(1, int(height // pitch))
     shown = list(marks) if len(marks) <= room else list(marks)[:room - 1]
@@ -244,14 +246,14 @@ def open_marker(style: Look) -> dict[str, Any]:
 
 
 def interval(ax: Any, x: Estimate, at: float, scale: float = 1.0, upright: bool = False, **line: Any) -> None:
-    """The interval of an estimate as a line, if it has one: across at the height `at`, or upright above it."""
+    """Draws the interval of an estimate, if it has one: a horizontal line at height `at`, or a vertical one at x = `at`."""
     if x.has_interval:
         ends, place = [scale * x.low, scale * x.high], [at, at]
         ax.plot(*((place, ends) if upright else (ends, place)), **line)
 
 
 def filled_entry(label: str, looks: Look = NEUTRAL) -> Any:
-    """Returns a filled entry of a legend."""
+    """Returns a legend entry with a filled marker."""
     return plt.Line2D([], [], label=legend_label(label), **filled_marker(looks))
 
 
@@ -260,7 +262,7 @@ def open_entry(label: str, looks: Look = NEUTRAL) -> Any:
 
 
 def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
-    """Legend entries of (solver, label) pairs."""
+    """Returns the legend entries of (solver, label) pairs."""
     def line(looks: Look) -> dict[str, Any]:
         return {"linestyle": looks.line, "linewidth": 0.9} if lines else {}
 
@@ -269,8 +271,9 @@ def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
 
 
 def legend_above(figure: Any, entries: Sequence[Any], columns: int = 3, room: bool = False) -> None:
-    """A legend above all frames; constrained layout keeps them clear of it. With `room` it makes the figure higher, and has fewer columns if its
-    labels are long.
+    """Draws a legend above all frames; constrained layout keeps them clear of it.
+
+    With `room` the figure becomes higher, and the legend has fewer columns if its labels are long.
     """
     legend = figure.legend(handles=entries, loc="upper center", ncol=columns)
     make_drawable(legend)

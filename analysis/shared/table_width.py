@@ -1,6 +1,7 @@
-"""Chooses how a LaTeX table fits a page: its font size, the columns that wrap, upright or sideways, one block of columns or several, one page or many.
+"""Chooses how a LaTeX table fits a page.
 
-Widths are estimated from the letter widths of Computer Modern, so writing a table does not need LaTeX.
+It chooses the font size, the columns that wrap, upright or sideways, one block of columns or several, and one page or
+many. Widths are estimated from the letter widths of Computer Modern, so writing a table does not need LaTeX.
 """
 
 from __future__ import annotations
@@ -11,20 +12,20 @@ from typing import Final
 
 from analysis.shared.tex import tex_escape
 
-POINTS: Final = 72.27  # of LaTeX in an inch
+POINTS: Final = 72.27  # LaTeX points per inch
 PAGE_WIDTH: Final = 7.16 * POINTS
 PAGE_HEIGHT: Final = 9.2 * POINTS
 GAP: Final = 4.0  # \tabcolsep
-SPARE: Final = 1.03  # a column is that much wider than its estimate
-CROWDED: Final = 1.7  # a table whose cells need more than so many times the width, each on one line, is set in another way
-AROUND: Final = 130.0  # height of a caption and of 120 words of notes
-# By size: the height of a line, and the width of 1/1000 em (small letters are relatively wider).
+SPARE: Final = 1.03  # a column is this many times as wide as its estimate
+CROWDED: Final = 1.7  # if its cells, each on one line, need more than this many times the width, a table is set in another way
+AROUND: Final = 130.0  # points: height of a caption and of 120 words of notes
+# By size, in points: the height of a line, and the width of 1 em (small letters are relatively wider).
 SIZES: Final = {"small": (11.0, 9 * 1.027), "footnotesize": (9.5, 8 * 1.0625), "scriptsize": (8.0, 7 * 1.138)}
 _BY_WIDTH: Final = {278: "il.,:;[]!|'", 306: "fj", 333: "- ", 394: "rst()`I\"", 444: "cez", 500: "ago0123456789/_?*#$", 528: "kvxy", 556: "bdhnpquJS", 653: "LF", 681: "EP",
                     750: "wABCRTUVXYZ&", 785: "DGHKNOQ+=<>~^@", 917: "mM%", 1028: "W"}
 _WIDTHS: Final = {letter: width for width, letters in _BY_WIDTH.items() for letter in letters}
 
-Block = dict[int, float | None]  # the columns of a block, each with its width in points if it wraps
+Block = dict[int, float | None]  # the columns of a block, each with its width in points if it wraps, else None
 
 
 def text_width(text: str, size: str) -> float:
@@ -36,7 +37,10 @@ def text_width(text: str, size: str) -> float:
 
 
 def unbroken(text: str) -> str:
-    """Returns the text with non-breaking spaces inside brackets, so that no interval is split between two lines."""
+    """Returns the text with non-breaking spaces inside brackets, so that no interval is split between two lines.
+
+    A text of 40 letters or more is returned as it is.
+    """
     inside, letters = 0, []
     for letter in text:
         inside += (letter == "[") - (letter == "]" and inside > 0)
@@ -47,7 +51,7 @@ def unbroken(text: str) -> str:
 
 @dataclass(frozen=True)
 class Layout:
-    """How a table is set."""
+    """The layout of a table."""
 
     size: str
     sideways: bool
@@ -60,7 +64,7 @@ class Layout:
 
 
 def _shared(natural: Sequence[float], least: Sequence[float], room: float) -> list[float] | None:
-    """Narrows the widest columns to one common width, but none below its least, until all fit the room. None if they cannot."""
+    """Narrows the widest columns to one common width, but none below its least, until all fit into the room. None if they cannot."""
     if sum(natural) <= room:
         return list(natural)
     if sum(least) > room:
@@ -125,7 +129,10 @@ def _set(cells: Cells, blocks: list[list[int]], sideways: bool) -> Layout | None
 
 
 def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
-    """Splits the columns into blocks that fit a page upright, each after the first `kept` columns: at `parts`, or else into as few of like size as possible."""
+    """Splits the columns into blocks that fit an upright page, each after the first `kept` columns.
+
+    Splits at `parts`, or else into as few blocks of similar size as possible.
+    """
     first, others = list(range(kept)), len(cells.natural) - kept
     tried = [[*parts, kept + others]] * bool(parts) + [[kept + round(others * i / count) for i in range(count + 1)] for count in range(2, others + 1)]
     for ends in tried:
@@ -136,9 +143,11 @@ def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
 
 
 def layout(header: Sequence[str], rows: Sequence[Sequence[str]], left: int, parts: Sequence[int] = ()) -> Layout:
-    """Returns the first that fits: upright as it is, upright with a few cells wrapped, sideways, and else upright in several blocks of columns.
+    """Returns the first layout that fits: upright, upright with some cells wrapped, sideways, or upright in several
+    blocks of columns.
 
-    `parts` are the columns that begin a block, the first of them after the columns that all blocks have; without it those are the columns of texts.
+    `parts` are the columns that begin a block; the columns before the first of them are in all blocks. Without `parts`
+    the columns of text are in all blocks.
     """
     texts = [header, *rows]
     measured = {size: Cells.of(texts, size) for size in SIZES}

@@ -1,4 +1,4 @@
-"""Tables: every number in full in CSV; as printed, in Markdown and in LaTeX (booktabs)."""
+"""Tables: in CSV with every number in full; as printed in Markdown and in LaTeX (booktabs)."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from analysis.shared.statistics import CONFIDENCE, Estimate
 if TYPE_CHECKING:
     from analysis.shared.verdicts import Verdict
 
-NOTHING = "—"  # this number was not measured, or is unknown
+NOTHING = "—"  # not measured, or unknown
 Record = dict[str, object]
 
 
 @dataclass
 class Table:
-    """A printed table: texts, and verdicts, which are printed apart from the notes. `rules` are the rows before which a thin line is drawn."""
+    """A printed table: texts, and verdicts, which are printed apart from the notes. A thin line is drawn before each row in `rules`."""
 
     caption: str
     header: Sequence[str]
     rows: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     verdicts: Sequence[Verdict] = ()
-    left: int = 1  # the number of columns with texts, aligned left; the others hold numbers
+    left: int = 1  # the number of text columns, aligned left; the others hold numbers
     rules: set[int] = field(default_factory=set)
-    parts: Sequence[int] = ()  # LaTeX: columns that begin a block where a table is too wide for a page; those before the first are in all blocks
+    parts: Sequence[int] = ()  # LaTeX: columns that begin a block if a table is too wide; columns before the first are in all blocks
 
     def lines_below(self) -> list[str]:
-        """What stands below it, a line each."""
+        """Returns the text below the table, line by line."""
         return [*[verdict.line() for verdict in self.verdicts], *self.notes]
 
 
 def number(x: float, digits: int = 3) -> str:
-    """Rounds to `digits` significant digits, but never to fewer than all digits before the point. '—' for NaN."""
+    """Rounds to `digits` significant digits, but keeps all digits before the point. '—' for NaN."""
     if math.isnan(x):
         return NOTHING
     if math.isinf(x):
@@ -58,7 +58,7 @@ def number(x: float, digits: int = 3) -> str:
 
 
 def estimate(x: Estimate, scale: float = 1.0) -> str:
-    """'2.10 [2.05, 2.31]'; without the interval if there is only one repeat."""
+    """Returns '2.10 [2.05, 2.31]'; without the interval if there is only one value."""
     if x.n == 0:
         return NOTHING
     if not x.has_interval or x.n == 1:  # a single time, or a count, which is exact
@@ -67,20 +67,20 @@ def estimate(x: Estimate, scale: float = 1.0) -> str:
 
 
 def ratio(x: Estimate) -> str:
-    """A ratio of times: as above, marked if its interval contains 1, or if n is too small for one of 95 %."""
+    """Returns a ratio of times like estimate(), marked if its interval contains 1 or n is too small for 95 %."""
     if x.n == 0:
         return NOTHING
     return estimate(x) if x.separated else f"{estimate(x)} ({f'not judged, n = {x.n}' if x.coverage < CONFIDENCE else 'not separated'})"
 
 
 def time_unit(seconds: Iterable[float]) -> tuple[str, float]:
-    """The unit of a table and its factor: ('ms', 1000) if the median of the times is below 0.1 s, else ('s', 1)."""
+    """Returns the unit of a table and its factor: ('ms', 1000) if the median of the times is below 0.1 s, else ('s', 1)."""
     known = sorted(x for x in seconds if math.isfinite(x))
     return ("ms", 1000.0) if known and known[len(known) // 2] < 0.1 else ("s", 1.0)
 
 
 def coverage_note(estimates: Iterable[Estimate]) -> str:
-    """Explains the brackets, and gives the number of rounds behind them."""
+    """Explains the brackets, and says how many rounds are behind them."""
     known = [x for x in estimates if x.n]
     if not known:
         return "No times."
@@ -94,12 +94,12 @@ def coverage_note(estimates: Iterable[Estimate]) -> str:
 
 
 def seconds(x: Estimate) -> Record:
-    """Fields of a record."""
+    """Returns the fields of a record for an estimate."""
     return {"n": x.n, "median_seconds": x.value, "low_seconds": x.low, "high_seconds": x.high}
 
 
 def markdown(table: Table) -> str:
-    """The caption, the cells, then the claims and the notes, each under a heading of their own."""
+    """Returns the caption, the cells, then the claims and the notes, each under its own heading."""
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
@@ -111,7 +111,7 @@ def markdown(table: Table) -> str:
 
 
 def comma_separated(records: Sequence[Record]) -> str:
-    """One line for each record; doubles with all digits, NaN as an empty field."""
+    """Returns one line per record; doubles with all digits, NaN as an empty field."""
     def cell(value: object) -> object:
         return "" if isinstance(value, float) and math.isnan(value) else value
 
@@ -124,14 +124,14 @@ def comma_separated(records: Sequence[Record]) -> str:
 
 
 def save_json(records: Sequence[Record], path: Path) -> Path:
-    """Writes a list of records, one a line."""
+    """Writes a list of records, one per line."""
     lines = ",\n".join(json.dumps(one, ensure_ascii=False) for one in records)
     write_whole(path, f"[\n{lines}\n]\n" if records else "[]\n")
     return path
 
 
 def read_json(path: Path) -> list[Record]:
-    """Raises ValueError if the file is damaged, with the remedy."""
+    """Reads a list of records. Raises ValueError with the remedy if the file is damaged."""
     found = json.loads(path.read_text(encoding="utf-8"))
     if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
         raise ValueError(f"{path}: not a list of records: write it again with 'python3 -m analysis'")
@@ -139,7 +139,7 @@ def read_json(path: Path) -> list[Record]:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Writes the file under another name first, so that a reader sees the old content or the new one."""
+    """Writes the file under another name first, so that a reader sees either the old content or the new."""
     unfinished = path.with_name(path.name + ".unfinished")
     try:
         unfinished.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)

@@ -1,4 +1,6 @@
-"""Text for LaTeX, in ASCII alone: special characters, accents, symbols, and the numbers of letters that LaTeX does not set by itself."""
+"""Text for LaTeX in pure ASCII: special characters, accents, symbols, and the Unicode numbers of letters that LaTeX
+cannot set by itself.
+"""
 
 from __future__ import annotations
 
@@ -19,21 +21,21 @@ _GREEK: Final = dict(zip("αβγδεζηθικλμνξπρστυφχψωΓΔΘΛ
     "alpha beta gamma delta varepsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon varphi chi psi omega "
     "Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega").split()))
 _KNOWN: Final = _SYMBOLS | {letter: rf"$\{name}$" for letter, name in _GREEK.items()}
-# By the combining accent: the command that puts it over or under a letter.
+# For each combining accent, the command that puts it over or under a letter.
 _ACCENTS: Final = {"\u0300": "`", "\u0301": "'", "\u0302": "^", "\u0303": "~", "\u0304": "=", "\u0306": "u", "\u0307": ".", "\u0308": '"', "\u030a": "r",
                    "\u030b": "H", "\u030c": "v", "\u0327": "c"}
-_ACCENTED: Final = re.compile(f"([A-Za-z])([{''.join(_ACCENTS)}])")  # letters with an accent that have no code point of their own
+_ACCENTED: Final = re.compile(f"([A-Za-z])([{''.join(_ACCENTS)}])")  # letters with an accent that are not single characters in Unicode
 SPELLED: Final = r"\texttt{U+"
 SPELLED_NOTE: Final = "U+ and digits are the Unicode number of a letter that LaTeX does not set by itself."
 
 
 def _under_accent(base: str) -> str:
-    """Returns the letter, an i without its dot."""
+    """Returns the letter; an i loses its dot."""
     return base.replace("i", r"\i")
 
 
 def _tex(letter: str) -> str:
-    """A letter for LaTeX; empty if LaTeX cannot set it by itself."""
+    """Returns a letter for LaTeX; empty if LaTeX cannot set it by itself."""
     if letter in _KNOWN or letter.isascii():
         return _KNOWN.get(letter, letter)
     parts = unicodedata.normalize("NFD", letter)
@@ -44,18 +46,21 @@ def _tex(letter: str) -> str:
 
 
 def tex_escape(text: str) -> str:
-    """Returns the text for LaTeX; letters that it cannot set appear as '\\texttt{U+4E2D}'. An accent that stands behind its letter is put over it."""
+    """Returns the text for LaTeX; letters that it cannot set appear as '\\texttt{U+4E2D}'.
+
+    A combining accent is put over the letter before it.
+    """
     parts = _ACCENTED.split(unicodedata.normalize("NFC", printable(text)))
     accented = [f"\\{_ACCENTS[accent]}{{{_under_accent(base)}}}" for base, accent in zip(parts[1::3], parts[2::3])]
     return "".join(part for pair in zip([*map(_escaped, parts[::3])], [*accented, ""]) for part in pair)
 
 
 def _escaped(text: str) -> str:
-    """Escapes text in which no accent stands behind a letter."""
+    """Escapes text without combining accents."""
     spelt = spelled(text, lambda letter: bool(_tex(letter)), "\x02{}\x03")
     return "".join(_tex(letter) for letter in spelt).replace("\x02", r"\texttt{").replace("\x03", "}")
 
 
 def noted(text: str) -> str:
-    """A note if the escaped text has letters as their numbers; else empty."""
+    """Returns a note if the escaped text shows letters as Unicode numbers; else empty."""
     return SPELLED_NOTE if SPELLED in text else ""

@@ -1,8 +1,8 @@
 """Judges a paper's claims by the data: 'holds', 'does not hold', 'not separated' or 'not judged'. No verdict is written by hand.
 
-'Not separated' is what few or noisy times give: both answers remain possible. Every verdict errs with at most 5 %; where a
-verdict looks at many ratios, its docstring says how that is kept. Each claim about time is looked at in counted work as
-well: counts are the same on every machine, and a present machine does not make the same of them as the paper's.
+'Not separated' comes from few or noisy times: both answers remain possible. Every verdict errs with at most 5 %; if a
+verdict looks at many ratios, its docstring says how it keeps to that. Each claim about time is judged in counted work
+as well: counts are the same on every machine, but a unit of work takes another time on a current machine than on the paper's.
 """
 
 from __future__ import annotations
@@ -21,18 +21,20 @@ from analysis.shared.statistics import NO_DATA, Estimate, median, simes
 HOLDS: Final = "holds"
 FAILS: Final = "does not hold"
 OPEN: Final = "not separated"
-NOT_JUDGED: Final = "not judged"  # too few rounds (n < 6 for one ratio) to separate anything, whatever the data say
-NOT_REFUTED: Final = "not refuted"  # of what no number of cases can prove
-UNTESTED: Final = "not tested"  # the experiment, or what became of it, left no data
+NOT_JUDGED: Final = "not judged"  # too few rounds (n < 6 for one ratio) separate nothing, whatever the data
+NOT_REFUTED: Final = "not refuted"  # for claims that no number of cases can prove
+UNTESTED: Final = "not tested"  # the experiment left no data
 
 ERROR: Final = 0.05
-RARE: Final = 0.1  # a rate that cases without a failure must rule out before a claim counts as not refuted
+RARE: Final = 0.1  # a claim counts as not refuted only if the cases without a failure rule out this rate
 
 
 @dataclass(frozen=True)
 class Ratio:
-    """Measured / claimed; values above 1 support the claim. `low` and `high` are the ends of the interval: NaN for a single time, equal to `value`
-    for a count. If `value` is NaN, this is a range of several ratios, from `low` to `high`.
+    """A ratio measured / claimed; values above 1 support the claim.
+
+    `low` and `high` are the ends of the interval: NaN for a single time, equal to `value` for a count. If `value` is
+    NaN, this is a range of several ratios, from `low` to `high`.
     """
 
     value: float
@@ -49,8 +51,8 @@ class Verdict:
     claim: str
     outcome: str
     evidence: str
-    counted: dict[str, Verdict] = field(default_factory=dict)  # by the unit that was counted
-    ratio: Ratio | None = None  # of claims about one
+    counted: dict[str, Verdict] = field(default_factory=dict)  # by the kind of counted work
+    ratio: Ratio | None = None  # for claims about ratios
 
     def with_counts(self, counted: dict[str, Verdict]) -> Verdict:
         return replace(self, counted=counted)
@@ -66,18 +68,18 @@ class Verdict:
 
 
 def weighed(verdict: Verdict, ratios: Iterable[Estimate]) -> Verdict:
-    """Returns the verdict, or 'not judged' in place of 'not separated' if some of the estimates behind it are of too few rounds for 95 %."""
+    """Returns the verdict, with 'not judged' in place of 'not separated' if some estimate has too few rounds for 95 %."""
     n = min((x.n for x in ratios if x.n and x.coverage < 1 - ERROR), default=0)
     return replace(verdict, outcome=NOT_JUDGED, evidence=f"n = {n}; {verdict.evidence}") if n and verdict.outcome == OPEN else verdict
 
 
 def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
-    """A claim that every one of the ratios is above 1.
+    """Judges a claim that every one of the ratios is above 1.
 
-    It holds where each ratio is known and separated from 1. That needs no correction (an intersection-union test, Berger 1982): if one
-    ratio is truly not above 1, all must be separated, that one among them, which happens with at most 5 %. It does not
-    hold where some ratio is below 1. There every ratio is a chance to err, so the one-sided sign tests of all of them are
-    joined by Simes' test of "none is below 1", whose error is 5 % altogether.
+    It holds if each ratio is known and separated above 1. That needs no correction (an intersection-union test, Berger
+    1982): if one ratio is truly not above 1, the verdict is wrong only if that ratio is separated too, which happens
+    with at most 5 %. It does not hold if some ratio is below 1. Every ratio is then a chance to err, so Simes' test of
+    "none is below 1" combines the one-sided sign tests of all of them, with an error of 5 % altogether.
     """
     known = [x for x in ratios if x.n]
     if not known:
@@ -96,13 +98,13 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
 
 
 def why(ratios: Iterable[Estimate]) -> str:
-    """The reasons why some of them have no data, in brackets; empty if none is known."""
+    """Returns the reasons why some ratios have no data, in brackets; empty if no reason is known."""
     reasons = dict.fromkeys(x.reason for x in ratios if not x.n and x.reason)
     return f" ({', '.join(reasons)})" if reasons else ""
 
 
 def power_of(ratios: Sequence[Estimate], what: str) -> str:
-    """What `everywhere` can refute with so many rounds, whatever the data say; empty where one ratio below 1 is enough."""
+    """Says what `everywhere` can refute with so many rounds, whatever the data; empty if one ratio below 1 is enough."""
     chances, n, of = sorted(x.p_least for x in ratios), min(x.n for x in ratios), len(ratios)
     needed = next((k for k in range(1, of + 1) if of * chances[k - 1] / k <= ERROR), of + 1)
     if needed == 1:
@@ -112,11 +114,12 @@ def power_of(ratios: Sequence[Estimate], what: str) -> str:
 
 
 def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
-    """A claim that more than half of the ratios are above 1.
+    """Judges a claim that more than half of the ratios are above 1.
 
-    "At least k of n are above 1" is tested by the ratios without the k - 1 clearest ones: if fewer than k are truly above 1, at least one
-    of the rest is not. They are joined by Simes' test (a partial conjunction, Benjamini and Heller 2008). The claim does not hold if at
-    least half are below 1, by the same test. An unknown ratio counts for neither.
+    "At least k of n are above 1" is tested on the ratios that remain after the k - 1 clearest ones: if fewer than k are
+    truly above 1, at least one of the remaining ones is not. Simes' test combines them (a partial conjunction,
+    Benjamini and Heller 2008). The claim does not hold if at least half are below 1, by the same test. An unknown ratio
+    counts for neither.
     """
     n, known = len(ratios), [x.value for x in ratios if x.n]
     if not known:
@@ -130,7 +133,10 @@ def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verd
 
 
 def least_of(ratios: Sequence[Estimate]) -> Estimate:
-    """The least of some ratios, such as of all rivals to one solver: above 1 where all of them are, below 1 where one of them is (Bonferroni)."""
+    """Returns the least of several ratios, such as of all rivals to one solver.
+
+    It is above 1 if all of them are, and below 1 if one of them is (Bonferroni).
+    """
     if not ratios or not all(x.n for x in ratios):
         return NO_DATA
     least = min(ratios, key=lambda x: x.value)
@@ -140,7 +146,7 @@ def least_of(ratios: Sequence[Estimate]) -> Estimate:
 
 
 def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
-    """A claim that one ratio is above 1."""
+    """Judges a claim that one ratio is above 1."""
     if not ratio.n:
         return Verdict(claim, UNTESTED, f"no ratio{why([ratio])}")
     outcome = OPEN if not ratio.separated else HOLDS if ratio.low > 1 else FAILS
@@ -149,10 +155,11 @@ def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
 
 def never(claim: str, wrong: int, of: int, what: str, independent: int | None = None, bar: float = RARE,
           against: str = "") -> Verdict:
-    """Judges a claim that something never happens. One case refutes it, and no number of cases proves it: without a case, the evidence is
-    the greatest rate that `independent` trials (default: all) leave possible at 95 % (Clopper and Pearson 1934). If that is not below
-    `bar`, there were too few. `against` names the bar if it is not RARE, such as the rate at which a variant goes wrong on the same
-    trials.
+    """Judges a claim that something never happens. One case refutes it, and no number of cases proves it.
+
+    If it never happened, the evidence is the greatest rate that `independent` trials (default: all) leave possible at
+    95 % (Clopper and Pearson 1934). If that rate is not below `bar`, there were too few trials. `against` describes the
+    bar if it is not RARE, such as the rate at which a variant goes wrong on the same trials.
     """
     if not of:
         return Verdict(claim, UNTESTED, f"no {what}")
@@ -167,14 +174,16 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
 
 
 def never_chosen(claim: str, wrong: int, of: int, what: str) -> Verdict:
-    """Judges a claim that something never happens, on cases that were chosen to provoke it. They are not a sample, so they give no rate."""
+    """Judges a claim that something never happens, on cases that were chosen to provoke it. They are not a sample, so
+    they give no rate.
+    """
     if not of or wrong:
         return Verdict(claim, FAILS if wrong else UNTESTED, f"{wrong} of {of:,} {what}" if wrong else f"no {what}")
     return Verdict(claim, NOT_REFUTED, f"0 of {of:,} {what}; the cases were chosen, not drawn, so no rate follows")
 
 
 def all_of(claim: str, unlike: int, seen: int, total: int, what: str) -> Verdict:
-    """A claim about each of a known number of things, all of which can be looked at: no test, a count."""
+    """Judges a claim about each of a known number of things, all of which can be looked at. This is a count, not a test."""
     if not seen:
         return Verdict(claim, UNTESTED, f"no {what}")
     outcome = FAILS if unlike else HOLDS if seen >= total else OPEN
@@ -182,7 +191,7 @@ def all_of(claim: str, unlike: int, seen: int, total: int, what: str) -> Verdict
 
 
 def rising(claim: str, x: Sequence[float], y: Sequence[float]) -> Verdict:
-    """A claim that y grows with x, over independent pairs: Kendall's tau."""
+    """Judges a claim that y grows with x, over independent pairs, by Kendall's tau."""
     if len(x) < 2:
         return Verdict(claim, UNTESTED, "fewer than two sizes")
     tau, chance = scipy.stats.kendalltau(x, y)
@@ -193,8 +202,9 @@ def rising(claim: str, x: Sequence[float], y: Sequence[float]) -> Verdict:
 
 
 def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[float]]]) -> Verdict:
-    """A claim that y grows with x, where neighbouring x are alike: each independent run (a seed) gives one Kendall's tau,
-    and the interval is over runs.
+    """Judges a claim that y grows with x, if neighbouring x are alike.
+
+    Each independent run (a seed) gives one Kendall's tau, and the interval is over runs.
     """
     taus = [float(np.nan_to_num(scipy.stats.kendalltau(x, y)[0])) for x, y in runs if len(x) > 1]
     if not taus:
@@ -206,9 +216,10 @@ def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[flo
 
 
 def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Verdict:
-    """A claim that a positive quantity, measured by independent runs at each of several places, is one constant: that its
-    medians differ by at most the factor `within`. The intervals of all places hold together (Bonferroni), and so
-    does the interval of the factor that follows from them.
+    """Judges a claim that a positive quantity, measured by independent runs at each of several places, is constant.
+
+    Constant means that its medians differ by at most the factor `within`. The intervals of all places hold together
+    (Bonferroni), and so does the interval of the factor that follows from them.
     """
     found = [median(values, 1 - ERROR / len(places)) for values in places]
     known = [x for x in found if x.has_interval]
@@ -226,10 +237,11 @@ def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Ve
 
 
 def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str) -> Verdict:
-    """A claim that a quantity is greatest at one place. `ratios` are of its value there to that at every other place.
+    """Judges a claim that a quantity is greatest at one place. `ratios` are its value there over its value at every other place.
 
-    It holds if all of them are known and separated above 1 (an intersection-union test, as in `everywhere`). It does not hold if `rival`,
-    the ratio to one place that was chosen without looking at the compared values, is separated below 1: one ratio, so nothing to correct.
+    It holds if all ratios are known and separated above 1 (an intersection-union test, as in `everywhere`). It does not
+    hold if `rival`, the ratio to one place that was chosen without looking at the compared values, is separated below
+    1; as this is one ratio, it needs no correction.
     """
     known = [x for x in ratios if x.n]
     if not known:
@@ -240,13 +252,13 @@ def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str)
 
 
 def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], best: str, among: Sequence[str]) -> Verdict:
-    """A claim that the least time is at one of the settings `among`. `best` is where it is here. Each rival comes with its
-    ratios to all of `among`, above 1 where the rival is slower.
+    """Judges a claim that the least time is at one of the settings `among`. `best` is the setting with the least time here.
 
-    It holds where all rivals are separated from one and the same of `among` (an intersection-union test for each of
-    them, one-sided at 2.5 %, so two settings keep 5 %; for more the level of each is divided). It does not hold where a
-    rival is faster than all of `among`. Rivals are compared with the same times and so depend on each other: their
-    one-sided p-values, of each the greatest over `among`, are multiplied by their number (Bonferroni).
+    Each rival comes with its ratios to all of `among`, above 1 if the rival is slower. The claim holds if all rivals
+    are separated from the same one of `among` (an intersection-union test for each of them, one-sided at 2.5 %, so two
+    settings keep 5 %; for more settings the level of each is divided). It does not hold if a rival is faster than all
+    of `among`. Rivals are compared with the same times and so depend on each other: for each rival the greatest
+    one-sided p-value over `among` is multiplied by the number of rivals (Bonferroni).
     """
     if not rivals:
         return Verdict(claim, UNTESTED, "no times")

@@ -1,4 +1,4 @@
-"""Width, work and time of the interval of Shou et al. 2014 against voxel size, and of this project's enclosure."""
+"""The interval of Shou et al. 2014 against voxel size, and the interval of this project's enclosure: width, work and time."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from analysis.shared.verdicts import Verdict, all_of, everywhere
 from analysis.shou2014.shou2014_example import Joined, join
 
 FORMS = ("natural", "centred", "affine", "modified_affine")
-SHRINKS = 0.6  # the most that is left of the width: a half, and room for how the voxels lie
-WORK = 8  # times as much
+SHRINKS = 0.6  # largest share of the width that may be left: a half, and room for the position of the voxels
+WORK = 8  # growth of the number of distances if voxels are halved
 MARKERS = {"natural": "o", "centred": "s", "affine": "^", "modified_affine": "d"}
 
 
 def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[float, Joined]]:
-    """The published method by label, form and depth; ours by tolerance. Only where both directions have an answer."""
+    """Returns the published method by label, form and depth, and ours by tolerance, if both directions have an answer."""
     cases = results.cases
     groups: dict[tuple[Any, ...], list[int]] = {}
     for row in range(len(cases)):
@@ -91,8 +91,10 @@ def make(results: Results) -> Report:
 
 
 def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> list[Verdict]:
-    """Judges the widths of the pruned pairs and the distances of all pairs, with modified affine arithmetic, and every published interval. None is a time,
-    so they are exact.
+    """Judges the widths of the pruned pairs and the distances of all pairs, with modified affine arithmetic, and every
+    published interval.
+
+    These are not times, so they are exact.
     """
     def of(label: str) -> dict[int, Joined]:
         return {depth: one for (name, form, depth), one in sorted(published.items()) if (name, form) == (label, "modified_affine")}
@@ -107,12 +109,12 @@ def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> lis
 
 
 def holding(intervals: Iterable[Joined], exact: float) -> str:
-    """'3 of 4'."""
+    """Returns how many intervals hold the exact distance: '3 of 4'."""
     held = [one.lower <= exact <= one.upper for one in intervals]
     return f"{sum(held)} of {len(held)}"
 
 
-Points = list[tuple[float, Joined]]  # by voxels an axis
+Points = list[tuple[float, Joined]]  # by voxels along an axis
 
 
 def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined], exact: float, depths: list[int]) -> Any:

@@ -1,4 +1,4 @@
-"""The example of Shou et al. 2014: the paper's interval beside ours, from both directions joined."""
+"""The example of Shou et al. 2014: the paper's interval beside ours, with both directions joined."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, all_of
 
 
-PRINTED_TO = 1e-10  # how far a number may be from one of ten digits: the paper cuts digits off and does not round
+PRINTED_TO = 1e-10  # largest difference from a number of ten digits: the paper cuts digits off and does not round
 
 
 @dataclass(frozen=True)
 class Joined:
-    """H of one solver: the larger of both directions, end by end; times and counts of both together."""
+    """H from one solver: each end is the larger one of both directions; times and counts are of both together."""
 
     lower: float
     upper: float
@@ -38,7 +38,7 @@ class Joined:
 
 
 def join(results: Results, rows: list[int]) -> Joined:
-    """Rows of both directions with the same solver, label and options."""
+    """Joins the rows of both directions, which have the same solver, label and options."""
     cases = results.cases
     bad = [cases.status[row] for row in rows if cases.status[row] != "ok"]
     return Joined(max(float(cases.lower[row]) for row in rows), max(float(cases.upper[row]) for row in rows),
@@ -102,7 +102,7 @@ def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
 
 
 def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) -> str:
-    """Compares the paper's time with ours; empty if the paper's may have been misread."""
+    """Returns the end of a sentence on the paper's time: the ratio to ours, unless the printed time may have been misread."""
     if doubtful:
         return " as it was recognised, possibly with a lost decimal point, so no ratio of times is given."
     if here is None:
@@ -112,7 +112,7 @@ def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) ->
 
 
 def title_of(solver: str, label: str, tolerance: float) -> str:
-    """The published method has no tolerance: one larger than the box stands for none."""
+    """Returns the title of a method. The published one has no tolerance: a tolerance larger than the box stands for none."""
     title = style.title(solver, label).replace(" (ours)", ", ours")
     return title if tolerance > 1 else f"{title}, to {tolerance:g}".replace("e-0", "e-")
 

@@ -1,4 +1,4 @@
-"""Pairs of algebraic surfaces with known distances: which solvers contain them, and pictures of voxels and witnesses."""
+"""Pairs of algebraic surfaces with known distances: whose intervals hold them, and pictures of voxels and witnesses."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import median
 from analysis.shared.verdicts import Verdict, all_of
 
-VOXELS = 32  # an axis, in pictures
+VOXELS = 32  # along an axis, in pictures
 
 
 class Surface:
-    """A surface where a polynomial in x, y and z vanishes, clipped by a box, for pictures."""
+    """The surface where a polynomial in x, y and z vanishes, clipped by a box. For pictures only."""
 
     def __init__(self, polynomial: str, box: Floats) -> None:
         self.tree = ast.parse(polynomial.replace("^", "**"), mode="eval").body
         self.low, self.high = box[0::2], box[1::2]
 
     def bounds(self, low: dict[str, Floats], high: dict[str, Floats]) -> tuple[Floats, Floats]:
-        """Natural interval extension over many boxes at once, not rounded outward: for pictures alone."""
+        """Returns the natural interval extension over many boxes at once, not rounded outward."""
         return _bounds(self.tree, low, high)
 
     def kept(self, voxels: int) -> npt.NDArray[np.bool_]:
-        """Which voxels of a grid may meet the surface."""
+        """Returns which voxels of a grid may meet the surface."""
         lines = [np.linspace(a, b, voxels + 1) for a, b in zip(self.low, self.high)]
         low = dict(zip("xyz", np.meshgrid(*[line[:-1] for line in lines], indexing="ij")))
         high = dict(zip("xyz", np.meshgrid(*[line[1:] for line in lines], indexing="ij")))
@@ -76,12 +76,12 @@ def _bounds(node: ast.expr, low: dict[str, Floats], high: dict[str, Floats]) -> 
 
 
 def holds(results: Results, row: int, exact: float) -> bool:
-    """The experiment gives h to the nearest double."""
+    """Tells whether the interval holds h, which the experiment gives to the nearest double."""
     return not (results.cases.lower[row] > exact * (1 + 1e-15) or results.cases.upper[row] < exact * (1 - 1e-15))
 
 
 def cells_of(results: Results, row: int, exact: float) -> list[str]:
-    """The interval and the time."""
+    """Returns the texts of the interval and of the time."""
     cases, status = results.cases, results.cases.status[row]
     low, high = float(cases.lower[row]), float(cases.upper[row])
     word = "stalled" if cases.solver_status[row] == "stalled" else style.status_word(status)
@@ -92,7 +92,7 @@ def cells_of(results: Results, row: int, exact: float) -> list[str]:
 
 
 def holds_distance(results: Results) -> Verdict:
-    """Looks at every interval of the published method; a row without one is not looked at."""
+    """Judges every interval of the published method; a row without an interval is not judged."""
     cases, rows = results.cases, results.rows(solver="interval_subdivision")
     known = [row for row in rows if np.isfinite([cases.lower[row], cases.upper[row], cases.exact[row]]).all()]
     unlike = sum(not holds(results, row, float(cases.exact[row])) for row in known)
@@ -145,8 +145,11 @@ def make(results: Results) -> Report:
 
 
 def plane_of(results: Results, scene: str, surface: Surface) -> tuple[int, float, Floats]:
-    """The slice to draw: across the axis along which the witness reaches least, through its source point; with the
-    witness. Without one, or if it is shorter than a voxel, the slice through the middle of the box."""
+    """Returns the axis and the coordinate of the slice to draw, and the witness.
+
+    The slice is perpendicular to the axis along which the witness is shortest, and goes through its source point.
+    Without a witness, or if it is shorter than a voxel, the slice is the middle of the box.
+    """
     cases = results.cases
     for row in results.rows(scene=scene, solver="surface_enclosure"):
         pair = np.stack([cases.witness_source[row], cases.witness_target[row]])

@@ -1,4 +1,4 @@
-"""Work and time of each solver against the ratio of two lengths of a scene, relative to those at ratio 1."""
+"""Work and time of each solver against the ratio of two lengths of a scene, relative to work and time at ratio 1."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from analysis.speed import cliffs_picture
 from analysis.speed.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, collect, flat_from, largest, power, relative
 
 def verdicts_of(curves: Curves, titles: dict[str, str]) -> list[Verdict]:
-    """Returns the verdict on each claim for each solver that counts its work."""
+    """Judges each claim for each solver that counts its work."""
     found = []
     for claim in dict.fromkeys(family.claim for family in FAMILIES.values() if family.claim):
         for label, title in titles.items():
@@ -28,8 +28,9 @@ def verdicts_of(curves: Curves, titles: dict[str, str]) -> list[Verdict]:
 
 
 def verdict(claim: str, title: str, curves: Curves) -> Verdict:
-    """Judges one solver over the families of a claim. Counts are exact, so one ratio above MOST refutes the claim, and so does a case
-    without an answer, if the case of ratio 1 has one.
+    """Judges one solver over the families of a claim.
+
+    Counts are exact, so one ratio above MOST refutes the claim. So does a case without an answer, if the case of ratio 1 has one.
     """
     text = claims.of("hausbench", "no_cliff", work=claim, title=title, most=MOST)
     known = {family: rows for (family, _), rows in curves.items() if rows[0].ratio == 1 and not math.isnan(rows[0].work)}
@@ -49,9 +50,7 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
 
 
 def away_notes(results: Results, curves: Curves, titles: dict[str, str]) -> list[str]:
-    """Notes for scenes in which moving A away makes a cliff after which work is flat: its height, where it begins, and the reason if the
-    counters show it.
-    """
+    """Describes cliffs from moving A away, after which work is flat: their size, where they end, and why if the counters tell."""
     found, nodes = [], results.cases.counters.get("node_visits")
     for (key, label), rows in curves.items():
         factor, start = largest(rows, "work")[0], flat_from(rows)

@@ -14,8 +14,8 @@ from analysis.shared.comparable import Origin, origin, reason_apart
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import median
 
-MOST: Final = 4.0  # times the work of ratio 1: more is a cliff
-FLAT: Final = 1.02  # work that differs by no more has stopped growing
+MOST: Final = 4.0  # more than this many times the work of ratio 1 is a cliff
+FLAT: Final = 1.02  # work that differs by at most this factor has stopped growing
 COUNTED: Final = ("point_distances", "point_triangle_distances", "box_distances", "node_visits", "bound_tests",
                   "polynomial_evaluations")
 ANSWERED: Final = ("ok", "floor")
@@ -54,14 +54,14 @@ class Row:
     work: float
     seconds: float
     status: str
-    origin: Origin = Origin(False, "", "", "")  # of its time
+    origin: Origin = Origin(False, "", "", "")  # origin of its time
 
 
 Curves = dict[tuple[str, str], list[Row]]  # family, label: by ratio
 
 
 def place(results: Results, case: int) -> tuple[str, float]:
-    """The family of a case and its ratio, from its scene's name. ResultError for any other name."""
+    """Returns the family of a case and its ratio, from the name of its scene. Raises ResultError for any other name."""
     cases, scene = results.cases, results.cases.scene[case]
     if scene.endswith("_away") and scene in FAMILIES:
         return scene, float(f"{np.linalg.norm(cases.pose[case][9:]):.3g}")  # 10^k without its rounding error
@@ -91,7 +91,7 @@ def collect(results: Results) -> Curves:
 
 
 def relative(rows: Sequence[Row], what: str) -> list[float]:
-    """Returns work or seconds of each row, divided by those of the first; NaN for times that are not comparable."""
+    """Returns the work or seconds of each row, divided by the first row's; NaN for times that do not compare."""
     values = [float(getattr(row, what)) for row in rows]
     return [math.nan if what == "seconds" and reason_apart([row.origin, rows[0].origin]) else value / values[0] for row, value in zip(rows, values)]
 
@@ -102,7 +102,7 @@ def largest(rows: Sequence[Row], what: str) -> tuple[float, Row | None]:
 
 
 def flat_from(rows: Sequence[Row]) -> Row | None:
-    """The first of at least three ratios, up to the last, whose work differs by at most FLAT; None where it goes on changing."""
+    """Returns the first of at least three ratios, up to the last, whose work differs by at most FLAT; None if it goes on changing."""
     for i in range(len(rows) - 2):
         work = [row.work for row in rows[i:]]
         if all(map(math.isfinite, work)) and max(work) <= FLAT * min(work):
@@ -111,6 +111,6 @@ def flat_from(rows: Sequence[Row]) -> Row | None:
 
 
 def power(ratio: float) -> str:
-    """'1e6' of a ratio, '32' of a degree."""
+    """Returns '1e6' for a ratio, '32' for a degree."""
     exponent = math.log10(ratio)
     return f"1e{round(exponent)}" if ratio >= 1000 and abs(exponent - round(exponent)) < 1e-6 else f"{ratio:g}"

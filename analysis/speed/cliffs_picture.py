@@ -14,7 +14,7 @@ from analysis.shared import scales, style
 from analysis.speed.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, relative
 
 ACROSS: Final = 4
-WIDE: Final = 1.46  # inches, of a frame
+WIDE: Final = 1.46  # inches: the width of a frame; below, its height
 TALL: Final = 0.92
 
 # Frames with point sets also show solvers of meshes: here no two solvers that share frames share a colour.
@@ -32,8 +32,9 @@ def look(solver: str, label: str) -> style.Look:
 
 
 def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
-    """A family: work above, time below it, on one axis of ratios. Frames side by side share their scale. Placed by hand,
-    in inches; the legend is in the place of the last panel.
+    """Draws work above and time below it for each family, on one axis of ratios. Frames side by side share their scale.
+
+    The frames are placed by hand, in inches; the legend takes the place of the last panel.
     """
     deep = 0.2 + 2 * TALL + 0.06 + 0.36
     height = deep * -(-(len(FAMILIES) + 1) // ACROSS) + 0.22
@@ -65,7 +66,7 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
 
 
 def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
-    """Returns the scale of a band of frames, with room for letters at the top."""
+    """Returns the limits of a band of frames, with room for letters at the top."""
     values = [x for rows in curves for x in relative(rows, what) if math.isfinite(x) and x > 0]
     low, high = min([0.5, *values]) / 1.3, max([MOST * 2, *values])
     return low, high * (high / low) ** 0.2
@@ -73,7 +74,10 @@ def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
 
 def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, str]], what: str,
                limits: tuple[float, float]) -> set[str]:
-    """Draws lines through the answers, and letters at the top, in the solver's colour, for rows without one."""
+    """Draws lines through the answers, and letters at the top, in the solver's colour, for cases without one.
+
+    Returns the statuses of these cases.
+    """
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_ylim(*limits)
@@ -94,7 +98,7 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
                     | {"markersize": 0.75 * looks.size})
         for row in rows:
             if row.status not in ANSWERED:
-                letter_of_panel = 9 if what == "seconds" and row.ratio == ratios[0] else 0  # which stands at the top left
+                letter_of_panel = 9 if what == "seconds" and row.ratio == ratios[0] else 0  # room for it at the top left
                 statuses.add(row.status)
                 ax.annotate(style.status_letter(row.status), (row.ratio, 1), (0, -4.5 - letter_of_panel - 6 * lost[row.ratio]),
                             xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center",

@@ -12,10 +12,10 @@ from analysis.shared.columns import Floats
 from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 
-ROUNDING: Final = 2.0**-53  # smaller lengths are less than the rounding of coordinates
-FINER: Final = 0.01  # of the finest tolerance: what a reference answer is asked for. Nothing smaller is shown
-LEAST_SHOWN: Final = 1e-10  # but whatever the tolerances, everything above this is
-# Parameters that decide how close a solver comes, whatever the tolerance: their values are points of one line.
+ROUNDING: Final = 2.0**-53  # smaller lengths are below the rounding of coordinates
+FINER: Final = 0.01  # fraction of the finest tolerance that a reference answer is asked for. Nothing smaller is shown
+LEAST_SHOWN: Final = 1e-10  # but everything above this is shown, whatever the tolerances
+# Parameters that decide the accuracy of a solver, whatever the tolerance: their values are points of one line.
 RESOLUTION: Final[Mapping[str, frozenset[str]]] = {"sampling": frozenset({"step", "samples"}), "interval_subdivision": frozenset({"depth"}),
                                                    "surface_meshes": frozenset({"cells"})}
 Panel = tuple[str, int]  # scene, pose
@@ -63,7 +63,7 @@ def _parts(results: Results, case: int, keep: bool) -> str:
 
 
 def series_of(results: Results, case: int) -> Series:
-    """Returns the series in which a row is drawn."""
+    """Returns the series as which a row is drawn."""
     rest, label = _parts(results, case, False), str(results.cases.label[case])
     return str(results.cases.solver[case]), f"{label}({rest})" if rest else label
 
@@ -96,8 +96,10 @@ def read_off_from(results: Results, case: int) -> int | None:
 
 
 def total_by_round(results: Results, case: int) -> dict[int, float]:
-    """Returns the seconds to prepare and answer, by round. An answer that was read off a traced run takes the same share of each timed run
-    as of the traced one, so that all answers are on the clock of the timed runs.
+    """Returns the seconds to prepare and answer, by round.
+
+    An answer that was read off a traced run takes the same share of each timed run as of the traced one, so that all
+    answers are on the clock of the timed runs.
     """
     fine = read_off_from(results, case)
     if fine is None:
@@ -122,7 +124,7 @@ def over_seeds(results: Results, cases: Iterable[int]) -> Estimate:
 
 
 def curve_of(results: Results, case: int) -> Curve:
-    """Returns the traced run of a row, scaled to end at the median of the timed runs. So the cost of tracing is not in it."""
+    """Returns the traced run of a row, scaled to end at the median of the timed runs, so that it excludes the cost of tracing."""
     trace, first = results.trace_of(case), list(results.first_by_round(case).values())
     end = float(trace.seconds[-1])
     scale = float(np.median(first)) / end if first and end > 0 else 1.0
@@ -132,7 +134,7 @@ def curve_of(results: Results, case: int) -> Curve:
 
 
 def curves_of(results: Results, rows: Iterable[int]) -> dict[Series, list[Curve]]:
-    """Returns for each series its traced runs at the finest tolerance, one a seed; none for a series whose answers are joined."""
+    """Returns for each series its traced runs at the finest tolerance, one per seed; none for a series whose answers are joined."""
     finest: dict[tuple[Series, str], int] = {}
     for row in rows:
         series = series_of(results, row)
@@ -167,7 +169,10 @@ def answers_of(results: Results, rows: Iterable[int]) -> list[Answer]:
 
 
 def errors(results: Results, case: int, lower: Floats, upper: Floats) -> Errors:
-    """Returns the errors of the bounds and of their middle. NaN if no certified solver has an answer; infinite if the row has no upper bound."""
+    """Returns the errors of the bounds and of their middle.
+
+    They are NaN if no certified solver has an answer, and infinite if the row has no upper bound.
+    """
     size, true = results.length_unit(case), results.middle(case)
     return Errors(np.abs(true - lower) / size, np.abs(0.5 * (lower + upper) - true) / size, np.abs(upper - true) / size)
 
@@ -196,7 +201,9 @@ def steps_at(times: Floats, seconds: Floats, values: Floats) -> Floats:
 
 
 def band(lines: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats, Floats]:
-    """Returns times, and the least, the median and the greatest of several step functions, from where all of them have a value."""
+    """Returns times, and the least, the median and the greatest of several step functions, from the time on at which
+    all have a value.
+    """
     times = np.unique(np.concatenate([seconds for seconds, _ in lines]))
     values = np.array([steps_at(times, *line) for line in lines])
     times, values = times[known := ~np.isnan(values).any(axis=0)], values[:, known]
@@ -206,7 +213,10 @@ def band(lines: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats, Fl
 
 
 def stairs(answers: Iterable[Answer], least: float) -> tuple[Floats, Floats]:
-    """Returns the Pareto front of the certified answers: times, ascending, and gaps, up to the last time of any. Gaps of at most `least` are equal."""
+    """Returns the Pareto front of the certified answers: ascending times, and gaps, up to the last time of any.
+
+    Gaps of at most `least` are equal.
+    """
     points = sorted((answer.time.value, max(answer.gap, least)) for answer in answers if answer.certified and np.isfinite(answer.gap))
     front: list[tuple[float, float]] = []
     for seconds, gap in points:

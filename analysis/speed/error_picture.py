@@ -1,4 +1,4 @@
-"""The figure of `error_vs_time`: rows of panels by kind of shape; in each the gap above and the true error below, on one time axis."""
+"""The figure of `error_vs_time`: rows of panels by kind of shape; each has the gap above, the true error below, and one time axis."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from analysis.speed.error_curves import Answer, Curve, Panel, Series
 DOMAINS: Final = {"mesh": "Meshes", "points": "Point sets", "surface": "Surfaces"}
 STAIRS: Final[dict[str, Any]] = {"color": "#A8A8A8", "linewidth": 1.4}
 LEGENDS: Final[dict[str, Any]] = {"handlelength": 2.6, "borderpad": 0, "labelspacing": 0.25}
-LETTER: Final = 0.24  # room above the curves of a frame for its letter, as a part of all decades
+LETTER: Final = 0.24  # room above the curves of a frame for its letter, as a fraction of all decades
 # In inches.
 LEFT, PITCH, WIDE, TALL, BETWEEN, TITLE, BELOW, LEGEND = 0.66, 2.19, 1.82, 0.86, 0.07, 0.2, 0.335, 0.125
 
@@ -34,8 +34,8 @@ class Shown:
     answers: list[Answer]
     curves: dict[Series, list[Curve]]
     least: float  # smaller gaps are drawn in the grey area
-    floor: float  # and smaller errors
-    lost: list[tuple[Series, str, str]] = field(default_factory=list)  # for the margin: a series, its status, and at how many tolerances
+    floor: float  # smaller errors are drawn in the grey area
+    lost: list[tuple[Series, str, str]] = field(default_factory=list)  # for the margin: series, status, number of tolerances
 
 
 def shown_of(results: Results, panel: Panel, rows: list[int]) -> Shown:
@@ -47,8 +47,9 @@ def shown_of(results: Results, panel: Panel, rows: list[int]) -> Shown:
 
 
 def lost_of(results: Results, rows: list[int]) -> list[tuple[Series, str, str]]:
-    """Returns the series with rows that are not ok, their status, and at how many tolerances ('' for all). Bounds whose width a resolution
-    decides are not a failure: an open marker shows that the tolerance was not reached.
+    """Returns the series with rows that are not ok, their status, and at how many tolerances ('' for all).
+
+    Bounds whose width depends on a resolution are not a failure: an open marker shows that the tolerance was not reached.
     """
     cases, found, asked = results.cases, dict[tuple[Series, str], set[float]](), dict[Series, set[float]]()
     for row in rows:
@@ -68,7 +69,7 @@ def domain_of(results: Results, panel: Panel) -> str:
 
 
 def bands_of(results: Results, panels: Sequence[Panel]) -> list[tuple[str, list[Panel]]]:
-    """Returns the rows of the figure: panels of one kind of shapes, three or as many as its width has room for."""
+    """Returns the rows of the figure: panels of one kind of shapes, three or as many as fit its width."""
     across = max(1, int((style.width() - LEFT + PITCH - WIDE) / PITCH))
     found: dict[str, list[Panel]] = {}
     for panel in panels:
@@ -100,7 +101,7 @@ def draw(results: Results, panels: Sequence[Panel], rows_of: dict[Panel, list[in
 
 
 def _columns(figure: Any, handles: list[Any]) -> int:
-    """Returns how many columns of a legend the figure has room for, at most five."""
+    """Returns the number of legend columns that fit the figure, at most five."""
     for count in range(min(5, len(handles)), 1, -1):
         legend = figure.legend(handles=handles, ncol=count, **LEGENDS)
         make_drawable(legend)
@@ -150,7 +151,10 @@ def _draw_band(figure: Any, results: Results, band: list[Shown], titles: dict[Pa
 
 @dataclass(frozen=True)
 class Scale:
-    """A logarithmic axis of lengths, the same in all frames of a row. Lengths below the floor of a frame are drawn in its grey area."""
+    """A logarithmic axis of lengths, the same in all frames of a row.
+
+    Lengths below the floor of a frame are drawn in its grey area.
+    """
 
     least: float
     low: int  # decades
@@ -161,7 +165,7 @@ class Scale:
         return self.high - self.low
 
     def apply(self, ax: Any, floor: float, room: float, labels: bool) -> None:
-        """Sets the limits, with `room` at the top as a part of all decades, and the ticks."""
+        """Sets the limits, with `room` at the top as a fraction of all decades, and the ticks."""
         ax.set_yscale("log")
         ax.minorticks_off()
         step = max(1, -(-self.decades // 4))
@@ -260,8 +264,9 @@ def _draw_gap(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
 
 
 def _draw_error(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
-    """Draws the error of the middle, with a bar from the error of one bound to the error of the other; or of the lower bound while there is
-    no upper one.
+    """Draws the error of the middle, with a bar from one bound's error to the other's.
+
+    Without an upper bound, draws the error of the lower one.
     """
     for series, curves in one.curves.items():
         middles, lowers = [], []

@@ -1,4 +1,4 @@
-"""Report error against run time: for each scene, how small an interval each solver has proved by when, and how close its answer is."""
+"""Error against run time: for each scene, how small an interval each solver has proved by a time, and how accurate its answer is."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from analysis.speed import error_curves, error_picture
 from analysis.speed.error_curves import Panel
 
 OURS = "cover"
-LEAST_TRACED: Final = 0.01  # seconds: shorter traced runs say nothing of what tracing costs
+LEAST_TRACED: Final = 0.01  # seconds: shorter traced runs do not show the cost of tracing
 HEADER = ["scene", "solver", "asked", "time, ms", "gap", "error of the middle", "of the lower bound", "tracing, %", "distances", "rows not ok"]
 
 
@@ -100,8 +100,8 @@ def cost_of_tracing(results: Results, case: int) -> float:
 
 
 def tracing_note(results: Results) -> str:
-    """Says how much longer tracing takes: the median over all traced runs that are long enough, and for the solver with the greatest
-    median.
+    """Returns a note on the cost of tracing: the median over all traced runs that are long enough, and over the runs of
+    the slowest solver.
     """
     cases, found = results.cases, dict[str, list[float]]()
     for case in map(int, np.flatnonzero(cases.from_trace == 0)):
@@ -121,7 +121,7 @@ def percent(share: float) -> str:
 
 
 def run_rows(results: Results, panel: Panel) -> list[int]:
-    """Returns the rows of the solvers that were run on this scene: not of those that do not take its shapes, or were not built."""
+    """Returns the rows of the solvers that were run on this scene; others do not take its shapes, or were not built."""
     cases, rows = results.cases, results.rows(scene=panel[0], pose_index=panel[1])
     run = {results.names[r] for r in rows if cases.status[r] not in ("skipped", "not_built")}
     return [r for r in rows if results.names[r] in run]
@@ -162,14 +162,14 @@ def distances(results: Results, case: int) -> int:
 
 
 def error_cells(results: Results, case: int) -> list[str]:
-    """Prints the errors of the middle and of the lower bound, or the least that the reference can tell."""
+    """Returns the errors of the middle and of the lower bound as text, or the least that the reference can tell."""
     found, width = error_curves.errors_of(results, case), error_curves.reference_width(results, case)
     return [f"≤ {tables.number(width, 1)}" if 0 < width and value <= width else tables.number(value, 2)
             for value in (float(found.middle[0]), float(found.lower[0]))]
 
 
 def finest(results: Results, rows: Sequence[int], times: dict[int, Estimate]) -> list[str]:
-    """Returns the cells of a line: of the rows at the least tolerance that has bounds."""
+    """Returns the cells of a line, from the rows at the least tolerance that has bounds."""
     asked = {results.cases.status[r]: set[float]() for r in rows if results.cases.status[r] != "ok"}
     for r in rows:
         if results.cases.status[r] != "ok":
@@ -187,7 +187,7 @@ def finest(results: Results, rows: Sequence[int], times: dict[int, Estimate]) ->
 
 
 def record(results: Results, case: int, time: Estimate | None) -> tables.Record:
-    """Returns the line of the CSV of a row."""
+    """Returns the CSV record of a row."""
     cases, size = results.cases, results.length_unit(case)
     row: tables.Record = {name: getattr(cases, name)[case] for name in
                           ("scene", "pose_index", "solver", "label", "variant", "tolerance", "tolerance_of", "status", "reason")}

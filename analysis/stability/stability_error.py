@@ -41,12 +41,12 @@ def has_exact(suite: Suite, family: Family) -> bool:
 
 
 def ill(family: Family) -> float:
-    """1: some solver is wrong there."""
+    """Returns 1 if some solver is wrong on the family, else 0."""
     return float(any(answer.outcome == Outcome.WRONG for own in family.answers.values() for answer in own.values()))
 
 
 def error(suite: Suite, answer: Answer) -> float:
-    """Returns the true error; NaN without bounds."""
+    """Returns the error over the diagonal of A; NaN if there are no bounds."""
     cases, row = suite.results.cases, answer.row
     lower, upper, exact = float(cases.lower[row]), float(cases.upper[row]), float(cases.exact[row])
     apart = abs(lower - exact) if cases.solver[row] == "cgal" else max(abs(lower - exact), abs(upper - exact))
@@ -54,7 +54,7 @@ def error(suite: Suite, answer: Answer) -> float:
 
 
 def gap(suite: Suite, answer: Answer) -> float:
-    """Bounds that cross have none."""
+    """Returns the gap over the diagonal of A; NaN for bounds that cross."""
     between = suite.results.gap(answer.row)
     return relative(between, float(suite.results.cases.source_diagonal[answer.row])) if between >= 0 else math.nan
 

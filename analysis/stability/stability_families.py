@@ -14,9 +14,9 @@ from analysis.stability.stability_outcomes import STOPS, Judge, Outcome, judge
 from analysis.zhang2017.zhang2017_as_printed import LOOKS as BESIDE_PRINTED
 
 KINDS: Final = ("points", "meshes", "surfaces")
-_KIND_OF: Final = {"points": "points", "mesh": "meshes", "surface": "surfaces"}  # of a model
+_KIND_OF: Final = {"points": "points", "mesh": "meshes", "surface": "surfaces"}  # by the kind of a model
 AS_PRINTED: Final = {solver: looks for solver, looks in BESIDE_PRINTED.items() if solver.endswith("_as_printed")}
-Label = tuple[str, str]  # a solver, and its name in the row
+Label = tuple[str, str]  # a solver, and its name in the rows
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Answer:
 
     row: int
     label: str
-    severity: float  # NaN: of no sweep
+    severity: float  # NaN: not part of a sweep
     tolerance: float
     certified: bool
     outcome: Outcome
@@ -35,7 +35,7 @@ class Answer:
 
     @property
     def letter(self) -> str:
-        """In figures; of one that stopped it says at what."""
+        """The letter in figures; if the answer stopped, it says at what."""
         return STOPS[self.status][0] if self.outcome == Outcome.STOPPED else self.outcome.letter
 
 
@@ -45,14 +45,14 @@ Step = tuple[str, int]  # a scene and a pose: one severity
 @dataclass(frozen=True)
 class Family:
     name: str
-    kind: str  # of KINDS
-    steps: list[Step]  # in the order of the experiment: the mildest first
+    kind: str  # one of KINDS
+    steps: list[Step]  # in the order of the experiment, the mildest first
     severities: list[float]  # of each step
     answers: dict[str, dict[tuple[Step, float], Answer]]  # by label, then by step and tolerance
 
     @cached_property
     def tolerances(self) -> list[float]:
-        """The coarsest first."""
+        """All tolerances, the coarsest first."""
         return sorted({tolerance for own in self.answers.values() for _, tolerance in own}, reverse=True)
 
     @property
@@ -67,16 +67,16 @@ class Family:
         return list(self.answers.get(label, {}).values())
 
     def asked(self, label: str) -> list[Answer]:
-        """Those that were run."""
+        """Returns the answers of a solver that were run."""
         return [answer for answer in self.of(label) if answer.outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)]
 
     def outcome(self, label: str, step: Step, tolerance: float) -> Outcome:
-        """Returns the outcome; not run if the experiment does not ask for the solver."""
+        """Returns the outcome; `not run` if the experiment does not ask the solver."""
         answer = self.answers.get(label, {}).get((step, tolerance))
         return answer.outcome if answer else Outcome.NOT_RUN
 
     def mark(self, label: str, step: Step, tolerance: float) -> tuple[Outcome, str]:
-        """The outcome, and its letter in figures."""
+        """Returns the outcome and its letter in figures."""
         answer = self.answers.get(label, {}).get((step, tolerance))
         return (answer.outcome, answer.letter) if answer else (Outcome.NOT_RUN, "")
 
@@ -101,8 +101,10 @@ class Suite:
         self.families = [self._family(name, kind, own) for (name, kind), own in rows.items()]
 
     def _kinds(self) -> list[str]:
-        """Kind of shape of each row. If the model could not be read, as illegal input cannot, it is the kind of its family, or of the row
-        before.
+        """Returns the kind of each row.
+
+        If a model could not be read, for example input that is not legal, the row gets the kind of its family, or of
+        the row before it.
         """
         cases, models = self.results.cases, dict(zip(self.results.models.name, self.results.models.kind))
         known = [_KIND_OF.get(models.get(source, ""), "") for source in cases.source]
@@ -124,14 +126,14 @@ class Suite:
 
     def _answer(self, row: int, kind: str) -> Answer:
         cases, ending = self.results.cases, self.judge.ending(row)
-        # Input that cannot be read is refused for all solvers alike, also for those that take no such shapes.
+        # Input that cannot be read is refused for all solvers alike, even for those that do not take such shapes.
         asked = ending.legal or (str(self.results.names[row]), kind) in self._takes
         return Answer(row, str(self.results.names[row]), float(cases.severity[row]), float(cases.tolerance[row]), ending.certified,
                       judge(ending) if asked else Outcome.NOT_APPLICABLE, self.judge.can_be_met(row), ending.legal, ending.status)
 
     @cached_property
     def labels(self) -> list[Label]:
-        """All, in the order of tables."""
+        """All labels, in the order of tables."""
         return ordered(zip(self.results.cases.solver, self.results.names))
 
     @cached_property
@@ -141,24 +143,24 @@ class Suite:
 
     @cached_property
     def family_of(self) -> dict[int, Family]:
-        """Family of each row."""
+        """The family of each row."""
         return {answer.row: family for family in self.families for own in family.answers.values() for answer in own.values()}
 
     def of_kind(self, kind: str) -> list[Family]:
         return [family for family in self.families if family.kind == kind]
 
     def labels_of(self, kind: str) -> list[Label]:
-        """Those that take such shapes: not every row of theirs is `not applicable`."""
+        """Returns the solvers that take such shapes: not every row of theirs is `not applicable`."""
         return [pair for pair in self.labels
                 if any(answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
 
     def is_certified(self, label: str) -> bool:
-        """Whether the solver is certified; False if it was run nowhere, because its promise is then unknown."""
+        """Tells whether a solver is certified. A solver that was run nowhere promises nothing here."""
         return any(answer.certified for family in self.families for answer in family.of(label))
 
 
 def ordered(pairs: Iterable[Label]) -> list[Label]:
-    """Sorts as style.order, with each variant that has the printed error beside the solver that it varies."""
+    """Sorts like style.order, but puts each variant that is printed wrong after its correct solver."""
     known = style.order(pairs)
     found: list[Label] = [pair for pair in known if pair[0] not in AS_PRINTED]
     for pair in (pair for pair in known if pair[0] in AS_PRINTED):
@@ -172,7 +174,7 @@ def look(solver: str, label: str) -> style.Look:
 
 
 def severity_text(severity: float) -> str:
-    """'1e6', '12', '0.25', '' where there is none."""
+    """Returns '1e6', '12' or '0.25'; empty if there is no severity."""
     if math.isnan(severity):
         return ""
     if severity == 0 or 1e-3 <= abs(severity) < 1e4:
@@ -182,7 +184,7 @@ def severity_text(severity: float) -> str:
 
 
 def range_text(family: Family) -> str:
-    """'10 to 1e12', from the mildest to the severest."""
+    """Returns the severities from the mildest to the severest: '10 to 1e12'."""
     if not family.has_severities:
         return f"{len(family.steps)} scenes" if len(family.steps) > 1 else ""
     ends = list(dict.fromkeys((severity_text(family.severities[0]), severity_text(family.severities[-1]))))
@@ -190,6 +192,6 @@ def range_text(family: Family) -> str:
 
 
 def percent(part: int, whole: int) -> str:
-    """'97.2 %'; never 100 where some are missing."""
+    """Returns '97.2 %'; never 100 if some are missing."""
     share = 100 * part / whole
     return f"{tables.number(min(share, 99.9) if part < whole else share)} %"

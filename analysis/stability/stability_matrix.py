@@ -1,4 +1,4 @@
-"""Outcomes of every solver on families of scenes that get worse step by step, as a matrix, and verdicts on three claims.
+"""The outcome of every solver on families of scenes that get worse step by step: a matrix, and verdicts on three claims.
 
 stability_error and stability_time draw the same results.
 """
@@ -17,10 +17,10 @@ from analysis.stability import stability_picture
 from analysis.stability.stability_families import KINDS, Answer, Family, Suite, look, percent, severity_text
 from analysis.stability.stability_outcomes import ILL, MEETABLE, SLACK, U, Outcome
 
-SHARE: Final = 0.95  # of the cells that can be right and tight
-# Their bounds are as wide as samples are apart, or as a grid is coarse, whatever the tolerance.
+SHARE: Final = 0.95  # share that must be tight, among the cells that can be right and tight
+# Solvers whose bounds are as wide as the spacing of their samples or of their grid, whatever the tolerance.
 WITHOUT_TOLERANCE: Final = ("sampling", "surface_meshes")
-NAMED: Final = 12  # at most so many places are named where a claim fails
+NAMED: Final = 12  # a failed claim names at most this many places
 
 
 def make(results: Results) -> Report:
@@ -33,13 +33,13 @@ def make(results: Results) -> Report:
 
 
 def place(suite: Suite, answer: Answer) -> str:
-    """'guthe on offset at 1e4'."""
+    """Returns 'guthe on offset at 1e4'."""
     family, severity = suite.family_of[answer.row], severity_text(answer.severity)
     return f"{answer.label} on {family.title}{f' at {severity}' if severity else ''}"
 
 
 def named(places: Sequence[str]) -> str:
-    """Without repeats: tolerances share a place."""
+    """Joins the places without repeats: tolerances share a place."""
     distinct = list(dict.fromkeys(places))
     rest = len(distinct) - NAMED
     return "; ".join(distinct[:NAMED]) + (f"; and {rest} more" if rest > 0 else "")
@@ -60,7 +60,7 @@ def claim_certified(suite: Suite) -> Verdict:
 
 
 def claim_tight(suite: Suite) -> Verdict:
-    """A count of all cells that there are, and no test."""
+    """Judges the share of tight answers. This is a count of all cells, not a test."""
     claim = claims.of("hausbench", "tight", percent=100 * SHARE, aside=" and ".join(WITHOUT_TOLERANCE))
     among = [answer for answer in suite.answers if answer.certified and answer.legal and answer.can_be_met and was_run(answer)
              and suite.results.cases.solver[answer.row] not in WITHOUT_TOLERANCE]
@@ -69,7 +69,7 @@ def claim_tight(suite: Suite) -> Verdict:
     tight = [answer for answer in among if answer.outcome == Outcome.TIGHT]
 
     def below(name_of: dict[int, str]) -> str:
-        """The shares of each family, or each solver, that does not get so far by itself; the worst first."""
+        """Lists the shares of the families, or solvers, that are below SHARE by themselves; the worst first."""
         shares = []
         for name in dict.fromkeys(name_of[answer.row] for answer in among):
             own = [answer for answer in among if name_of[answer.row] == name]
@@ -86,13 +86,13 @@ def claim_tight(suite: Suite) -> Verdict:
 
 
 def expected_wrong(suite: Suite) -> list[str]:
-    """Labels of arithmetic and algorithms that are known to be wrong, and of the peer that publishes no bound of its rounding."""
+    """Returns the labels of arithmetic and algorithms known to be wrong, and of the peer that publishes no bound of its rounding."""
     return [label for solver, label in suite.labels
             if solver == "cgal" or solver.endswith("_as_printed") or "textbook kernel" in label]
 
 
 def claims_can_fail(suite: Suite) -> list[Verdict]:
-    """One case is enough to show that a solver can be seen to be wrong."""
+    """Judges that each of these solvers can be seen to be wrong. One case is enough to show it."""
     found = []
     for label in expected_wrong(suite):
         asked = [answer for answer in suite.answers if answer.label == label and was_run(answer)]
@@ -107,7 +107,7 @@ def claims_can_fail(suite: Suite) -> list[Verdict]:
 
 
 def cell(family: Family, label: str) -> str:
-    """The worst outcome, and of how many severities: at a severity the worst of its tolerances counts."""
+    """Returns the worst outcome, and at how many severities. At a severity the worst of its tolerances counts."""
     worst = {}
     for step in family.steps:
         own = [family.outcome(label, step, tolerance) for tolerance in family.tolerances]
@@ -152,7 +152,7 @@ def table_of(suite: Suite) -> tables.Table:
 
 
 def _kinds_begin(suite: Suite) -> list[int]:
-    """The columns where the solvers of points alone, of meshes and of surfaces begin."""
+    """Returns the columns at which the solvers of points alone, of meshes and of surfaces begin."""
     takes = [next((kind for kind in reversed(KINDS) if pair in suite.labels_of(kind)), "") for pair in suite.labels]
     return [3 + i for i, kind in enumerate(takes) if i == 0 or kind != takes[i - 1]]
 
@@ -162,7 +162,7 @@ def seconds_text(results: Results) -> str:
 
 
 def note_of(suite: Suite, family: Family) -> str:
-    """Returns the experiment's note on the family, or on each of its scenes if they differ."""
+    """Returns the experiment's note on the family; if its scenes have different notes, one for each scene."""
     cases, notes = suite.results.cases, dict[str, str]()
     for own in family.answers.values():
         for answer in own.values():

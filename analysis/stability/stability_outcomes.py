@@ -1,4 +1,4 @@
-"""Outcomes of the rows of the stability suite: how each is judged, and its words, letters and colours."""
+"""The outcome of each row of the stability suite: how it is judged, and its words, letters and colours."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ from analysis.shared import shapes
 from analysis.shared.results import Interval, ResultError, Results
 
 U: Final = 2.0**-53
-SLACK: Final = 84 * U  # fraction of the largest |coordinate|, for solvers that are not certified; derived in harness/check/verify.cpp
-# Likewise: a tolerance below it is below what double arithmetic gives. The widest of the certified bounds, those of meshes far from the
-# origin, were seen to be 34 u M apart at their precision floor.
+SLACK: Final = 84 * U  # as a fraction of the largest |coordinate|, for solvers that are not certified; derived in harness/check/verify.cpp
+# Likewise: a tolerance below it is below the precision of double arithmetic. The widest certified bounds, of meshes far
+# from the origin, were seen to be 34 u M apart at their precision floor.
 MEETABLE: Final = 40 * U
-LEAST: Final = 40 * 2.0**-1074  # where u M is below the smallest double
+LEAST: Final = 40 * 2.0**-1074  # floor if u M is below the smallest double
 
 
 class Outcome(Enum):
-    """From best to worst, after the two of rows that were not asked: words, short word, letter in figures, colour, colour of the letter.
+    """The outcomes from best to worst, after the two of rows that were not asked.
 
-    The worse, the darker (but a crash is black), with a step in lightness between any two colours: they can be told apart in grey and with every
-    kind of colour blindness.
+    Each has words, a short word, a letter in figures, a colour, and the colour of the letter. The worse, the darker
+    (but a crash is black), with a step in lightness between any two colours: they can be told apart in grey and with
+    every kind of colour blindness.
     """
 
     NOT_APPLICABLE = ("not applicable", "n/a", "", "#FFFFFF", "#777777")
@@ -57,21 +58,21 @@ class Ending:
     solver_status: str = ""  # empty: the solver gave no answer
     lower: float = math.nan
     upper: float = math.nan
-    truth: Interval = Interval(math.nan, math.nan)  # known interval of the true distance
-    slack: float = 0.0  # by how far the bounds may be off; NaN: unknown
+    truth: Interval = Interval(math.nan, math.nan)  # the interval that is known to hold the true distance
+    slack: float = 0.0  # how far the bounds may be off; NaN: unknown
     tolerance: float = 0.0
     certified: bool = True
     unsound: bool = False  # found by the harness
-    legal: bool = True  # the input is one that a solver should answer
+    legal: bool = True  # the input is legal: a solver should answer it
 
     @property
     def takes_it(self) -> bool:
-        """False where the solver does not take such shapes, or does not compute the quantity."""
+        """False if the solver does not take such shapes, or does not compute the quantity."""
         return not re.match(r"solver '[^']*' (takes no|computes) ", self.reason)
 
     @property
     def leaves_out_the_truth(self) -> bool:
-        """Bounds that cross, or do not hold. By an unknown slack nothing is shown."""
+        """The bounds cross, or do not hold. An unknown slack shows nothing."""
         low, high = self.lower - self.slack, self.upper + self.slack
         return self.lower > high or low > self.truth.upper or high < self.truth.lower or math.isinf(self.lower)
 
@@ -98,13 +99,13 @@ def _judge_legal(ending: Ending) -> Outcome:
         return _without_bounds(ending)
     if ending.leaves_out_the_truth:
         return Outcome.WRONG
-    if ending.status == "failed" and ending.solver_status != "stalled":  # two runs of it differ: one cannot rely on either
+    if ending.status == "failed" and ending.solver_status != "stalled":  # two runs of it differ: neither can be relied on
         return Outcome.WRONG
     if ending.is_tight:
         return Outcome.TIGHT
     if ending.status in ("timeout", "budget", "floor"):
         return Outcome.STOPPED
-    if ending.status == "failed" and ending.lower <= 0 and math.isinf(ending.upper):  # says nothing, but why
+    if ending.status == "failed" and ending.lower <= 0 and math.isinf(ending.upper):  # gives only the reason
         return Outcome.REFUSED
     if ending.status == "ok" and ending.certified:
         return Outcome.WRONG
@@ -120,7 +121,7 @@ def _without_bounds(ending: Ending) -> Outcome:
 
 
 class Judge:
-    """Judges the rows of a result file. Remembers how large each model is."""
+    """Judges the rows of a result file. Remembers the size of each model."""
 
     def __init__(self, results: Results) -> None:
         self.results = results
@@ -135,8 +136,10 @@ class Judge:
                       not str(cases.scene_note[row]).startswith("not legal"))
 
     def truth(self, row: int) -> Interval:
-        """Returns `exact`, give or take one ulp; otherwise the interval that all certified rows prove together. Its ends cross if one of
-        them is wrong, without telling which: then every row that is not wider than both is outside.
+        """Returns `exact`, give or take one ulp; else the interval that all certified rows prove together.
+
+        The ends of that interval cross if one of these rows is wrong, and it is not known which: then every row that is
+        not wider than both is outside.
         """
         exact = float(self.results.cases.exact[row])
         if math.isnan(exact):
@@ -144,17 +147,17 @@ class Judge:
         return Interval(float(np.nextafter(exact, -np.inf)), float(np.nextafter(exact, np.inf)))
 
     def can_be_met(self, row: int) -> bool | None:
-        """The tolerance is not below the precision of doubles; None where a shape is not in the cache."""
+        """Tells whether the tolerance is within the precision of doubles; None if a shape is not in the cache."""
         floor = self.floor(row)
         return None if math.isnan(floor) else bool(self.results.cases.tolerance_absolute[row] >= floor)
 
     def floor(self, row: int) -> float:
-        """The least tolerance that doubles can meet; NaN: unknown."""
+        """Returns the least tolerance that doubles can meet; NaN: unknown."""
         largest = self.magnitude(row)
         return math.nan if math.isnan(largest) else max(MEETABLE * largest, LEAST)
 
     def magnitude(self, row: int) -> float:
-        """The largest |coordinate| of both shapes where they stand, as harness/check/verify.cpp bounds it; NaN: unknown."""
+        """Returns the largest |coordinate| of both posed shapes, as harness/check/verify.cpp bounds it; NaN: unknown."""
         cases, found = self.results.cases, list[float]()
         for model, pose in ((cases.source[row], cases.pose[row]), (cases.target[row], cases.target_pose[row])):
             largest = self._largest_of(str(model))
@@ -164,7 +167,7 @@ class Judge:
         return max(found)
 
     def _largest_of(self, model: str) -> tuple[float, float, float] | None:
-        """By axis."""
+        """Returns the largest |coordinate| of a model along each axis."""
         if model not in self._largest:
             self._largest[model] = self._read(model)
         return self._largest[model]
@@ -172,7 +175,7 @@ class Judge:
     def _read(self, model: str) -> tuple[float, float, float] | None:
         models = self.results.models
         rows = np.flatnonzero(models.name == model)
-        if len(rows) and np.isfinite(models.box[rows[0]]).all():  # of a surface
+        if len(rows) and np.isfinite(models.box[rows[0]]).all():  # a surface
             corners = models.box[rows[0]].reshape(3, 2).T
         else:
             try:

@@ -1,4 +1,4 @@
-"""Small multiples of the stability suite: for a few families two measures of each answer, one above the other, against severity."""
+"""Small multiples of the stability suite: for a few families, two measures of each answer against severity, one above the other."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from analysis.shared import scales, style
 from analysis.stability.stability_families import Answer, Family, Label, Suite, look
 from analysis.stability.stability_outcomes import Outcome
 
-MOST: Final = 12  # panels
+MOST: Final = 12  # panels at most
 ACROSS: Final = 4
 # In inches.
 WIDE: Final = 1.34
@@ -25,35 +25,35 @@ PITCH: Final = 1.68
 DEEP: Final = 0.2 + 2 * TALL + 0.08 + 0.36
 LEFT: Final = 0.6
 MARK: Final = "#D00000"
-BEHIND: Final = "#C4C4C4"  # of solvers that have no colour here
+BEHIND: Final = "#C4C4C4"  # for solvers that have no colour here
 SHOWN: Final = 6
-OURS: Final = {"cover": 3e6, "scan": 2e6, "surface_enclosure": 1e6}  # come first, in this order
+OURS: Final = {"cover": 3e6, "scan": 2e6, "surface_enclosure": 1e6}  # chosen first, in this order
 
 
 @dataclass(frozen=True)
 class Measure:
-    """The quantity of a frame: NaN is not drawn, infinity is a letter at the top."""
+    """The number that a frame shows: NaN is not drawn, infinity is a letter at the top."""
 
     name: str
     of: Callable[[Answer], float]
     guide: Callable[[Answer], float]  # a line for orientation; NaN: none
-    stopped_at: Callable[[Answer], float] = lambda answer: math.nan  # where an answer that ran out of time is drawn, with an open marker
+    stopped_at: Callable[[Answer], float] = lambda answer: math.nan  # height of an open marker for an answer out of time; NaN: none
 
 
 def choose(families: Sequence[Family], interest: Callable[[Family], float] = lambda family: 0.0) -> list[Family]:
-    """Chooses the families of most interest, among these the ones with the most severities, in the order of the experiment."""
+    """Returns the families of most interest, and among these the ones with the most severities, in the order of the experiment."""
     among = sorted(families, key=lambda family: (-interest(family), -len(family.steps)))[:MOST]
     return [family for family in families if family in among]
 
 
 def swept(suite: Suite) -> list[Family]:
-    """Families with two severities or more, of input that is legal."""
+    """Returns the families of legal input with two severities or more."""
     return [family for family in suite.families if family.has_severities and len(set(family.severities)) > 1
             and all(answer.legal for own in family.answers.values() for answer in own.values())]
 
 
 def telling(suite: Suite, families: Sequence[Family]) -> list[Label]:
-    """At most SHOWN solvers, no two of one colour or marker: ours, then those that most often have no tight answer."""
+    """Returns at most SHOWN solvers, all of different colours and markers: ours, then those that most often have no tight answer."""
     def score(pair: Label) -> float:
         own = [answer for family in families for answer in family.finest(pair[1]) if answer in family.asked(pair[1])]
         return sum(1.0 + 9.0 * (answer.outcome == Outcome.WRONG) for answer in own if answer.outcome != Outcome.TIGHT) + OURS.get(pair[0], 0.0) * bool(own)
@@ -120,8 +120,9 @@ def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure, shown: S
 
 
 def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer], measure: Measure, lost: Counter[float], front: bool) -> None:
-    """Draws a line through the answers, and above it a letter at the top for each case without one, in a darker shade of the solver's
-    colour. A solver that is not in front is grey.
+    """Draws a line through the answers, and a letter at the top for each answer without a value.
+
+    The letter is in a darker shade of the solver's colour. A solver that is not in front is grey.
     """
     looks = look(*pair) if front else replace(look(*pair), colour=BEHIND, line="-")
     known = [(answer.severity, measure.of(answer), answer) for answer in own if math.isfinite(measure.of(answer))]
@@ -150,7 +151,7 @@ def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer],
 
 
 def spread(severities: Sequence[float], apart: float) -> list[float]:
-    """Those that are so many powers of ten from all before them, sorted."""
+    """Returns the severities that are at least `apart` powers of ten from every one kept before them, sorted."""
     kept: list[float] = []
     for severity in severities:
         if all(abs(math.log10(severity / other)) >= apart for other in kept):
@@ -159,15 +160,15 @@ def spread(severities: Sequence[float], apart: float) -> list[float]:
 
 
 def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None:
-    """The severest at the right. A severity of 0 or below has no logarithm."""
+    """Sets the axis of severities, with the severest at the right. A severity of 0 or below has no logarithm."""
     if not severities:
         return
     first, last = severities[0], severities[-1]
     if first > 0:
         room = (last / first) ** 0.06
         ax.set_xlim(max(first / room, 1e-305), min(last * room, 1e305))  # ticks beyond are not doubles
-        ax.set_xscale("log")  # after the limits, or it would look for some, beyond doubles
-        if last / first >= 1e30:  # the locators of logarithmic axes look beyond the axis, where there are no doubles
+        ax.set_xscale("log")  # after the limits, or it would look for limits beyond doubles
+        if last / first >= 1e30:  # locators of logarithmic axes look beyond the axis, out of the range of doubles
             shown = spread([severities[0], severities[-1], *severities[1:-1]], math.log10(last / first) / 4)
             ax.xaxis.set_major_locator(FixedLocator(shown))
             ax.xaxis.set_minor_locator(NullLocator())
@@ -186,7 +187,7 @@ def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None
 
 
 def relative(value: float, diagonal: float) -> float:
-    """A length over the diagonal of A; as it is where A is a single point."""
+    """Returns a length over the diagonal of A; the length itself if A is a single point."""
     return value / diagonal if diagonal > 0 else value
 
 

@@ -1,4 +1,4 @@
-"""The matrix of outcomes: a figure for each kind of shape, a cell a family and solver, in it a strip a severity."""
+"""The matrix of outcomes: one figure per kind of shape, one cell per family and solver, and in it one strip per severity."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from analysis.shared import style
 from analysis.stability.stability_families import KINDS, Family, Label, Suite, look, range_text
 from analysis.stability.stability_outcomes import STOPS, Outcome
 
-# In inches, for the figure is laid out by hand: cells of one size in all bands.
+# In inches, because the figure is laid out by hand: cells have one size in all bands.
 WIDE: Final = style.DOUBLE_COLUMN
-LEFT: Final = 1.42  # the names of families
-RIGHT: Final = 0.62  # their severities
+LEFT: Final = 1.42  # for the names of families
+RIGHT: Final = 0.62  # for their severities
 ROW: Final = 0.138
-HEAD: Final = 0.86  # the names of solvers
-GAP: Final = 0.06  # between cells, as a part of a cell
-BELOW: Final = 0.6  # how wide the first column is, which is of no solver
+HEAD: Final = 0.86  # for the names of solvers
+GAP: Final = 0.06  # between cells, as a fraction of a cell
+BELOW: Final = 0.6  # width of the first column, which belongs to no solver, in cells
 DARK: Final = "#555555"
 
 
 def draw(suite: Suite) -> dict[str, Any]:
-    """A figure for each kind of shape: together they are higher than a page."""
+    """Draws one figure per kind of shape, because together they are higher than a page."""
     return {kind: draw_kind(suite, kind) for kind in KINDS if suite.of_kind(kind)}
 
 
@@ -52,7 +52,7 @@ def footnote(suite: Suite) -> list[str]:
 
 
 def legend(suite: Suite, families: Sequence[Family]) -> list[Any]:
-    """Returns the legend of the outcomes in these families."""
+    """Returns the legend of the outcomes that these families show."""
     shown = {family.mark(label, step, tolerance) for family in families for _, label in suite.labels_of(family.kind)
              for step in family.steps for tolerance in family.tolerances}
     words = dict(STOPS.values())
@@ -66,7 +66,7 @@ def legend(suite: Suite, families: Sequence[Family]) -> list[Any]:
 
 
 def draw_band(ax: Any, suite: Suite, families: Sequence[Family], labels: Sequence[Label], pitch: float) -> None:
-    """`pitch` is how wide a cell is, in points."""
+    """Draws the cells. `pitch` is the width of a cell, in points."""
     ax.set_xlim(-BELOW, len(labels))
     ax.set_ylim(len(families), 0)
     for i, family in enumerate(families):
@@ -91,7 +91,7 @@ def draw_band(ax: Any, suite: Suite, families: Sequence[Family], labels: Sequenc
 
 
 def parts(family: Family, left: float, wide: float) -> list[tuple[Any, float, float, float, float]]:
-    """Returns for each part of a cell its (step, tolerance), left, top, width and height."""
+    """Returns the parts of a cell: (step, tolerance), left, top, width and height of each."""
     n, m = len(family.steps), len(family.tolerances)
     across, down = (wide - GAP) / n, (1 - 2 * GAP) / m
     return [((step, tolerance), left + GAP / 2 + k * across, GAP + l * down, across, down)
@@ -99,7 +99,7 @@ def parts(family: Family, left: float, wide: float) -> list[tuple[Any, float, fl
 
 
 def draw_floor(ax: Any, family: Family, i: int) -> None:
-    """Dark where no solver of doubles can meet the gap."""
+    """Draws the first column: dark if no solver in doubles can meet the gap."""
     met = {key: answer.can_be_met for own in family.answers.values() for key, answer in own.items() if answer.can_be_met is not None}
     for key, x, y, wide, high in parts(family, -BELOW, BELOW):
         colour = {True: "#EEEEEE", False: DARK, None: "#FFFFFF"}[met.get(key)]
@@ -107,7 +107,7 @@ def draw_floor(ax: Any, family: Family, i: int) -> None:
 
 
 def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: float) -> None:
-    """A letter stands in the middle of each run of like strips; runs too narrow for it get a smaller one."""
+    """Draws a letter in the middle of each run of equal strips; runs too narrow for it get a smaller one."""
     marks = {key: family.mark(label, *key) for key, *_ in parts(family, 0, 1)}
     for key, x, y, wide, high in parts(family, at[0], 1):
         outcome, _ = marks[key]
@@ -132,6 +132,6 @@ def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: f
 
 
 def runs(line: Sequence[object]) -> list[tuple[int, int]]:
-    """Returns begin and end of each run of equal values."""
+    """Returns the begin and the end of each run of equal values."""
     ends = [k for k in range(1, len(line)) if line[k] != line[k - 1]]
     return list(zip([0, *ends], [*ends, len(line)]))

@@ -1,4 +1,6 @@
-"""The gain of each part of the algorithm of Tang et al. 2009: Voronoi subdivision, group traversal, Lemma 4, a warm start, the tolerance."""
+"""The value of each part of the algorithm of Tang et al. 2009: Voronoi subdivision, group traversal, Lemma 4, a warm
+start, the tolerance.
+"""
 
 from __future__ import annotations
 
@@ -23,10 +25,10 @@ from analysis.tang2009.tang_motion import Run
 FINEST: Final = 1e-4
 PLAIN: Final = "tang"
 CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
-MARKERS: Final = "osD^v"  # of scenes
+MARKERS: Final = "osD^v"  # one per scene
 COUNTED: Final = {**CUTS, **MEASURES}
-CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # variants that the plain algorithm is compared with
-IN_SUBDIVISIONS: Final = (("tang, midpoint", PLAIN, "cuts"), (PLAIN, "tang, Lemma 4", "lemma4"))  # the one of more subdivisions, and the one of fewer
+CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # compared with the plain algorithm; claim
+IN_SUBDIVISIONS: Final = (("tang, midpoint", PLAIN, "cuts"), (PLAIN, "tang, Lemma 4", "lemma4"))  # more subdivisions, fewer, claim
 
 
 class Variants:
@@ -45,7 +47,7 @@ class Variants:
         return run if run and run.complete else None
 
     def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Ratio over all poses together: one number per round for times, one exact number for counted work."""
+        """Returns the ratio over all poses together: of times one number per round, of counted work one exact number."""
         above, below = self.run(scene, slow), self.run(scene, fast)
         if not above or not below:
             return NO_DATA
@@ -69,7 +71,10 @@ def verdicts(variants: Variants) -> list[Verdict]:
 
 
 def sensitive(variants: Variants) -> Verdict:
-    """Compares the levels of triangles one in another (the deepest subdivision, and the triangle itself) at the finest tolerance with the coarsest."""
+    """Compares the levels of nested triangles at the finest tolerance with the levels at the coarsest.
+
+    The levels are the deepest subdivision, and the triangle itself.
+    """
     def levels(scene: str, tolerance: float) -> float:
         run = variants.run(scene, PLAIN, tolerance)
         return 1 + float(np.nanmax(run.deepest)) if run and np.isfinite(run.deepest).any() else math.nan
@@ -114,13 +119,13 @@ def make(results: Results) -> Report:
 
 
 def named(results: Results, scene: str) -> str:
-    """Returns a scene and what stands in for its models: 'Puma1/Puma2 (stand-ins: dinosaur, horse)'."""
+    """Returns a scene with the stand-ins for its models: 'Puma1/Puma2 (stand-ins: dinosaur, horse)'."""
     shapes = [shape.removeprefix("stand-in: ") for shape in tang_pictures.stand_ins(results, results.rows(scene=scene)[0]) if shape]
     return style.scene_title(scene) + (f" (stand-ins: {', '.join(shapes)})" if shapes else "")
 
 
 def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
-    """Draws, on the left, each change against the plain algorithm; on the right, its time against the tolerance."""
+    """Draws each change against the plain algorithm on the left, and the plain algorithm's time against the tolerance on the right."""
     changed = [label for label, tolerance in rows if tolerance == FINEST and label != PLAIN]
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.9), width_ratios=(1.3, 1))
     colours = plt.get_cmap("viridis")(np.linspace(0.05, 0.75, len(variants.scenes)))

@@ -1,4 +1,4 @@
-"""Figure 10 of Tang et al. 2009: against Guthe's algorithm on models that lie over each other, in time and in memory."""
+"""Figure 10 of Tang et al. 2009: their algorithm against Guthe's on models that lie over each other, in time and in memory."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
 from analysis.shared.verdicts import Verdict, everywhere
 
 OVER: Final = (("guthe", "tang"), ("guthe", "cover"), ("tang", "cover"))
-MOST: Final = 0.03  # of the longest side: where the paper's models overlap
+MOST: Final = 0.03  # fraction of the longest side: the paper's overlapping models are nearer than this
 TIMES: Final = 10  # "by more than an order of magnitude"
 TENS: Final = 10.0  # seconds: "tens of seconds or more"
 
 
 class Pairs(Grid):
     def distance(self, scene: str) -> float:
-        """H as a share of A's longest side."""
+        """Returns H as a share of A's longest side."""
         row = self.first(scene)
         return self.results.middle(row) / float(self.results.cases.source_longest[row])
 
 
 def verdicts(pairs: Pairs) -> list[Verdict]:
-    """On average over the pairs nearer than the paper's 3 %."""
+    """Judges the claims; averages are over the pairs nearer than the paper's 3 %."""
     scenes = [scene for scene in pairs.scenes if pairs.distance(scene) < MOST]
 
     def judge(name: str, times: float) -> Verdict:

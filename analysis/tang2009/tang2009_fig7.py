@@ -1,4 +1,4 @@
-"""Figure 7 of Tang et al. 2009: the models, here those that stand in for them."""
+"""Figure 7 of Tang et al. 2009: the models, here their stand-ins."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, scenes: list[int]) -> Any:
-    """A column a pair, A above B."""
+    """Draws one column per pair, A above B."""
     cases = results.cases
     figure, axes = plt.subplots(2, max(1, len(scenes)), figsize=(style.DOUBLE_COLUMN, 3.3), squeeze=False)
     for column, row in zip(axes.T, scenes):

@@ -1,4 +1,4 @@
-"""Figure 8 of Tang et al. 2009: pairs side by side, and the points that show the two-sided distance."""
+"""Figure 8 of Tang et al. 2009: pairs side by side, and the points that attain the two-sided distance."""
 
 from __future__ import annotations
 

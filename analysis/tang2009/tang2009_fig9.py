@@ -52,15 +52,19 @@ def make(results: Results) -> Report:
 
 
 def bottom_of(tang: Run) -> float | None:
-    """Returns where the axis of times begins, in ms: below both cullings. If nothing is subdivided, that stage takes only the time to read
-    the clock.
+    """Returns the lower end of the axis of times, in ms: below both cullings.
+
+    The stage of subdivision is ignored, because it takes only the time to read the clock if nothing is subdivided.
     """
     known = [x for stage in ("cull on A", "cull on B") for x in 1e3 * tang.stage(stage) if x > 0]
     return 0.5 * min(known) if known else None
 
 
 def draw(found: list[Motion], clock: str) -> Any:
-    """Draws a column for each pair: the stages above, H below. The axis of times is logarithmic, because the last frames take up to a thousand times longer."""
+    """Draws a column for each pair: the stages above, H below.
+
+    The axis of times is logarithmic, because the last frames take up to a thousand times longer.
+    """
     figure, axes = plt.subplots(2, len(found), figsize=(style.DOUBLE_COLUMN, 3.9), sharex="col", squeeze=False, height_ratios=(2.2, 1))
     for (upper, lower), motion in zip(axes.T, found):
         tang = motion.runs["tang"]

@@ -1,4 +1,6 @@
-"""The nearest shape by a search (`search = "nearest"`), against the whole matrix of tang2009_similarity: the same answer, and how much less work."""
+"""The nearest shape by a search (`search = "nearest"`), against the full matrix of tang2009_similarity: the same answer
+with less work.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ WORK: Final = "distances, bounds and nodes"
 
 @dataclass(frozen=True)
 class Answers:
-    """The rows of one shape to all others, by the name of the other."""
+    """The rows from one shape to all others, by the name of the other."""
 
     results: Results
     rows: dict[str, int]
@@ -37,12 +39,12 @@ class Answers:
         return sum(self.results.cases.answer[row] == "h > cutoff" for row in self.rows.values())
 
     def nearest(self) -> str:
-        """By the least upper bound, as the search goes by; empty where no row has one."""
+        """Returns the shape with the least upper bound, which is the search's criterion; empty if no row has one."""
         known = {target: float(self.results.cases.upper[row]) for target, row in self.rows.items() if self.results.is_bounded(row)}
         return min(known, key=lambda target: known[target], default="")
 
     def percent(self, target: str) -> float:
-        """The middle of the interval of H, of the diagonal."""
+        """Returns the middle of the interval of H, in percent of the diagonal."""
         cases, row = self.results.cases, self.rows[target]
         return 50 * float(cases.lower[row] + cases.upper[row]) / float(cases.source_diagonal[row])
 
@@ -53,7 +55,7 @@ class Answers:
 
 @dataclass(frozen=True)
 class Search:
-    """The search of one solver for one shape, and the cost of the same pairs in the matrix without its diagonal."""
+    """One shape and one solver: the rows of the search, and the rows of the matrix (without its diagonal) for the same pairs."""
 
     name: str
     found: Answers
@@ -69,7 +71,7 @@ class Search:
 
     @property
     def same(self) -> bool | None:
-        """Whether the matrix has the same shape nearest; unknown where an answer is missing, or two are too close for its intervals."""
+        """Whether the matrix has the same nearest shape; None if an answer is missing, or two are too close for its intervals."""
         if not self.comparable:
             return None
         found, best, cases = self.found.nearest(), self.matrix.nearest(), self.matrix.results.cases
@@ -79,7 +81,7 @@ class Search:
 
 
 def matrix_beside(results: Results) -> tuple[Results | None, str]:
-    """The matrix, from the same folder and profile; else why there is none."""
+    """Loads the matrix from the same folder and profile; also returns the reason if there is none."""
     try:
         return load(results.path.parent / f"{RESULTS_OF[1]}.h5", str(results.meta.get("profile", ""))), ""
     except ResultError as problem:
@@ -87,7 +89,7 @@ def matrix_beside(results: Results) -> tuple[Results | None, str]:
 
 
 def asked(results: Results, row: int) -> tuple[object, ...]:
-    """What two rows must share to be of one question."""
+    """Returns everything that two rows must share to ask one question."""
     cases, models = results.cases, results.models
     hashes = dict(zip(models.name, models.sha256))
     return (cases.solver[row], cases.options[row], cases.source[row], cases.target[row], hashes.get(cases.source[row]), hashes.get(cases.target[row]),
@@ -116,7 +118,7 @@ def verdicts(title: str, label: str, found: Sequence[Search]) -> list[Verdict]:
 
 
 def total(found: Sequence[Search], what: str) -> tuple[int, int]:
-    """Returns totals of the matrix and of the search, over the shapes for which both are known."""
+    """Returns the work of the matrix and of the search, over the shapes for which both are known."""
     known = [one for one in found if one.saving(what).n]
     return sum(one.matrix.counted(MEASURES[what]) for one in known), sum(one.found.counted(MEASURES[what]) for one in known)
 
@@ -161,7 +163,7 @@ def make(results: Results) -> Report:
 
 
 def draw(every: dict[str, list[Search]]) -> Any:
-    """Draws a line for each shape, from the work of the search to the work of the matrix."""
+    """Draws one line per shape, from the work of the search to the work of the matrix."""
     names = list(dict.fromkeys(one.name for found in every.values() for one in found))
     figure, axes = plt.subplots(1, len(every), figsize=(style.DOUBLE_COLUMN, 0.17 * len(names) + 1.2), sharey=True, squeeze=False)
     place = {name: i for i, name in enumerate(names)}

@@ -19,7 +19,7 @@ from analysis.tang2009.tang_depth import CUT, MEASURE, Scene, faster, mean_over_
 
 LABELS: Final = ["tang", "cover"]
 FIGURE: Final = "Fig. 11"
-FEW: Final = 10.0  # milliseconds: what passes for a few
+FEW: Final = 10.0  # milliseconds that count as a few
 VIEW: Final = view((0.35, 0.25, 1))
 
 
@@ -39,7 +39,10 @@ def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
 
 
 def agreement(found: list[Scene]) -> Verdict:
-    """The intervals that two solvers give one pair have a number in common, but for a billionth of the longest side, which is more than cutting rounds."""
+    """Judges that the intervals of two solvers for one pair have a number in common.
+
+    A billionth of the longest side is allowed, which is more than the rounding of cutting.
+    """
     bounds: dict[tuple[str, int, bytes], list[tuple[float, float]]] = {}
     for scene in found:
         cases = scene.results.cases
@@ -108,7 +111,10 @@ def record(scene: Scene, row: int) -> tables.Record:
 
 
 def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[str, float]) -> Any:
-    """Draws Fig. 11 above: the volume that two solids have in common, and the deepest pair of each part; below the time of measuring by frame, with its legend."""
+    """Draws Fig. 11 above: the common volume of two solids, and the deepest pair of each part.
+
+    Draws the measuring time by frame below, with its legend.
+    """
     names = list(dict.fromkeys(scene.name for scene in found))
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 5.4))
     upper, between, lower = figure.subfigures(3, 1, height_ratios=(1.5, 0.09, 1))

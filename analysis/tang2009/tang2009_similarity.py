@@ -1,4 +1,4 @@
-"""Shape similarity, the other application of Tang et al. 2009: which shape is nearest to which, their distance matrix and a dendrogram."""
+"""Shape similarity, the other application of Tang et al. 2009: the nearest shape of each, their distance matrix and a dendrogram."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdic
 
 SUFFIX: Final = "_centred"
 SOLVER: Final = "cover"
-# What shows the same thing, by our judgement.
+# Shapes that show the same thing, in our judgement.
 FAMILIES: Final = {"bunnies": ("bunny_cgal", "bunny_open", "bunny_small", "tang_bunny1"), "dragons": ("dragon_res4", "dragon_res3", "chinese_dragon"),
                    "chess pieces": ("king", "queen"), "fruit": ("orange", "apple"), "asteroids": ("asteroid_low", "asteroid_high"),
                    "dinosaurs": ("dino", "diplodocus", "triceratops"), "bears": ("bear", "bear_bis"), "elephants": ("elephant", "refined_elephant"),
@@ -30,7 +30,10 @@ FAMILIES: Final = {"bunnies": ("bunny_cgal", "bunny_open", "bunny_small", "tang_
 
 @dataclass(frozen=True)
 class Matrix:
-    """Row i, column j: the interval of H(shape i, shape j), in diagonals of shape i, which is 1 of all of them but for rounding. NaN: no answer."""
+    """Row i, column j: the interval of H(shape i, shape j), in diagonals of shape i. NaN: no answer.
+
+    All diagonals are 1, but for rounding.
+    """
 
     names: list[str]
     lower: Floats
@@ -38,7 +41,7 @@ class Matrix:
 
     @property
     def middle(self) -> Floats:
-        """Middles of both orders of a pair."""
+        """The middle of the intervals of both orders of a pair."""
         whole = 0.25 * (self.lower + self.upper + self.lower.T + self.upper.T)
         np.fill_diagonal(whole, 0.0)
         return np.asarray(whole)
@@ -85,8 +88,11 @@ def verdicts(matrix: Matrix) -> list[Verdict]:
 
 
 def retrieval(matrix: Matrix) -> Verdict:
-    """Whether the nearest other shape is of the same family. Shapes of one family depend on each other, so families are the trials: one counts if more than
-    half of its members find another one of it. A sign test of 'more families than not'."""
+    """Judges whether the nearest other shape is of the same family, by a sign test of 'more families than not'.
+
+    Shapes of one family depend on each other, so families are the trials. A family counts if more than half of its
+    members find another member of it.
+    """
     claim = claims.of("hausbench", "same_family")
     if not matrix.complete or len(matrix.names) < 3:
         return Verdict(claim, UNTESTED, "distances are missing")
@@ -122,7 +128,7 @@ def make(results: Results) -> Report:
 
 
 def draw(matrix: Matrix) -> Any:
-    """The dendrogram (average linkage) on the left, the matrix in its order on the right."""
+    """Draws the dendrogram (average linkage) on the left, and the matrix in its order on the right."""
     distances = np.nan_to_num(matrix.middle, nan=float(np.nanmax(matrix.middle)))
     tree = hierarchy.linkage(scipy.spatial.distance.squareform(100 * distances, checks=False), "average")
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 0.17 * len(matrix.names) + 1.6), width_ratios=(1, 1.9))

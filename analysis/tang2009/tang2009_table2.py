@@ -17,7 +17,7 @@ from analysis.shared.verdicts import Verdict
 from analysis.tang2009 import tang_motion, tang_pictures
 from analysis.tang2009.tang_motion import QUERIES, Motion, Run
 
-REAL_TIME: Final = 1 / 30  # seconds: what passes for real-time
+REAL_TIME: Final = 1 / 30  # seconds that count as real-time
 WARM: Final = (("tang", "tang, warm"), ("cover", "cover, warm"))
 HEADER: Final = ("pair", "", "|A| / |B|", "poses", "mean, ms", "least", "most", "culled on A, %", "culled on B, %", "deepest",
                  "queries, median")
@@ -87,7 +87,7 @@ def look(solver: str, label: str) -> style.Look:
 
 
 def draw(found: list[Motion], clock: str) -> Any:
-    """Time against distance, a panel a pair."""
+    """Draws time against distance, one panel per pair."""
     columns = min(3, len(found))
     figure, axes = plt.subplots(-(-len(found) // columns), columns, figsize=(style.DOUBLE_COLUMN, 2.2 * -(-len(found) // columns) + 0.5), squeeze=False)
     for ax in axes.flat[len(found):]:

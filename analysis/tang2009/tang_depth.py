@@ -1,4 +1,4 @@
-"""The penetration depth in recorded scenes: of each frame the pairs of objects that overlap."""
+"""The penetration depth in recorded scenes: for each frame, the pairs of objects that overlap."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ MEASURE: Final = "seconds: measure"
 
 
 def mean_over_frames(values: Floats) -> Estimate:
-    """Mean over frames in their order, which depend on the frames before them: Student's interval from the means of eight runs of
-    consecutive frames.
+    """Returns the mean over frames in their order, with Student's interval.
+
+    Frames depend on those before them, so the interval is from the means of eight runs of consecutive frames.
     """
     if not len(values) or not np.isfinite(values).all():
         return NO_DATA
@@ -35,7 +36,7 @@ def mean_over_frames(values: Floats) -> Estimate:
 
 @dataclass(frozen=True)
 class Scene:
-    """The answers of one solver to a recorded scene."""
+    """The rows of one solver on a recorded scene."""
 
     results: Results
     name: str
@@ -44,7 +45,7 @@ class Scene:
 
     @property
     def frames(self) -> list[int]:
-        """Those in which objects overlap."""
+        """The frames in which objects overlap."""
         return sorted({int(self.results.cases.frame[row]) for row in self.rows})
 
     @property
@@ -52,7 +53,7 @@ class Scene:
         return [row for row in self.rows if self.results.cases.status[row] == "ok"]
 
     def told(self, name: str) -> Floats:
-        """Returns a reported number of each answered row."""
+        """Returns the number that the solver reports under this name, for each answered row."""
         return np.array([self.results.extras(row).get(name, np.nan) for row in self.answered])
 
     @cached_property
@@ -62,7 +63,7 @@ class Scene:
         return np.array([0.5 * (cases.lower[row] + cases.upper[row]) / cases.source_longest[row] for row in rows])
 
     def per_frame(self, *stages: str) -> Floats:
-        """Seconds of these stages, all pairs of the frame together. NaN where a pair has no answer."""
+        """Returns the seconds of these stages, over all pairs of each frame. NaN if a pair has no answer."""
         place = {frame: i for i, frame in enumerate(self.frames)}
         sums = np.zeros(len(place))
         for row in self.rows:
@@ -72,7 +73,7 @@ class Scene:
 
 
 def recorded(results: Results, labels: list[str]) -> list[Scene]:
-    """The recorded scenes, by the name of their [[scene]], each with the solvers that it was given to."""
+    """Returns the recorded scenes, by the name of their [[scene]], each with the solvers that were run on it."""
     cases = results.cases
     names: dict[str, dict[str, list[int]]] = {}
     for row in range(len(cases)):
@@ -83,7 +84,7 @@ def recorded(results: Results, labels: list[str]) -> list[Scene]:
 
 
 def faster(claim: str, scene: Scene, stages: tuple[str, ...], printed: float) -> Verdict:
-    """That the mean over the frames, in milliseconds, is below a printed one."""
+    """Judges that the mean over the frames, in milliseconds, is below a printed one."""
     spent = mean_over_frames(scene.per_frame(*stages))
     if why := reason_apart(origins(scene.results, scene.rows)):
         return Verdict(claim, UNTESTED, f"times {why}")

@@ -1,7 +1,7 @@
 """Motions of Tang et al. 2009: one model is translated towards another, and H is measured at each pose, by each solver.
 
-One process answers all poses of a round, and neighbouring poses are alike: the unit of an interval of times is the round. Counted work
-is the same in all rounds.
+One process answers all poses of a round, and neighbouring poses are alike, so the unit of an interval of times is the
+round. Counted work is the same in all rounds.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Run:
 
     @cached_property
     def by_round(self) -> dict[int, Floats]:
-        """Seconds of each pose, of the rounds that have all poses. Empty where a pose has no answer."""
+        """The seconds of each pose, for the rounds that have all poses. Empty if a pose has no answer."""
         if not self.complete:
             return {}
         found = [self.results.solve_by_round(row) for row in self.rows]
@@ -55,17 +55,17 @@ class Run:
 
     @property
     def mean(self) -> Estimate:
-        """Mean time of a pose: one number per round."""
+        """The mean time of a pose, from one number per round."""
         return median([float(times.mean()) for times in self.by_round.values()])
 
     @property
     def per_pose(self) -> Floats:
-        """The median over the rounds."""
+        """The time of each pose, the median over the rounds."""
         return np.asarray(np.median(list(self.by_round.values()), axis=0)) if self.by_round else np.empty(0)
 
     @cached_property
     def distance(self) -> Floats:
-        """H as a fraction of A's longest side, at the middle of the proven interval."""
+        """H as a share of A's longest side: the middle of the proven interval."""
         cases = self.results.cases
         return np.array([self.results.middle(row) / float(cases.source_longest[row]) for row in self.rows])
 
@@ -74,17 +74,17 @@ class Run:
         return np.array([float(sum(int(counters[name][row]) for name in names if name in counters)) for row in self.rows])
 
     def told(self, name: str) -> Floats:
-        """Returns a number that the solver reports at each pose, for both directions: two numbers per pose; NaN if it reports none."""
+        """Returns a number that the solver reports at each pose, one for each direction; NaN if it reports none."""
         extras = [self.results.extras(row) for row in self.rows]
         return np.array([[one.get(name, math.nan), one.get(name + BACK, math.nan)] for one in extras])
 
     @cached_property
     def deepest(self) -> Floats:
-        """Subdivisions one in another at each pose, of both directions the larger; NaN where the solver tells nothing."""
+        """The number of nested subdivisions at each pose, the larger one of both directions; NaN if the solver reports none."""
         return np.asarray(np.fmax(*self.told("depth").T))
 
     def stage(self, name: str) -> Floats:
-        """Seconds of one stage at each pose, of both directions together."""
+        """Returns the seconds of one stage at each pose, both directions together."""
         return np.asarray(np.nansum(self.told(f"seconds: {name}"), axis=1))
 
     def mean_told(self, name: str) -> float:
@@ -93,7 +93,7 @@ class Run:
 
 
 class Motion:
-    """One scene, and a Run for each label."""
+    """One scene, with a Run for each label."""
 
     def __init__(self, results: Results, scene: str) -> None:
         cases, self.scene = results.cases, scene
@@ -105,7 +105,7 @@ class Motion:
         self.note = cases.scene_note[self.first]
 
     def work_ratio(self, slow: str, fast: str, names: Sequence[str]) -> Estimate:
-        """The median over the poses but the first, at which nothing was carried along, of the ratio of counted work."""
+        """Returns the median ratio of counted work over the poses except the first, to which nothing was carried over."""
         if not all(label in self.runs and self.runs[label].complete for label in (slow, fast)):
             return NO_DATA
         above, below = (self.runs[label].counted(names)[1:] for label in (slow, fast))
@@ -122,7 +122,7 @@ def labels_of(found: Sequence[Motion]) -> list[tuple[str, str]]:
 
 
 def each(claim: str, values: Sequence[float], most: float, what: str, scale: float = 1.0) -> Verdict:
-    """A claim that each of some numbers, which are known exactly, is at most `most`."""
+    """Judges a claim that each of some numbers, which are known exactly, is at most `most`."""
     if not values or not all(map(math.isfinite, values)):
         return Verdict(claim, UNTESTED if not any(map(math.isfinite, values)) else OPEN, f"a number is missing among {len(values)} {what}")
     over = sum(value > most for value in values)
@@ -131,8 +131,9 @@ def each(claim: str, values: Sequence[float], most: float, what: str, scale: flo
 
 
 def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
-    """Judges the paper's rate of culling, as the mean over poses and directions of each pair. The ratio is the share that may be left over
-    the share that is left.
+    """Judges the paper's culling rate by the mean of each pair over poses and directions.
+
+    The ratio is the share that may be left over the share that is left.
     """
     verdicts = []
     for side in ("A", "B"):
@@ -145,14 +146,12 @@ def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
 
 
 def below(value: float, bar: float) -> Estimate:
-    """For a claim that an exact number is below a bar: above 1 if it is. NaN is no data."""
+    """Returns a ratio for the claim that an exact number is below a bar: above 1 if it is. NaN gives no data."""
     return exact(math.inf if value == 0 else bar / value)
 
 
 def depth(found: Sequence[Motion], label: str) -> Verdict:
-    """Judges by the share of poses of each pair at which it is ten times or more; less than half means that this is not typical. Counts are
-    exact.
-    """
+    """Judges that ten nested subdivisions or more are rare: at less than half of the poses of most pairs. Counts are exact."""
     deepest = [motion.runs[label].deepest for motion in found if label in motion.runs]
     deep = [float((one >= AIM_OF_DEPTH).mean()) if np.isfinite(one).all() else math.nan for one in deepest]
     verdict = most_of(claims.of("tang2009", "depth"), [below(share, 0.5) for share in deep])
@@ -172,7 +171,10 @@ def faster_than(found: Sequence[Motion], label: str, name: str, seconds: float, 
 
 
 def within_tolerance(found: Sequence[Motion], label: str) -> Verdict:
-    """Looks at every pose that ended by itself. A row of another status than ok has wider bounds than the tolerance, or wrong ones."""
+    """Judges every pose that ended by itself.
+
+    A row with another status than ok has wider bounds than the tolerance, or wrong ones.
+    """
     rows = [(motion.runs[label].results, row) for motion in found if label in motion.runs for row in motion.runs[label].rows]
     ended = [(results, row) for results, row in rows if results.cases.status[row] in ("ok", "floor", "unsound")]
     wide = sum(results.cases.status[row] != "ok" or results.gap(row) > float(results.cases.tolerance_absolute[row]) for results, row in ended)
@@ -182,8 +184,9 @@ def within_tolerance(found: Sequence[Motion], label: str) -> Verdict:
 def subdivided(found: Sequence[Motion], label: str) -> Verdict:
     """Bounds the share of the triangles of both models that are subdivided, on average over the poses of each pair.
 
-    Rows count subdivisions of triangles and of their pieces, four each. So the triangles are at most as many as the subdivisions, and as culling on A leaves;
-    and a triangle has at most (4^d - 1) / 3 subdivisions if the deepest is d.
+    Rows count the subdivisions of triangles and of their pieces; each makes four pieces. So subdivided triangles are at
+    most as many as the subdivisions, and as the triangles that culling on A leaves; and a triangle has at most (4^d -
+    1) / 3 subdivisions if the deepest is d.
     """
     def bounds(motion: Motion) -> tuple[float, float]:
         run, cases = motion.runs[label], motion.runs[label].results.cases
@@ -204,7 +207,7 @@ def subdivided(found: Sequence[Motion], label: str) -> Verdict:
 
 
 def rising(found: Sequence[Motion], label: str) -> Verdict:
-    """Time and work against how near the models are, each pair a run of its own: how they compare says nothing of other poses."""
+    """Judges that time and work grow as the models get nearer. Each pair is one run; the result says nothing about other poses."""
     runs = [motion.runs[label] for motion in found if label in motion.runs and motion.runs[label].complete]
     claim = claims.of("tang2009", "nearer")
 

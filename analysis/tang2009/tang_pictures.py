@@ -1,4 +1,4 @@
-"""Pictures of the models of Tang et al. 2009, and of the points that show the two-sided distance of a pair."""
+"""Pictures of the models of Tang et al. 2009, and of the points that attain the two-sided distance of a pair."""
 
 from __future__ import annotations
 
@@ -20,20 +20,23 @@ from analysis.shared.results import Results
 from analysis.shared.shapes import Mesh
 
 WITNESS: Final = "#00A000"  # green, as in the paper
-BLUE: Final = (0.10, 0.18, 0.60, 1.0)  # what of A lies in B, blue as in the paper, and darker than red, so that they differ in grey
-RED: Final = (0.93, 0.42, 0.36, 1.0)  # and what of B lies in A
+BLUE: Final = (0.10, 0.18, 0.60, 1.0)  # the part of A in B: blue as in the paper, and darker than red to differ in grey
+RED: Final = (0.93, 0.42, 0.36, 1.0)  # the part of B in A
 PAINT: Final = ((0.36, 0.51, 0.76, 1.0), (0.97, 0.87, 0.70, 1.0))  # A dark, B light: they differ in grey, too
 HALO: Final = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
 SIDE: Final = mesh_picture.view((0.15, 0.3, 1))  # the motions are along x, so from left to right
 
-# Chosen by hand: which way is up differs.
+# Chosen by hand, because the way up differs.
 VIEWS: Final = {"tang_puma1": mesh_picture.view((1, -0.6, 0.3), (0, 0, 1)),
                 "tang_fish2": mesh_picture.view((-0.3, -1, 0.1), (0, 0, 1)), "tang_dog": mesh_picture.view((1, 0.3, -0.5)),
                 "tang_bird1": mesh_picture.view((0.5, -1, 0.4), (0, 0, 1)), "tang_watch2": mesh_picture.view((0.3, -1, 0.3), (0, 0, 1))}
 
 
 def stand_ins(results: Results, row: int) -> list[str]:
-    """Returns what stands in for A and for B: 'stand-in: hand', or for a bunny of the paper 'Bunny2 simplified'; empty if the note of the scene names nothing."""
+    """Returns the stand-ins for A and for B: 'stand-in: hand', or for a bunny of the paper 'Bunny2 simplified'.
+
+    A stand-in is empty if the note of the scene does not name it.
+    """
     note = str(results.cases.scene_note[row])
     if found := re.fullmatch(r"(?:an? )?(.+?) and (?:an? )?(.+?) stand in", note.partition(";")[0]):
         return [f"stand-in: {name.partition(' of ')[0]}" for name in found.groups()]
@@ -42,7 +45,7 @@ def stand_ins(results: Results, row: int) -> list[str]:
 
 
 def short_title(results: Results, row: int) -> str:
-    """Returns the paper's names, the numbers of triangles, and in a second line what stands in, for a narrow panel."""
+    """Returns the paper's names and the numbers of triangles, and in a second line the stand-ins, for a narrow panel."""
     scene, note = str(results.cases.scene[row]), str(results.cases.scene_note[row])
     told = {name: shape.removeprefix("stand-in: ") for name, shape in zip(scene.split("/"), stand_ins(results, row)) if shape}
     second = f"stand-ins: {', '.join(told.values())}" if len(told) == 2 else next((f"{name}: {shape}" for name, shape in told.items()), note.partition(":")[0])
@@ -50,38 +53,38 @@ def short_title(results: Results, row: int) -> str:
 
 
 def title(results: Results, row: int) -> str:
-    """The paper's names, and what stands in for them."""
+    """Returns the paper's names, and the note on their stand-ins."""
     note = str(results.cases.scene_note[row])
     return f"{results.cases.scene[row]}\n({note})" if note else str(results.cases.scene[row])
 
 
 def placed(results: Results, name: str, pose: Floats) -> Mesh:
-    """A model where its pose puts it."""
+    """Returns a model in its pose."""
     shown = shapes.mesh(results, name)
     return replace(shown, corners=shapes.posed(shown.corners, pose))
 
 
 def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """All of them as one mesh."""
+    """Returns all of them as one mesh."""
     before = np.cumsum([0, *[len(one.corners) for one in meshes]])
     return Mesh(np.concatenate([one.corners for one in meshes]), np.concatenate([one.triangles + count for one, count in zip(meshes, before)]))
 
 
 def pair_of(results: Results, row: int) -> list[Mesh]:
-    """A and B where they stand."""
+    """Returns A and B in their poses."""
     cases = results.cases
     return [placed(results, cases.source[row], cases.pose[row]), placed(results, cases.target[row], cases.target_pose[row])]
 
 
 def draw_witness(ax: Any, results: Results, row: int, of: View, width: float, size: float) -> None:
-    """Draws the witness as a line that nothing hides; nothing if it is unknown."""
+    """Draws the witness as a line that nothing hides; nothing if it is not known."""
     pair = np.stack([results.cases.witness_source[row], results.cases.witness_target[row]])
     if np.isfinite(pair).all():
         ax.plot(*of.seen(pair)[:, :2].T, color=WITNESS, linewidth=width, marker="o", markersize=size, zorder=5, path_effects=HALO)
 
 
 def draw_pair(ax: Any, results: Results, case: int, of: View = SIDE) -> None:
-    """Both models in their colours, and the witness."""
+    """Draws both models in their colours, and the witness."""
     meshes = pair_of(results, case)
     colours = np.concatenate([np.tile(paint, (len(one.triangles), 1)) for one, paint in zip(meshes, PAINT)])
     mesh_picture.draw(ax, joined(meshes), of, colours, both_sides=not all(one.closed for one in meshes))
@@ -94,7 +97,7 @@ def draw_model(ax: Any, results: Results, name: str, colour: int = 0) -> None:
 
 
 def draw_frame(ax: Any, results: Results, rows: list[int], of: View) -> None:
-    """All objects of these pairs where they stand in their frame, and the deepest points of each pair."""
+    """Draws all objects of these pairs in their places in the frame, and the deepest points of each pair."""
     cases = results.cases
     objects = {(str(name), pose.tobytes()): pose for row in rows
                for name, pose in ((cases.source[row], cases.pose[row]), (cases.target[row], cases.target_pose[row]))}
@@ -108,7 +111,7 @@ def draw_frame(ax: Any, results: Results, rows: list[int], of: View) -> None:
 
 
 def inside(mesh: Mesh, points: Floats) -> npt.NDArray[np.bool_]:
-    """Which points lie in a closed mesh: where the solid angles of its triangles make up the whole sphere. O(points triangles)."""
+    """Tells which points lie in a closed mesh: the solid angles of its triangles make up the whole sphere. O(points triangles)."""
     found = np.zeros(len(points), dtype=bool)
     for begin in range(0, len(points), 512):
         a, b, c = (mesh.corners[mesh.triangles[:, k]][None] - points[begin:begin + 512, None] for k in range(3))
@@ -120,7 +123,7 @@ def inside(mesh: Mesh, points: Floats) -> npt.NDArray[np.bool_]:
 
 
 def pieces(shown: Mesh, size: float) -> Mesh:
-    """The triangles, cut at the middle of their longest side until none is longer."""
+    """Returns the triangles, cut at the middle of their longest side until no side is longer than `size`."""
     sides = shown.corners[shown.triangles]
     while True:
         lengths = np.linalg.norm(sides - np.roll(sides, -1, axis=1), axis=2)
@@ -134,7 +137,7 @@ def pieces(shown: Mesh, size: float) -> Mesh:
 
 
 def within(own: Mesh, other: Mesh, size: float) -> Mesh:
-    """What of `own`, in pieces no longer than `size`, has its middle in the solid `other`."""
+    """Returns the part of `own`, in pieces no longer than `size`, whose middles lie in the solid `other`."""
     low, high = other.corners.min(axis=0), other.corners.max(axis=0)
     sides = own.corners[own.triangles]
     near = ((sides.min(axis=1) <= high) & (sides.max(axis=1) >= low)).all(axis=1)
@@ -145,8 +148,9 @@ def within(own: Mesh, other: Mesh, size: float) -> Mesh:
 
 
 def draw_common_volume(ax: Any, results: Results, row: int, of: View, close: bool) -> None:
-    """Draws both solids, see-through, and what of each lies in the other; or, close, each part of that, side by side, with its deepest pair of points, which the
-    solver reports.
+    """Draws both solids, transparent, and the part of each that lies in the other.
+
+    With `close`, draws each connected part of that instead, side by side, with its deepest pair of points, which the solver reports.
     """
     a, b = pair_of(results, row)
     size = float(results.cases.source_longest[row]) / 100
@@ -176,7 +180,10 @@ def deepest_pairs(extras: dict[str, float]) -> list[Floats]:
 
 
 def draw_parts(ax: Any, common: Mesh, colours: Floats, pairs: Sequence[Floats], of: View, size: float) -> None:
-    """Draws the connected parts at one scale, from left to right as they stand from the top down, each with the pairs of points that are nearest to it."""
+    """Draws the connected parts at one scale, from left to right in their order from the top down.
+
+    Each part has the pairs of points that are nearest to it.
+    """
     middles = common.corners[common.triangles].mean(axis=1)
     part_of = connected(middles, 2 * size)
     parts = sorted(range(part_of.max() + 1), key=lambda part: -float(of.seen(middles[part_of == part])[:, 1].mean()))
@@ -195,7 +202,7 @@ def draw_parts(ax: Any, common: Mesh, colours: Floats, pairs: Sequence[Floats], 
 
 
 def draw_deepest(ax: Any, seen: Floats) -> None:
-    """Draws a deepest pair of points, as seen."""
+    """Draws a deepest pair of points, in coordinates of the view."""
     ax.plot(*seen[:, :2].T, color=WITNESS, linewidth=1.6, zorder=5)
     for end, colour in zip(seen, (BLUE, RED)):
         ax.plot(*end[:2], marker="o", markersize=3.2, color=colour[:3], markeredgecolor="white", markeredgewidth=0.4, zorder=6)

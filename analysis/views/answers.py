@@ -27,7 +27,7 @@ class Asked(NamedTuple):
 
 
 def questions(results: Results) -> dict[Asked, dict[str, Cell]]:
-    """The answers to each question, by the name of the solver, both in the order of the file."""
+    """Returns the answers to each question, by the name of the solver, both in the order of the file."""
     rows: dict[Asked, dict[str, list[int]]] = {}
     cases = results.cases
     for row in range(len(cases)):
@@ -37,13 +37,13 @@ def questions(results: Results) -> dict[Asked, dict[str, Cell]]:
 
 
 def measured(results: Results) -> dict[Asked, dict[str, Cell]]:
-    """The same without questions whose answers were all read off those to finer tolerances: they would count one measurement twice."""
+    """Returns the same without questions whose answers were all read off runs at finer tolerances, to count no measurement twice."""
     return {question: by_name for question, by_name in questions(results).items()
             if not all(results.cases.from_trace[row] for cell in by_name.values() for row in cell.cases)}
 
 
 def moving(results: Results) -> set[str]:
-    """Scenes of more than one pose."""
+    """Returns the scenes with more than one pose."""
     return {scene for scene in results.scenes if len({int(results.cases.pose_index[row]) for row in results.rows(scene=scene)}) > 1}
 
 
@@ -60,7 +60,7 @@ def make(results: Results) -> Report:
         for name, cell in by_name.items():
             row = cell.cases[0]
             answered = [case for case in cell.cases if cases.status[case] != "failed"]
-            lower, upper = (float(cases.lower[answered].min()), float(cases.upper[answered].max())) if answered else (math.nan, math.nan)  # of all seeds
+            lower, upper = (float(cases.lower[answered].min()), float(cases.upper[answered].max())) if answered else (math.nan, math.nan)  # over all seeds
             said = float(np.median(cases.reported_seconds[cell.cases])) if reported else math.nan
             table.rows.append([question.title(question.scene in moves), tables.number(question.tolerance, 2), style.title(cases.solver[row], name),
                                tables.number(lower, 7), tables.number(upper, 7),

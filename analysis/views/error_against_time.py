@@ -1,4 +1,4 @@
-"""Kind `error-against-time`: for each scene, the gap and the true error beside the time."""
+"""Kind `error-against-time`: for each scene, the gap and the true error against time."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from analysis.views.answers import moving
 
 
 def make(results: Results) -> Report | None:
-    """None if no scene moves."""
+    """Returns None if no scene moves."""
     scenes = [scene for scene in results.scenes if scene in moving(results)]
     if not scenes:
         return None
@@ -46,20 +46,20 @@ def pairs_of(results: Results, scene: str) -> list[tuple[str, str]]:
 
 
 def finest(results: Results, scene: str, name: str) -> list[int]:
-    """The row of each pose at the finest tolerance that the solver was asked for."""
+    """Returns the row of each pose at the finest tolerance that the solver was asked for."""
     rows = [row for row in results.rows(scene=scene) if results.names[row] == name]
     least = min(float(results.cases.tolerance[row]) for row in rows)
     return sorted((row for row in rows if results.cases.tolerance[row] == least), key=lambda row: int(results.cases.pose_index[row]))
 
 
 def seconds(results: Results, row: int) -> float:
-    """The median time to solve one pose; preparing is shared by all."""
+    """Returns the median time to solve one pose; preparation is shared by all poses."""
     found = list(results.first_by_round(row).values())
     return float(np.median(found)) if found else float("nan")
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
-    """For each scene the interval of every pose above, and the time below; as many scenes side by side as the width has room for."""
+    """Draws the interval of every pose above and the time below, for each scene; as many scenes side by side as the width allows."""
     across = max(1, min(len(scenes), int(style.width() / 1.1)))
     bands = -(-len(scenes) // across)
     figure, axes = plt.subplots(2 * bands, across, figsize=(style.width(), 3.7 * bands), squeeze=False)

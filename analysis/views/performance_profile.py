@@ -1,4 +1,4 @@
-"""Kind `performance-profile` (Dolan and Moré 2002): for each solver, the share of cases that it answers within a factor of the fastest."""
+"""Kind `performance-profile` (Dolan and Moré 2002): the share of cases that each solver answers within a factor of the fastest."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.views.answers import measured
 
-SHOWN = (1.0, 2.0, 10.0)  # factors of the printed table
+SHOWN = (1.0, 2.0, 10.0)  # factors in the printed table
 
 
 def factors(results: Results) -> dict[tuple[str, str], Floats]:
-    """By (solver, name): for each question, the time over the least time of all solvers; infinity where it did not get there, NaN where it was not
-    asked or does not take the shapes.
+    """Returns for each (solver, name) its time over the least time of all solvers, one value per question.
 
-    Questions whose times do not compare are left out, and those with a time of 0, which has no factors.
+    The value is infinity if the solver did not get there, and NaN if it was not asked or does not take the shapes.
+    Questions are left out if their times do not compare, or if a time is 0, which has no factors.
     """
     pairs = style.order(zip(results.cases.solver, results.names))
     columns = []
@@ -50,13 +50,13 @@ def cost(results: Results, cell: Cell | None) -> float:
 
 
 def shares(values: Floats, factor: float) -> float:
-    """Returns the share of the cases that the solver was asked; NaN if it was asked none."""
+    """Returns the share of its cases that a solver answers within a factor; NaN if it was asked none."""
     asked = values[~np.isnan(values)]
     return float((asked <= factor).mean()) if len(asked) else math.nan
 
 
 def make(results: Results) -> Report | None:
-    """None for fewer than two solvers or cases."""
+    """Returns None for fewer than two solvers or cases."""
     found = factors(results)
     if len(found) < 2 or len(next(iter(found.values()))) < 2:
         return None

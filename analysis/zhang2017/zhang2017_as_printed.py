@@ -1,4 +1,4 @@
-"""How often the algorithms of Zhang et al. 2017 are wrong where they are implemented as they are printed."""
+"""How often the algorithms of Zhang et al. 2017 are wrong if they are implemented as they are printed."""
 
 from __future__ import annotations
 
@@ -18,18 +18,19 @@ from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import RARE, Verdict, never
 
-BLOCK: Final = 5  # neighbouring poses
+BLOCK: Final = 5  # neighbouring poses in a block
 LOOKS: Final = {"ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
                 "nohd_as_printed": style.Look("NOHD as printed", "#009E73", "^"),
                 "ohd": style.Look("OHD", "#56B4E9", "o"), "nohd": style.Look("NOHD", "#999933", "s")}
 CLAIMS: Final = {"ohd_as_printed": ("zhang2017", "ohd_as_printed"), "nohd_as_printed": ("zhang2017", "nohd_as_printed"),
                  "ohd": ("hausbench", "ohd_exact"), "nohd": ("hausbench", "nohd_exact")}
-PRINTED: Final = {"ohd": "ohd_as_printed", "nohd": "nohd_as_printed"}  # by the mended solver
+PRINTED: Final = {"ohd": "ohd_as_printed", "nohd": "nohd_as_printed"}  # by the mended solver: its printed variant
 
 
 def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
-    """Answered rows by scene and block of BLOCK neighbouring poses. Answers at neighbouring poses, and at one pose with
-    several seeds, are alike; blocks pass for independent.
+    """Groups answered rows by scene and by block of BLOCK neighbouring poses.
+
+    Answers at neighbouring poses, and at one pose with several seeds, are alike; blocks are treated as independent.
     """
     found: dict[tuple[str, int], list[int]] = {}
     for row in answered(results, rows):
@@ -39,8 +40,10 @@ def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
 
 
 def share_interval(results: Results, rows: Sequence[int]) -> tuple[float, float]:
-    """95 % for the share of wrong answers: by the bootstrap over blocks; where no answer is wrong, or all are, exact
-    (Clopper and Pearson 1934) as if a block were one answer. NaN for fewer than two blocks.
+    """Returns the 95 % interval for the share of wrong answers; NaN for fewer than two blocks.
+
+    It is the bootstrap over blocks. If no answer is wrong, or all are, it is exact (Clopper and Pearson 1934), with
+    each block as one answer.
     """
     parts = blocks(results, rows)
     counts = np.array([[len(wrong(results, part)), len(part)] for part in parts]).reshape(-1, 2)
@@ -59,7 +62,7 @@ def share_interval(results: Results, rows: Sequence[int]) -> tuple[float, float]
 
 
 def answered(results: Results, rows: Sequence[int]) -> list[int]:
-    """Rows that say something, right or wrong; timeouts and the like are neither."""
+    """Returns the rows with an answer, right or wrong; timeouts and the like have none."""
     return [row for row in rows if results.cases.status[row] in ("ok", "unsound")]
 
 
@@ -68,8 +71,9 @@ def wrong(results: Results, rows: Sequence[int]) -> list[int]:
 
 
 def printed_rate(results: Results, label: str) -> float:
-    """The share of blocks in which the printed variant of a mended solver goes wrong, asked no more than the mended one: the
-    same scenes, poses and seeds. A mended solver that goes wrong as often would show it. NaN where it is never wrong.
+    """Returns the share of blocks in which the printed variant of a mended solver goes wrong; NaN if it never does.
+
+    Takes only scenes, poses and seeds that the mended solver answered, so a mended solver that goes wrong as often would show it.
     """
     def question(row: int) -> tuple[str, int, object]:
         return results.cases.scene[row], int(results.cases.pose_index[row]), results.options(row).get("seed")
@@ -82,7 +86,10 @@ def printed_rate(results: Results, label: str) -> float:
 
 
 def exactness(results: Results, label: str) -> Verdict:
-    """Judges a mended solver against the rate at which the printed one goes wrong, or RARE if it never does."""
+    """Judges that a solver is never wrong.
+
+    For a mended solver the bar is the rate at which the printed one goes wrong, or RARE if it never does.
+    """
     rows = results.rows(label=label)
     rate = printed_rate(results, label)
     bar, against = (RARE, "") if math.isnan(rate) else (rate, f"of such trials in which {LOOKS[PRINTED[label]].title} is wrong")
@@ -91,7 +98,7 @@ def exactness(results: Results, label: str) -> Verdict:
 
 
 def off(results: Results, row: int) -> float:
-    """The answer as a multiple of the true distance; NaN where no certified solver knows it."""
+    """Returns the answer as a multiple of the true distance; NaN if no certified solver knows it."""
     low, high = results.reference_of(row)
     if math.isnan(low):
         return math.nan
@@ -99,7 +106,7 @@ def off(results: Results, row: int) -> float:
 
 
 def direction(results: Results, label: str) -> str:
-    """Which way its wrong answers went."""
+    """Says how many of its wrong answers are too small and how many too large."""
     ratios = [off(results, row) for row in wrong(results, results.rows(label=label))]
     parts = [f"{count} too {way}" for count, way in ((sum(x < 1 for x in ratios), "small"),
                                                      (sum(x > 1 for x in ratios), "large")) if count]
@@ -153,7 +160,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
-    """A column a scene, by the shift between the clouds: above the share of seeds that is wrong, below by how much."""
+    """Draws one column per scene, by the shift between the clouds: above the share of wrong seeds, below by how much they are wrong."""
     figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.0), sharex="col", sharey="row",
                                 squeeze=False)
     labels = [label for label in LOOKS if label.endswith("as_printed")]
@@ -176,7 +183,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
                        **{**style.open_marker(looks), "markersize": 3.2})
             lower.margins(y=0.1)
             if len(shifts) > 1:
-                room = 0.03 * (shifts[-1] - shifts[0])  # for whole markers at both ends
+                room = 0.03 * (shifts[-1] - shifts[0])  # room for whole markers at both ends
                 lower.set_xlim(shifts[0] - room, shifts[-1] + room)
         lower.axhline(1, color="#333333", linewidth=0.6)
         upper.set_title(scene)

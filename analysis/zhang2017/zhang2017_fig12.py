@@ -1,4 +1,4 @@
-"""Figure 12 of Zhang et al. 2017: the six pairs of Table 3, and the two points between which the distance is."""
+"""Figure 12 of Zhang et al. 2017: the six pairs of Table 3, and the two points that attain the distance."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import all_of
 
 SOURCE, TARGET, WITNESS = "#00507F", "#F2B134", "#000000"  # A dark, B light: they differ in grey, too
-MOST = 6000  # points drawn of a set
+MOST = 6000  # most points drawn of a set
 
 
 def row_of(results: Results, scene: str) -> int:
-    """A row with a witness if there is one."""
+    """Returns a row with a witness if there is one, else the first row."""
     rows = results.rows(scene=scene)
     return next((row for row in rows if results.is_bounded(row)
                  and np.isfinite(results.cases.witness_source[row]).all()), rows[0])
@@ -75,8 +75,9 @@ def shapes_text(results: Results, row: int) -> str:
 
 
 def view(points: Floats, along: Floats) -> Floats:
-    """3 x 2: a plane that holds `along` and the longest direction of the points across it, turned so that the points
-    are widest to the right.
+    """Returns a plane (3 x 2) that holds `along` and the longest direction of the points perpendicular to it.
+
+    The plane is turned so that the points are widest to the right.
     """
     centred = points - points.mean(axis=0)
     length = float(np.linalg.norm(along))

@@ -10,7 +10,7 @@ from analysis.shared.verdicts import UNTESTED, Verdict, constant
 from analysis.zhang2017 import zhang_sweep
 
 BEST = [5.0, 6.0]  # "the high efficiency is obtained when depth is increased to five or six"
-CONSTANT = 1.25  # what passes for one: the paper gives no number
+CONSTANT = 1.25  # factor within which times count as constant: the paper gives no number
 
 
 def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
@@ -21,7 +21,7 @@ def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
 
 
 def build_by_depth(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
-    """Compares the times to build the octree, each divided by its depth; one number a round."""
+    """Compares the times to build the octree, each divided by its depth; one number per round."""
     claim = claims.of("zhang2017", "build_by_depth", f"{scene} points")
     cells = [(depth, cell) for depth in sweep.values if (cell := sweep.cells.get((scene, depth))) and not cell.failures]
     if why := reason_apart(one for _, cell in cells for one in cell.origins):

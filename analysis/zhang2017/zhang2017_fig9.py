@@ -30,7 +30,10 @@ def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
 
 
 def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
-    """Correlates lambda with the points that are culled, for each seed. With one seed AHD never falls as lambda grows: its sample gets longer at its end."""
+    """Correlates lambda with the number of culled points, for each seed.
+
+    With one seed AHD never falls as lambda grows, because a longer sample begins with the shorter one.
+    """
     by_seed: dict[int, list[tuple[float, float]]] = {}
     for value in sweep.values:
         cell = sweep.cells.get((scene, value))

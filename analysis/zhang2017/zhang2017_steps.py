@@ -1,4 +1,4 @@
-"""The inner steps that Eqs. 4 to 7 of Zhang et al. 2017 expect of EARLYBREAK, beside those that it makes."""
+"""The inner steps of EARLYBREAK that Eqs. 4 to 7 of Zhang et al. 2017 predict, beside the counted ones."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 from analysis.shared.verdicts import Verdict, constant, rising_by_run
 
-MOST: Final = 4000  # points of A whose distances to all of B are looked at
-CONSTANT: Final = 1.25  # what passes for one: the paper gives no number
+MOST: Final = 4000  # points of A whose distances to all of B are computed
+CONSTANT: Final = 1.25  # factor within which c counts as constant: the paper gives no number
 STAND_INS: Final = {"pears, a tenth": "an orange, sampled twice"}  # as in Table 3; the scene has no note
 EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", style.DASHED)
 BY_POINT = style.Look("mean of 1/p over the points of A", "#000000", "d", style.DOTTED)
@@ -29,21 +29,22 @@ class Step:
     scene: str
     shift: float
     distance: float
-    counted: Estimate  # inner steps for a point of A; over seeds
+    counted: Estimate  # inner steps per point of A; over seeds
     by_seed: dict[int, float]
-    expected: float  # 1/p, with p averaged over all pairs
-    by_point: float  # the mean over the points of A of what each has to expect
+    expected: float  # 1/p with p averaged over all pairs
+    by_point: float  # mean over the points of A of the steps that each has to expect
 
     @property
     def c(self) -> float:
-        """The value that the paper calls a constant: counted = 1 / (c p)."""
+        """The factor that the paper calls constant: counted = 1 / (c p)."""
         return self.expected / self.counted.value if self.counted.n and self.counted.value > 0 else math.nan
 
 
 def expectations(a: Floats, b: Floats, distance: float) -> tuple[float, float]:
-    """(1/p, mean of the draws that each point has to expect), if cmax were `distance` from the start. B is shuffled, so
-    steps are draws without replacement: (m + 1) / (k + 1) of them to the first of k points that are near enough, and
-    all m where there is none. O(|A| |B|).
+    """Returns 1/p, and the mean over the points of A of their expected draws, if cmax were `distance` from the start.
+
+    B is shuffled, so steps are draws without replacement. If k of the m points are near enough, the first of them is
+    expected after (m + 1) / (k + 1) draws; if none is, all m are drawn. O(|A| |B|).
     """
     m = len(b)
     near = np.zeros(len(a))
@@ -108,7 +109,7 @@ def make(results: Results) -> Report:
 
 
 def verdicts(steps: list[Step]) -> list[Verdict]:
-    """Seeds are the independent runs; neighbouring poses are alike."""
+    """Judges the claims on one scene. Seeds are the independent runs, because neighbouring poses are alike."""
     scene = steps[0].scene
     known = [step for step in steps if math.isfinite(step.expected)]
     seeds = sorted(set.intersection(*[set(step.by_seed) for step in steps]))

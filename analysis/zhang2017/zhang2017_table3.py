@@ -1,4 +1,4 @@
-"""Table 3 of Zhang et al. 2017: time to compute the exact distance of six pairs of point sets, beside the paper's."""
+"""Table 3 of Zhang et al. 2017: time to compute the exact distances of six pairs of point sets, beside the paper's times."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from analysis.shared.results import Results
 from analysis.shared.sizes import tests_claims
 from analysis.shared.verdicts import Verdict, all_of
 
-COLUMNS = ("naive", "inc", "earlybreak", "adaptive")  # the paper's four
+COLUMNS = ("naive", "inc", "earlybreak", "adaptive")  # the four of the paper
 RATIOS = (("naive", "earlybreak"), ("naive", "adaptive"), ("inc", "adaptive"), ("earlybreak", "adaptive"))
 
 
@@ -25,7 +25,7 @@ def ratio_title(slow: str, fast: str) -> str:
 
 
 def nanoseconds(cell: Cell | None) -> float:
-    """Time, preparation included, for each computed distance."""
+    """Returns the time per computed distance, preparation included."""
     return 1e9 * cell.time.value / cell.count(DISTANCES) if cell and cell.time.n else np.nan
 
 
@@ -38,7 +38,7 @@ def span(values: list[float], digits: int = 2) -> str:
 
 
 def what_it_saves(grid: Grid, papers: dict[str, dict[str, Any]]) -> str:
-    """Explains why ratios of time differ from the paper's: the cost of a pair of points, and the saving."""
+    """Explains why ratios of time here are not the paper's: the cost of a pair of points, and how many pairs are saved."""
     theirs = [1e9 * paper["naive"] / (paper["source_elements"] * paper["target_elements"]) for paper in papers.values()
               if "naive" in paper]
     ours = [nanoseconds(grid.cells.get((scene, "naive"))) for scene in grid.scenes]
@@ -61,13 +61,13 @@ def paper_ratio(paper: dict[str, Any], slow: str, fast: str) -> str:
 
 
 def faster(grid: Grid, slow: str) -> Verdict:
-    """On average: in row (e) of the paper's own table EARLYBREAK is the faster."""
+    """Judges the claim on average, because EARLYBREAK is the faster one in row (e) of the paper's own table."""
     claim = claims.of("zhang2017", f"framework_{slow}")
     return in_time_and_work(lambda what: on_average(claim, [grid.ratio(scene, slow, "adaptive", what) for scene in grid.scenes]))
 
 
 def all_pairs(grid: Grid) -> Verdict:
-    """Compares the distances that NAIVEHDD counted with |A| |B|. It has no seed, so one row says all."""
+    """Compares the distances that NAIVEHDD counted with |A| |B|. It has no seed, so one row per pair is enough."""
     known = [cell for scene in grid.scenes if (cell := grid.cells.get((scene, "naive"))) and not np.isnan(cell.count(DISTANCES))]
     cases = grid.results.cases
     unlike = sum(cell.count(DISTANCES) != int(cases.source_elements[cell.cases[0]]) * int(cases.target_elements[cell.cases[0]]) for cell in known)

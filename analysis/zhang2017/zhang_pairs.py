@@ -1,4 +1,4 @@
-"""Tables 1 and 2 of Zhang et al. 2017 have one form: pairs of random clouds, a solver with and without a part of it."""
+"""Tables 1 and 2 of Zhang et al. 2017: pairs of random clouds, and a solver with and without a part of it."""
 
 from __future__ import annotations
 
@@ -27,16 +27,17 @@ class Spec:
     caption: str
     without: str  # labels of the two variants
     with_it: str
-    part: str  # the part that one has and the other lacks
+    part: str  # the part that only one of them has
     gains: str  # id of the paper's claim
-    others: tuple[str, ...]  # more labels: a column each
+    others: tuple[str, ...]  # more labels, one column each
     notes: list[str]
-    extra: Callable[[Results, str, dict[str, Cell]], list[tuple[str, str, float]]] = lambda *_: []  # header, text, number for the CSV
+    extra: Callable[[Results, str, dict[str, Cell]], list[tuple[str, str, float]]] = lambda *_: []  # more columns: header, text, number
 
 
 class Pair:
-    """One scene. Both variants are prepared with one structure, built once for each: both get the shorter time; where both
-    have several seeds, their medians even out what preparing takes by accident.
+    """One scene. Both variants are prepared with the same structure, which is built once for each.
+
+    Both get the shorter of these two times. If both have several seeds, their medians even out the accidents of preparation.
     """
 
     def __init__(self, results: Results, spec: Spec, scene: str) -> None:
@@ -127,7 +128,7 @@ def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
 
 
 def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
-    """Says what the part saves in work and in time: medians over the pairs."""
+    """Says how much work and how much time the part saves: medians over the pairs."""
     known = [pair for pair in pairs if pair.ratio.n and all(x.n for x in pair.counted.values())]
     if not known:
         return f"These rows do not say how much work {spec.part} saves."
@@ -141,7 +142,7 @@ def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
 
 
 def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str], clock: str) -> Any:
-    """Times by size, and the ratio that the table is about; filled = here, open = the paper."""
+    """Draws times by size, and the ratio that the table is about. Filled marks: here; open marks: the paper."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
     solver = spec.with_it
     own = style.look(solver)
@@ -149,7 +150,7 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
              solver: style.Look(f"with {spec.part}", own.colour, own.marker, own.line)}
     looks |= {label: style.look(label) for label in shown if label in style.LOOKS}
     for label, looks_like in looks.items():
-        # No line, because |A| and |B| differ from pair to pair, so the pairs are not a series.
+        # No line: |A| and |B| differ from pair to pair, so the pairs are not a series.
         for n, t in sorted((pair.n + pair.m, pair.time(label)) for pair in pairs if pair.time(label).n):
             style.interval(left, t, n, upright=True, color=looks_like.colour, linewidth=1.2)
             left.plot(n, t.value, **style.filled_marker(looks_like))

@@ -1,4 +1,4 @@
-"""Figures 8 and 9 of Zhang et al. 2017 have one form: the time of a solver against one of its parameters."""
+"""Figures 8 and 9 of Zhang et al. 2017: the time of a solver against one of its parameters."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, least_among
 
-# Colours of the pairs, from light to dark, which no solver has; markers tell them apart as well.
+# Looks of pairs, from light to dark, in colours that no solver has; markers tell them apart as well.
 PAIR_LOOKS = [("#DDCC77", "o"), ("#44AA99", "^"), ("#CC6677", "s"), ("#AA4499", "D"), ("#332288", "v")]
 
 
@@ -26,16 +26,16 @@ PAIR_LOOKS = [("#DDCC77", "o"), ("#44AA99", "^"), ("#CC6677", "s"), ("#AA4499", 
 class Spec:
     caption: str
     parameter: str
-    axis: str  # label
+    axis: str  # label of the axis
     text_of: Callable[[float], str]
-    recommended: float  # by the paper; marked in the figure
+    recommended: float  # the value that the paper recommends; marked in the figure
     verdicts: Callable[[Sweep], list[Verdict]]
-    columns: tuple[tuple[str, Callable[[Results, Cell], float]], ...]  # more of them: header, value
+    columns: tuple[tuple[str, Callable[[Results, Cell], float]], ...]  # more columns: header, value
     note: str
 
 
 class Sweep:
-    """Cells by scene and value of the parameter."""
+    """The cells by scene and value of the parameter."""
 
     def __init__(self, spec: Spec, results: Results) -> None:
         self.spec, self.results = spec, results
@@ -56,29 +56,29 @@ class Sweep:
         return [v for v in (self.values if among is None else among) if self.time(scene, v).n]
 
     def best(self, scene: str, among: list[float] | None = None) -> float:
-        """The value with the least median time; NaN where there is none."""
+        """Returns the value with the least median time; NaN if there is none."""
         return min(self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan)
 
     def ratio(self, scene: str, slow: float, fast: float, what: str = "") -> Estimate:
-        """Ratio of times, or of the measure that MEASURES names."""
+        """Returns the ratio of times, or of the counts that MEASURES names."""
         if (scene, slow) not in self.cells or (scene, fast) not in self.cells:
             return NO_DATA
         pair = self.cells[scene, slow], self.cells[scene, fast]
         return compare_work(*pair, MEASURES[what]) if what else compare(*pair)
 
     def times_the_least(self, scene: str, value: float) -> float:
-        """The time as a multiple of the least of its scene; NaN where they do not compare."""
+        """Returns the time as a multiple of the least of its scene; NaN if the two do not compare."""
         best = self.best(scene)
         if math.isnan(best) or apart(self.cells[scene, value].origins | self.cells[scene, best].origins):
             return math.nan
         return self.time(scene, value).value / self.time(scene, best).value
 
     def everywhere(self, claim: str, slow: float, fast: float) -> Verdict:
-        """A claim that one value is slower than another on every pair; in time, and in counted work."""
+        """Judges a claim that one value is slower than another on every pair, in time and in counted work."""
         return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in self.scenes]))
 
     def least(self, claim: str, scene: str, among: list[float]) -> Verdict:
-        """A claim that the least time is at one of these values; in time, and in counted work."""
+        """Judges a claim that the least time is at one of these values, in time and in counted work."""
         timed = self.timed(scene)
         among = [value for value in among if value in timed]
         texts = [self.spec.text_of(value) for value in among]
@@ -123,12 +123,12 @@ def make(spec: Spec, results: Results) -> Report:
 
 
 def from_zero(sweep: Sweep) -> bool:
-    """Returns whether the axis of multiples begins at zero, which would squeeze multiples that are all below two."""
+    """Tells whether the axis of multiples begins at zero. It does not if all multiples are below two, which it would squeeze."""
     return any(sweep.times_the_least(scene, value) > 2 for scene in sweep.scenes for value in sweep.timed(scene))
 
 
 def draw(sweep: Sweep) -> Any:
-    """Left the times, right in units of each pair's least."""
+    """Draws the times on the left, and the times in units of each pair's least on the right."""
     spec = sweep.spec
     figure, axes = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.6))
     place = {value: i for i, value in enumerate(sweep.values)}

@@ -2,11 +2,12 @@
 //
 //     record_scenes domino|bunnies|domino_soft|bunnies_soft MODELS FILE
 //
-// MODELS is a folder with NAME.off of each model (hausbench export). Bodies are rigid and of even density, and Bullet gets the
-// triangles of their meshes, not hulls. Contacts are rigid, as Bullet has them by default and as the engine of the paper (Havok) had
-// them: bodies overlap by about a thousandth of their size. In the soft scenes contacts are springs with dampers, and bodies overlap by some
-// per cent, as in the penalty-based simulations that ask for the penetration depth. All steps are equally long. Bullet uses one thread here
-// and no clock: on one machine a run gives the same file again.
+// MODELS is a folder with NAME.off for each model (hausbench export). Bodies are rigid and of uniform
+// density, and Bullet gets the triangles of their meshes, not hulls. Contacts are rigid, which is
+// Bullet's default and was used by the engine of the paper (Havok): bodies overlap by about a thousandth
+// of their size. In the soft scenes contacts are springs with dampers, and bodies overlap by some per
+// cent, as in the penalty-based simulations that need the penetration depth. All steps have the same
+// length. Bullet uses one thread here and no clock, so runs on one machine write the same file.
 #include "datasets/random.h"
 #include "world.h"
 
@@ -30,7 +31,7 @@ namespace {
 using Eigen::Matrix3d, Eigen::Quaterniond, Eigen::Vector3d;
 namespace pmp = CGAL::Polygon_mesh_processing;
 
-// The seven numbers of a pose as they are written, and the mesh in the pose that these numbers stand for.
+// The seven numbers of a pose as written, and the mesh in the pose that these numbers give.
 struct Posed {
     std::string text;
     Mesh mesh;
@@ -57,7 +58,7 @@ Posed posed(const Model& model, const Pose& pose) {
     return result;
 }
 
-// A line for each pair of bodies that overlap now.
+// Returns a line for each pair of bodies that overlap now.
 std::string pairs(const World& world, int frame) {
     std::vector<Posed> all;
     for (std::size_t i = 0; i < world.size(); ++i) all.push_back(posed(world.model(i), world.pose(i)));
@@ -101,18 +102,18 @@ struct Plan {
 void soften(Settings& settings, double stiffness, double damping) {
     settings.stiffness = stiffness;
     settings.damping = damping;
-    settings.step = 1e-3;  // the springs are stiff
+    settings.step = 1e-3;  // short, because the springs are stiff
     settings.iterations = 50;
 }
 
-// The letters sleep until they are touched: C, F and S do not stand by themselves.
+// Builds the domino scene. The letters sleep until they are touched, because C, F and S do not stand by themselves.
 Plan domino(Models& models, bool soft) {
     Plan plan{"Alphabet Domino: twelve letters fall one onto the other; a bunny hits the first.", {}, {}};
     plan.settings.friction = 0.6;
     if (soft) soften(plan.settings, 400, 20);
     plan.settings.steps_per_frame = soft ? 20 : 4;
     plan.settings.frames = 240;
-    const Quaterniond upright(0.5, 0.5, 0.5, 0.5);  // the letter's depth runs along x, its height along z
+    const Quaterniond upright(0.5, 0.5, 0.5, 0.5);  // a letter's depth runs along x, its height along z
     for (const char letter : std::string("hausdorfbenc")) {
         const Model& model = models[std::string("letter_") + letter];
         const Vector3d place(0.5 * static_cast<double>(plan.bodies.size()), -(upright * model.frame.shift).y(),
@@ -124,13 +125,13 @@ Plan domino(Models& models, bool soft) {
     return plan;
 }
 
-// Up to seven bunnies in each layer, turned and moved at random.
+// Builds layers of up to seven bunnies, turned and moved at random.
 Plan bunnies(Models& models, bool soft) {
     Plan plan{"Falling Bunnies: fifty bunnies fall into a heap.", {}, {}};
     plan.settings.friction = 0.8;
     if (soft) {
         soften(plan.settings, 800, 60);
-        plan.settings.drag = 0.7;  // without it the last bunnies are too fast for springs as soft as these
+        plan.settings.drag = 0.7;  // else the last bunnies are too fast for such soft springs
     }
     plan.settings.steps_per_frame = soft ? 100 : 24;
     plan.settings.frames = soft ? 30 : 40;

@@ -14,7 +14,7 @@ using Eigen::Matrix3d, Eigen::Quaterniond, Eigen::Vector3d;
 
 namespace {
 
-// Sums the tetrahedra between the origin and each triangle.
+// Computes volume, frame and inertia by summing the tetrahedra between the origin and each triangle.
 void weigh(Model& model) {
     Vector3d first = Vector3d::Zero();
     Matrix3d second = Matrix3d::Zero();
@@ -60,7 +60,7 @@ std::unique_ptr<Model> read_model(const std::string& folder, const std::string& 
         static_cast<int>(model->corners.size() / 3), model->corners.data(), int{3 * sizeof(int)},
         static_cast<int>(model->coordinates.size() / 3), model->coordinates.data(), int{3 * sizeof(double)});
     model->shape = std::make_unique<btGImpactMeshShape>(model->triangles.get());
-    model->shape->setMargin(0);  // bodies touch only where their triangles do
+    model->shape->setMargin(0);  // bodies touch only where their triangles touch
     model->shape->updateBound();
     return model;
 }
@@ -68,7 +68,7 @@ std::unique_ptr<Model> read_model(const std::string& folder, const std::string& 
 World::World(const Settings& settings) : settings_(settings) {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
     world_.setGravity(btVector3(0, 0, -settings.gravity));
-    world_.getSolverInfo().m_splitImpulse = settings.rigid();  // it would push bodies apart whatever the stiffness
+    world_.getSolverInfo().m_splitImpulse = settings.rigid();  // it pushes bodies apart whatever the stiffness
     world_.getSolverInfo().m_numIterations = settings.iterations;
     bodies_.push_back(std::make_unique<btRigidBody>(0, nullptr, &ground_));
     bodies_.back()->setFriction(settings.friction);

@@ -22,14 +22,14 @@ struct Pose {
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();
 };
 
-// A closed mesh, and the frame in which Bullet sees it: the origin is the centre of mass, and the axes are the
+// A closed mesh, and its frame in Bullet: the origin is the centre of mass, the axes are the
 // principal axes of inertia.
 struct Model {
     std::string name;
     Mesh mesh;
     double volume = 0;
-    Pose frame;               // from Bullet's frame to the mesh's
-    Eigen::Vector3d inertia;  // at density 1
+    Pose frame;               // from Bullet's frame to the mesh's frame
+    Eigen::Vector3d inertia;  // for density 1
     // Bullet's copy, which `shape` points into.
     std::vector<double> coordinates;
     std::vector<int> corners;
@@ -44,16 +44,15 @@ std::unique_ptr<Model> read_model(const std::string& folder, const std::string& 
 
 // Lengths are in units of the models.
 struct Settings {
-    double step = 1.0 / 240;  // seconds; Bullet's default for what moves fast
+    double step = 1.0 / 240;  // seconds; Bullet's default for fast bodies
     int iterations = 10;      // of Bullet's solver; its default
     double gravity = 9.81;
-    double density = 20;  // a bunny and a letter then have a mass of about 1
-    // Of the spring and the damper at each point at which a body touches the ground. Between two bodies the springs are
-    // in series, with half the stiffness; Bullet adds up the damping.
-    // Stiffness 0: contacts are rigid.
+    double density = 20;  // gives a bunny and a letter a mass of about 1
+    // Spring and damper at each point of contact between a body and the ground. Between two bodies the springs
+    // are in series, with half the stiffness; Bullet adds up the damping. Stiffness 0 means rigid contacts.
     double stiffness = 0, damping = 0;
     double friction = 0;
-    double drag = 0;  // the share of its velocity that a body loses in a second
+    double drag = 0;  // share of its velocity that a body loses per second
     int steps_per_frame = 0, frames = 0;
 
     bool rigid() const { return stiffness == 0; }
@@ -61,12 +60,12 @@ struct Settings {
 
 struct Body {
     const Model* model;
-    Pose pose;  // of the mesh, at first
+    Pose pose;  // initial pose of the mesh
     Eigen::Vector3d velocity;
     bool asleep;  // until something touches it
 };
 
-// Bodies over the ground z = 0.
+// A simulation of bodies over the ground z = 0.
 class World {
 public:
     explicit World(const Settings& settings);
@@ -76,7 +75,7 @@ public:
 
     void add(const Body& body);
 
-    // As many steps as there are between two frames.
+    // Simulates the steps from one frame to the next.
     void advance();
 
     std::size_t size() const { return models_.size(); }

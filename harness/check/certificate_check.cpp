@@ -1,5 +1,5 @@
-// Doubles and intervals are rounded upward throughout the check: of plain doubles, a sum or a product of positive numbers, and a
-// root, is then at least the exact one. Comments say where a bound depends on it.
+// Rounding is upward throughout the check, for doubles and for intervals. A sum or product of positive doubles and
+// a square root are then at least the exact value. Comments mark the bounds that depend on this.
 #include "harness/check/certificate_check.h"
 
 #include "harness/check/certificate_tree.h"
@@ -30,8 +30,8 @@ IntervalVector difference(const Vec3& to, const Vec3& from) {
             Interval(to[2]) - Interval(from[2])};
 }
 
-// At least the length of every vector in v. No square overflows, as coordinates are below 1; where one could lose its bits to
-// underflow, the vector is made larger first, which is exact.
+// Returns an upper bound of the length of every vector in v. No square overflows, as coordinates are below 1. If a
+// square could lose bits to underflow, the vector is first scaled up, which is exact.
 double length_at_most(const IntervalVector& v) {
     std::array<double, 3> x;
     double largest = 0;
@@ -48,11 +48,11 @@ double length_at_most(const IntervalVector& v) {
 
 using Corners = std::array<Vec3, 3>;
 
-// The points s + x f + y g with x, y >= 0 and x + y <= 1. Feet are found in doubles, as well as they may be: each is a point of the
-// triangle, so its distance is a bound whatever its quality.
+// A triangle of B: the points s + x f + y g with x, y >= 0 and x + y <= 1. Feet are computed in doubles. Every foot
+// is a point of the triangle, so its distance is a valid bound; a poor foot only makes it looser.
 class TargetTriangle {
 public:
-    // f becomes the longest edge, so that also the feet on needles are good.
+    // Takes the longest edge as f, so that feet on needles are good, too.
     explicit TargetTriangle(const Corners& corners) {
         std::size_t longest = 0;
         double most = -1;
@@ -75,7 +75,7 @@ public:
 
     const Vec3& origin() const { return s_; }
 
-    // At least the distance from every point origin() + d.
+    // Returns an upper bound of the distance from every point origin() + d.
     double distance_at_most(const IntervalVector& d) const {
         const auto [x, y] = foot(middle(d));
         IntervalVector rest;
@@ -90,9 +90,9 @@ private:
         const double squared = edge.squaredNorm();
         return squared > 0 ? v.dot(edge) / squared : 0;
     }
-    // Also of a NaN, which a slope may be where a square underflows.
+    // Maps NaN to 0: a slope may be NaN if a square underflows.
     static double clamped(double x, double most) { return x > 0 ? std::min(x, most) : 0; }
-    // In [0, 1], and x + y <= 1 also without rounding.
+    // Returns weights in [0, 1] with x + y <= 1 in exact arithmetic.
     static Weights weights(double x, double y) {
         y = clamped(y, 1);
         return {clamped(x, (Interval(1) - Interval(y)).inf()), y};
@@ -102,8 +102,7 @@ private:
     }
 
     Weights foot(const Vec3& p) const {
-        // First the height, from the remainder beside the longest edge; then the place along that edge, at this
-        // height.
+        // First y, from the part of p that is orthogonal to the longest edge; then x along that edge, for this y.
         const double y = slope(p - slope(p, along_) * along_, height_), x = slope(p - y * side_, along_);
         if (x >= 0 && y >= 0 && x + y <= 1) return weights(x, y);
         const double last = slope(p - along_, third_);
@@ -119,7 +118,7 @@ private:
 
 // --- the shapes -----------------------------------------------------------------------------------------------------------
 
-// A shape where it stands, in a unit of a power of two. A point is a triangle with three equal corners.
+// A posed shape in a unit that is a power of two. A point is a triangle with three equal corners.
 class Soup {
 public:
     Soup(const Shape& shape, const Points& points, int exponent)
@@ -153,7 +152,7 @@ public:
     Cover(const Soup& source, const Soup& target, const std::string& bytes, CertificateCheck& check)
         : source_(source), target_(target), reader_(bytes), check_(check) {}
 
-    // The bound of all of A. Upward rounding must be on.
+    // Returns the bound for all of A. Requires upward rounding.
     double run() {
         double most = 0;
         for (triangle_ = 0; triangle_ < source_.triangles(); ++triangle_) {
@@ -172,8 +171,8 @@ public:
     std::string place() const { return fmt::format("triangle {}, node {}", triangle_, node_); }
 
 private:
-    // Checks the triangle with this number: every leaf below its root. A child that has not been visited yet is
-    // pending.
+    // Returns the bound for the triangle number `triangle_`: the largest bound of the leaves of its tree. Children
+    // not read yet are pending.
     double tree() {
         const Corners corners = source_.triangle(triangle_);
         a_ = corners[0];
@@ -232,7 +231,7 @@ private:
         return Index(index);
     }
 
-    // Points of the triangle are told by where they are from its corner a.
+    // Points of the triangle are represented by their offset from its corner a.
     IntervalVector from_a(const Corner& corner) const {
         IntervalVector d;
         for (std::size_t k = 0; k < 3; ++k) d[k] = corner.v * e_[0][k] + corner.w * e_[1][k];
@@ -252,7 +251,7 @@ private:
         return most;
     }
 
-    // Any point would do.
+    // Returns the rounded mean of the corners. Any point gives a valid bound.
     IntervalVector centre(const Polygon& polygon) const {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = 0; i < polygon.count; ++i) sum += middle(from_a(polygon.corners[i]));
@@ -276,18 +275,19 @@ private:
     Index triangle_ = 0;
     std::uint64_t node_ = 0;
     Vec3 a_;
-    std::array<IntervalVector, 2> e_;  // from a to the two other corners
-    std::vector<Polygon> pending_;     // the next one last
+    std::array<IntervalVector, 2> e_;  // from a to the other two corners
+    std::vector<Polygon> pending_;     // the last is the next to read
 };
 
-// In units of the input, rounded up.
+// Returns x in the unit of the input, rounded up.
 double scaled_back(double x, int exponent) {
     const double original = std::ldexp(x, -exponent);
     return std::ldexp(original, exponent) == x ? original : std::nextafter(original, infinity);
 }
 
-// Scales both by the power of two that brings the largest |coordinate| into [0.5, 1), so that nothing overflows. Coordinates that this
-// rounds are off by at most 2^-1075, points by less than 2^-1074, and distances by less than twice that.
+// Scales both shapes by the power of two that brings the largest |coordinate| into [0.5, 1), so that nothing
+// overflows. Coordinates that this rounds are off by at most 2^-1075, points by less than 2^-1074, and distances by
+// less than twice that.
 double bound_of(const Shape& source, const Points& source_points, const Shape& target, const Points& target_points,
                 const std::string& bytes, CertificateCheck& check) {
     if (source_points.hasNaN() || target_points.hasNaN())
@@ -325,7 +325,7 @@ CertificateCheck check_certificate(const Shape& source, const Pose& source_pose,
             check.found = bound_of(source, a.points(), target, b.points(), certificate.bytes, check);
         else
             check.found = bound_of(target, b.points(), source, a.points(), certificate.bytes, check);
-        check.accepted = check.found <= certificate.proven;  // not if that is a NaN
+        check.accepted = check.found <= certificate.proven;  // false if `proven` is NaN
         if (!check.accepted)
             check.refusal = fmt::format("triangle {}: its leaves show {:.17g}, and the certificate claims {:.17g}",
                                         check.worst, check.found, certificate.proven);

@@ -29,20 +29,20 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int format_version = 2;
-constexpr double most_above_upper = 1e-12;  // of the diagonal of both shapes
-constexpr double most_off_rotation = 1e-9;  // an entry of R^T R, from 1 or 0
+constexpr double most_above_upper = 1e-12;  // as a fraction of the diagonal of both shapes
+constexpr double most_off_rotation = 1e-9;  // largest deviation of an entry of R^T R from the identity
 
 // --- the file ---------------------------------------------------------------------------------------------------------
 
 constexpr std::string_view seal_begin = "\nsha256 ";
 constexpr std::size_t seal_length = seal_begin.size() + 64 + 1;
 
-// The last line, of all bytes before it.
+// Returns the last line of a file, which seals all bytes before it.
 std::string seal_of(std::string_view bytes) {
     return std::string(seal_begin) + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
 }
 
-// The bytes under the seal. The file is read whole or not at all, so that no changed byte goes unseen.
+// Returns the sealed content of the file. Throws if any byte of the file was changed.
 std::string_view unsealed(std::string_view file) {
     const std::size_t length = file.size() < seal_length ? 0 : file.size() - seal_length;
     const std::string_view content = file.substr(0, length);
@@ -54,7 +54,7 @@ std::string_view unsealed(std::string_view file) {
 
 json model_json(const CertificateFile::Model& m) { return {{"file", m.file}, {"sha256", m.sha256}, {"pose", m.pose}}; }
 
-// Reads exactly so many numbers.
+// Returns j if it is an array of exactly `count` values; otherwise throws.
 const json& numbers(const json& j, std::size_t count) {
     if (!j.is_array() || j.size() != count) throw std::runtime_error(fmt::format("not {} numbers", count));
     return j;
@@ -62,7 +62,8 @@ const json& numbers(const json& j, std::size_t count) {
 
 CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), numbers(j.at("pose"), 12)}; }
 
-// To convert another number may overflow, which is undefined.
+// Returns j as an integer of at least `least`; otherwise throws. Converting a number that does not fit would be
+// undefined behaviour.
 template <class T> T whole(const json& j, T least) {
     const bool unsigned_one = j.is_number_unsigned();
     const bool fits = unsigned_one ? std::in_range<T>(j.get<std::uint64_t>())
@@ -72,9 +73,9 @@ template <class T> T whole(const json& j, T least) {
     return j.get<T>();
 }
 
-// A key that stands twice would let two readers see two files.
+// Throws on a duplicate key, from which two readers could take different values.
 json parse_header(std::string_view line) {
-    std::vector<std::set<std::string>> keys;  // of the objects that are open
+    std::vector<std::set<std::string>> keys;  // of each open object
     return json::parse(line.begin(), line.end(), [&](int, json::parse_event_t event, json& parsed) {
         if (event == json::parse_event_t::object_start) keys.emplace_back();
         if (event == json::parse_event_t::object_end) keys.pop_back();
@@ -160,13 +161,13 @@ void expect_shape(const CertificateFile::Model& model, const Shape& shape, const
                     model.file, hash, model.sha256, name));
 }
 
-// A pose may turn and move a shape; one that flattened it would make any bound true.
+// Returns whether a pose only rotates and moves a shape. A pose that flattened it would make any bound true.
 bool keeps_distances(const Pose& pose) {
     const Eigen::Matrix3d off = pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity();
     return (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite();
 }
 
-// For H both directions, for h its own.
+// Returns whether the certificates are exactly those that the quantity needs: h(A,B), and for H then h(B,A).
 bool proves_its_quantity(const CertificateFile& c) {
     using Direction = Witness::Direction;
     std::vector<Direction> wanted = {Direction::source_to_target};

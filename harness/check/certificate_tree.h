@@ -1,5 +1,6 @@
-// The trees of cuts in a certificate, as its check reads them (docs/certificate.md): bytes, polygons in intervals, and cuts. Intervals are
-// CGAL's, which round outward while the rounding mode is upward: the caller sees to that.
+// The trees of cuts in a certificate, as the checker reads them (docs/certificate.md): bytes, polygons in
+// intervals, and cuts. CGAL's intervals round outward only while the rounding mode is upward; the caller must set
+// it.
 #pragma once
 
 #ifndef __ROUNDING_MATH__
@@ -38,7 +39,8 @@ public:
 
     bool at_end() const { return at_ == bytes_.size(); }
 
-    // Seven bits a byte, the lowest first, in as few bytes as it takes: so nothing can be written in two ways.
+    // Reads a number: seven bits per byte, lowest first, in as few bytes as possible, so that no number can be
+    // written in two ways.
     std::uint64_t number() {
         std::uint64_t value = 0;
         for (int shift = 0; shift < 63; shift += 7) {
@@ -52,11 +54,12 @@ public:
         throw Refused("a number has more than 63 bits");
     }
 
-    // Eight bytes, the lowest first.
+    // Reads a double in [0, 1]: eight bytes, lowest first.
     double parameter() {
         std::uint64_t bits = 0;
         for (int shift = 0; shift < 64; shift += 8) bits |= next() << shift;
-        // In this order no number below 0, no -0 and no NaN is between 0 and 1.
+        // As integers, the bits of negative numbers, of -0 and of NaN are above the bits of 1, so one comparison
+        // refuses them.
         if (bits > std::bit_cast<std::uint64_t>(1.0)) throw Refused("a cut is not between the ends of its edge");
         return std::bit_cast<double>(bits);
     }
@@ -78,7 +81,7 @@ struct Corner {
     Interval v, w;
 };
 
-// a + t (b - a), as (1 - t) a + t b: that way intervals do not grow from cut to cut, but for the rounding.
+// Returns a + t (b - a), computed as (1 - t) a + t b so that intervals grow from cut to cut only by rounding.
 inline Corner between(const Corner& a, const Corner& b, double t) {
     const Interval to(t), from = Interval(1) - to;
     return {from * a.v + to * b.v, from * a.w + to * b.w};
@@ -94,7 +97,8 @@ struct Polygon {
     }
 };
 
-// The place at which a cut meets the boundary, on a circle of 2n places: corner i is 2i, edge i is 2i + 1.
+// The point at which a cut meets the boundary. Places go round a circle of 2n: corner i is place 2i, edge i is
+// place 2i + 1.
 struct Meeting {
     std::size_t place = 0;
     bool backward = false;
@@ -118,7 +122,7 @@ inline Corner point_at(const Polygon& polygon, const Meeting& meeting) {
                    meeting.t);
 }
 
-// The part between two places: the point there, the corners after it and before the end, the point at the end.
+// Returns the part between two places: the point at `from`, the corners strictly between them, the point at `to`.
 inline Polygon part(const Polygon& whole, const Meeting& from, const Meeting& to, const Corner& first,
                     const Corner& last) {
     const std::size_t places = 2 * whole.count;

@@ -19,7 +19,7 @@ std::string gap_above_tolerance(const Row& row) {
     query.tolerance = row.asked.resolved_tolerance();
     query.floor = row.asked.floor;
     query.cutoff = std::min(row.asked.cutoff, row.outcome.cutoff_used);  // older files have no cutoff_used
-    // A session solves in other units, and rounds bounds outward where they are subnormal in ours.
+    // A session solves in scaled units and rounds bounds outward if they are subnormal in the unit of the input.
     constexpr double least = std::numeric_limits<double>::denorm_min();
     if (query.answer(bounds.lower, bounds.upper) || query.answer(bounds.lower + least, bounds.upper - least)) return "";
     return fmt::format(
@@ -28,7 +28,8 @@ std::string gap_above_tolerance(const Row& row) {
         bounds.lower, bounds.upper, query.tolerance.gap(bounds.lower));
 }
 
-// The solver's status and the row's are two words for one end, unless its process was ended later.
+// Returns a contradiction between the status of the row and the status that its solver returned. They must agree
+// unless the process was ended later.
 std::string other_status(const Row& row) {
     const Outcome& o = row.outcome;
     const bool by_itself = o.status == RowStatus::ok || o.status == RowStatus::floor || o.status == RowStatus::budget;

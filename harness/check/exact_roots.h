@@ -7,8 +7,8 @@ namespace hausbench {
 
 using Rational = CGAL::Exact_rational;
 
-// The largest double whose square is at most `square`, and the smallest whose square is at least `square` (infinity if there
-// is none). `square` is not negative; it may be outside the range of doubles.
+// Return the largest double whose square is at most `square`, and the smallest whose square is at least `square`
+// (infinity if there is none). `square` is not negative; it may be outside the range of doubles.
 double root_at_most(const Rational& square);
 double root_at_least(const Rational& square);
 

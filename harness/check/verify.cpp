@@ -19,20 +19,23 @@
 namespace hausbench {
 namespace {
 
-// No |coordinate| of the shape as posed, and no product or partial sum of R v + t, is above it.
+// Returns an upper bound of every |coordinate| of the posed shape, and of every product and partial sum of R v + t.
 double largest_within(const Shape& shape, const Pose& pose) {
     const Vec3 largest = points_of(shape).cwiseAbs().colwise().maxCoeff().transpose();
     return (pose.rotation.cwiseAbs() * largest + pose.translation.cwiseAbs()).maxCoeff();
 }
 
-// What honest bounds lose that are not certified: right in exact arithmetic, and evaluated in doubles. u = 2^-53, M as above, of
-// both shapes. To first order in u, by coordinate:
-// - A vertex that is posed in another order than its definition: 4 roundings of at most uM here and there, 8uM.
-// - A point a + s (b - a) + t (c - a) of a triangle: 2uM for each difference and each product, uM for each sum, and 2uM where
-//   s + t is rounded to above 1: 12uM. Other s and t stand for another point of the triangle.
-// So a point of A or of B is off by at most 20uM in each coordinate, sqrt(3) 20uM < 35uM in all. A lower bound loses that twice:
-// the witness on A, which is held against A, and its nearest point on B. A distance d is at most 2 sqrt(3) M; its differences,
-// squares, sum and root lose less than 4ud < 14uM. An upper bound loses no more. 35 + 35 + 14 = 84.
+// Returns the slack of bounds that are not certified: the most that rounding can make them wrong if a solver is
+// right in exact arithmetic and computes in doubles. u = 2^-53, M = largest_within() of both shapes. To first order
+// in u, per coordinate:
+// - A vertex that the solver poses in another order than the definition: 4 roundings of at most uM in either order,
+//   8uM.
+// - A point a + s (b - a) + t (c - a) of a triangle: 2uM for each difference and each product, uM for each sum, and
+//   2uM if s + t is rounded to above 1: 12uM. Other errors of s and t only choose another point of the triangle.
+// So a point of A or of B is off by at most 20uM per coordinate, sqrt(3) 20uM < 35uM in all. A lower bound loses
+// this twice: for the witness on A, which is compared with A, and for its nearest point on B. A distance d is at
+// most 2 sqrt(3) M; its differences, squares, sum and root lose less than 4ud < 14uM. An upper bound loses no more.
+// 35 + 35 + 14 = 84.
 double slack_for_rounding(const Shape& first, const Pose& first_pose, const Shape& second, const Pose& second_pose) {
     const double slack =
         84 * 0x1p-53 * std::max(largest_within(first, first_pose), largest_within(second, second_pose));
@@ -45,13 +48,13 @@ std::string excess(double high, double low) {
                             : fmt::format("by {:.3g} ({:.2g} ulps)", high - low, double(ulps));
 }
 
-// A row of a pair of shapes; `turned` where its source is the second of them.
+// A row of a pair of shapes; `turned` if its source is the second shape of the pair.
 struct Member {
     std::size_t row;
     bool turned;
 };
 
-// Two shapes, each in one pose: the rows of both orders and of both quantities are held against each other.
+// Checks the rows of two shapes, each in one pose, against each other: rows of both orders and of both quantities.
 class PairCheck {
 public:
     PairCheck(std::vector<Row>& rows, std::vector<Member> members, const Shape& first, const Shape& second,
@@ -64,7 +67,7 @@ public:
           slack_(slack_for_rounding(first, poses().first, second, poses().second)),
           surfaces_(kind_of(first) == ShapeKind::surface && kind_of(second) == ShapeKind::surface) {}
 
-    // False where it was stopped.
+    // Returns false if it was stopped.
     bool run() {
         for (const Member& m : members_) {
             if (stop_ && stop_()) return false;
@@ -89,7 +92,7 @@ private:
         return rows_[m.row].asked.quantity == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
     }
 
-    // Of the first shape and of the second; all members have the same kind.
+    // Returns the poses of the first and the second shape, which all members share.
     std::pair<Pose, Pose> poses() const {
         const Case& asked = rows_[members_.front().row].asked;
         return members_.front().turned ? std::pair(asked.target_pose, asked.pose)
@@ -135,8 +138,9 @@ private:
         row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
     }
 
-    // Returns the reason that refutes a lower bound: the distance that its witness shows instead; `forward` if it is
-    // on the source. For surfaces, 0 means that no point of the shape was found near the witness.
+    // Returns the reason that refutes a lower bound: the value that its witness shows instead. The witness is on
+    // the source if `forward`. For surfaces, shown == 0 means that no point of the shape was found near the
+    // witness.
     std::string what_is_shown(double shown, bool forward) const {
         const char *own = forward ? "source" : "target", *other = forward ? "target" : "source";
         if (!surfaces_) return fmt::format(" is above the distance of its witness ({:.17g})", shown);
@@ -144,8 +148,9 @@ private:
         return fmt::format(": the {} has a point {:.17g} from the witness", other, shown);
     }
 
-    // A witness that is farther away than its own row's upper bound refutes that bound, whatever lower bound the row
-    // claims. For surfaces, whose check is a search, this is tested only if the row claims no lower bound.
+    // Looks for a witness that is farther away than its own row's upper bound: it refutes that bound, whatever
+    // lower bound the row claims. The check for surfaces is a search, so it is done only if the row claims no lower
+    // bound.
     void look_beyond_upper(const Member& m) {
         const Row& row = rows_[m.row];
         const Witness& witness = row.outcome.witness;
@@ -164,7 +169,8 @@ private:
         return slack(row) > 0 ? fmt::format("; rounding explains {:.3g}", slack(row)) : "";
     }
 
-    // Many rows share a witness and a bound.
+    // Checks a lower bound by the witness of a row. Remembers the results, because many rows share a witness and a
+    // bound.
     Verdict by_witness(const Member& m, double lower, double& shown) {
         const Row& row = rows_[m.row];
         const Witness& witness = row.outcome.witness;
@@ -189,7 +195,8 @@ private:
         return at->second.verdict;
     }
 
-    // Without a witness a lower bound can still be refuted: it is above an upper bound that is certified. One of H is one of h.
+    // Refutes lower bounds that have no witness but are above a certified upper bound. An upper bound of H is also
+    // one of h.
     void refute_without_witness() {
         std::array<double, 3> least;
         least.fill(std::numeric_limits<double>::infinity());
@@ -229,12 +236,12 @@ private:
     std::vector<Row>& rows_;
     std::vector<Member> members_;
     std::array<const Shape*, 2> shapes_;
-    std::array<Checker, 2> checkers_;  // of the two orders
+    std::array<Checker, 2> checkers_;  // one for each order
     const Stop& stop_;
     double slack_;  // for rows that are not certified
     bool surfaces_;
     std::array<double, 3> best_{};                // the largest verified lower bounds; 0 always holds
-    std::map<std::vector<double>, Found> known_;  // many rows share a witness and a bound
+    std::map<std::vector<double>, Found> known_;  // results of by_witness()
 };
 
 using Placed = std::pair<std::string, std::vector<double>>;  // a model and its pose
@@ -255,7 +262,7 @@ void check_fields_of(Row& row, const std::function<const Shape*(const std::strin
     if (row.check.fields == Verdict::unsound) row.check.reason += (row.check.reason.empty() ? "" : "; ") + reason;
 }
 
-// Checks the rows of one pair of meshes in one pose.
+// Checks the penetration depths of one pair of meshes in one pose.
 void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& members, std::size_t checked,
                   const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
     const auto is_checked = [&](std::size_t i) { return i >= checked && rows[i].check.lower != Verdict::not_checked; };
@@ -322,7 +329,7 @@ void verify_rows(std::vector<Row>& rows, std::vector<Row>& references,
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop,
                  std::size_t checked) {
     std::map<std::pair<Placed, Placed>, std::vector<Member>> pairs;
-    std::map<std::pair<Placed, Placed>, std::vector<std::size_t>> solids;  // rows of a penetration depth
+    std::map<std::pair<Placed, Placed>, std::vector<std::size_t>> solids;  // rows of penetration depths
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Case& c = rows[i].asked;
         const Bounds& b = rows[i].outcome.bounds;
@@ -365,7 +372,7 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         if (check.lower != Verdict::unsound && check.upper != Verdict::unsound && check.fields != Verdict::unsound)
             continue;
         row.outcome.status = RowStatus::unsound;
-        if (!check.reason.empty()) row.outcome.reason = check.reason;  // empty: of a row that was checked before
+        if (!check.reason.empty()) row.outcome.reason = check.reason;  // empty if the row was checked before
     }
 }
 

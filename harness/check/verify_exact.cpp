@@ -18,7 +18,7 @@ using Exact = CGAL::Simple_cartesian<Rational>;
 
 double down(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }
 
-// The definition of a posed point (algorithms/kernel/geometry.h), written again on purpose.
+// Returns the posed point by its definition (algorithms/kernel/geometry.h), written again here on purpose.
 Vec3 moved(const Vec3& v, const Pose& pose) {
     if (pose.is_identity()) return v;
     Vec3 out;
@@ -31,7 +31,7 @@ Vec3 moved(const Vec3& v, const Pose& pose) {
 
 Exact::Point_3 exact(const Vec3& v) { return {Rational(v[0]), Rational(v[1]), Rational(v[2])}; }
 
-// True only if every point of the element is proven to be at least r away from p. Upward rounding must be on.
+// Returns true only if every point of the element is proven to be at least r away from p. Requires upward rounding.
 bool separated(const Vec3& p, const Element& e, double r) {
     Vec3 n = -rough_offset(p, e);
     const double largest = n.cwiseAbs().maxCoeff();
@@ -76,7 +76,7 @@ bool Standing::beyond(Index i, const Vec3& p, double r) const {
     return false;
 }
 
-// CGAL's triangle distance wants a triangle that is one; a degenerate one is the union of its edges.
+// CGAL's distance to a triangle requires a non-degenerate one; a degenerate triangle is the union of its edges.
 Rational squared_distance(const Vec3& p, const Element& e) {
     const Exact::Point_3 q = exact(p);
     if (e.size() == 1) return CGAL::squared_distance(q, exact(e[0]));
@@ -88,7 +88,7 @@ Rational squared_distance(const Vec3& p, const Element& e) {
     return std::min({edge(a, b), edge(b, c), edge(c, a)});
 }
 
-// Scaled by the largest difference, so that no square is too large or too small for a double.
+// Scales by the largest difference, so that squares neither overflow nor underflow.
 Vec3 rough_offset(const Vec3& p, Element e) {
     double scale = 0;
     for (Vec3& v : e) {
@@ -146,8 +146,8 @@ Verdict Checker::lower(double lower, const Witness& witness, const Pose& source_
     const Vec3 p = forward ? witness.source_point : witness.target_point;
     const Index named = forward ? witness.source_element : witness.target_element;
     if (!to.finite()) return Verdict::not_checked;
-    // How far p is from the shape that it should lie on: from the element that the witness names, else from the nearest.
-    std::optional<Element> nearest_off;  // none where posing it leaves the range of doubles
+    // The element that p should lie on: the one that the witness names, else the nearest.
+    std::optional<Element> nearest_off;  // none: posing it leaves the range of doubles
     const auto off = [&](Index i) -> std::optional<Element> {
         Element corners = from[i];
         for (const Vec3& v : corners) {

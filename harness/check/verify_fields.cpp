@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t samples = 100;
 
-// At most 100 of 0, 1, ..., count - 1, the first and the last among them.
+// Returns at most 100 of 0, 1, ..., count - 1, evenly spread, including the first and the last.
 std::vector<std::size_t> spread(std::size_t count) {
     const std::size_t n = std::min(samples, count);
     std::vector<std::size_t> out;
@@ -35,7 +35,7 @@ const Field* first(const Fields& fields, Field::Of of, std::string_view name) {
     return at == fields.end() ? nullptr : &*at;
 }
 
-// A as it was drawn: the fields x, y, z, a, b, c and element. Without them, A itself.
+// A as drawn: the fields x, y, z, a, b, c and element. Without them, A itself.
 class DrawnShape {
 public:
     DrawnShape(const Fields& fields, const Standing& source, double error) : source_(source), error_(error) {
@@ -49,7 +49,7 @@ public:
         cut_ = moved_ && std::none_of(std::begin(pieces_), std::end(pieces_), missing);
     }
 
-    // Whether the field goes on to the vertices that cuts added.
+    // Returns whether the field also covers the vertices that cuts added.
     bool has(const Field& field) const {
         return moved_ && field.of == Field::Of::vertices &&
                (field.name == "distance" || field.name == "nearest" ||
@@ -63,7 +63,7 @@ public:
         return {places_[0]->values[i], places_[1]->values[i], places_[2]->values[i]};
     }
 
-    // All fields have the number of values that they should have.
+    // Checks vertices and pieces. Requires that every field has the right number of values.
     void check() const {
         if (vertices() > own_vertices() && !cut_) throw Unsound{"vertices were added, but there are no pieces"};
         const Vec3 low = source_.points().colwise().minCoeff().transpose();
@@ -112,7 +112,7 @@ private:
         }
     }
 
-    // Scaled so that coordinates are about 1: squares neither overflow nor underflow.
+    // Returns a side, scaled so that coordinates are about 1; its square then neither overflows nor underflows.
     Vec3 side(const Element& e, int k) const {
         const auto scaled = [&](const Vec3& p) -> Vec3 {
             return p.unaryExpr([&](double x) { return std::ldexp(x, -exponent_); });
@@ -122,7 +122,7 @@ private:
 
     double area(const Element& e) const { return e.size() < 3 ? 0 : side(e, 0).cross(side(e, 2)).norm() / 2; }
 
-    // Bounds the change of its area if its corners move by 2e.
+    // Returns a bound on the change of the area if the corners move by 2e.
     double rounding_of(const Element& e) const {
         if (e.size() < 3) return 0;
         const double error = std::ldexp(error_, -exponent_);
@@ -194,7 +194,7 @@ private:
         if (squared_distance(p, target_[Index(nearest)]) > most * most)
             throw Unsound{fmt::format("{}, but element {} of B, which it names, is farther", what(), nearest)};
         if (least <= 0) return;
-        // Rounded up, which only makes more elements doubtful.
+        // Rounding up only makes more elements doubtful.
         const double away = std::nextafter(distance - error(), std::numeric_limits<double>::infinity());
         const auto squared = nearer(p, away);
         if (squared && *squared < least * least) throw Unsound{what() + ", but an element of B is nearer"};
@@ -237,7 +237,7 @@ private:
         if (std::isnan(value)) refuse("not a number");
         Element points = corners;
         if (corners.size() == 3) points.push_back(corners[0] / 3 + corners[1] / 3 + corners[2] / 3);
-        std::optional<Rational> farthest;  // no point of the element is farther from B, squared
+        std::optional<Rational> farthest;  // square of an upper bound of h(element, B)
         for (const Vec3& p : points) {
             go_on();
             const Element b = target_[about_nearest(p)];
@@ -255,18 +255,18 @@ private:
             refuse("above the distance of all its points");
     }
 
-    // Whether p, but for how far it is off the element itself, is at most so far from B.
+    // Returns whether p is at most `upper` from B, allowing for the distance between p and the element.
     bool covers(double upper, const Vec3& p, const Element& corners, const Element& likely) const {
         if (std::isinf(upper)) return upper > 0;
         const double off = root_at_least(squared_distance(p, corners));
         const Rational most = Rational(upper) + Rational(off);
         if (most < 0) return false;
         if (squared_distance(p, likely) <= most * most) return true;
-        return *nearer(p, std::numeric_limits<double>::infinity()) <= most * most;  // all of them, exactly
+        return *nearer(p, std::numeric_limits<double>::infinity()) <= most * most;  // exact, all of B
     }
 
     const Standing &source_, &target_;
-    double slack_;  // of each bound
+    double slack_;  // how far each bound may be off
     const Stop& stop_;
 };
 

@@ -1,16 +1,20 @@
-// Re-checks fields (Row::fields) on 100 vertices and 100 elements of A, evenly spread, with what verify_exact.h offers.
+// Re-checks fields (Row::fields) on 100 vertices and 100 elements of A, evenly spread, with the exact distances of
+// verify_exact.h.
 //
-// `distance` and `nearest`, proven: all of B posed is at least distance - e away from the vertex, and the element named at most
-// distance + e, with e = field_error() of fields.h.
+// `distance` and `nearest`, proven: all of B posed is at least distance - e away from the vertex, and the named
+// element at most distance + e, with e = field_error() of fields.h.
 //
-// A drawn A (fields `x`, `y`, `z` of vertices; `a`, `b`, `c`, `element` of pieces): its vertices in its pose come first, to the bit,
-// and `distance` and `nearest` go on to the vertices that cuts added. The corners of a piece lie within 2e of its triangle of A. The
-// pieces of a triangle have its area.
+// A drawn A (fields `x`, `y`, `z` of vertices; `a`, `b`, `c`, `element` of pieces): the posed vertices of A come
+// first, to the bit, and `distance` and `nearest` also cover the vertices that cuts added. The corners of a piece
+// lie within 2e of its triangle of A. The areas of the pieces of a triangle add up to its area.
 //
-// `lower` and `upper` of an element T (or of a vertex) of A, which bound h(T, B posed), the largest distance of a point of it: that can
-// refute, not prove. No lower bound is above an upper one (of all elements, not of 100). No upper bound is below the distance of a
-// corner or of the centroid. No lower bound is above the largest distance from a corner to b, for a single element b of B: as b is
-// convex, no point of T is farther from it. It tries the elements b that are about the nearest to a corner or the centroid.
+// `lower` and `upper` of an element (or a vertex) T of A bound h(T, B posed), the largest distance of its points.
+// They can be refuted, not proven:
+// - No lower bound is above an upper bound (for all elements, not only 100).
+// - No upper bound is below the distance of a corner or of the centroid.
+// - No lower bound is above the largest distance from a corner of T to b, for a single element b of B: as b is
+//   convex, no point of T is farther from it. The elements b that are tried are about the nearest to a corner or to
+//   the centroid.
 #pragma once
 
 #include "harness/check/verify.h"
@@ -19,8 +23,9 @@
 
 namespace hausbench {
 
-// `slack`: the largest rounding error of the solver's bounds, see slack_for_rounding(). `not_checked` if a pose takes
-// a shape out of the range of doubles, or if it was stopped; `reason` names the unsound value.
+// Checks all fields. `slack`: how far the solver's bounds may be off, see slack_for_rounding(). Returns
+// `not_checked` if a pose moves a shape out of the range of doubles, or if `stop` ended the check. `reason` says
+// why a field is unsound.
 Verdict check_fields(const Fields& fields, const Shape& source, const Pose& source_pose, const Shape& target,
                      const Pose& target_pose, double slack, const Stop& stop, std::string& reason);
 

@@ -30,7 +30,8 @@ Triangle exact(const Element& e) { return {exact(e[0]), exact(e[1]), exact(e[2])
 
 enum class Crossing { none, clean, doubtful };
 
-// Whether a segment meets a triangle; doubtful if it meets an edge or a corner, or the plane in one of its ends.
+// Returns how a segment crosses a triangle; doubtful if it meets an edge or a corner, or if one of its ends lies in
+// the plane.
 Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, const Element& e) {
     const auto a = point(e[0]), b = point(e[1]), c = point(e[2]);
     const auto of_p = CGAL::orientation(a, b, c, p), of_q = CGAL::orientation(a, b, c, q);
@@ -45,8 +46,8 @@ Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, co
     return touches ? Crossing::doubtful : Crossing::clean;
 }
 
-// A solid in its pose. Triangles with two equal corners, and triangles that occur twice, do not count, as in the
-// solver.
+// A solid in its pose. Leaves out triangles with two equal corners and repeated triangles, as the solver's cutting
+// does.
 struct Body {
     Body(const Shape& shape, const Pose& pose) : surface(shape, pose) {
         if (!surface.finite()) return;
@@ -66,13 +67,13 @@ struct Body {
         }
     }
 
-    // Whether p lies inside; none on the surface itself, or where every ray meets an edge.
+    // Returns whether p lies inside, or nothing if p lies on the surface or every ray meets an edge.
     std::optional<bool> holds(const Vec3& p) const {
         if (!whole.contains(p)) return false;
         const double length = 2 * whole.diagonal().norm();
         constexpr int rays = 16;
         for (int ray = 1; ray <= rays; ++ray) {
-            // Along x, a little tilted, so that few boxes lie on its way.
+            // Along x, slightly tilted, so that the ray meets few boxes.
             const Vec3 end = p + length * Vec3(1, 1e-3 * ray, 7e-4 * (rays - ray + 1));
             Eigen::AlignedBox3d way(p);
             way.extend(end);
@@ -89,7 +90,7 @@ struct Body {
         return std::nullopt;
     }
 
-    // Whether the segment meets the surface.
+    // Returns whether the segment meets the surface.
     bool crossed_by(const Vec3& p, const Vec3& q) const {
         Eigen::AlignedBox3d way(p);
         way.extend(q);
@@ -100,7 +101,8 @@ struct Body {
         return false;
     }
 
-    // Whether a triangle of the connected surface that this one is part of meets the other surface. O(n m) boxes.
+    // Returns whether the connected component of the surface that contains this triangle meets the other surface.
+    // Compares O(n m) boxes.
     bool connected_surface_meets(Index triangle, const Body& other) const {
         std::map<std::array<double, 3>, std::vector<std::size_t>> around;
         const auto key = [](const Vec3& v) { return std::array<double, 3>{v[0] + 0.0, v[1] + 0.0, v[2] + 0.0}; };
@@ -133,14 +135,15 @@ struct Body {
     }
 
     Standing surface;
-    std::vector<Index> triangles;            // that count
-    std::vector<Eigen::AlignedBox3d> boxes;  // of each of these
+    std::vector<Index> triangles;            // those not left out
+    std::vector<Eigen::AlignedBox3d> boxes;  // one for each of these
     Eigen::AlignedBox3d whole;
 };
 
 bool nearer(const Rational& squared, double r) { return squared < Rational(r) * Rational(r); }
 
-// Whether a common point of two triangles is nearer to p than r; of two in one plane: whether there is one at all.
+// Returns whether two triangles have a common point nearer to p than r. Returns true without measuring if they
+// overlap in one plane or one of them is degenerate.
 bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) {
     const Triangle a = exact(e), b = exact(other);
     if (a.is_degenerate() || b.is_degenerate()) return true;
@@ -152,7 +155,7 @@ bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) 
     return true;
 }
 
-// The triangles of a body that are nearer to p than r.
+// Returns the triangles of a body that are nearer to p than r.
 std::vector<Index> near(const Body& body, const Vec3& p, double r) {
     std::vector<Index> found;
     for (const Index i : body.triangles)
@@ -181,7 +184,8 @@ struct PenetrationChecker::Pair {
         slack = 1e-10 * largest;
     }
 
-    // Proven, refuted with the reason, or neither.
+    // Returns `holds` if the bound is proven, `unsound` and the reason if it is refuted, else `no_witness` or
+    // `not_checked`.
     Verdict lower(double lower, const Witness& witness, std::string& reason) const {
         if (!std::isfinite(lower)) {
             reason = "lower is infinite, and no two points are that far apart";
@@ -202,10 +206,10 @@ struct PenetrationChecker::Pair {
             reason = unsound("lower", lower, "the witness does not lie in the other solid");
             return Verdict::unsound;
         }
-        const double r = lower - 4 * slack;  // what rounding explains, at both ends
+        const double r = lower - 4 * slack;  // rounding at both ends
         if (!(r > 0)) return Verdict::holds;
         bool settled = true;
-        std::vector<Vec3> outside;  // nearer points that bound no volume that they have in common
+        std::vector<Vec3> outside;  // nearer points that do not bound the common volume
         const std::vector<Index> around = near(own, p, r);
         for (const Index i : near(other, p, r)) {
             if (stop && stop()) return Verdict::not_checked;
@@ -231,7 +235,8 @@ struct PenetrationChecker::Pair {
                        fmt::format("the same part of the volume is bounded {:.17g} from the witness", (q - p).norm()));
     }
 
-    // Whether a straight line is proven to lie in both solids, but for what rounding explains at its ends, which may lie on a surface.
+    // Returns whether the segment is proven to lie in both solids, except for the last 8 slack at its ends, which
+    // may lie on a surface.
     bool within_both(const Vec3& p, const Vec3& q) const {
         const double length = (q - p).norm(), step = 8 * slack / length;
         if (!(step < 0.25)) return false;
@@ -240,8 +245,9 @@ struct PenetrationChecker::Pair {
                !source.crossed_by(begin, end) && !target.crossed_by(begin, end);
     }
 
-    // Whether points p and q of the surfaces are proven to bound the same part of the volume: a line joins them, or points a little beside them, where
-    // the straight one runs along a surface.
+    // Returns whether points p and q of the surfaces are proven to bound the same part of the common volume: a
+    // segment inside both solids joins them, or points slightly beside them, in case the segment pq runs along a
+    // surface.
     bool same_part(const Vec3& p, const Vec3& q) const {
         if (within_both(p, q)) return true;
         const double aside = std::max(1e-4 * (q - p).norm(), 64 * slack);
@@ -251,11 +257,12 @@ struct PenetrationChecker::Pair {
         });
     }
 
-    // A few points about so far from a point of the surfaces, each joined to it within both solids.
+    // Returns a few points at about this distance from a point of the surfaces, each joined to it inside both
+    // solids.
     std::vector<Vec3> inner_points(const Vec3& p, double distance) const {
         std::vector<Vec3> found;
         for (int direction = 0; direction < 24 && found.size() < 4;
-             ++direction) {  // three different numbers, turned, with any signs
+             ++direction) {  // 3 rotations of one vector, 8 sign patterns
             Vec3 way(1, 0.7, 0.4);
             for (int k = 0; k < 3; ++k)
                 if ((direction >> k & 1) != 0) way[k] = -way[k];
@@ -266,13 +273,14 @@ struct PenetrationChecker::Pair {
         return found;
     }
 
-    // All nearer points of the other surface lie outside the witness's solid. If the other surface bounds the
-    // witness's part of the volume elsewhere, that is a proof. If it does so nowhere, the part is enclosed, and its
-    // depth is the distance to the whole other surface.
+    // Decides the case that all nearer points of the other surface lie outside the witness's solid. If the other
+    // surface bounds the witness's part of the common volume elsewhere, the bound holds. If it bounds it nowhere,
+    // the other mesh encloses the part, whose depth is then the distance to the whole of that mesh, and the bound
+    // is refuted.
     Verdict beside(double lower, const Vec3& p, Index at, const Body& own, const Body& other,
                    const std::vector<Vec3>& outside, std::string& reason) const {
         if (own.connected_surface_meets(at, other)) return Verdict::holds;
-        bool within = false;  // some of the other surface lies in the witness's solid
+        bool within = false;  // a vertex of the other mesh may lie in the witness's solid
         for (const Index i : other.triangles) {
             if (stop && stop()) return Verdict::not_checked;
             for (const Vec3& v : other.surface[i]) {
@@ -288,7 +296,8 @@ struct PenetrationChecker::Pair {
         return Verdict::unsound;
     }
 
-    // A vertex of one in the other, further than `length` from the other's surface; none if there is none. O(|A| |B|).
+    // Returns a vertex of one mesh that lies in the other solid, farther than `length` from its surface, or
+    // nothing. O(|A| |B|).
     std::optional<Vec3> deeper_than(double length) const {
         for (const auto& [own, other] : {std::pair{&source, &target}, std::pair{&target, &source}}) {
             std::set<std::array<double, 3>> seen;
@@ -305,7 +314,7 @@ struct PenetrationChecker::Pair {
 
     static bool deep(const Body& body, const Vec3& p, double length) {
         const Standing& surface = body.surface;
-        for (const Index i : body.triangles)  // most are settled by a point that is clearly nearer
+        for (const Index i : body.triangles)  // a point that is clearly nearer settles most cases
             if (!surface.beyond(i, p, length) && rough_offset(p, surface[i]).norm() < 0.999 * length) return false;
         return near(body, p, length).empty();
     }
@@ -313,9 +322,9 @@ struct PenetrationChecker::Pair {
     Body source, target;
     Stop stop;
     double slack = 0;
-    bool usable = false;  // the poses leave all coordinates finite
-    double proven = 0;    // the largest lower bound that holds, less what rounding explains
-    double shallow = std::numeric_limits<double>::infinity();  // no vertex is deeper: found for an earlier row
+    bool usable = false;  // coordinates are finite, sizes neither too large nor too small
+    double proven = 0;    // the largest lower bound that held, less the slack for rounding
+    double shallow = std::numeric_limits<double>::infinity();  // no vertex is deeper, as found for an earlier row
 };
 
 PenetrationChecker::PenetrationChecker(const Shape& source, const Pose& source_pose, const Shape& target,

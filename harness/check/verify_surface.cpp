@@ -20,8 +20,9 @@ bool changes_sign(const Interval& a, const Interval& b) {
     return (a.sup() <= 0 && b.inf() >= 0) || (a.inf() >= 0 && b.sup() <= 0);
 }
 
-// No farther than this from p along axis k is a point of the surface that is proven between `low` and `high`, where the
-// polynomial changes its sign; bisected as long as signs are certain, since every bit of it is taken off the solver's bound.
+// Returns a distance from p along axis k within which a point of the surface is proven: between `low` and `high`
+// the polynomial changes sign. Bisects while signs are certain, because the solver's bound has to hold with this
+// distance added.
 double bracketed(const Polynomial& f, const Vec3& p, Vec3 low, Vec3 high, int k) {
     const Interval at_low = value_at(f, low);
     for (int step = 0; step < 60; ++step) {
@@ -39,9 +40,10 @@ double bracketed(const Polynomial& f, const Vec3& p, Vec3 low, Vec3 high, int k)
     return std::max(high[k] - p[k], p[k] - low[k]);
 }
 
-// Returns the largest possible distance of p from a proven point of the surface; empty if none was found in the box.
-// A witness of a coarse mesh may be far. If the surface crosses no axis through p, as at the apex of a cone, signs at
-// the ends of two axes may differ: the segment between them is within e of p, too.
+// Returns an upper bound of the distance from p to a proven point of the surface, or nothing if none is found in
+// the box. Looks far away, too, since the witness of a coarse mesh may be far off. If the surface crosses no axis
+// through p, as at the apex of a cone, the signs at ends of two axes may differ; the segment between these ends is
+// then within the returned distance of p, too.
 std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec3& p) {
     if ((p.array() < box.low.array()).any() || (p.array() > box.high.array()).any()) return std::nullopt;
     const Interval here = value_at(f, p);
@@ -71,7 +73,8 @@ std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec
 
 enum class Found { nothing, near, open };
 
-// The content of one box: no point of B within r of p, surely one, or unknown.
+// Looks at one box. `nothing`: it has no point of B nearer to p than r. `near`: it has a point of B nearer than
+// `lower`, at most `shown` away. `open`: neither is proven.
 Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double lower, double& shown) {
     Interval gap(0.0), far(0.0);
     for (int k = 0; k < 3; ++k) {
@@ -87,14 +90,15 @@ Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double low
 
     std::array<Interval, 3> linear;
     Interval constant = -square;
-    Vec3 rough;  // of `linear`
+    Vec3 rough;  // `linear` in doubles
     for (int k = 0; k < 3; ++k) {
         const Interval d = Interval(form.middle[k]) - Interval(p[k]);
         constant += CGAL::square(d);
         linear[std::size_t(k)] = 2.0 * d * Interval(form.half[k]);
         rough[k] = linear[std::size_t(k)].sup();
     }
-    // Which m is best hangs on the sides of the box that the nearest point lies on: least squares over the other axes.
+    // The best m depends on the sides of the box on which the nearest point lies: least squares over the other
+    // axes.
     std::array<double, 8> candidates{};
     for (unsigned free = 1; free < 8; ++free) {
         const Vec3 axes(free & 1, free >> 1 & 1, free >> 2);

@@ -17,15 +17,15 @@ namespace {
 
 using Interval = CGAL::Interval_nt<false>;
 
-// Points by the cell of a grid that they are in.
+// Points, hashed by the grid cell that contains them.
 class Grid {
 public:
-    // `origin`: where most points are, so that the numbers of their cells are small, and exact.
+    // `origin`: a place near most points, so that their cell indices are small and therefore exact.
     Grid(const Points& points, double side, const Vec3& origin) : side_(side), origin_(origin) {
         for (Index i = 0; i < points.rows(); ++i) cells_[cell_of(points.row(i))].push_back(i);
     }
 
-    // Calls visit(i) for the points in the cell of p, then for those in the 26 around it, until it returns true.
+    // Calls visit(i) for the points in the cell of p, then in the 26 cells around it, until it returns true.
     template <class Visit> void near(const Vec3& p, Visit visit) const {
         const Cell own = cell_of(p);
         if (any_in(own, visit)) return;
@@ -69,7 +69,8 @@ bool is_within(const Vec3& p, const Vec3& q, double upper) {
     return squared_distance(p, {q}) <= Rational(upper) * Rational(upper);
 }
 
-// Whether intervals prove that q is at most `upper` from p (certain), or leave it open (doubtful). Upward rounding must be on.
+// Says whether intervals prove that q is at most `upper` from p (certain) or leave it open (doubtful). Requires
+// upward rounding.
 struct Judged {
     bool certain, doubtful;
 };
@@ -82,7 +83,7 @@ Judged judge(const Vec3& p, const Vec3& q, double upper) {
     return {certain, !certain && !(sum.inf() > most.sup())};
 }
 
-// Reads the clock at every 4096th question.
+// A time limit that reads the clock only at every 4096th call.
 class Limit {
 public:
     explicit Limit(double seconds) : seconds_(seconds) {}
@@ -99,7 +100,7 @@ private:
     bool passed_ = false;
 };
 
-// Meaningless once the limit has passed.
+// Returns whether a point of `to` is at most `upper` from p. The result is meaningless once the limit has passed.
 bool has_near(const Grid& grid, const Points& to, const Vec3& p, double upper, Limit& limit) {
     std::vector<Index> doubtful;
     bool found = false;
@@ -115,7 +116,7 @@ bool has_near(const Grid& grid, const Points& to, const Vec3& p, double upper, L
         grid.near(p, visit);
     }
     if (settled()) return true;
-    // A cell may be missed by rounding: nothing is refuted without a look at every point.
+    // Rounding may assign a point to a wrong cell, so every point is tried before p is refuted.
     doubtful.clear();
     {
         CGAL::Protect_FPU_rounding<true> upward;
@@ -124,7 +125,8 @@ bool has_near(const Grid& grid, const Points& to, const Vec3& p, double upper, L
     return settled();
 }
 
-// The middle point of each axis, and the longest axis, without the twentieth of the points at either end: outliers do not count.
+// Returns the median along each axis and the longest extent. Ignores 5 % of the points at either end of an axis as
+// outliers, unless the extent would then be 0.
 std::pair<Vec3, double> bulk_of(const Points& points) {
     Vec3 middle;
     double longest = 0;
@@ -141,7 +143,7 @@ std::pair<Vec3, double> bulk_of(const Points& points) {
     return {middle, longest > 0 ? longest : (points.colwise().maxCoeff() - points.colwise().minCoeff()).maxCoeff()};
 }
 
-// The points, sorted, so that equal ones are neighbours.
+// Returns the indices of the points in lexicographic order, so that equal points are neighbours.
 std::vector<Index> sorted(const Points& points) {
     std::vector<Index> order(std::size_t(points.rows()));
     std::iota(order.begin(), order.end(), 0);
@@ -156,7 +158,8 @@ Verdict one_way(const Standing& from, const Standing& to, double upper, double s
     if (!from.finite() || !to.finite() || !std::isfinite(upper)) return Verdict::not_checked;
     if (upper < 0) return Verdict::unsound;
     const auto [middle, extent] = bulk_of(b);
-    // A little wider than `upper`, for the rounding of cells, and not so narrow that the numbers of most would be rounded.
+    // A little wider than `upper`, to allow for rounding of cells, and wide enough that most cell indices are
+    // exact.
     const double side = std::max({1.001 * upper, 0x1p-40 * extent, std::numeric_limits<double>::min()});
     if (!std::isfinite(side)) return Verdict::not_checked;
     const Grid grid(b, side, middle);

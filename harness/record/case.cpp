@@ -20,8 +20,8 @@ double diagonal_of_both(const Points& a, const Points& b) {
     return diagonal(corners);
 }
 
-// A may be one point, or so small that the product is rounded to 0: then the answer is to be as tight as doubles allow. Its diagonal may
-// also be above all doubles.
+// If A is a point, or so small that the product rounds to 0, the answer should be as tight as
+// doubles allow. The diagonal may also be too large for a double.
 double tolerance_as_length(double tolerance, double unit) {
     using Limit = std::numeric_limits<double>;
     return std::clamp(tolerance * unit, Limit::denorm_min(), Limit::max());

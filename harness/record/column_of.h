@@ -1,4 +1,4 @@
-// Makes the columns of the table in columns.h from members of rows. For the files that list columns.
+// Builds the columns of columns.h from members of rows. For the files that list columns.
 #pragma once
 
 #include "harness/record/columns.h"
@@ -11,7 +11,8 @@
 #include <type_traits>
 #include <utility>
 
-// The column of a member of `Entry`, the struct of a row; of the name of the member, or of another one.
+// COLUMN builds the column of a member of `Entry`, the struct of a row, and names it after the
+// member. NAMED gives it another name.
 #define COLUMN(member, ...) NAMED(#member, member, __VA_ARGS__)
 #define NAMED(name, where, ...) column<Entry, MEMBER(where)>(name, __VA_ARGS__)
 #define MEMBER(where) \
@@ -39,7 +40,7 @@ template <class T> T parsed_json_text(const std::string& text) {
         return json::parse(text).get<T>();
 }
 
-// Files hold the same text in row after row, so the last one is remembered.
+// Returns the value of a JSON text. Files repeat the same text in row after row, so the last value is cached.
 template <class T> const T& from_json_text(const std::string& text) {
     thread_local std::string known = "{}";
     thread_local T value;
@@ -57,7 +58,7 @@ template <class T> constexpr std::size_t width_of() {
     return 0;
 }
 
-// The doubles of a value, in the order of the file: a rotation goes row by row.
+// Calls take() for each double of a value, in file order: a rotation goes row by row.
 template <class T, class F> void each_double(T& value, F take) {
     using Plain = std::remove_const_t<T>;
     if constexpr (std::is_same_v<Plain, double>) {
@@ -77,7 +78,7 @@ template <class E> E named(const std::string& text) {
     throw std::runtime_error(fmt::format("'{}' is not one of its values", text));
 }
 
-// `member` is a lambda that returns a reference to where the value is.
+// Builds a column. `member` is a lambda that returns a reference to the value in a row.
 template <class Row, auto member>
 Column<Row> column(std::string_view name, std::string_view meaning, Identity identity = Identity::no) {
     using T = std::remove_cvref_t<decltype(member(std::declval<Row&>()))>;

@@ -1,10 +1,10 @@
-// The one table of the content of result files: the columns of each group, with name, meaning, place of the value,
-// and whether it is part of a case's identity. The writer and the reader of result files, the journal and identify()
-// follow from it, and so do the tables in results/README.md and analysis/shared/columns.py (`python3 -m
-// analysis.schema` writes both). A new column is a member in case.h, outcome.h or row.h and a line in
-// column_tables.cpp.
+// The table of all columns of a result file: the columns of each group, with name, meaning, place
+// in memory, and whether the column is part of a case's identity. The writer and the reader of
+// result files, the journal and identify() all use it; the tables in results/README.md and
+// analysis/shared/columns.py are generated from it (`python3 -m analysis.schema` writes both). To
+// add a column, add a member in case.h, outcome.h or row.h and a line in column_tables.cpp.
 //
-// A file may lack a column, which then holds the default of its member, and may hold columns that this program does not know.
+// If a file lacks a column, its member keeps its default. Columns that this program does not know are ignored.
 #pragma once
 
 #include "harness/record/row.h"
@@ -22,9 +22,9 @@ namespace hausbench {
 enum class Identity {
     no,
     always,
-    // The name of a missing model, which has no hash, so that such cases differ.
+    // Only for a missing model: it has no hash, so its name tells such cases apart.
     of_missing,
-    // Only if it is not the default: a later column leaves the identity of older cases unchanged.
+    // Only if it is not the default, so that a column added later leaves the identity of older cases unchanged.
     where_given
 };
 
@@ -50,14 +50,15 @@ template <class Row> struct Column {
 
 template <class Row> using Columns = std::vector<Column<Row>>;
 
-// A row of /cases is a case, its outcome and its check side by side.
+// A row of /cases is a case, its outcome and its check, side by side.
 const Columns<Case>& case_columns();
-// Without the counters, whose columns follow from counter_fields.
+// Excludes the counters, whose columns follow from counter_fields.
 const Columns<Outcome>& outcome_columns();
 const Columns<Check>& check_columns();
-const Columns<Row>& row_columns();  // what follows from all of these and the reference answer
+const Columns<Row>& row_columns();  // derived from the columns above and the reference answer
 const Columns<ModelRecord>& model_columns();
-// Several rows a case: in files with the number of the case, in a column `case` before them.
+// Groups with several rows per case. In files, a column `case` with the number of the case comes
+// first; for traces the case has `trace_begin` and `trace_end` instead.
 const Columns<FirstAnswer>& answer_columns();
 const Columns<Repeat>& repeat_columns();
 const Columns<Preparation>& preparation_columns();
@@ -65,11 +66,12 @@ const Columns<TraceSample>& trace_columns();
 const Columns<FieldRecord>& field_columns();
 const Columns<LedgerEntry>& ledger_columns();
 
-// One object a row, as journals have it.
+// Convert a row to and from a JSON object, the form used in journals.
 template <class Row> nlohmann::json row_json(const Columns<Row>& columns, const Row& row);
 template <class Row> void read_row(const Columns<Row>& columns, const nlohmann::json& object, Row& row);
 
-// All groups with name, type, width, meaning and part in the identity: what `hausbench list columns` prints.
+// Returns all groups as JSON, with the name, type, width, meaning, default and identity of each
+// column: the output of `hausbench list columns`.
 nlohmann::json columns_json();
 
 }  // namespace hausbench

@@ -29,9 +29,9 @@ Points standing(const PreparedShape& shape, const Pose& pose, const char* name) 
                      " beyond the largest double, 1.8e308: give both shapes in a larger unit");
 }
 
-constexpr double longest_edge = 1.0 / 64;  // of the diagonal of A
+constexpr double longest_edge = 1.0 / 64;  // as a fraction of the diagonal of A
 
-// Distances of points to B, in the unit of B.
+// Measures distances of points to B, in the unit of B.
 class DistanceTo {
 public:
     explicit DistanceTo(const PreparedShape& target) : tree_(target.triangles()) {}
@@ -40,7 +40,7 @@ public:
         double distance;
         Index element;
     };
-    // `near`: an element of B that is probably near, or -1.
+    // `near` is an element of B that is probably near, or -1.
     Found operator()(const Vec3& p, Index near) const {
         Counters unused;
         ClosestHints hints;
@@ -53,11 +53,12 @@ private:
     TriangleBvh tree_;
 };
 
-// Bisects edges that were marked, and with each edge the longest edge of every piece that has it, so that pieces become no thinner than
-// half of the angles of A (Rivara 1984). Neighbours share the mark of their edge, so no gap opens between them. Lengths are scaled.
+// Bisects marked edges, and with each edge the longest edge of every piece that contains it, so
+// that angles of pieces stay at least half as large as the angles of A (Rivara 1984). Neighbours
+// share the mark of their edge, so no gap opens between them. Lengths are scaled.
 class FieldCutter {
 public:
-    // `floor`: differences and lengths up to it are left to rounding.
+    // Differences and lengths up to `floor` are attributed to rounding.
     FieldCutter(const Points& vertices, const Triangles& triangles, const DistanceTo& distance_to, double floor,
                 std::size_t most_pieces)
         : distance_to_(distance_to),
@@ -73,7 +74,7 @@ public:
     struct Piece {
         std::array<Index, 3> corners;
         Index element;
-        bool settled;  // its edges and its centroid were compared
+        bool settled;  // differences at its edges and its centroid were measured
     };
     std::vector<Vec3> points;
     std::vector<double> distances;
@@ -89,7 +90,7 @@ public:
         pieces.push_back({{c, a, middle}, element, false});
     }
 
-    // Cuts to this resolution. Returns whether nothing is left to cut.
+    // Cuts until all differences are at most `resolution`. Returns false if it ran out of pieces.
     bool cut(double resolution) {
         resolution_ = std::max(resolution, floor_);
         while (true) {
@@ -124,7 +125,8 @@ private:
     Vec3 midpoint(Edge edge) const { return (points[edge >> 32] + points[edge & 0xffffffff]) / 2; }
     double squared_length_of(Edge edge) const { return squared_length(points[edge >> 32] - points[edge & 0xffffffff]); }
 
-    // Breaks ties by the larger number, so that following longer and longer edges ends.
+    // Returns the longest edge. Breaks ties by the larger edge number, so that a sequence of
+    // longer and longer edges ends.
     int longest_of(const Piece& piece) const {
         int best = 0;
         std::pair<double, Edge> most{-1, 0};
@@ -138,7 +140,7 @@ private:
         return best;
     }
 
-    // Edges to bisect, the largest difference first. Every piece is settled then.
+    // Returns the edges to bisect, the largest difference first, and settles every piece.
     std::vector<std::pair<double, Edge>> compare_unsettled() {
         std::vector<std::pair<double, Edge>> wanted;
         std::vector<Edge> edges;
@@ -159,7 +161,7 @@ private:
         return wanted;
     }
 
-    // Excludes needles: cutting one makes more needles.
+    // Returns whether a piece is too long. Excludes needles: cutting one makes more needles.
     bool is_long(const Piece& piece) const {
         const double squared = squared_length_of(edge_of(piece, longest_of(piece)));
         const auto corner = [&](int k) { return points[static_cast<std::size_t>(piece.corners[k])]; };
@@ -192,10 +194,11 @@ private:
         due_ = 0;
     }
 
-    // Marks the edge and those that have to be bisected with it. Not if that takes too many pieces: it then returns false.
+    // Marks the edge and the edges that have to be bisected with it. If that takes too many
+    // pieces, marks nothing and returns false.
     bool mark(Edge first) {
         std::vector<Edge> open{first}, fresh;
-        std::size_t more = 0;  // pieces: as many as share the edge
+        std::size_t more = 0;  // new pieces: as many as share the edge
         while (!open.empty()) {
             const Edge edge = open.back();
             open.pop_back();
@@ -217,7 +220,8 @@ private:
         return true;
     }
 
-    // From the middle of its longest edge, each piece is cut to the corner across and to the middles of its other marked edges.
+    // Cuts each marked piece from the middle of its longest edge to the opposite corner and to
+    // the middles of its other marked edges.
     void split() {
         const std::size_t count = pieces.size();
         for (std::size_t i = 0; i < count; ++i) {
@@ -230,7 +234,7 @@ private:
             const Index hub = middle_of(k);
             if (hub < 0) continue;
             const Index corners[] = {whole.corners[(k + 1) % 3], whole.corners[(k + 2) % 3], whole.corners[k]};
-            std::vector<Index> way{corners[0]};  // from the end of the longest edge round to its begin
+            std::vector<Index> way{corners[0]};  // the boundary from the end of the longest edge to its start
             for (int step = 0; step < 2; ++step) {
                 if (const Index middle = middle_of(k + 1 + step); middle >= 0) way.push_back(middle);
                 way.push_back(corners[step + 1]);
@@ -243,9 +247,9 @@ private:
 
     const DistanceTo& distance_to_;
     double floor_, longest_, resolution_ = 0;
-    std::size_t most_, due_ = 0;                           // pieces; due_: that the marks add
+    std::size_t most_, due_ = 0;                           // pieces; due_: to be added by the marks
     std::vector<std::pair<Edge, std::size_t>> pieces_of_;  // each edge with each of its pieces, sorted
-    std::unordered_map<Edge, Index> marks_;                // with the vertex in the middle
+    std::unordered_map<Edge, Index> marks_;                // marked edges with the vertex in the middle
 };
 
 }  // namespace
@@ -263,7 +267,7 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
     const Shape& whole = source.shape();
     const auto* mesh = std::get_if<TriangleMesh>(&whole);
     const DistanceTo distance_to(to);
-    const double floor = std::ldexp(4 * field_error(largest), exponent);  // never cuts because of rounding
+    const double floor = std::ldexp(4 * field_error(largest), exponent);  // so that rounding causes no cuts
     FieldCutter cutter(points_of(from.shape()), mesh ? mesh->triangles : Triangles(0, 3), distance_to, floor,
                        drawing.most_pieces);
     DrawnField drawn;
@@ -326,41 +330,49 @@ void add_own(Fields& fields, Fields own) {
     }
 }
 
-// Places of vertices that cuts add. The midpoint of two vertices is rounded by sqrt(3) uM and is off its triangle by
-// that and the mean error of the two. A piece is cut only if its longest edge is longer than the resolution, which is
-// at least 1280uM: some 44 cuts lie behind a vertex, 77uM. A witness is off by at most field_error(M), 320uM.
+// Positions of vertices added by cuts. The midpoint of two vertices is rounded by sqrt(3) uM, so
+// its distance from its triangle is at most that plus the mean of their distances. A piece is cut
+// only if its longest edge is longer than the resolution, which is at least 1280uM: about 44 cuts
+// precede a vertex, 77uM. A witness is off by at most field_error(M), 320uM.
 //
-// Distances. Both shapes are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow are off by 2^-1075, next to uM nothing,
-// and the distance by as much when it is scaled back.
+// Distances. Both shapes are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow
+// are off by 2^-1075, which is negligible beside uM, and so is the distance when it is scaled back.
 //
-// Let p be a vertex, T = abc a triangle with its longest edge e = b - a first, d the distance from p to T, q the point that closest_point
-// (point_triangle.h) returns. q is within 7uM of T, so |p - q| >= d - 7uM. Here is the other side: |p - q| <= d + 271uM. The largest
-// that was found is 10uM. Lengths are at most S = 2 sqrt(3) M < 3.47M; terms of order u^2 are in what constants are rounded up by.
+// Let p be a vertex, T = abc a triangle with its longest edge e = b - a first, d the distance from p to
+// T, and q the point that closest_point (point_triangle.h) returns. q is within 7uM of T, so
+// |p - q| >= d - 7uM. The other side is derived here: |p - q| <= d + 271uM; the largest error found in tests is 10uM.
+// Lengths are at most S = 2 sqrt(3) M < 3.47M; constants are rounded up to cover terms of order u^2.
 //
-// 1. Dot products of two computed differences err by 5.1u times both lengths, squares of lengths by 5.1u of themselves, their inverses by
-//    6.2u. So along * inverse, for the point of an edge of length l that is nearest to p, errs by 12.4uS / l, which moves the point by
-//    12.4uS, and rounding it by 6uM: it is within d_edge + 49.1uM of p. If l < 2^-500, where squares underflow, any point of the edge is
-//    that near. The same holds of T if the point of T nearest to p is on an edge. Otherwise let it be a + X e + Y h, h the height over e.
-// 2. |h| <= 46uS, a needle: the line along h through that point has at most |h| of it in T, so an edge is nearer to it than 80uM, and
-//    step 1 finds a point within d + 80uM + 49.1uM.
-// 3. |h| > 46uS. x_c errs by 12.4u, f - x_c e is rounded by 4.1u|e|: it is off by 4.1u|e| across e, and by 16.5u|e| along e. The second
-//    step leaves 5.3u|h| + 230u^2|e| < 10.3u|h| along e, and 5.2u|e| =: b < 0.113|h| across. In y = h.ap / h.h, times |h|:
-//       6u|e|             from b in the plane of T, where ap has Y|h| along h
-//       13.1u|e|          from what is left along e, where ap has X|e|
+// 1. Dot products of two computed differences err by 5.1u times both lengths, squares of lengths by 5.1u
+//    relative, their inverses by 6.2u relative. For the point of an edge of length l that is nearest to
+//    p, along * inverse therefore errs by 12.4uS / l, which moves the point by 12.4uS; rounding the
+//    point moves it by 6uM. So it is within d_edge + 49.1uM of p. If l < 2^-500, where squares
+//    underflow, every point of the edge is that near. The same bound holds for T if the point of T
+//    nearest to p is on an edge. Otherwise let this point be a + X e + Y h, with h the height over e.
+// 2. If |h| <= 46uS (a needle), the line along h through this point crosses T on a length of at
+//    most |h|, so an edge is within 80uM of it, and step 1 finds a point within d + 80uM + 49.1uM.
+// 3. If |h| > 46uS: x_c errs by 12.4u, and f - x_c e (with f = c - a) is rounded by 4.1u|e|, so h after the first
+//    step is off by 4.1u|e| across e and by 16.5u|e| along e. The second step leaves an error of 5.3u|h| + 230u^2|e|
+//    < 10.3u|h| along e and of b = 5.2u|e| < 0.113|h| across e. The error of y = h.ap / h.h, times |h|, is the sum of
+//       6u|e|             from b in the plane of T, where ap has the part Y|h| along h
+//       13.1u|e|          from the error left along e, where ap has X|e|
 //       r = 6.7ud|e|/|h|  from b out of the plane, where ap has d: the tilt
 //       9.5uS             from rounding the two dot products and the quotient
-//    and in x + y x_c, times |e|: 12.4uS from step 1, 12.4uy|e| from x_c, 2.1uS from the product and the difference.
-// 4. If the weights are accepted, y <= 1, and the foot is off by 26.9uS along e and 28.6uS + r along h. No two points of T are farther
-//    apart along h than |h|, so r counts as r' <= min(r, |h|), and sqrt(d^2 + r'^2) <= d + r|h| / 2d < d + 3.4uS. With the 7uM of the
-//    rounded point |p - q| <= d + 42.7uS + 7uM < d + 156uM.
-// 5. If they are refused, the foot as computed is outside, and a part s of the way to it from the exact one is on an edge. As s|y - Y| <= 1,
-//    that is s y <= 2, the way so far is 42.4uS along e at most, and as before along h: an edge is within d + 54.6uS of p, and step 1 finds
-//    a point within d + 54.6uS + 49.1uM < d + 239uM.
-// 6. The smallest of the computed squares wins, which err by 7.1u of each other's roots, 25uM; then q is moved into the box of T, by no
-//    more than it is off T: 239 + 25 + 7 = 271.
+//    and the error of x + y x_c, times |e|, is the sum of 12.4uS from step 1, 12.4uy|e| from x_c, and 2.1uS from the
+//    product and the difference.
+// 4. If the weights are accepted, y <= 1, and the foot is off by 26.9uS along e and by 28.6uS + r along h. Two
+//    points of T are at most |h| apart along h, so r counts only as r' <= min(r, |h|), and sqrt(d^2 + r'^2) <=
+//    d + r|h| / 2d < d + 3.4uS. With the 7uM of the rounded point, |p - q| <= d + 42.7uS + 7uM < d + 156uM.
+// 5. If the weights are rejected, the computed foot is outside T, so the segment from the exact foot
+//    to it crosses an edge, after a fraction s of its length. As s|y - Y| <= 1, hence s y <= 2,
+//    the part up to the edge is at most 42.4uS long along e, and as in step 4 along h. So an edge is
+//    within d + 54.6uS of p, and step 1 finds a point within d + 54.6uS + 49.1uM < d + 239uM.
+// 6. The smallest computed square wins. The roots of computed squares err by at most 7.1u relative to each
+//    other, 25uM. Then q is moved into the box of T, by no more than its distance from T: 239 + 25 + 7 = 271.
 //
-// Over all triangles the smallest computed square wins once more, 25uM, and its triangle is within 7uM of q: 303uM. The distance is
-// computed with an error of 4u, 14uM, which is less. 320uM is more than all of it. Coordinates and distances that are scaled back to subnormals are off by less than 2^-1072.
+// Over all triangles, again the smallest computed square wins, 25uM, and its triangle is within
+// 7uM of q: 303uM. Computing the distance errs by 4u, 14uM. 320uM covers the sum. Coordinates and
+// distances that are scaled back to subnormal numbers are off by less than 2^-1072.
 double field_error(double magnitude) { return 320 * unit_roundoff * magnitude + 0x1p-1072; }
 
 std::string_view to_string(Field::Of of) {

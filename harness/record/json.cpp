@@ -36,7 +36,7 @@ std::map<std::string, double> extras_of(const json& object) {
 
 namespace {
 
-// An array a column, which is short where there are many rows.
+// Returns an object with one array per column, which is shorter than one object per row.
 template <class Row> json rows_json(const Columns<Row>& columns, const std::vector<Row>& rows) {
     json out = json::object();
     for (const Row& row : rows) {
@@ -75,7 +75,7 @@ json to_json(const Outcome& o) {
 
 namespace {
 
-// To convert another number may overflow, which is undefined.
+// Throws unless the value is an integer: converting another number may overflow, which is undefined.
 const json& whole(const json& value) {
     if (!value.is_number_integer()) throw std::runtime_error("a count is no whole number");
     return value;
@@ -85,7 +85,7 @@ const json& whole(const json& value) {
 
 Outcome outcome_from_json(const json& j) {
     Outcome o;
-    j.at("status");  // required: without it this is not an outcome
+    j.at("status");  // throws if there is none
     read_row(outcome_columns(), j, o);
     for (const CounterField& field : counter_fields)
         o.counters.*field.member = whole(j.at("counters").at(std::string(field.name)));

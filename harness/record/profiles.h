@@ -8,7 +8,7 @@ namespace hausbench {
 
 std::set<std::string> profile_names(const std::string& profiles);
 std::string joined_profiles(const std::set<std::string>& names);
-std::string joined_profiles(const std::string& a, const std::string& b);  // of both, each once
-bool share_profile(const std::string& a, const std::string& b);           // some name is in both
+std::string joined_profiles(const std::string& a, const std::string& b);  // the names of both, each once
+bool share_profile(const std::string& a, const std::string& b);           // whether a name is in both
 
 }  // namespace hausbench

@@ -1,4 +1,5 @@
-// The rows of a result file, in memory: cases with their outcomes, models, the ledger. columns.h is the table of the files' columns.
+// The rows of a result file in memory: cases with their outcomes, models, and the ledger.
+// columns.h lists the columns of the files.
 #pragma once
 
 #include "harness/record/fields.h"
@@ -20,12 +21,12 @@ struct Row {
     Case asked;
     Outcome outcome;
     Check check;
-    Fields fields = {};                     // where the experiment asks for them
+    Fields fields = {};                     // empty unless the experiment asks for them
     Bounds reference = {unknown, unknown};  // bounds of the reference answer; NaN: none
-    bool is_reference = false;              // it is such an answer itself
+    bool is_reference = false;              // this row is itself a reference answer
 };
 
-// One row of /fields: the values of a case's field stand in one piece of the values of all.
+// One row of /fields: a field of a case. Its values are [begin, end) of the values of all fields.
 struct FieldRecord {
     std::string name;
     Field::Of of = Field::Of::vertices;
@@ -35,7 +36,7 @@ struct FieldRecord {
 
 inline constexpr std::array<double, 6> no_box{unknown, unknown, unknown, unknown, unknown, unknown};
 
-// One row of /models. Only algebraic surfaces have a polynomial and a box.
+// One row of /models. Only an algebraic surface has a polynomial and a box.
 struct ModelRecord {
     std::string name, sha256, kind, precision, source, licence, note, polynomial;
     std::int64_t elements = 0, vertices = 0, unreferenced = -1;
@@ -44,12 +45,12 @@ struct ModelRecord {
     std::string path = {}, file_sha256 = {};
 };
 
-// Work that was left out, and the reason.
+// Work that was left out or could not be, and why; or the cost of the reference answers.
 struct LedgerEntry {
-    std::string kind;  // not_built | not_prepared | not_run | prepared_again
+    std::string kind;  // not_built | not_prepared | not_run | prepared_again | reference
     std::string subject, what, reason;
     std::int64_t count = 1;
-    double seconds_saved = unknown;  // known only afterwards, and not for all
+    double seconds_saved = unknown;  // known only after the run, and not for every entry
     std::string profile = {};        // of the experiment, as run
 };
 

@@ -78,7 +78,7 @@ Estimate time_of(const Outcome& outcome) {
     }
     if (rounds.empty()) rounds = first_by_round(outcome, cpu);
     if (!rounds.empty()) return median(values(rounds));
-    Estimate read_off;  // a trace, or a file of an older program
+    Estimate read_off;  // from a trace, or from a file of an older program
     if (std::isfinite(outcome.solve_seconds)) {
         read_off.value = read_off.low = read_off.high = outcome.solve_seconds;
         read_off.n = 1;

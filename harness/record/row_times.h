@@ -1,5 +1,5 @@
-// The times of a row by round. The round is the unit of every statistic: it is a process of its own, and repeats inside one
-// process are not independent.
+// The times of a row by round. The round is the unit of every statistic, because each round is a
+// separate process and repeats inside one process are not independent.
 #pragma once
 
 #include "harness/record/row.h"
@@ -14,31 +14,32 @@ using ByRound = std::map<int, double>;  // seconds
 
 inline bool cpu_clock(const Outcome& outcome) { return outcome.clock == "cpu"; }
 
-// Times of solving again (the median of a round's timed repeats), of the first answer, and of preparing and the first answer together.
-// Empty if nothing was timed. `cpu`: by the CPU time of the process, else by wall time; preparing always by wall time.
+// Return the time of the first answer, of solving again (the median of a round's timed repeats),
+// and of preparing plus the first answer, for each round. Empty if nothing was timed. `cpu`
+// selects CPU time of the process instead of wall time; preparing is always in wall time.
 ByRound first_by_round(const Outcome& outcome, bool cpu);
 ByRound again_by_round(const Outcome& outcome, bool cpu);
 ByRound total_by_round(const Outcome& outcome, bool cpu);
 
-// Everything that decides whether the times of a row are comparable with another row's.
+// The properties of a row that decide whether its times are comparable with another row's.
 struct Origin {
     bool beside;  // --jobs or a cluster may have run other cases at the same time
     std::string machine, program, clock;
 };
 
-// `program`: the build of the program, without its plug-ins (Programs in result/provenance.h).
+// `program` is the build of the program without its plug-ins (Programs in result/provenance.h).
 Origin origin_of(const Outcome& outcome, const std::string& program);
 
-// Returns why the times of two rows do not compare, such as "of different machines"; empty if they do. The same rule as in
-// analysis/shared/comparable.py.
+// Returns why the times of two rows are not comparable, such as "of different machines"; empty if
+// they are. analysis/shared/comparable.py has the same rule.
 std::string reason_apart(const Origin& a, const Origin& b);
 
-// Returns the time to solve, by the clock of the row: over rounds of again_by_round(), or of the first answers if
-// nothing was repeated. For a single round it is the median and the extremes of its repeats. n = 0 if nothing was
-// timed.
+// Returns the time to solve, by the clock of the row: the median over rounds of again_by_round(),
+// or of the first answers if nothing was repeated. For a single round, the median and the
+// extremes of its repeats. n = 0 if nothing was timed.
 Estimate time_of(const Outcome& outcome);
 
-// Returns `candidate` / `base` round by round, over the rounds that both have; n = 0 if they share none.
+// Returns `candidate` / `base`, paired by the rounds that both have; n = 0 if there are none.
 Estimate ratio_by_round(const ByRound& base, const ByRound& candidate);
 
 }  // namespace hausbench

@@ -67,7 +67,7 @@ struct Property {
 
 using Properties = std::vector<Property>;
 
-// Names become words, as neither format has others; VTK reads %41 as A.
+// Replaces characters that neither format allows in a name; VTK reads %41 as A.
 std::string word(std::string name) {
     std::replace_if(
         name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c >= 0x7f || c == '%'; }, '_');
@@ -89,7 +89,7 @@ Drawn with_properties(const DrawnField& drawn, const Fields& given) {
     all.of_vertices.push_back({"nearest", "int", {drawn.nearest.begin(), drawn.nearest.end()}});
     if (!points) all.of_cells.push_back({"element", "int", {drawn.elements.begin(), drawn.elements.end()}});
     for (const Field& field : own) {
-        if (field.of == Field::Of::pieces) continue;  // a solver does not know the pieces
+        if (field.of == Field::Of::pieces) continue;  // solvers do not know the pieces
         Property property{word(field.name), "double", field.values};
         if (field.of == Field::Of::vertices) {
             property.values.resize(drawn.distances.size(), std::numeric_limits<double>::quiet_NaN());

@@ -10,9 +10,9 @@
 namespace hausbench {
 
 struct Build {
-    // SHA-256 of the program; changes with everything that could change an answer.
+    // SHA-256 of the program; changes with everything that can change an answer.
     std::string id;
-    std::string commit;  // of the sources, "unknown" outside a checkout; not part of the id
+    std::string commit;  // of the sources; "unknown" outside a checkout; not part of the id
     std::string dirty;   // "yes", "no" or "unknown"
     std::string version, compiler, flags, type;
     std::string libraries;  // JSON object: name -> version
@@ -28,24 +28,25 @@ const Build& this_build();
 std::string version_text();  // one line: version, commit, build type, compiler
 const Machine& this_machine();
 
-// Returns the build of this solver: the program's, or one of program and plug-in together if a plug-in contains it.
-// Resuming and the column `build` use it.
+// Returns the build of a solver: the id of the program, or a hash of program and plug-in if a
+// plug-in contains the solver. Resuming and the column `build` use it.
 const std::string& build_of(const std::string& solver);
 
-// SHA-256 of each plug-in, by file, computed at the first call.
+// Returns the SHA-256 of each plug-in by file, computed at the first call.
 const std::map<std::filesystem::path, std::string>& plugin_hashes();
 
-// JSON: of each plug-in its file's name, its SHA-256, how it was compiled, and its solvers.
+// Returns JSON with the file name, SHA-256, compiler and solvers of each plug-in.
 std::string plugins_json();
 
-// JSON: the title of each solver, by its name.
+// Returns JSON with the title of each solver by its name.
 std::string titles_json();
 
-// The build of the program that made each row of a result. Column `build` of a solver in a plug-in is a hash of the program and the
-// plug-in; the times of both compare all the same, because one program ran them.
+// The build of the program that made each row of a result. For a solver in a plug-in, column
+// `build` is a hash of the program and the plug-in; its times are still comparable with the times
+// of built-in solvers, because one program ran both.
 class Programs {
 public:
-    explicit Programs(const std::map<std::string, std::string>& texts);  // of a result
+    explicit Programs(const std::map<std::string, std::string>& texts);  // attributes of a result
 
     const std::string& of(const std::string& build) const { return with_plugin_.contains(build) ? program_ : build; }
 

@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Reads the columns that the file has, of a group with so many rows; `part` finds the member of `whole` that is
-// filled in. A missing column leaves the default, because the file is older. `needed` in read_trusting() lists the
-// columns that must not be missing.
+// Reads the columns of a group into `whole`, which has one entry per row; `part` returns the part
+// of an entry that the columns belong to. A missing column leaves the default, because older
+// files lack some columns; `needed` lists the columns that must be there.
 template <class Row, class Whole, class Part>
 void read_columns(const h5::File& file, const std::string& group, const Columns<Row>& columns,
                   std::vector<Whole>& whole, Part part) {
@@ -66,7 +66,7 @@ void read_columns(const h5::File& file, const std::string& group, const Columns<
     }
 }
 
-// The columns that rows and reference answers have.
+// Reads the columns that rows and reference answers share.
 std::vector<Row> read_answers(const h5::File& file, const std::string& group) {
     std::vector<Row> rows(file.read_texts(group + "/identity").size());
     read_columns(file, group, case_columns(), rows, [](Row& r) -> Case& { return r.asked; });
@@ -125,7 +125,7 @@ void read_traces(const h5::File& file, std::vector<Row>& rows) {
     const auto begins = file.read_integers("cases/trace_begin"), ends = file.read_integers("cases/trace_end");
     if (begins.size() != rows.size() || ends.size() != rows.size())
         throw std::runtime_error("cases/trace_begin and trace_end are not as many as the cases");
-    std::int64_t used = 0;  // traces stand one after the other; where they overlap, a small file could fill the memory
+    std::int64_t used = 0;  // traces do not overlap, or a small file could fill the memory
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (begins[i] >= ends[i]) continue;
         if (begins[i] < used) throw std::runtime_error("two cases share samples of a trace");
@@ -162,7 +162,7 @@ std::vector<Row> read_group(const h5::File& file, const std::string& group, cons
     return rows;
 }
 
-// Without these a file says nothing of use, whichever program wrote it.
+// Columns without which a file is useless, whichever program wrote it.
 constexpr const char* needed[] = {"cases/solver", "cases/scene",     "cases/status", "cases/lower",
                                   "cases/upper",  "cases/tolerance", "models/sha256"};
 
@@ -226,18 +226,18 @@ ResultFile read_trusting(const fs::path& file) {
     return result;
 }
 
-// The library crashes on some damaged files, and a file without a seal, changed by another program, may be one. So a copy of
-// this process reads the file first, within limits of time and memory; this process reads it only where the copy survives.
-// Returns whether the file is of a newer schema.
+// Reads the file in a child process first, within limits of time and memory, and returns whether
+// its schema is newer. The HDF5 library crashes on some damaged files, and a file without a seal,
+// changed by another program, may be one; so this process reads a file only if the child survives.
 bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
     constexpr int out_of_memory = 4, newer = 5;
     const auto bytes = std::int64_t(fs::file_size(file));
     Launch launch;
-    launch.silent = true;  // the last words of an abort
+    launch.silent = true;  // hides the message of an abort
     launch.work = [&](int) {
         const rlimit nothing{0, 0}, enough{rlim_t(5 + bytes / 1'000'000), rlim_t(6 + bytes / 1'000'000)};
         ::setrlimit(RLIMIT_CORE, &nothing);
-        ::setrlimit(RLIMIT_CPU, &enough);  // s; it reads 100 MB/s, and loops for ever on some files
+        ::setrlimit(RLIMIT_CPU, &enough);  // seconds; it reads 100 MB/s, and loops for ever on some files
         try {
             read();
         } catch (const NewerResult&) {
@@ -246,7 +246,7 @@ bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
             return out_of_memory;
         } catch (const std::length_error&) {
             return out_of_memory;
-        } catch (...) {  // the next read reports it
+        } catch (...) {  // this process will get the same error
         }
         return 0;
     };
@@ -307,7 +307,7 @@ EarlierExperiment experiment_of(const fs::path& result) {
         look();
     } catch (const NewerResult&) {
         throw;
-    } catch (const std::exception&) {  // put aside when the result is written
+    } catch (const std::exception&) {  // the damaged file is put aside when the result is written
         return {};
     }
     return of;

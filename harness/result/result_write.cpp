@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Writes the columns of `rows`, which are what `part` finds in each of `whole`.
+// Writes columns of `whole`, which has one entry per row; `part` returns the part of an entry
+// that the columns belong to.
 template <class Row, class Whole, class Part>
 void write_columns(h5::File& file, const std::string& group, const Columns<Row>& columns,
                    const std::vector<Whole>& whole, Part part) {
@@ -37,7 +38,7 @@ void write_columns(h5::File& file, const std::string& group, const Columns<Row>&
     }
 }
 
-// The columns that rows and reference answers have.
+// Writes the columns that rows and reference answers share.
 void write_answers(h5::File& file, const std::string& group, const std::vector<Row>& rows) {
     write_columns(file, group, case_columns(), rows, [](const Row& r) -> const Case& { return r.asked; });
     write_columns(file, group, outcome_columns(), rows, [](const Row& r) -> const Outcome& { return r.outcome; });
@@ -66,7 +67,7 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     }
 }
 
-// A group with several rows a case, each with the number of its case.
+// Writes a group with several rows per case, each with the number of its case.
 template <class Detail>
 void write_details(h5::File& file, const std::string& group, const Columns<Detail>& columns,
                    const std::vector<Row>& rows, std::vector<Detail> Outcome::*member) {
@@ -82,7 +83,7 @@ void write_details(h5::File& file, const std::string& group, const Columns<Detai
     write_columns(file, group, columns, all, std::identity{});
 }
 
-// Traces stand one after the other; each case knows where its own begins and ends.
+// Writes all traces one after the other; each case records where its own begins and ends.
 void write_traces(h5::File& file, const std::vector<Row>& rows) {
     std::vector<std::int64_t> begins, ends;
     std::vector<TraceSample> all;

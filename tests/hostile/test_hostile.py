@@ -1,8 +1,7 @@
-"""Public files that break mesh readers: each loads or is refused with a reason, and none brings the harness down.
+"""Real files that break programs that read meshes: each one loads or is refused with a reason, and none crashes the harness.
 
-`make test` takes the files whose packages also provide models of datasets/manifest.toml; `make hostile` sets
-HAUSBENCH_HOSTILE=all and takes all. A package that is not available is skipped, and so is one that holds other files under the
-same names in another version.
+`make test` uses only files of packages that datasets/manifest.toml needs anyway; `make hostile` sets HAUSBENCH_HOSTILE=all and uses all
+of them. Unavailable packages are skipped, and so are other versions of a package that have different files under the same names.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ PROGRAM = os.environ.get("HAUSBENCH_PROGRAM", str(ROOT / "build" / "release" / "
 APT = packages.Apt()
 
 SOLVE_SECONDS = 5.0
-WALL_SECONDS = 60.0  # two processes read the file before anything is solved
-TOLERANCE = 0.5  # of the diagonal; this tests reading
+WALL_SECONDS = 60.0  # two processes read the file before the solver starts
+TOLERANCE = 0.5  # of the diagonal; loose, because only reading is tested
 
 
 def mesh_of(entry: dict[str, Any]) -> fetch.Mesh:
@@ -47,7 +46,7 @@ def name_of(entry: dict[str, Any]) -> str:
 
 @functools.cache
 def fetch_all_of(package: str) -> tuple[str, list[str]]:
-    """Fetches the missing files of the package, once. Returns why it is not available, if so, and the problems of its files."""
+    """Fetches the missing files of the package, once. Returns the reason if it is not available, else an empty string, and the problems with its files."""
     meshes = [mesh for mesh in map(mesh_of, FILES) if mesh.package == package and not mesh.place(CACHE).exists()]
     try:
         return "", fetch.fetch_package(meshes, CACHE, APT) if meshes else []
@@ -70,7 +69,7 @@ def fetched(entry: dict[str, Any]) -> Path:
 
 
 def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    """Runs the program; raises TimeoutExpired if it takes longer than WALL_SECONDS."""
+    """Runs the program. Raises TimeoutExpired after WALL_SECONDS."""
     if not Path(PROGRAM).exists():
         pytest.fail(f"{PROGRAM} is not built: run `make build`, or set HAUSBENCH_PROGRAM")
     return subprocess.run([PROGRAM, *map(str, arguments)], env={**os.environ, "HAUSBENCH_ROOT": str(ROOT)}, timeout=WALL_SECONDS,
@@ -78,7 +77,7 @@ def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def check_bounds(done: subprocess.CompletedProcess[str]) -> None:
-    """Checks that both bounds allow 0, the distance of the file to itself."""
+    """Checks that the bounds contain 0, the distance of the file to itself."""
     assert done.stderr == ""
     result = json.loads(done.stdout)
     assert result["status"] == "converged" and result["solve_seconds"] <= SOLVE_SECONDS, result

@@ -42,7 +42,7 @@ def test_help_fits_on_a_screen(hausbench: Program, verb: str) -> None:
 
 @pytest.mark.parametrize("verb", VERBS)
 def test_the_example_is_a_legal_command(hausbench: Program, verb: str, tmp_path: Path) -> None:
-    """Where neither files nor experiments are there, it fails because of these, not because of its words."""
+    """Without its files and experiments it fails because of these, not because of its words."""
     examples = re.findall(r"^Example:  (.*)$", help_of(hausbench, verb, columns=100), flags=re.MULTILINE)
     assert len(examples) == 1
     words = shlex.split(examples[0])

@@ -1,6 +1,6 @@
-"""A real Slurm on this machine alone: its controller and two nodes of one core each, all on loopback, in a separate folder.
+"""A real Slurm on this machine only: a controller and two nodes of one core each, all on loopback, in a folder of its own.
 
-Needs root and the Debian packages slurm-wlm and munge; uses no systemd, and leaves an installed Slurm alone.
+Needs root and the Debian packages slurm-wlm and munge, but not systemd. An installed Slurm is left alone.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ NODES = ("n1", "n2")
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol")
 
 def missing() -> str:
-    """Returns why Slurm is not available here, or an empty string if it is."""
+    """Returns the reason why Slurm cannot run here; an empty string if it can."""
     if os.geteuid() != 0:
         return "it needs root"
     lacking = [name for name in NEEDED if not shutil.which(name)]
@@ -60,7 +60,7 @@ def configuration(folder: Path) -> str:
 
 
 class Slurm:
-    """`with Slurm(folder) as slurm`: starts Slurm, and ends it afterwards."""
+    """A running Slurm: `with Slurm(folder) as slurm` starts it, and the end of the block stops it."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -107,7 +107,7 @@ class Slurm:
         self._start(node, "slurmd", "-D", "-N", node, "-f", self.environment["SLURM_CONF"])
 
     def lose_node(self, node: str) -> None:
-        """Ends the node's daemon and everything that runs on it at once, as if its power failed."""
+        """Kills the node's daemon and all its tasks at once, as a power failure would."""
         daemon = self._daemons[node]
         daemon.send_signal(signal.SIGKILL)
         daemon.wait()
@@ -122,7 +122,7 @@ class Slurm:
                     pass
 
     def steps(self, node: str) -> list[int]:
-        """Returns the processes of Slurm that watch the node's tasks: each has the node's spool folder or its log open."""
+        """Returns the processes of Slurm that watch the node's tasks; each has the node's spool folder or log open."""
         found = []
         for process in Path("/proc").iterdir():
             if not process.name.isdecimal():

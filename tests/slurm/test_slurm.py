@@ -1,4 +1,4 @@
-"""An experiment as jobs of a real Slurm: a task is killed and a node lost, and the result equals a local run's."""
+"""Runs an experiment as jobs of a real Slurm. A task is killed and a node lost, and the result still equals a local run."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def hausbench(slurm: Slurm, *words: str | Path, good: tuple[int, ...] = (0,)) ->
 
 
 def rows(file: Path) -> dict[str, tuple[object, ...]]:
-    """Returns the content of each row, without times, by identity. Each case occurs once."""
+    """Returns the contents of each row except its times, by identity. Checks that each case has one row."""
     with h5py.File(file) as result:
         cases = result["cases"]
         columns = [cases[name][()] for name in ("identity", "status", "lower", "upper", "witness_source", "witness_target")]
@@ -78,7 +78,7 @@ def rows(file: Path) -> dict[str, tuple[object, ...]]:
 
 
 def runs_shard(number: int) -> list[int]:
-    """Returns the processes that run that shard."""
+    """Returns the processes that run the shard with this number."""
     found = []
     for process in Path("/proc").iterdir():
         try:
@@ -134,7 +134,7 @@ def test_without_slurm_it_says_what_to_do(tmp_path: Path) -> None:
     environment = {**os.environ, "HAUSBENCH_ROOT": str(ROOT), "PATH": "/nowhere"}
     done = subprocess.run([PROGRAM, "run", experiment(tmp_path), "--engine", "slurm", "--results", tmp_path / "results"], env=environment,
                           capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and "squeue: is not there" in done.stderr and "--shard i/n" in done.stderr
+    assert done.returncode == 2 and "squeue: not found" in done.stderr and "--shard i/n" in done.stderr
     done = subprocess.run([PROGRAM, "status", tmp_path / "clouds.toml", "--results", tmp_path / "results"], env=environment,
                           capture_output=True, text=True, check=False)
     assert done.returncode == 0 and "the queue is not known" in done.stderr and done.stdout.split()[-3:] == ["all", str(3 * SCENES), "0"]

@@ -1,4 +1,4 @@
-"""The search for the commit of a change, by git itself, in a scratch repository whose programs are files with their counts."""
+"""Tests the search for the commit of a change, with git, in a scratch repository. Its "programs" are files with counts."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ CASE = "guthe on two points"
 
 
 def fake_build(tree: Path, commit: str, jobs: int) -> Build:
-    """Fakes a build: the program of a commit is its file work.json. "broken" does not build, and "untidy" changes a file."""
+    """Builds the program of a commit, which is its file work.json. A commit with "broken" does not build; one with "untidy" changes a file."""
     (tree / "build").mkdir(exist_ok=True)
     work = json.loads((tree / "work.json").read_text())
     if "broken" in work:
@@ -46,7 +46,7 @@ def fake_measure(program: Path, case: Case, folder: Path) -> Block:
     work = json.loads(program.read_text())
     if "unknown" in work:
         raise NotMeasured("there is no such solver")
-    assert case.name == CASE and not sys.stdin.read()  # stdin is closed or empty, so that nothing waits for input
+    assert case.name == CASE and not sys.stdin.read()  # stdin is closed or empty, so nothing can wait for input
     return Block(1.0, 1.0, 0.1, work.get("shapes", "same"), counters=work["counters"])
 
 
@@ -56,7 +56,7 @@ def fake_instructions(program: Path, case: Case, folder: Path) -> int | NotMeasu
 
 
 def install_fakes(scratch: Path, where: pytest.MonkeyPatch | None = None) -> None:
-    """Installs the fakes in this process, by monkeypatch; or permanently, in the process of a step."""
+    """Installs the fakes: in this process by monkeypatch, or permanently in the process of a step."""
     place = pytest.MonkeyPatch() if where is None else where
     for module, name, value in ((builds, "ROOT", scratch), (builds, "VERSIONS", scratch / "build" / "versions"), (builds, "build_in", fake_build),
                                 (blocks, "measure", fake_measure), (counted, "instructions_of", fake_instructions)):
@@ -79,7 +79,7 @@ def git(scratch: Path, *words: str) -> str:
 
 
 def repository(scratch: Path, works: list[dict[str, Any]]) -> list[str]:
-    """Makes a commit for each of these contents of work.json; returns their hashes."""
+    """Makes a commit for each of these contents of work.json; returns the hashes."""
     git(scratch, "init", "--quiet")
     (scratch / ".gitignore").write_text("/build/\n")
     (scratch / "tracked.toml").write_text(EXPERIMENT)
@@ -93,7 +93,7 @@ def repository(scratch: Path, works: list[dict[str, Any]]) -> list[str]:
 
 
 def run(scratch: Path, monkeypatch: pytest.MonkeyPatch, good: str, bad: str, *more: str, before: str = "") -> int:
-    """Runs the complete search; each step runs `before` first."""
+    """Runs the whole search; each step first executes the code `before`."""
     install_fakes(scratch, monkeypatch)
     monkeypatch.setattr(sys, "stdin", open(os.devnull, encoding="utf-8"))
     step = scratch / "step.py"
@@ -108,7 +108,7 @@ def work(tests: int, instructions: int | None = None, **more: Any) -> dict[str, 
 
 def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
                                                                     capfd: pytest.CaptureFixture[str]) -> None:
-    # The middle, which git tries first, does not build. Counts vary a little on either side.
+    # The middle commit, which git tries first, does not build. On either side the counts vary a little.
     works = [work(100), work(101), work(100), work(99), {"broken": True}, work(100), work(160), work(161), work(158)]
     commits = repository(tmp_path, works)
     assert run(tmp_path, monkeypatch, commits[0], commits[8]) == 0
@@ -118,13 +118,12 @@ def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(tmp_path: Pa
     assert f"after: {commits[6][:10]}: bound_tests 160" in said.out
     assert f"{commits[4][:10]} is skipped" in said.err
     tree = tmp_path / "build" / "versions" / "bisect"
-    assert subprocess.run(["git", "-C", str(tree), "bisect", "log"], capture_output=True, check=False).returncode != 0  # no bisection is in progress
+    assert subprocess.run(["git", "-C", str(tree), "bisect", "log"], capture_output=True, check=False).returncode != 0  # no bisection is left running
     assert git(tmp_path, "rev-parse", "HEAD") == commits[8] and not git(tmp_path, "status", "--porcelain", "work.json")
 
 
 def test_what_cannot_be_told_apart_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    # Work counters are equal, so instructions decide; fewer of them is a change too. The commits
-    # that may have changed them cannot be measured.
+    # The work counters are equal, so instructions decide; fewer instructions are a change, too. The commits in between cannot be measured.
     commits = repository(tmp_path, [work(100, 9000), {"unknown": True}, work(100, 9000, shapes="others"), work(100, 5000)])
     assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 1
     said = capfd.readouterr()
@@ -134,7 +133,7 @@ def test_what_cannot_be_told_apart_is_said(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_what_lies_in_the_way_is_undone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    # An interrupted search of another range, a changed file, and builds that change a file, as each commit here does.
+    # The leftovers are an interrupted search of another range and a changed file. Besides, the build of each commit changes a file.
     commits = repository(tmp_path, [work(9, untidy=1), *(work(9 if i < 5 else 700, untidy=1) for i in range(8)), work(700, untidy=1)])
     tree = tmp_path / "build" / "versions" / "bisect"
     git(tmp_path, "worktree", "add", "--quiet", "--detach", str(tree), commits[2])
@@ -178,7 +177,7 @@ def test_a_search_whose_step_fails_names_no_commit(tmp_path: Path, monkeypatch: 
     assert run(tmp_path, monkeypatch, commits[0], commits[3], before="import sys; sys.exit(200)\n") == 2
     said = capfd.readouterr()
     assert "git bisect run ended with" in said.err and "first bad commit" not in said.out
-    assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 0  # the remains of the failed search do not interfere
+    assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 0  # its leftovers do not disturb the next search
 
 
 def test_one_search_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -225,7 +224,7 @@ def test_histories_that_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert run(tmp_path, monkeypatch, "other", commits[2]) == 2
     said = capsys.readouterr().err
     assert "have no commit in common here" in said and "shallow" not in said
-    # A clone that lacks the commits in between.
+    # A clone without the commits in between.
     shallow = tmp_path / "shallow"
     git(tmp_path, "tag", "first", commits[0])
     git(tmp_path, "tag", "last", commits[2])
@@ -271,7 +270,7 @@ def test_a_step_that_fails_otherwise_stops_the_search(tmp_path: Path) -> None:
 
 
 def test_the_step_of_the_command_line_is_that_of_this_tree(tmp_path: Path) -> None:
-    """Git runs it in a worktree that has another version of this package."""
+    """Git runs the step in a worktree with another version of this package."""
     (tmp_path / "bench" / "tracking").mkdir(parents=True)
     for folder in ("bench", "bench/tracking"):
         (tmp_path / folder / "__init__.py").write_text("raise SystemExit('the wrong package')")
@@ -312,7 +311,7 @@ def test_a_count_of_nothing_is_a_count() -> None:
     good, bad = Measured({"a": 5, "b": 0}, "x", 1000), Measured({"a": 5, "b": 900}, "x", 1000)
     assert decided_by(good, bad, "auto") == decided_by(bad, good, "counters") == "counters"
     assert differing(good.counters, bad.counters) == ["b"]
-    assert is_bad({"b": 40}, good.counters, bad.counters) and not is_bad({"b": 20}, good.counters, bad.counters)  # 1 + b, compared with 1 and 901
+    assert is_bad({"b": 40}, good.counters, bad.counters) and not is_bad({"b": 20}, good.counters, bad.counters)  # compares 1 + b with 1 and 901
     assert not is_bad({"b": 0}, good.counters, bad.counters)
 
 
@@ -324,7 +323,7 @@ def test_as_near_to_good_as_to_bad_is_good() -> None:
 
 def test_nearer_is_by_the_logarithm() -> None:
     good, bad = {"a": 100, "b": 5}, {"a": 400, "b": 5}
-    assert not is_bad({"a": 190, "b": 999}, good, bad)  # the mean of logarithms is 200, and b does not count
+    assert not is_bad({"a": 190, "b": 999}, good, bad)  # the boundary is 200, by the mean of the logarithms; b is not compared
     assert is_bad({"a": 210, "b": 5}, good, bad)
     assert is_bad({"a": 190}, bad, good)
     with pytest.raises(NotMeasured):
@@ -343,6 +342,6 @@ def test_a_name_chooses_one_case(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="kernels count no work"):
             bisection.case_named(name, file)
     file.write_text(EXPERIMENT.replace("guthe", "cover"))
-    assert bisection.case_named("cover on", file).name.startswith("cover")  # a kernel also begins with "c": closest/bvh/cold
+    assert bisection.case_named("cover on", file).name.startswith("cover")  # "c" also begins the name of a kernel, closest/bvh/cold
     with pytest.raises(ValueError, match="more than one case"):
         bisection.case_named("c", file)

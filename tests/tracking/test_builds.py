@@ -1,4 +1,4 @@
-"""Builds of other commits: each in its own worktree, with the same options as this build and its own models. In a scratch repository."""
+"""Tests builds of other commits: each has its own worktree and models, and is built like this one. Uses a scratch repository."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def commands(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
-    """Records the build commands instead of running them; kernel_bench is built, too."""
+    """Records the build commands without running them; fakes only the file kernel_bench."""
     ran: list[list[str]] = []
 
     def call(command: list[str], **rest: object) -> int:

@@ -1,4 +1,4 @@
-"""The history: its file, and measuring in turn, with fake builds and blocks."""
+"""Tests the history: its file, and measuring commits in turn, with made-up builds and blocks."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_the_file_is_whole_at_any_time(tmp_path: Path, monkeypatch: pytest.Monke
     write(file, [ROW, EMPTY])
     assert [(len(old), len(new), target) for old, new, target in seen] == [(1, 2, file)]
     with held:
-        assert len(held.readlines()) == 2  # an open file shows the old content to its end
+        assert len(held.readlines()) == 2  # a reader that has the old file open can read it to its end
 
 
 def test_a_run_only_adds(tmp_path: Path) -> None:
@@ -125,7 +125,7 @@ def test_another_file_is_refused(tmp_path: Path) -> None:
 
 
 def commit_in(folder: Path, *words: str) -> str:
-    """Makes a commit with the same second as all others; returns its ten digits."""
+    """Makes a commit with a fixed date, the same for all; returns the ten digits of its hash."""
     known = {"NAME": "a", "EMAIL": "a@b", "DATE": "1767225600 +0000"}
     who = {f"GIT_{role}_{what}": value for role in ("AUTHOR", "COMMITTER") for what, value in known.items()}
     git = ["git", "-C", str(folder)]
@@ -201,7 +201,7 @@ def case(name: str) -> Case:
 
 
 class World:
-    """Three commits, newest last. The first does not know "new"; the first two have other shapes in "moved". Times depend on the commit."""
+    """Three commits, newest last. The first does not know "new"; the first two have other shapes in "moved". Times follow from the commits' numbers."""
 
     DATES = {"1" * 10: "2026-01-01T00:00:00Z", "2" * 10: "2026-01-02T00:00:00Z", "3" * 10: "2026-01-03T00:00:00Z"}
 
@@ -296,9 +296,9 @@ def test_what_a_commit_lacks_stays_empty_and_is_not_asked_again(world: World, ca
     empty = rows["1", "new"]
     assert empty.blocks == 0 and math.isnan(empty.cpu_seconds) and empty.counters == {}
     assert world.order.count(("new", "1" * 10)) == 1
-    assert rows["1", "moved"].blocks == rows["2", "moved"].blocks == 0 and rows["3", "moved"].blocks == 4  # the newest one decides
+    assert rows["1", "moved"].blocks == rows["2", "moved"].blocks == 0 and rows["3", "moved"].blocks == 4  # the newest commit decides
     assert world.order.count(("moved", "2" * 10)) == 1
-    assert rows["3", "late"].blocks == 2  # existing blocks are kept
+    assert rows["3", "late"].blocks == 2  # earlier blocks are kept
     said = capsys.readouterr().err
     for line in ("1111111111: no blocks from here on: new: unknown solver",
                  "1111111111, 2222222222, 3333333333: no blocks from here on: late: no end",
@@ -309,7 +309,7 @@ def test_what_a_commit_lacks_stays_empty_and_is_not_asked_again(world: World, ca
 
 
 def test_an_interruption_loses_one_round(world: World) -> None:
-    world.stop_after = 12  # a round has 8, with the kernels of two commits, so this is in the second round
+    world.stop_after = 12  # in the second round: a round has 8, including the kernels of two commits
     with pytest.raises(KeyboardInterrupt):
         measure(world, ["old", "other"], 8)
     rows = read(world.folder / "history.csv")

@@ -1,4 +1,4 @@
-"""The picture of the history and its table of steps."""
+"""Tests the picture of the history and its table of steps."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CASE = ROW.case
 
 
 def run_of(times: list[float], measured: str = BEGUN, machine: str = "one", counts: list[int] | None = None, noise: float = 0.001) -> list[Row]:
-    """Makes a row with a value for each commit."""
+    """Returns a row for each time, one commit each."""
     return [dataclasses.replace(ROW, commit=f"{i:010x}", date=f"2026-01-{i + 1:02}T00:00:00Z", measured=measured, machine=machine, cpu_seconds=t,
                                 cpu_low=t * (1 - noise), cpu_high=t * (1 + noise), instructions=None if counts is None else counts[i])
             for i, t in enumerate(times)]
@@ -35,13 +35,14 @@ def drawn(rows: list[Row]) -> Any:
 
 
 def lines(ax: Any, colour: str) -> list[tuple[list[float], list[float]]]:
-    """Returns all lines from point to point in that colour."""
+    """Returns the lines of that colour that join points."""
     return [(list(line.get_xdata()), list(line.get_ydata())) for line in ax.get_lines() if line.get_color() == colour and len(line.get_xdata()) > 1]
 
 
 def made_up() -> list[Row]:
-    """Twelve commits on one machine, the last six on another, too; "guthe ..." halves at the seventh, a kernel's instructions
-    grow at the fourth.
+    """Returns rows of twelve commits on one machine, the last six also on another.
+
+    From the seventh commit a case takes half the time; from the fourth a kernel takes more instructions.
     """
     first = cases()[0].name
     rows = []
@@ -84,7 +85,7 @@ def test_runs_and_machines_are_apart() -> None:
     assert list(dict.fromkeys(session for session, _ in at)) == [("2026-06-01T00:00:00Z", "two"), (BEGUN, "one"), (LATER, "one")]
     ax = drawn(rows)
     spans = sorted((x[0], x[-1]) for x, _ in lines(ax, picture.TIME) + lines(ax, picture.PALE_TIME))
-    assert spans == [(0, 2), (4, 7), (9, 13)]  # no line goes from one to the other
+    assert spans == [(0, 2), (4, 7), (9, 13)]  # no line joins two runs or machines
     assert {"A", "B", "C"} < {text.get_text() for text in ax.texts} | {""}
 
 
@@ -192,7 +193,7 @@ def test_small_steps_of_the_time_are_left_out_and_those_of_instructions_less_so(
 
 
 def test_values_without_intervals_have_noise_all_the_same() -> None:
-    assert found_in([1.0, 1.03, 1.07, 1.03, 1.0, 1.0]) == []  # otherwise there would be two steps of 5 %
+    assert found_in([1.0, 1.03, 1.07, 1.03, 1.0, 1.0]) == []  # without noise there would be two steps of 5 %
 
 
 def test_words_of_a_step() -> None:

@@ -1,4 +1,4 @@
-"""The output of progress, to a terminal and to a file."""
+"""Tests the progress messages, on a terminal and in a file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bench.tracking.progress import CLEAR, Progress, say
 
 
 def run(monkeypatch: pytest.MonkeyPatch, total: int, watched: bool) -> None:
-    """Runs the progress; each count takes two seconds."""
+    """Counts to `total`; each step takes two seconds."""
     clock = [100.0]
     monkeypatch.setattr(time, "monotonic", lambda: clock[0])
     monkeypatch.setattr(sys.stderr, "isatty", lambda: watched, raising=False)

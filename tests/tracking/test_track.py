@@ -1,4 +1,4 @@
-"""The command: its verdict, its exit codes, and its refusals."""
+"""Tests the command: its verdict, its exit codes, and the arguments that it refuses."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def words(tmp_path: Path) -> list[str]:
 
 
 def each(side: Callable[[str, Sequence[str]], dict[str, float]]) -> Callable[[Sequence[str], Sequence[str]], list[dict[str, float]]]:
-    """Measures blocks of each side separately."""
+    """Measures the block of each side separately."""
     return lambda sides, names: [side(which, names) for which in sides]
 
 
@@ -40,7 +40,7 @@ SECONDS = {"base": 1.0, "base again": 1.0, "candidate": 1.0, "not planted": 1.0,
 
 def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, instructions: Verdict = Verdict.passed,
           seconds: dict[str, float] = SECONDS) -> dict[str, list[Any]]:
-    """Replaces only the measuring parts of every tier; returns the recorded requests."""
+    """Replaces the measurements of every tier, but nothing else; returns a record of the requests."""
     asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
 
     def of_case(case: Case, programs: dict[str, timed.Program], folder: Path, places: Places) -> Subject:
@@ -231,7 +231,7 @@ def test_the_verb_hands_over_its_words_and_its_exit_code(tmp_path: Path) -> None
     assert done.returncode == 2 and "hausbench track: error: argument --blocks" in done.stderr
     done = subprocess.run([PROGRAM, "track", "--help"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and "--tiers" in done.stdout
-    (tmp_path / "numpy.py").write_text("raise SystemExit(9)\n")  # a module in the current folder must not be imported
+    (tmp_path / "numpy.py").write_text("raise SystemExit(9)\n")  # a file in the current folder must not be imported
     alone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     assert subprocess.run([PROGRAM, "track", "--help"], cwd=tmp_path, capture_output=True, check=False, env=alone).returncode == 0
     done = subprocess.run([PROGRAM, "track"], cwd=tmp_path, capture_output=True, text=True, check=False, env={"PYTHON": "/no/python"})

@@ -1,4 +1,4 @@
-"""The table of trials of the gate: the definition of a right verdict, and that its plants fit the tree."""
+"""Tests the table of trials of the gate: which verdicts count as right, and that its plants fit the tree."""
 
 from __future__ import annotations
 
