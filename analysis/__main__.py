@@ -22,10 +22,10 @@ from analysis.shared.stems import drawn_with, module_of, results_of
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Returns the exit code: 2 if a file is unusable. The other stems are drawn all the same."""
-    parser = argparse.ArgumentParser(prog="analysis", description="Figures and tables of experiments, from their result files.")
-    parser.add_argument("stems", nargs="+", metavar="STEM", help="such as zhang2017_table3")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="figures/ and tables/ go there (results)")
+    parser = argparse.ArgumentParser(prog="analysis", description="Draws figures and tables of experiments from their result files.")
+    parser.add_argument("stems", nargs="+", metavar="STEM", help="an experiment, such as zhang2017_table3")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="figures/ and tables/ go there (default: results)")
     chosen, code = parser.parse_args(arguments), 0
     for stem in chosen.stems:
         try:

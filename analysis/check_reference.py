@@ -80,7 +80,7 @@ def check(stem: str, results: Results) -> tuple[str, bool]:
         here = same_words(here, there)
         both = [identity for identity in there if identity in here]
     if not both:
-        return f"{stem}: none of the {len(there)} rows in results/reference/counts is in this result, whose sizes may be others: try PROFILE=paper", not there
+        return f"{stem}: none of the {len(there)} rows in results/reference/counts is in this result, whose sizes may differ: try PROFILE=paper", not there
     differing = {identity: [f"status ok -> {lost[identity]}"] for identity in both if identity not in here}
     differing |= {identity: found for identity in both if identity in here and (found := differences(here[identity], there[identity]))}
     lines = [f"{stem}: bounds and counted work equal the reference: {len(both) - len(differing)} of {len(both)} rows"]
@@ -100,9 +100,9 @@ def keep(stem: str, results: Results) -> Path:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Returns 1 if a row differs, 2 if a result cannot be read."""
-    parser = argparse.ArgumentParser(prog="analysis.check_reference", description="Compares bounds and counted work with those that are kept.")
+    parser = argparse.ArgumentParser(prog="analysis.check_reference", description="Compares bounds and counted work with the kept ones.")
     parser.add_argument("stems", nargs="+", metavar="STEM")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
     parser.add_argument("--keep", action="store_true", help="add the rows of these results to results/reference/counts")
     chosen, code = parser.parse_args(arguments), 0
     for stem in chosen.stems:

@@ -12,9 +12,9 @@ from analysis.shared.stems import results_of
 
 _MACHINE: Final = re.compile(r"(?:^- (?:Measured on )?|\bon |Here: |\. )([^,.:\n]{3,80}, \d+ cores, \d+ GiB, [^,\n]+), [^\n]*?commit", re.MULTILINE)
 _ROUNDS: Final = re.compile(r"n = (\d+)(?: (?:to|or) (\d+))? (?:rounds|seeds)")
-CLOCKS: Final = "Solving is CPU time, or wall time where several threads work; preparing is wall time."
-BRACKETS: Final = ("Brackets: an interval of at least 95 % (of fewer than six rounds their whole range), over rounds for one ratio, over pairs for a mean over pairs, "
-                   "unless it says 'over rounds'. 'Ratio a to b': the least and the greatest of several.")
+CLOCKS: Final = "Solving is CPU time, or wall time if several threads work; preparing is wall time."
+BRACKETS: Final = ("Brackets: an interval of at least 95 % (for fewer than six rounds, their whole range), over rounds for one ratio, over pairs for a mean "
+                   "over pairs, unless marked 'over rounds'. 'Ratio a to b': the least and the greatest of several ratios.")
 
 
 def kept_texts(folder: Path, stems: Iterable[str]) -> list[str]:

@@ -124,10 +124,10 @@ def write(paper: str, folder: Path, out: Path) -> Path | None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Returns the exit code: 2 if a document cannot be written or compiled."""
-    parser = argparse.ArgumentParser(prog="analysis.document", description="A document with all figures and tables of a paper.")
+    parser = argparse.ArgumentParser(prog="analysis.document", description="Makes a document with all figures and tables of a paper.")
     parser.add_argument("papers", nargs="*", metavar="PAPER", help=f"default: all of {', '.join(papers())}")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder that has figures/ and tables/ (results)")
-    parser.add_argument("--out", type=Path, help="documents go to its tables/ (the folder of --results)")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder that has figures/ and tables/ (default: results)")
+    parser.add_argument("--out", type=Path, help="documents go to its tables/ (default: the folder of --results)")
     parser.add_argument("--compile", action="store_true", help="make OUT/documents/PAPER.pdf with pdflatex, if it is installed")
     chosen, code = parser.parse_args(arguments), 0
     if unknown := sorted(set(chosen.papers) - set(papers())):

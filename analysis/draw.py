@@ -30,7 +30,7 @@ def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
     made: dict[str, Report | None] = {kind: importlib.import_module(f"analysis.views.{KINDS[kind]}").make(results) for kind in kinds or KINDS}
     found = {kind: report for kind, report in made.items() if report is not None}
     if not found:
-        why = {"motion": "no scene has several poses", "performance-profile": "it takes two solvers and two cases with times that compare"}
+        why = {"motion": "no scene has several poses", "performance-profile": "it needs two solvers and two cases with comparable times"}
         raise ResultError(f"{results.path}: cannot be drawn as {', '.join(made)}: {why.get(next(iter(made)), 'no row has bounds and a time')}")
     return found
 
@@ -60,10 +60,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Returns the exit code: 2 if the result cannot be used or drawn."""
     parser = argparse.ArgumentParser(prog="hausbench draw", description="Tables and figures of any result, for papers.")
     parser.add_argument("result", type=Path, metavar="RESULT.h5")
-    parser.add_argument("--as", dest="kinds", action="append", default=[], choices=list(KINDS), help="what to draw; may be repeated (default: all that the result holds)")
+    parser.add_argument("--as", dest="kinds", action="append", default=[], choices=list(KINDS),
+                        help="what to draw; may be repeated (default: all that the result has data for)")
     parser.add_argument("--highlight", metavar="LABEL", default="", help="draw this solver in front of the others, which become grey")
-    parser.add_argument("--width", type=inches, default=style.DOUBLE_COLUMN, help="of the figures: single (3.5 inches), double (7.16, the default) or inches")
-    parser.add_argument("--format", dest="formats", type=formats, default=list(FORMATS), help="of the figures: a list of pdf, png and svg (default: pdf,png)")
+    parser.add_argument("--width", type=inches, default=style.DOUBLE_COLUMN, help="width of the figures: single (3.5 inches), double (7.16, the default) or "
+                                                                                  "inches")
+    parser.add_argument("--format", dest="formats", type=formats, default=list(FORMATS), help="formats of the figures: a list of pdf, png and svg (default: "
+                                                                                              "pdf,png)")
     parser.add_argument("--out", type=Path, help="tables/ and figures/ go there (default: the folder of the result)")
     chosen = parser.parse_args(arguments)
     try:

@@ -12,9 +12,9 @@ from matplotlib.ticker import FuncFormatter
 
 from analysis.shared import claims, style
 
-CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values above 1 support the claim. Filled: time; hollow: counted work, or memory. "
-                  "A marker with a line is a value and its interval; a line with end caps and no marker spans several ratios, from the least to the greatest. "
-                  "A triangle: beyond the axis.")
+CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values above 1 support the claim. Filled: time; hollow: counted work, or memory. A "
+                  "marker with a line is a value and its interval; a line with end caps and no marker spans several ratios, from the least to the greatest. "
+                  "A triangle: a value beyond the axis.")
 LEAST, MOST = 1e-2, 1e2  # ends of the axis; an arrow marks a value beyond them
 ROW: Final = 0.116  # inches
 HIGHEST: Final = 7.7  # inches; leaves room for a heading and a caption. Many rows move closer together

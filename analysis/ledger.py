@@ -31,12 +31,12 @@ KINDS: Final = {"coarser tolerances": ("tolerances read off the trace of a finer
                 "structures for each pose": ("structures used for all poses of a motion", "#E69F00", "//"),
                 "structures for each pair": ("structures used for all pairs of a matrix", "#009E73", "\\\\"),
                 "not_prepared": ("structures that the scene does not need", "#CC79A7", "xx"),
-                "not_run": ("cases that a solver does not take, and references not asked for", "#999999", ".."),
+                "not_run": ("cases that a solver does not take, and references not requested", "#999999", ".."),
                 "not_built": ("solvers that this build does not have", "#0072B2", "++"),
                 "prepared_again": ("nothing: structures were rebuilt because the target moves", "#D55E00", ""),
                 "reference": ("nothing: time spent on reference answers", "#000000", "")}
-CAPTION: Final = ("Time in solvers of each experiment, s, and the time that was saved by what was not measured again or not built. In brackets: the entries of its ledger; "
-                  "an entry whose saving was not measured adds nothing.")
+CAPTION: Final = ("Time in solvers of each experiment, s, and the time saved by not measuring again and not building. In brackets: the number of entries in "
+                  "its ledger; an entry whose saving was not measured adds nothing.")
 LEAST: Final = 1.0  # seconds: shorter bars are not drawn
 COSTS: Final = ("reference",)  # kinds with a negative saving; they count as time in solvers
 EVERYTHING: Final = ".everything.h5"
@@ -111,7 +111,7 @@ def stems_in(folder: Path) -> list[Stem]:
         except ResultError as problem:
             print(problem, file=sys.stderr)
     if not found:
-        raise ResultError(f"{folder}: no results: 'make experiments' makes them")
+        raise ResultError(f"{folder}: no results: make them with 'make experiments'")
     return sorted(found, key=lambda stem: -(stem.run + stem.seconds_saved))
 
 
@@ -128,8 +128,9 @@ def table(stems: Sequence[Stem]) -> tables.Table:
     rows = [[KINDS[key][0] if key in KINDS else key, _most(reasons[key]), f"{entries[key]:,}", seconds_text(saved[key], unknown[key], entries[key])] for key in known]
     proofs = [f"{stem.name}: {stem.proof}." for stem in stems if stem.proof]
     return tables.Table("Work that all runs skipped, why skipping it is safe, and the seconds saved (negative: seconds spent).",
-                        ["left out", "the most usual reason", "entries", "s"], rows,
-                        ["Not measured: what was never built or run has no time; such an entry counts as zero." + ("" if proofs else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
+                        ["left out", "the most common reason", "entries", "s"], rows,
+                        ["Not measured: a structure or case that was never built or run has no time; such an "
+                         "entry counts as zero." + ("" if proofs else " `run --leave-nothing-out` writes STEM.everything.h5, and this "
                          "table then says how many answers are the same.")] + proofs, left=2)
 
 
@@ -147,7 +148,7 @@ def _most(reasons: Counter[str]) -> str:
 
 def line(stems: Sequence[Stem]) -> str:
     entries, saved, run = (sum(values) for values in zip(*((sum(stem.entries.values()), stem.seconds_saved, stem.run) for stem in stems)))
-    return f"left out: {entries:,} entries in the ledgers of {len(stems)} results, {saved:,.0f} s saved beside {run:,.0f} s in solvers"
+    return f"left out: {entries:,} entries in the ledgers of {len(stems)} results, {saved:,.0f} s saved, {run:,.0f} s spent in solvers"
 
 
 def draw(stems: Sequence[Stem]) -> Any:
@@ -164,15 +165,15 @@ def draw(stems: Sequence[Stem]) -> Any:
         left = left + saved
     ax.set_yticks(places, [f"{stem.name} ({sum(stem.entries.values()):,})" for stem in stems], fontsize=6)
     left_out = f"; {short} experiments of less than {LEAST:g} s are not shown" if short else ""
-    ax.set(xlabel=f"s in solvers, and s saved (in brackets: entries of the ledger){left_out}", ylim=(len(stems) - 0.4, -0.6))
+    ax.set(xlabel=f"s in solvers, and s saved (in brackets: entries in the ledger){left_out}", ylim=(len(stems) - 0.4, -0.6))
     ax.tick_params(axis="y", length=0)
     ax.legend(loc="lower right", fontsize=6.5)
     return figure
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.ledger", description="What all runs left out.")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser = argparse.ArgumentParser(prog="analysis.ledger", description="Lists the work that all runs left out.")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
     parser.add_argument("--out", type=Path, help="folder for figures/ and tables/ (default: the results folder)")
     chosen = parser.parse_args(arguments)
     out = chosen.out or chosen.results

@@ -32,8 +32,8 @@ def opposites(now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> li
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.opposite", description="Verdicts that are opposite to those in results/reference.")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder that has tables/ (results)")
+    parser = argparse.ArgumentParser(prog="analysis.opposite", description="Lists the verdicts that are opposite to those in results/reference.")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="folder that has tables/ (default: results)")
     tables = parser.parse_args(arguments).out / "tables"
     now, kept = ([one for path in sorted(folder.glob(f"*{claims.SUFFIX}")) for one in claims.read(path)] for folder in (tables, REFERENCE))
     lines = opposites(now, kept)

@@ -22,7 +22,7 @@ def make(results: Results) -> Report:
     with_fields = [case for case in answered if "distance" in results.fields_of(case)]
     if not with_fields:
         raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {results.stem}'")
-    caption = ("Left: a coarse mesh, coloured by how far each place of it is from a fine one. Right: the interval of h(A, B) over time, and the answers of CGAL at several "
+    caption = ("Left: a coarse mesh, coloured by its distance to a fine one. Right: the interval of h(A, B) over time, and the answers of CGAL at several "
                "tolerances, with their intervals.")
     return Report(lambda: draw(results, with_fields[0], answered), caption=caption)
 
@@ -43,8 +43,7 @@ def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
     colours = plt.get_cmap("viridis")(scale(shown.colours / diagonal))
     mesh_picture.draw(ax, shown, eye, colours)
     magnify(ax, shown, eye, colours, eye.seen(results.cases.witness_source[case])[:2])
-    ax.set_title(f"A, {results.cases.source_elements[case]:,} triangles: how far each place\nof it is from B, "
-                 f"{results.cases.target_elements[case]:,} triangles (not shown)")
+    ax.set_title(f"A, {results.cases.source_elements[case]:,} triangles: distance to B,\n{results.cases.target_elements[case]:,} triangles (not shown)")
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=ax, shrink=0.75, pad=0.02)
     bar.set_label("distance to B / diagonal of A")
 
@@ -86,5 +85,5 @@ def draw_bounds(results: Results, cases: list[int], at_vertices: float, ax: Any)
     ax.axhline(at_vertices / diagonal, color=style.GREY, linestyle=":", label=f"farthest vertex of A, {short:.0%} too small")
     ax.set_xscale("log")
     ax.set(xlabel="time (ms)", ylabel="h(A,B) / diagonal of A", ylim=(0, top / diagonal))
-    ax.set_title("h(A,B) is in the interval at every moment")
+    ax.set_title("h(A,B) lies in the interval at all times")
     ax.legend(loc="lower center")

@@ -81,9 +81,9 @@ def why(line: Line) -> str:
     counted = {str(one["outcome"]) for one in dict(line.verdict["counted"]).values()}  # type: ignore[call-overload]
     said = [line.entry.differs] if line.entry.differs and line.outcome in (FAILS, OPEN) else []
     if line.outcome in (FAILS, OPEN) and HOLDS in counted and not counted & {FAILS, OPEN}:
-        said.append("The counted work agrees with the paper: a unit of work takes another time here.")
+        said.append("The counted work agrees with the paper: a unit of work takes a different time here.")
     elif not said and line.outcome == FAILS and FAILS in counted and not counted & {HOLDS}:
-        said.append("The counted work says the same, so it is not this machine.")
+        said.append("The counted work says the same, so the machine is not the reason.")
     return " ".join(said)
 
 
@@ -199,9 +199,9 @@ def write(out: Path) -> list[Path]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.paper_page", description="One page a paper: what it claims, and what came out.")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder that has tables/ (results)")
-    parser.add_argument("--kept", action="store_true", help="from the kept verdicts alone, into results/reference and docs")
+    parser = argparse.ArgumentParser(prog="analysis.paper_page", description="Writes one page per paper: its claims and their verdicts.")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="folder that has tables/ (default: results)")
+    parser.add_argument("--kept", action="store_true", help="use only the kept verdicts, and write into results/reference and docs")
     chosen = parser.parse_args(arguments)
     try:
         print(*(write_kept() if chosen.kept else write(chosen.out)), sep="\n")

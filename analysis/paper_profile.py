@@ -89,8 +89,7 @@ def whole_profile(group: str) -> str:
 def check(results: Results) -> Results:
     whole = whole_profile(results.stem)
     if results.meta.get("profile") != whole:
-        raise ResultError(f"{results.path}: is of profile '{results.meta.get('profile')}': measure it with "
-                          f"'make {results.stem} PROFILE={whole}'")
+        raise ResultError(f"{results.path}: has profile '{results.meta.get('profile')}': measure it with 'make {results.stem} PROFILE={whole}'")
     return results
 
 
@@ -136,9 +135,9 @@ def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Rec
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="analysis.paper_profile", description="Keeps the tables of a paper's profile.")
-    parser.add_argument("group", help="such as zhang2017, or a stem")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
-    parser.add_argument("--out", type=Path, default=REFERENCE, help="folder to write to (results/reference)")
+    parser.add_argument("group", help="a group such as zhang2017, or a stem")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
+    parser.add_argument("--out", type=Path, default=REFERENCE, help="folder to write to (default: results/reference)")
     chosen = parser.parse_args(arguments)
     single = stems_of(chosen.group, chosen.results) == [chosen.group] or chosen.group == whole_profile(chosen.group)
     path = chosen.out / (f"{chosen.group}.md" if single else f"{chosen.group}_paper_profile.md")

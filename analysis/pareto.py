@@ -81,10 +81,11 @@ def judge(found: Sequence[Cell], title: str) -> Verdict:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="analysis.pareto", description="Cells where a solver is on the Pareto front of gap against time, and the others.")
-    parser.add_argument("stem", help="of the result file, such as error_vs_time")
-    parser.add_argument("--solver", default="cover", help="its name (cover)")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser = argparse.ArgumentParser(prog="analysis.pareto", description="Lists the cells in which a solver is on the Pareto front of gap against time, and "
+                                                                         "the others.")
+    parser.add_argument("stem", help="stem of the result file, such as error_vs_time")
+    parser.add_argument("--solver", default="cover", help="name of the solver (default: cover)")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
     chosen = parser.parse_args(arguments)
     try:
         found = cells(load(chosen.results / f"{chosen.stem}.h5"), chosen.solver)

@@ -119,9 +119,10 @@ def table(cells: Sequence[Cell], machine: str) -> tables.Table:
              "yes" if one.separated else "no", one.stem] for one in cells]
     return tables.Table(CAPTION,
                         ["", "scene", "|A| / |B|", "tolerance", "fastest", "next best / fastest", "rivals", "separated from all", "stem"], rows,
-                        ["Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits; of several seeds the first, and no "
-                         "solver that is swept over another parameter. Tolerances are fractions of the diagonal of A; of point sets, the finest that was asked, which most of "
-                         "their solvers ignore. Tolerances that were read off the trace of a finer run have no times, and no row. Of a motion the first pose.", f"Measured on {machine}."], left=5)
+                        ["Time to prepare and solve once. Rivals: other certified solvers that reached the tolerance within their limits; only the first of "
+                         "several seeds, and no solver that is swept over another parameter. Tolerances are fractions of the diagonal of A; for point sets, "
+                         "the finest requested tolerance, which most of their solvers ignore. Tolerances that were read off the trace of a finer run have "
+                         "no times and no row. For a motion, the first pose.", f"Measured on {machine}."], left=5)
 
 
 @dataclass
@@ -203,7 +204,7 @@ def draw_block(ax: Any, domain: str, rows: Sequence[Row]) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="analysis.which_solver", description="The fastest solver whose bounds are proven, by scene and tolerance.")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (results)")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
     parser.add_argument("--out", type=Path, help="folder for figures/ and tables/ (default: the results folder)")
     chosen = parser.parse_args(arguments)
     out = chosen.out or chosen.results
@@ -221,8 +222,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         {"domain": one.domain, "stem": one.stem, "scene": one.scene, "sizes": one.sizes, "tolerance": one.tolerance, "solver": one.solver, "label": one.label,
          "rivals": one.rivals, "next_best": one.ratio.value if one.ratio else float("nan"), "low": one.ratio.low if one.ratio else float("nan"),
          "high": one.ratio.high if one.ratio else float("nan"), "separated": int(one.separated)} for one in cells]
-    footnote = ("n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate nothing). "
-                "No number: no other reached the tolerance, or none is ahead. A row of several sizes has the least and the greatest n, and is hatched if one is.")
+    footnote = ("n×: the next best takes n times as long to prepare and solve. Hatched: not separated from every other (fewer than six rounds separate "
+                "nothing). No number: no other reached the tolerance, or none is ahead. A row of several sizes has the least and the greatest n, and is "
+                "hatched if one of them is.")
     for path in [*tables.save(made, records, out, "which_solver"), *save_figure(draw(cells), out, "which_solver", made.caption, footnote)]:
         print(path)
     return 0

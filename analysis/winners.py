@@ -87,7 +87,7 @@ def race(among: Sequence[Time]) -> Race:
         best, *others = known
         single = [one.title for one in known if one.n == 1]
         doubts = [f"times {best.apart}"] * bool(best.apart)
-        doubts += ["their intervals are of less than 95 %"] * any(one.n > 1 and not order_statistic_rank(one.n, CONFIDENCE) for one in known)
+        doubts += ["their intervals cover less than 95 %"] * any(one.n > 1 and not order_statistic_rank(one.n, CONFIDENCE) for one in known)
         first = best.n > 1 and max(best.seconds) < min(x for one in others for x in one.seconds)
         if single or doubts:
             found.unjudged += 1
@@ -105,8 +105,8 @@ def victories(races: dict[str, Race]) -> dict[str, list[str]]:
     for stem, seen in races.items():
         for solver, factors in seen.won.items():
             low, high = tables.number(min(factors), 2), tables.number(max(factors), 2)
-            texts.setdefault(solver, []).append(f"{len(factors)} of the {seen.scenes} {RACES[stem][1]}, {low if low == high else f'{low} to {high}'}"
-                                                " times over the next best")
+            texts.setdefault(solver, []).append(f"{len(factors)} of the {seen.scenes} {RACES[stem][1]}, {low if low == high else f'{low} to {high}'} times "
+                                                "as fast as the next best")
     return texts
 
 

@@ -121,8 +121,8 @@ def read_catalogue(manifest: Path) -> Catalogue:
                     for models_key, manifest_key in (("model", "manifest"), ("whole", "whole_manifest")))
     own, shared = {**chosen[0], **rest[0]}, [*chosen[1], *rest[1]]
     for name in [n for n in own if n in models] + [n for n in shared if n not in models]:
-        raise ManifestError(f"{file}: {name}: " + ("the manifest has it too: list it under 'manifest'" if name in own else
-                                                   "'manifest' names it, and the manifest does not have it"))
+        raise ManifestError(f"{file}: {name}: " + ("the manifest also has it: list it under 'manifest'" if name in own else
+                                                   "'manifest' names it, but the manifest does not have it"))
     whole = sorted([*own, *shared])
     return Catalogue({**with_rules(whole), **models, **own}, names, sorted([*chosen[0], *chosen[1]]), whole)
 
@@ -223,8 +223,7 @@ def keep(mesh: Mesh, data: bytes, cache: Path) -> list[str]:
 
     found = hashlib.sha256(data).hexdigest()
     if found != mesh.sha256:
-        return [f"model {mesh.name}: {mesh.path} of package {mesh.package} has SHA-256 {found}, "
-                f"the manifest says {mesh.sha256}; the file is not kept"]
+        return [f"model {mesh.name}: {mesh.path} of package {mesh.package} has SHA-256 {found}, but the manifest says {mesh.sha256}; the file is not kept"]
     place = mesh.place(cache)
     place.parent.mkdir(parents=True, exist_ok=True)
     part = place.with_name(f".{place.name}.{os.getpid()}")
@@ -255,7 +254,7 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
                         left.remove(mesh)
                         problems += keep(mesh, content, cache)
             except ImportError as error:  # no other letter can be made either
-                raise Unavailable(f"{error.name} is not installed (python3-fonttools): it reads fonts") from error
+                raise Unavailable(f"{error.name} is not installed (python3-fonttools); it is needed to read fonts") from error
             except (ValueError, Unavailable) as error:
                 unread = [m for m in by_file[outer] if m in left]
                 problems += [f"model {m.name}: {outer} of package {m.package}: {error}" for m in unread]
@@ -291,7 +290,7 @@ def damaged(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
         place = mesh.place(cache)
         if place.exists() and hashlib.sha256(place.read_bytes()).hexdigest() != mesh.sha256:
             place.unlink()
-            problems.append(f"model {name}: {place} was damaged; it is deleted, and fetched again")
+            problems.append(f"model {name}: {place} was damaged; it is deleted and fetched again")
     return problems
 
 
@@ -330,11 +329,11 @@ def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None,
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Fetches the real meshes of the manifest into the cache.")
     parser.add_argument("models", nargs="*", metavar="MODEL", help="models of the manifest (default: all)")
-    parser.add_argument("--corpus", action="store_true", help="the whole corpus too")
+    parser.add_argument("--corpus", action="store_true", help="also the whole corpus")
     parser.add_argument("--experiment", type=Path, nargs="+", default=[], metavar="FILE",
-                        help="the meshes of the corpus that these experiments ask for too")
-    parser.add_argument("--profile", default="quick", help="of the experiments (default: quick)")
-    parser.add_argument("--check", action="store_true", help="hash the files that exist; fetch a damaged one again")
+                        help="also the meshes of the corpus that these experiments use")
+    parser.add_argument("--profile", default="quick", help="profile of the experiments (default: quick)")
+    parser.add_argument("--check", action="store_true", help="check the hashes of existing files, and fetch damaged ones again")
     parser.add_argument("--manifest", type=Path, default=HERE / "manifest.toml")
     parser.add_argument("--cache", type=Path, default=cache_folder(), help=f"where the meshes go (default: {cache_folder()})")
     given = parser.parse_args(arguments)

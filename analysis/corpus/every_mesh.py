@@ -92,7 +92,7 @@ def late(results: Results) -> list[str]:
     cases = results.cases
     after = Counter(style.title(cases.solver[row], cases.label[row]) for row in range(len(cases))
                     if cases.status[row] == ANSWERS and cases.solve_seconds[row] > cases.case_seconds_limit[row])
-    return [f"{solver}: {count} of its answers came after the limit, before it was ended." for solver, count in after.most_common()]
+    return [f"{solver}: {count} of its answers came after the limit, but before it was ended." for solver, count in after.most_common()]
 
 
 def make(results: Results) -> Report:
@@ -102,8 +102,8 @@ def make(results: Results) -> Report:
     times = {label: [seconds(results, row) for scene in measured for row in results.rows(scene=scene, label=label)] for _, label in labels}
     statuses = sorted({cases.status[row] for row in range(len(cases)) if cases.scene[row] not in lost} - {ANSWERS, *NEVER_RAN})
     table = tables.Table(
-        f"{results.meta.get('title', '')}: asked for {tables.number(float(cases.tolerance[0]))} of the diagonal on {len(measured)} "
-        f"of {len(results.scenes)} meshes, within {tables.number(float(cases.case_seconds_limit[0]))} s.",
+        f"{results.meta.get('title', '')}: tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal, on {len(measured)} of {len(results.scenes)} "
+        f"meshes, within {tables.number(float(cases.case_seconds_limit[0]))} s.",
         ["solver", "within tolerance", *[style.status_word(status) for status in statuses], "median, ms", "90 % within, ms", "slowest, ms"])
     records: list[tables.Record] = []
     for solver, label in labels:
@@ -118,8 +118,7 @@ def make(results: Results) -> Report:
                         "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
                         "diagonal": float(cases.source_diagonal[row]), "seconds": seconds(results, row)})
     table.verdicts = [sound(results)]
-    table.notes += ["Times are those of preparing and of the first answer, of the answers within tolerance alone; the interval of a median "
-                    "is over meshes.",
+    table.notes += ["Times cover preparing and the first answer, only for answers within tolerance; the interval of a median is over meshes.",
                     *late(results), *explained(results, lost), f"{machine_line(results)}."]
     return Report(lambda: draw(labels, times, len(measured)), table, records)
 

@@ -23,7 +23,7 @@ PEER: Final = "cgal"
 AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
 LARGE: Final = {"cover": 30_000}  # triangles of A and B: that mean takes only pairs of this size and more (default: all)
 EVERYWHERE: Final = {"cover": 5}  # times as fast as CGAL, on every pair
-INTERVAL: Final = ", interval over rounds, of these pairs"
+INTERVAL: Final = ", interval over rounds, for these pairs"
 
 Pair = tuple[Cell, Cell]  # the cells of CGAL and of the solver
 
@@ -97,7 +97,7 @@ def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
         verdict = replace(verdict, evidence=f"{too_few}{tables.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
     if stopped := sum(bool(peer.failures) for peer, _ in answered):  # CGAL takes at least its limit: the mean may be larger
         verdict = replace(verdict, outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
-                          evidence=f"{verdict.evidence}, at the least: CGAL did not end on {stopped}")
+                          evidence=f"{verdict.evidence}, at least: CGAL did not end on {stopped}")
     if lost:
         verdict = replace(verdict, outcome=verdict.outcome if verdict.outcome == NOT_JUDGED else OPEN, evidence=f"{verdict.evidence}; no answer on {lost} that CGAL answered")
     if reasons := [why for pair in pairs if (why := apart_of(pair))]:
@@ -135,15 +135,15 @@ def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: 
     answered = [pair for pair in both if not pair[0].failures and not pair[1].failures and not apart_of(pair)]
     if not answered:
         return []
-    return [f"{style.title(other)} takes {tables.estimate(mean_ratio(answered))} times as long as {style.title(label)} "
-            f"in geometric mean over the {len(answered)} pairs that both answered (interval over rounds, of these pairs)."]
+    return [f"{style.title(other)} takes {tables.estimate(mean_ratio(answered))} times as long as {style.title(label)} in geometric mean over the "
+            f"{len(answered)} pairs that both answered (interval over rounds, for these pairs)."]
 
 
 def make(results: Results) -> Report:
     cases, grid = results.cases, Grid(results)
     scenes, labels, cells = grid.scenes, grid.labels, grid.cells
-    table = tables.Table("Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory beside the shapes, "
-                         f"MiB. Directed distance, tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A.",
+    table = tables.Table("Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory without the shapes, MiB. Directed distance, "
+                         f"tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A.",
                          ["pair", "triangles", "h / diagonal", "", *grid.titles()], left=4)
     records: list[tables.Record] = []
     for scene in scenes:
@@ -173,8 +173,9 @@ def make(results: Results) -> Report:
     table.verdicts = [*[judge(label, pairs[label]) for label in AIMS if label in pairs],
                       *[judge_each(label, pairs[label]) for label in EVERYWHERE if label in pairs]]
     table.notes += [
-        f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, identical shapes apart. Where CGAL "
-        f"did not end, its limit of {tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, of these pairs: it says how sure the mean of these pairs is, not what other pairs would give.",
+        f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, without identical shapes. If CGAL did not end, its limit of "
+        f"{tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, for these pairs: it shows how "
+        "certain the mean of these pairs is, not what other pairs would give.",
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results)}."]
     caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A. "

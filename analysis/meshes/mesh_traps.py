@@ -79,9 +79,9 @@ def make(results: Results) -> Report:
     wrong = [f"{record['label']} on {record['scene']} ([{record['lower']:.3g}, {record['upper']:.3g}])"
              for record in records if record["outcome"] == WRONG]
     table.verdicts = [claim(results)]
-    table.notes += [f"Wrong: {'; '.join(wrong) or 'none'}. Bounds are wrong where they leave out the true distance (by more than "
-                    f"{SLACK:g} of the diagonal), contradict what is proven of it, or cross; and where a certified solver says that it "
-                    "has converged and has not. CGAL returns no interval: its answer and the tolerance make one.",
+    table.notes += [f"Wrong: {'; '.join(wrong) or 'none'}. Bounds are wrong if they leave out the true distance (by more than {SLACK:g} of the diagonal), "
+                    "contradict what is proven about it, or cross; and if a certified solver says that it has converged but has not. CGAL returns no "
+                    "interval: one is made from its answer and the tolerance.",
                     f"Each had {tables.number(float(cases.case_seconds_limit[0]))} s.",
                     f"{machine_line(results)}."]
     return Report(lambda: draw(results, scenes, labels, rows), table, records, clock=NO_TIMES)

@@ -22,7 +22,7 @@ def make(results: Results) -> Report:
     cases, grid = results.cases, Grid(results, ((OURS, OURS), (RIVAL, RIVAL)))
     table = tables.Table("Time to prepare and solve, ms, on point sets that are hard for grids and trees.",
                          ["workload", style.title(OURS), style.title(RIVAL), "ratio",
-                          "distances of ours a point"], left=1)
+                          "our distances per point"], left=1)
     records: list[tables.Record] = []
     ratios: list[Estimate] = []
     for scene in grid.scenes:
@@ -38,7 +38,7 @@ def make(results: Results) -> Report:
                         **{f"{label}_seconds": cell.time.value for label, cell in own.items()},
                         **{f"{label}_status": cell.status() for label, cell in own.items()}})
     table.verdicts = [everywhere(claims.of("hausbench", "points_hostile"), ratios, "workloads")]
-    table.notes += ["Ratio: time of the k-d tree over that of scan.",
+    table.notes += ["Ratio: time of the k-d tree over the time of scan.",
                     tables.coverage_note(ratios), f"{machine_line(results)}."]
     caption = "Time of the k-d tree over the time of scan, with its interval, on point sets that are hard for grids and trees. Right of 1, scan is faster."
     return Report(lambda: draw(grid.scenes, ratios), table, records, caption=caption)

@@ -57,8 +57,8 @@ def make(results: Results) -> Report:
     cells = {(scene, label): Cell(results, rows[0]) for scene in scenes for _, label in labels
              if (rows := results.rows(scene=scene, label=label))}
     titles = [style.title(*pair) for pair in labels]
-    table = tables.Table("Time to prepare and solve, ms, of exact directed distances between point sets, and below it the "
-                         "peak memory, MiB.", ["workload", "", *titles, "best other / ours"], left=2)
+    table = tables.Table("Time to prepare and solve, ms, of exact directed distances between point sets, with the "
+                         "peak memory, MiB, below.", ["workload", "", *titles, "best other / ours"], left=2)
     records: list[tables.Record] = []
     ratios: list[float] = []
     for scene in scenes:
@@ -88,12 +88,11 @@ def make(results: Results) -> Report:
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", *[""] * len(labels), tables.number(mean)])
     table.notes += [
-        f"Best other / ours: geometric mean {tables.number(mean)}, least {tables.number(least)}, over {len(ratios)} of "
-        f"{len(scenes)} workloads. Solvers that did not end in {tables.number(float(cases.case_seconds_limit[0]))} s are "
-        "left out of it: they took longer.",
+        f"Best other / ours: geometric mean {tables.number(mean)}, least {tables.number(least)}, over {len(ratios)} of {len(scenes)} workloads. Solvers that "
+        f"did not end in {tables.number(float(cases.case_seconds_limit[0]))} s are left out: they took longer.",
         tables.coverage_note(cell.time for cell in cells.values())
-        + " SciPy: by its own clock, without starting Python and reading files, and beside it ours counts by wall time; its memory is "
-        "that of the whole process, Python included.",
+        + " SciPy: by its own clock, without starting Python and reading files, and compared with our wall time; its memory is that of the whole process, "
+        "Python included.",
         f"{machine_line(results)}."]
     caption = "Time to prepare and solve, s, of exact directed distances between point sets: the median, and its interval. Right of the frame: no answer, and why."
     return Report(lambda: draw(scenes, labels, cells), table, records, style.letters_key(cell.status for cell in cells.values()), caption=caption)

@@ -35,7 +35,7 @@ def make(results: Results) -> Report:
     table.rows.append([cases.scene[case], results.sizes(case),
                        tables.number(low, 6), tables.number(high, 6), tables.number(100 * float(distance.max()) / diagonal),
                        f"< {PAPER:g}"])
-    table.notes = [f"{cases.scene_note[case]}.", "The paper's number is of its own pair, and of the diagonal of the box of A and B.",
+    table.notes = [f"{cases.scene_note[case]}.", "The paper's number is for its own pair, relative to the diagonal of the box of A and B.",
                    f"Here: {machine_line(results)}."]
     records: list[tables.Record] = [{"scene": cases.scene[case], "lower": cases.lower[case], "upper": cases.upper[case],
                                      "diagonal": diagonal, "at_vertices": float(distance.max())}]

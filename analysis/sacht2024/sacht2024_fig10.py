@@ -112,9 +112,8 @@ def make(results: Results) -> Report:
     found = Orders(results)
     word = clock_word(results)
     table = tables.Table(
-        "Shared wins of the orders of u1 to u4: pairs on which an order takes at most 105 % of the least, of those that some order "
-        f"solves ({len(found.solved)} of {len(found.scenes)}); A is a mesh, B the same meshed again, as in Fig. 10 of Sacht and "
-        "Jacobson 2024.",
+        "Shared wins of the orders of u1 to u4: pairs on which an order takes at most 105 % of the minimum, among those that some order solves "
+        f"({len(found.solved)} of {len(found.scenes)}); A is a mesh and B the same mesh remeshed, as in Fig. 10 of Sacht and Jacobson 2024.",
         ["order", "solves, %", "m spent", "at the limit", f"wins in {word}, %", *[f"in {what}, %" for what in MEASURES],
          "in the paper"])
     ranked = sorted(found.orders, key=lambda order: (-found.count(order), -found.count(order, list(MEASURES)[-1])))
@@ -125,12 +124,12 @@ def make(results: Results) -> Report:
                            *[tables.number(found.percent(order, what)) for what in ("", *MEASURES)], place(order)])
     limits = sorted({float(x) for x in results.cases.case_seconds_limit})
     table.verdicts = verdicts(found)
-    table.notes = [f"{len(found.orders)} of 64 orders were run; the paper draws 19. Each may make 1000 pieces for each triangle of A, and has "
+    table.notes = [f"{len(found.orders)} of 64 orders were run; the paper draws 19. An order may make 1000 pieces per triangle of A and has "
                    f"{' or '.join(f'{x:g}' for x in limits)} s; the gap is 1e-8 of the diagonal of A.",
                    "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's isotropic remeshing, with edges of "
                    "1 % of the diagonal, for TetWild.",
-                   "Time is that of preparing and the first answer, one round (n = 1) for each case: times that differ by less than noise share "
-                   "or lose a win by chance, and counted work does not.",
+                   "Time covers preparing and the first answer, with one round (n = 1) per case. If times differ by less than the noise, a win is shared or "
+                   "lost by chance; counted work has no noise.",
                    *lost_note(found), f"Here: {machine_line(results)}."]
     records: list[tables.Record] = [
         {"scene": scene, "order": order, "status": cell.status(), "n": cell.time.n, "seconds": cell.time.value,

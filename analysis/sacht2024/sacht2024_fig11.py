@@ -81,7 +81,7 @@ def thin(pair: Shown, a: Mesh) -> Verdict:
     area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)
     claim = claims.of("sacht2024", "thin", pair.scene)
     if len(pair.distance) < len(a.corners):
-        return Verdict(claim, UNTESTED, "no distances of the vertices of A")
+        return Verdict(claim, UNTESTED, "no distances at the vertices of A")
     thinnest = area < THIN * edges * edges  # twice the area is height times edge
     gone = thinnest & (pair.distance[a.triangles].min(axis=1) * edges > area)
     if not gone.any():
@@ -89,23 +89,23 @@ def thin(pair: Shown, a: Mesh) -> Verdict:
     counts = [int((pair.last[gone] == k).sum()) for k in range(len(NAMES))]
     said, others = ", ".join(f"{name} {count}" for name, count in zip(NAMES, counts)), max(counts[:4])
     return Verdict(claim, HOLDS if counts[4] > others else FAILS if counts[4] < others else OPEN,
-                   f"of {int(gone.sum())} triangles of a height below {THIN:g} of their longest edge and below the distances of their corners: {said}")
+                   f"of {int(gone.sum())} triangles whose height is below {THIN:g} of their longest edge and below the distances of their corners: {said}")
 
 
 def make(results: Results) -> Report:
     pairs, cases = collect(results), results.cases
-    table = tables.Table("The upper bound that was computed last for each triangle of A, or for a piece of it, in percent of the triangles: "
-                         "Fig. 11 of Sacht and Jacobson 2024.", ["A to B", "|A| / |B|", "h / diagonal, %", "subdivisions", *NAMES], left=1)
+    table = tables.Table("The upper bound computed last for each triangle of A, or for a piece of it, in percent of the triangles: Fig. 11 of Sacht and "
+                         "Jacobson 2024.", ["A to B", "|A| / |B|", "h / diagonal, %", "subdivisions", *NAMES], left=1)
     for pair in pairs:
         table.rows.append([pair.scene, results.sizes(pair.case), tables.number(100 * results.share(pair.case)),
                            f"{cases.counters['subdivisions'][pair.case]:,}", *[tables.number(100 * share) for share in pair.shares]])
     records: list[tables.Record] = [{"scene": pair.scene, "bound": name, "triangles": count, "share": share} for pair in pairs
                                     for name, count, share in zip(NAMES, pair.counts, pair.shares)]
     table.verdicts = [*verdicts(pairs), *[thin(pair, shapes.mesh(results, cases.source[pair.case])) for pair in pairs]]
-    table.notes = ["Each triangle has the colour of the last of its pieces; in the paper each piece has its own. A bound is computed where "
-                   "those before it do not settle the piece. 'exact': the three closest points are on one triangle of B. The paper prints "
-                   "no shares, and says that the exact case and u1 are the least used, and that u4 is the most used on very thin triangles that disappear in B: here, whose corners are all farther "
-                   "from B than the triangle is high.",
+    table.notes = ["Each triangle has the colour of the last of its pieces; in the paper each piece has its own. A bound is computed if the bounds before "
+                   "it do not settle the piece. 'exact': the three closest points are on one triangle of B. The paper prints no shares. It says that the "
+                   "exact case and u1 are used least, and u4 most on very thin triangles that disappear in B: here, triangles whose corners are all farther "
+                   "from B than their height.",
                    *[f"{pair.scene}: {cases.scene_note[pair.case]}." for pair in pairs],
                    f"Tolerance {cases.tolerance[pairs[0].case]:g} of the diagonal of A. Here: {machine_line(results)}."]
     return Report(lambda: draw(results, pairs), table, records, clock=NO_TIMES)

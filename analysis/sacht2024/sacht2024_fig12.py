@@ -21,7 +21,7 @@ def make(results: Results) -> Report:
     shown = [row for row in range(len(cases)) if results.is_bounded(row) and "distance" in results.fields_of(row)]
     if not shown:
         raise ResultError(f"{results.path}: no row has fields: measure it again with 'make {results.stem}'")
-    table = tables.Table("The near-zero pairs of Fig. 12 of Sacht and Jacobson 2024, as they are drawn.",
+    table = tables.Table("The near-zero pairs of Fig. 12 of Sacht and Jacobson 2024, as drawn.",
                          ["pair", "A", "B", "|A|", "|B|", "h(A, B), % of the diagonal", "farthest vertex, %"], left=3)
     records: list[tables.Record] = []
     for row in shown:

@@ -130,10 +130,10 @@ def make(results: Results) -> Report:
     table.notes = [
         "'k of n': reached within the limit on k of n pairs only, so no mean is given. "
         + unreached(labels, scenes, found),
-        ("Read from one traced run a pair: the first sample whose gap is within the tolerance, plus the preparation of that run. "
-         "Solvers that offer no trace: the median of the rounds that asked for the tolerance. " + tracing_cost(results)) if traced else
-        ("Each tolerance is asked for on its own. " + tables.coverage_note(average.values()) + " Of each round the mean over the pairs."),
-        "The paper's times include the construction of the BVH. A dash: not asked for.",
+        ("Read from one traced run per pair: the first sample whose gap is within the tolerance, plus the preparation time of that run. Solvers without a "
+         "trace: the median of the rounds that asked for the tolerance. " + tracing_cost(results)) if traced else
+        ("Each tolerance is requested separately. " + tables.coverage_note(average.values()) + " The mean over the pairs is taken for each round."),
+        "The paper's times include the construction of the BVH. A dash: not requested.",
         *[f"{style.scene_title(scene)}: {note}" for scene in scenes if (note := cases.scene_note[results.rows(scene=scene)[0]])],
         "Paper: means of its Table 2 at 1e-8; Fig. 13 itself prints no numbers. Its pairs: "
         + ", ".join(row["scene"] for row in printed["row"]) + f"; {printed['machine']}.",
@@ -146,7 +146,7 @@ def make(results: Results) -> Report:
          "paper_mean_seconds": paper.get(label, np.nan) if t == TOLERANCES[-1] else np.nan}
         for solver, label in labels for scene in scenes for t in TOLERANCES]
     return Report(lambda: draw(labels, len(scenes), average, reached, asked, paper), table, records,
-                  clock="Times read off a trace are wall time; of the other solvers: " + clock_note(results) if traced else "")
+                  clock="Times read off a trace are wall time; for the other solvers: " + clock_note(results) if traced else "")
 
 
 def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) -> str:
@@ -174,7 +174,7 @@ def tracing_cost(results: Results) -> str:
         if len(results.repeats_of(int(case))) and time.value > 0:
             ratios.append(float(results.trace_of(int(case)).seconds[-1]) / time.value)
     if not ratios:
-        return "What tracing costs is not known from this file."
+        return "This file does not say what tracing costs."
     return (f"Traced runs took {tables.number(float(np.median(ratios)))} times as long as timed ones "
             f"(median of {len(ratios)}; {tables.number(min(ratios))} to {tables.number(max(ratios))}).")
 

@@ -75,8 +75,8 @@ def make(results: Results) -> Report:
     found, cases = collect(results), results.cases
     unit, scale = "ms", 1e3
     names = [style.title(label) for label in (SLOW, FAST)]
-    table = tables.Table(f"{total_title(results)}, {unit}, and counted work, on pairs that were built so that the two "
-                         "solvers differ much (Fig. 14 of Sacht and Jacobson 2024).",
+    table = tables.Table(f"{total_title(results)}, {unit}, and counted work, on pairs built so that the two solvers differ widely (Fig. 14 of Sacht and "
+                         "Jacobson 2024).",
                          ["pair", "|A| / |B|", "h / diagonal, %", "tolerance", *names, " / ".join(names),
                           *[f"{what}: ratio" for what in MEASURES]], left=1)
     records: list[tables.Record] = []
@@ -91,18 +91,18 @@ def make(results: Results) -> Report:
                         **{f"{label}_seconds": each.time.value if each else np.nan for label, each in ((SLOW, x.slow), (FAST, x.fast))}})
     table.verdicts = verdicts(found)
     table.notes = [*scene_notes(results),
-                   "Where B is flat but cut in other places than A, a piece of A that lies across an edge of B is in no one triangle of B. Zheng's "
-                   "bound, of one triangle at a time, is then as large as what sticks out, and the pieces along all edges are cut until they are as "
-                   "small as the tolerance; Sacht's u3 cuts a piece in two where the two triangles meet, and is exact there. Where B is finer "
-                   "than A, or nearly the same, the barycentre that Zheng measures settles pieces that u1 to u4 subdivide.",
-                   "'> n': stopped at its limit of time or of subdivisions; so the ratio, of its time until then to the upper end of the "
-                   "other's interval, is at least so much, and the work of the stopped solver is what it had counted.",
+                   "If B is flat but its edges differ from those of A, a piece of A that crosses an edge of B lies in no single triangle of B. Zheng's "
+                   "bound uses one triangle at a time, so it is as large as the part that sticks out, and the pieces along all edges are cut until they are "
+                   "as small as the tolerance; Sacht's u3 cuts a piece in two where the two triangles meet, and is exact there. If B is finer than A, or "
+                   "nearly the same, the barycentre that Zheng measures settles pieces that u1 to u4 subdivide.",
+                   "'> n': stopped at its limit of time or of subdivisions. The ratio of its time until then to the upper end of the other's interval is a "
+                   "lower bound, and its work is what it had counted so far.",
                    tables.coverage_note(each.time for x in found for each in (x.slow, x.fast) if each),
-                   "Paper: Sacht is 7,224 times (9 ms) and 6,024 times (4 ms) as fast as Zheng on two pairs with intricate parts, and a "
-                   "twentieth as fast on a third, on which both take less than a millisecond, as in most of the cases when it is slower; MacBook Air M2, 8 GB.",
+                   "Paper: Sacht is 7,224 times (9 ms) and 6,024 times (4 ms) as fast as Zheng on two pairs with intricate parts, and a twentieth as fast "
+                   "on a third, on which both take less than a millisecond, as in most of the cases in which it is slower; MacBook Air M2, 8 GB.",
                    f"Here: {machine_line(results)}."]
-    caption = ("Pairs that were built so that the two solvers differ much, and how many times as long Zheng takes as Sacht on them, with intervals (Fig. 14 of Sacht and "
-               "Jacobson 2024). Dotted: what the paper prints of its pairs (a) to (c).")
+    caption = ("Pairs built so that the two solvers differ widely, and how many times as long Zheng takes as Sacht on them, with intervals (Fig. 14 of "
+               "Sacht and Jacobson 2024). Dotted: the paper's values for its pairs (a) to (c).")
     return Report(lambda: draw(results, found, clock_word(results)), table, records, caption=caption)
 
 
@@ -118,7 +118,7 @@ def draw(results: Results, found: list[Outlier], clock: str) -> Any:
     grid = figure.add_gridspec(2 if pairs else 1, 1, height_ratios=[GALLERY, high] if pairs else [1])
     if pairs:
         above = figure.add_subplot(grid[0])
-        above.set_title("the pairs: A above, B below it")
+        above.set_title("the pairs: A above B")
         sacht_gallery.draw(above, results, pairs, name=lambda scene: "\n".join(filter(None, [scene, STANDS_IN.get(scene)])))
     ax = figure.add_subplot(grid[-1])
     colours = plt.get_cmap("viridis")(np.linspace(0.75, 0.1, len(tolerances)))

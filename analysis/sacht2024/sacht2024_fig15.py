@@ -51,8 +51,7 @@ def make(results: Results) -> Report:
     cases, rows = results.cases, rows_of(results)
     scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
     tolerances = sorted(results.in_order("tolerance"), reverse=True)
-    table = tables.Table(f"{total_title(results)}, ms, on pairs that are nearly the same, and the bounds that were "
-                         "reached (Fig. 15 of Sacht and Jacobson 2024).",
+    table = tables.Table(f"{total_title(results)}, ms, on pairs that are nearly the same, and the bounds reached (Fig. 15 of Sacht and Jacobson 2024).",
                          ["pair", "solver", "tolerance", "l / dA", "u / dA", "time", "distances, bounds and nodes", "subdivisions",
                           "time: 1e-8 / 1e-6"], left=2)
     records: list[tables.Record] = []
@@ -76,7 +75,7 @@ def make(results: Results) -> Report:
     table.rows.append(["paper", style.title("sacht"), f"{FINE:g}", tables.NOTHING, tables.NOTHING, "> 180000", *3 * [tables.NOTHING]])
     table.verdicts = verdicts(results, rows)
     table.notes = [*scene_notes(results),
-                   "Neither pair is the paper's (model 104606 of Thingi10K and its half): they are as near to each other as that, by design.",
+                   "Neither pair is the paper's (model 104606 of Thingi10K and its half), but the meshes of each are as near to each other, by design.",
                    "'> n': stopped at its limit of time or of subdivisions; its bounds hold. "
                    + tables.coverage_note(row_of(results, row).time for row in rows.values()),
                    f"Here: {machine_line(results)}. Paper: MacBook Air M2, 8 GB."]

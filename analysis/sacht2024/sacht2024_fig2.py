@@ -119,8 +119,8 @@ def make(results: Results) -> Report:
     found = Pairs(results)
     word = clock_word(results)
     table = tables.Table(
-        f"{word[0].upper()}{word[1:]} of Zheng over that of Sacht to a gap of 1e-8 of the diagonal of A, by the number of triangles of A; "
-        "A is a mesh, B the same with half of its triangles, as in Fig. 2 of Sacht and Jacobson 2024.",
+        f"{word[0].upper()}{word[1:]} of Zheng divided by Sacht's, to a gap of 1e-8 of the diagonal of A, by the number of triangles of A; A is a mesh and B "
+        "the same mesh with half of its triangles, as in Fig. 2 of Sacht and Jacobson 2024.",
         ["triangles of A", "pairs", "not ended: Zheng", "Sacht", "geometric mean", "arithmetic mean", "least",
          "greatest", "Sacht faster, %", *[f"{what}: geometric mean" for what in MEASURES]])
     for low, high in (*SIZES, (0, 10**12)):
@@ -131,13 +131,13 @@ def make(results: Results) -> Report:
         table.rows.append([size_text(low, high), str(len(part)), str(found.over(SLOW, part)), str(found.over(FAST, part)),
                            *numbers_of(found.ratios("", part)),
                            *[tables.estimate(geometric_mean(found.ratios(what, part))) for what in MEASURES]])
-    table.rows.append(["paper", "9,971", "38", "1", tables.NOTHING, "16 (of which kind it does not say)",
+    table.rows.append(["paper", "9,971", "38", "1", tables.NOTHING, "16 (kind of mean not stated)",
                        *[tables.NOTHING] * (3 + len(MEASURES))])
     table.verdicts = verdicts(found)
     table.notes = [*notes(found),
-                   "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's edge collapse for Blender's "
-                   "decimation. Both solvers are ours, after the papers, with the same kernels and trees: the paper compares two programs.",
-                   "Time is that of preparing and the first answer, the median of " + rounds_text(found) + "; ratios are paired by round.",
+                   "Meshes of Debian and npm packages (datasets/corpus.toml) stand in for Thingi10K, and CGAL's edge collapse for Blender's decimation. "
+                   "Both solvers are ours, written after the papers, with the same kernels and trees; the paper compares two programs.",
+                   "Time covers preparing and the first answer: the median of " + rounds_text(found) + "; ratios are paired by round.",
                    f"Here: {machine_line(results)}."]
     records: list[tables.Record] = [
         {"scene": pair.scene, "triangles": pair.triangles, "solver": solver, "status": cell.status(), "n": cell.time.n,
@@ -168,8 +168,8 @@ def notes(found: Pairs) -> list[str]:
     """Returns notes on the pairs that the means leave out, and on the ends of the range."""
     limits = sorted({pair.limit for pair in found.pairs})
     left = [pair for pair in found.pairs if not pair.both]
-    text = (f"Means are over pairs that both ended within {' or '.join(f'{x:g}' for x in limits)} s; in the paper, 180 s. "
-            "Brackets: Student's interval over pairs, of logarithms for the geometric mean. ")
+    text = (f"Means are over the pairs that both solvers finished within {' or '.join(f'{x:g}' for x in limits)} s; in the paper, 180 s. Brackets: Student's "
+            "interval over pairs (of logarithms for the geometric mean). ")
     if left:
         shown = [f"{pair.scene} ({', '.join(f'{s} {pair.cells[s].failure_text()}' for s in (SLOW, FAST) if pair.over(s))})"
                  for pair in left[:8]]

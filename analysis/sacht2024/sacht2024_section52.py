@@ -18,11 +18,11 @@ STRAY: Final = "unreferenced vertex"
 TOLERANCE: Final = 1e-8  # of all rows that do not say otherwise
 # The behaviour of the published program, as the paper tells it, or as it was seen if that is said.
 THEIRS: Final = {
-    STRAY: "the vertex counts for l, which rises above every u; the queue runs empty (mesh 82541)",
+    STRAY: "the vertex counts towards l, which rises above every u; the queue runs empty (mesh 82541)",
     "round-off": "the u of the triangle with the maximum is rounded below l; the queue runs empty (mesh 441717)",
     "far from the origin": "not in the paper; the program was seen to give an interval of width 0 that misses h",
     "nearly the same": "more than three minutes at 1e-8 (mesh 104606, Fig. 15)",
-    "the same": "not in the paper; the memory of the program was seen to grow without end",
+    "the same": "not in the paper; the program's memory was seen to grow without end",
     PIECES: "m = 1e7 is exceeded at 1e-8 for seven pairs, all of which end at 1e-5"}
 
 
@@ -85,8 +85,8 @@ def reached(results: Results) -> Verdict:
 def make(results: Results) -> Report:
     cases = results.cases
     scenes, labels = results.scenes, style.order(zip(cases.solver, cases.label))
-    table = tables.Table("The failures of section 5.2 of Sacht and Jacobson 2024, built again: how each solver ends here, and the gap between "
-                         "its bounds over the diagonal of A.",
+    table = tables.Table("The failures of section 5.2 of Sacht and Jacobson 2024, rebuilt: how each solver ends here, and the gap between its bounds "
+                         "relative to the diagonal of A.",
                          ["scene", "the paper's program", "tolerance", "h / dA", *[style.title(*label) for label in labels]], left=2)
     for scene in scenes:
         first = results.rows(scene=scene)[0]
@@ -98,9 +98,9 @@ def make(results: Results) -> Report:
                                *cells])
     table.verdicts = verdicts(results)
     table.notes = [*scene_notes(results),
-                   "'ends': within the tolerance. 'precision floor': the tolerance is below what double precision can certify. 'timeout', "
-                   "'budget spent': stopped, and the bounds are those until then. h / dA: proven by all certified solvers together. The "
-                   "lower bounds were checked by code that shares nothing with the solvers.",
+                   "'ends': within the tolerance. 'precision floor': the tolerance is below what double precision can certify. 'timeout', 'budget spent': "
+                   "stopped, with the bounds reached by then. h / dA: proven by all certified solvers together. The lower bounds were checked by code that "
+                   "shares nothing with the solvers.",
                    f"Here: {machine_line(results)}."]
     records: list[tables.Record] = [
         {"scene": cases.scene[row], "label": cases.label[row], "tolerance": cases.tolerance[row], "status": cases.status[row],

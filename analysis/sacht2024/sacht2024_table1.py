@@ -32,8 +32,8 @@ def share(results: Results, scene: str, quantity: str) -> float:
 def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("sacht2024_table2")
     papers = {row["scene"]: row for row in printed["row"]}
-    table = tables.Table("Near-zero pairs of meshes: numbers of triangles here and as printed in Table 1 of Sacht and Jacobson 2024, and how "
-                         "far apart they are here, in percent of the diagonal of A.",
+    table = tables.Table("Near-zero pairs of meshes: numbers of triangles here and as printed in Table 1 of Sacht and Jacobson 2024, and their distances "
+                         "here, in percent of the diagonal of A.",
                          ["pair", "A", "B", "A is", "B is", "|A|", "|B|", "paper: |A|", "paper: |B|", "diagonal of A", "h(A, B), %",
                           "H(A, B), %"], left=5)
     records: list[tables.Record] = []
@@ -51,12 +51,12 @@ def make(results: Results) -> Report:
                         "source_elements": sizes[0], "target_elements": sizes[1], "paper_source_elements": counted[0],
                         "paper_target_elements": counted[1], "source_diagonal": float(cases.source_diagonal[row]),
                         "directed_share": distances[0], "symmetric_share": distances[1]})
-    table.notes = ["None of the models is the paper's: all stand in, or are derived, as the pairs' notes say. The paper prints neither "
-                   "diagonals nor distances.",
-                   "Closed: no edge is used by one triangle alone. A manifold: none by more than two; corners at one place are one corner.",
+    table.notes = ["None of the models is the paper's: all are stand-ins or derived, as the notes on the pairs say. The paper prints neither diagonals nor "
+                   "distances.",
+                   "Closed: no edge belongs to only one triangle. A manifold: no edge belongs to more than two. Corners at the same place count as one.",
                    *scene_notes(results), f"Here: {machine_line(results)}.", "A dash: not in the paper, or not measured."]
-    caption = ("How far apart the near-zero pairs are (Table 1 of Sacht and Jacobson 2024), stand-ins for the models of the paper and derived pairs: in percent of the diagonal of "
-               "A, against the number of triangles. The paper prints no distances.")
+    caption = ("Distances of the near-zero pairs (Table 1 of Sacht and Jacobson 2024), stand-ins for the models of the paper and derived pairs: in percent "
+               "of the diagonal of A, against the number of triangles. The paper prints no distances.")
     return Report(lambda: draw(results, papers), table, records, clock=NO_TIMES, caption=caption)
 
 

@@ -27,8 +27,8 @@ def fastest(pairs: Pairs) -> Verdict:
 
 SPEC = sacht_pairs.Spec(
     "pairs of meshes that are not alike", verdicts,
-    ["A is from one pair of Table 2 and B from another, both centred and scaled to diagonal 1, so that they overlap. The paper does not "
-     "say how its models lie."])
+    ["A is from one pair of Table 2 and B from another, both centred and scaled to diagonal 1, so that they overlap. The paper does not say how its models "
+     "are placed."])
 
 
 def make(results: Results) -> Report:

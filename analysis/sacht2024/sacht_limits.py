@@ -106,8 +106,10 @@ def above(claim: str, ratio: Bounded, times: float) -> Verdict:
         return weighed(Verdict(claim, outcome, f"ratio {tables.estimate(x)}{against}", ratio=Ratio.of(scaled)), [x])
     if ratio.at_least:
         return Verdict(claim, HOLDS if ratio.at_least > times else OPEN,
-                       f"ratio above {tables.number(ratio.at_least)}, for the slower was stopped{against}", ratio=Ratio(math.nan, ratio.at_least / times, math.inf))
+                       f"ratio above {tables.number(ratio.at_least)}, because the slower "
+                       f"was stopped{against}", ratio=Ratio(math.nan, ratio.at_least / times, math.inf))
     if ratio.at_most < float("inf"):
         return Verdict(claim, FAILS if ratio.at_most < times else OPEN,
-                       f"ratio below {tables.number(ratio.at_most)}, for the faster was stopped{against}", ratio=Ratio(math.nan, 0.0, ratio.at_most / times))
+                       f"ratio below {tables.number(ratio.at_most)}, because the faster "
+                       f"was stopped{against}", ratio=Ratio(math.nan, 0.0, ratio.at_most / times))
     return Verdict(claim, UNTESTED, f"no ratio{why([x])}")

@@ -75,8 +75,8 @@ def title(pair: Ratio) -> str:
 def make(spec: Spec, results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
-    table = tables.Table(f"{total_title(results)}, {unit}: {spec.what}, measured here and as printed in "
-                         f"{pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024; and the work counted.",
+    table = tables.Table(f"{total_title(results)}, {unit}: {spec.what}, measured here and as printed in {pairs.printed['table'].split(';')[0]} of Sacht and "
+                         "Jacobson 2024, with the counted work.",
                          ["pair", "", "|A| / |B|", "h / diagonal, %", *pairs.titles(),
                           *map(title, spec.ratios)], left=2, parts=(2, 4 + len(pairs.titles())))
     for scene in pairs.scenes:
@@ -85,10 +85,9 @@ def make(spec: Spec, results: Results) -> Report:
     table.verdicts = spec.verdicts(pairs)
     table.notes = [*spec.notes, *scene_notes(results),
                    tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not.",
-                   "Ratios are paired by round. Distances, bounds and nodes are counted by the solvers, and the same on every machine; CGAL "
-                   "counts nothing.",
+                   "Ratios are paired by round. The solvers count distances, bounds and nodes, which are the same on every machine; CGAL counts nothing.",
                    f"Tolerance {', '.join(f'{t:g}' for t in results.in_order('tolerance'))} of the diagonal of A.",
-                   f"Paper: {pairs.printed['what']}; {pairs.printed['machine']}: of another machine, and of its authors' programs.",
+                   f"Paper: {pairs.printed['what']}; {pairs.printed['machine']}: measured on another machine, with its authors' programs.",
                    f"Here: {machine_line(results)}.", "A dash: not part of the experiment, or not in the paper."]
     beside = " Open: as printed in the paper, on another machine." if tests_claims(results) else ""
     caption = (f"{total_title(results)}, s, on {spec.what}, as in {pairs.printed['table'].split(';')[0]} of Sacht and Jacobson 2024. Filled: the median here, with its "

@@ -28,8 +28,8 @@ ANSWERS: Final = "ok"
 STEMS: Final = {
     "scaling_points": ("point", "cgal_kdtree", ""),
     "scaling_meshes": ("triangle", "cgal",
-                       "CGAL gets a mesh with shared vertices where the triangles make a manifold, as after simplifying and in the finest "
-                       "scan, and else a soup, which is built faster: so the exponent of its preparation mixes two kinds.")}
+                       "CGAL gets a mesh with shared vertices if the triangles form a manifold, as after simplifying and in the finest scan, and otherwise "
+                       "a soup, which is built faster, so the exponent of its preparation mixes two kinds.")}
 PREPARE: Final[dict[str, Any]] = {"linestyle": (0, (2.5, 2)), "linewidth": 0.5}
 
 
@@ -126,7 +126,7 @@ def curve(results: Results, regime: str, solver: str, label: str) -> Curve:
     cases = results.cases
     rows = sorted(results.rows(family=regime, solver=solver, label=label), key=lambda row: elements(results, row))
     if len({elements(results, row) for row in rows}) < len(rows):
-        raise ResultError(f"{results.path}: '{label}' in regime '{regime}' has a size twice: one tolerance, pose and variant each, please")
+        raise ResultError(f"{results.path}: '{label}' in regime '{regime}' has two rows of one size: give each size one tolerance, pose and variant")
     there = [row for row in rows if cases.status[row] == ANSWERS]
     first = [np.array(list(results.first_by_round(row).values())) for row in there]
     return Curve(
@@ -167,9 +167,9 @@ def make(results: Results) -> Report:
     found = curves(results)
     by_regime = {regime: [one for one in found if one.regime == regime] for regime in dict.fromkeys(one.regime for one in found)}
     table = tables.Table(
-        f"Time and memory to prepare and solve against the number of {what}s, |A| + |B|: at the largest size that was answered, and how they grow.",
-        ["regime", "solver", "answered", f"prepare, ns a {what}", "grows as n^", f"solve, ns a {what}", "grows as n^",
-         f"peak, bytes a {what}", "grows as n^", f"structures, bytes a {what}", f"peak, {style.title(rival)} / this"], left=3)
+        f"Time and memory to prepare and solve against the number of {what}s, |A| + |B|: at the largest size with an answer, and how they grow.",
+        ["regime", "solver", "answered", f"prepare, ns per {what}", "grows as n^", f"solve, ns per {what}", "grows as n^",
+         f"peak, bytes per {what}", "grows as n^", f"structures, bytes per {what}", f"peak, {style.title(rival)} / this"], left=3)
     records: list[tables.Record] = []
     for own in by_regime.values():
         table.rules.add(len(table.rows))
@@ -186,11 +186,10 @@ def make(results: Results) -> Report:
             records += [{"regime": one.regime, "solver": one.solver, "label": one.label, "elements": int(n), "status": status}
                         for n, status in one.lost]
     table.notes = [
-        f"Peak: resident set less that before preparing, so the shapes themselves are not in it; structures: what they say of "
-        "themselves. Exponents: the line through the logarithms, from the size on at which a cost is "
-        f"{FIXED:g} times that of the smallest one (before, its fixed part decides) and at least {LEAST_SECONDS * 1e3:g} ms or "
-        f"{LEAST_BYTES // 2**20} MiB; {LEAST_SIZES} sizes "
-        "at the least, with Student's interval of 95 %, which holds if they scatter about a line.",
+        "Peak: the resident set less the resident set before preparing, so without the shapes themselves; structures: the sizes that they report. "
+        f"Exponents: the line through the logarithms, from the size on at which a cost is {FIXED:g} times that of the smallest one (below, its fixed part "
+        f"dominates) and at least {LEAST_SECONDS * 1e3:g} ms or {LEAST_BYTES // 2**20} MiB; {LEAST_SIZES} sizes or more, with Student's interval of 95 %, "
+        "which is valid if they scatter about a line.",
         f"{style.title(rival)} / this: at the largest size that both answered.",
         *[f"{regime}: {note}." for regime, note in notes(results).items()], *filter(None, [remark]),
         f"{machine_line(results)}."]
@@ -261,7 +260,7 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
         above.set(title=regime)
         below.set(xlabel=f"{what}s, |A| + |B|")
     axes[0][0].set_ylabel("time (s)")
-    axes[1][0].set_ylabel(f"peak memory, bytes a {what}")
+    axes[1][0].set_ylabel(f"peak memory, bytes per {what}")
     tick(axes.flat)
     labels = style.order((one.solver, one.label) for own in by_regime.values() for one in own)
     grey = style.filled_marker(style.NEUTRAL) | {"linestyle": "-", "linewidth": 0.7}

@@ -127,7 +127,7 @@ def make(results: Results) -> Report:
     own = [forecast(results, one, memory / cores) for one in found]
     largest = max((one.sizes[-1] for one in found if one.sizes), default=math.nan)
     table = tables.Table(
-        f"{short(EACH)} points in A and as many in B: a forecast from {short(largest)} points in all and fewer, never run.",
+        f"{short(EACH)} points in A and as many in B: a forecast from sizes of up to {short(largest)} points in all; never run.",
         ["regime", "solver", "h, of the diagonal", "points, GB", "solver, GB besides", "prepare and solve, s", "tasks", "points of a task",
          "|B| / |A| of a task", "all tasks, s"], left=2)
     records: list[tables.Record] = []
@@ -143,24 +143,20 @@ def make(results: Results) -> Report:
                            for end in ("value", "low", "high")},
                         "tasks": plan.tasks if plan else 0, "points_of_a_task": plan.points if plan else math.nan})
     table.notes = [
-        "Brackets: Student's interval of 95 % for one more measurement at that size, if costs go on as they grew; nothing was measured there.",
-        "Tasks: the fewest (to one in twenty) that fit in the memory of a core of the machine below "
-        f"({tables.number(memory / cores / 1e9, 2)} GB), at "
-        f"the upper ends of the forecasts, points counted {COPIES} times for loading. A task takes a cell of A (a k-d tree's, as "
-        "many points each), and "
-        "of B all within a margin of its box: the upper end of h. Its answer is exact if it is at most the margin; else, if it is above the largest "
-        "exact answer, the task runs again with its answer as margin, and is exact then. The largest exact answer is h(A,B). |B| "
-        "/ |A| is an estimate "
-        "for points spread evenly. No program here splits point sets: it is a plan.",
-        "All tasks: that many times one task at the forecast of its size, as if they all erred alike; without loading, splitting, and tasks that run "
-        "again.",
+        "Brackets: Student's interval of 95 % for one more measurement at that size, if costs keep growing as they did; nothing was measured there.",
+        f"Tasks: the fewest (to one in twenty) that fit in the memory per core of the machine below ({tables.number(memory / cores / 1e9, 2)} GB), at the "
+        f"upper ends of the forecasts, with points counted {COPIES} times for loading. A task takes a cell of A (of a k-d tree, with equally many points "
+        "each) and all points of B within a margin of its box: the upper end of h. Its answer is exact if it is at most the margin. Otherwise, if it is "
+        "above the largest exact answer, the task runs again with its answer as margin, and is then exact. The largest exact answer is h(A,B). |B| / |A| is "
+        "an estimate for evenly spread points. No program here splits point sets: this is a plan.",
+        "All tasks: their number times the forecast for one task, as if they all erred alike; without loading, splitting and tasks that run again.",
         f"{TOO_WIDE}: it takes in more than {MOST_MARGIN:g} times as many points as a cell has, so cells gain little. "
         f"{tables.NOTHING}: too few sizes are "
         "known for a forecast.",
         f"Left out: {', '.join(left_out)}." if left_out else "",
-        f"The files hold {tables.number(2 * EACH * POINT / 1e9)} GB and are passed over {PASSES} times (read and written to split them, read by the "
-        f"tasks): {tables.number(PASSES * 2 * EACH * POINT / 1e9)} GB, {tables.number(PASSES * 2 * EACH * POINT / 5e8 / 60, 2)} min at 500 MB/s.",
-        "A process numbers points with 32 bits: 2.1G in each set at most.",
+        f"The files take {tables.number(2 * EACH * POINT / 1e9)} GB and are passed over {PASSES} times (read and written to split them, read by the tasks): "
+        f"{tables.number(PASSES * 2 * EACH * POINT / 1e9)} GB, {tables.number(PASSES * 2 * EACH * POINT / 5e8 / 60, 2)} min at 500 MB/s.",
+        "A process numbers points with 32 bits: at most 2.1G in each set.",
         *[f"{regime}: {note}." for regime, note in notes(results).items()], f"{machine_line(results)}."]
     table.notes = [note for note in table.notes if note]
     drawn = [one for one in found if one.label == DRAWN]

@@ -18,7 +18,7 @@ from analysis.shared.results import ResultError, Results
 
 SCHEMA_VERSION = 2
 REFERENCE = Path(__file__).resolve().parents[2] / "results" / "reference"
-ANOTHER = "name a result, as 'hausbench run' writes them"
+ANOTHER = "name a result file written by 'hausbench run'"
 SEAL_BEGIN, SEAL_LENGTH = b"\nsha256 ", 73  # the last line of a file: this, 64 digits and a newline
 
 Columns = TypeVar("Columns", Models, Cases, Answers, Repeats, Preparation, Trace, Fields, Ledger)
@@ -144,10 +144,10 @@ def load(path: Path, profile: str = "") -> Results:
     stem = path.stem.removesuffix(".everything")  # `run --leave-nothing-out` adds the suffix
     if not path.is_file():
         raise ResultError(f"{path}: no such file: measure it with {remedy.measure(stem)}")
-    whole = f"take a copy that is whole, or move it away and measure again with {remedy.measure(stem)}"
+    whole = f"take an intact copy, or move it away and measure again with {remedy.measure(stem)}"
     try:
         if _has_broken_seal(path):
-            raise ResultError(f"{path}: damaged: its bytes do not have the SHA-256 that it ends with: {whole}")
+            raise ResultError(f"{path}: damaged: its bytes do not match the SHA-256 at its end: {whole}")
         with h5py.File(path, "r") as file:
             meta = {key: _attribute(value) for key, value in file["meta"].attrs.items()}
             if int(meta["schema_version"]) > SCHEMA_VERSION:
@@ -166,10 +166,11 @@ def load(path: Path, profile: str = "") -> Results:
         text = str(problem.args[0]) if problem.args else ""
         raise ResultError(f"{path}: not a hausbench result file ({text}): {ANOTHER}") from None
     if meta.get("stem") != stem:
-        raise ResultError(f"{path}: holds the experiment '{meta.get('stem')}', not '{stem}': rename it to {meta.get('stem')}.h5")
+        raise ResultError(f"{path}: has the experiment '{meta.get('stem')}', not '{stem}': rename it to {meta.get('stem')}.h5")
     results = _of_profile(results, profile or str(meta.get("profile", "")))
     if len(results.cases) == 0:
-        raise ResultError(f"{path}: holds no cases of profile '{meta.get('profile')}': measure them with {remedy.measure(stem, str(meta.get('experiment_file', '')))}")
+        raise ResultError(f"{path}: has no cases of profile '{meta.get('profile')}': measure them with "
+                          f"{remedy.measure(stem, str(meta.get('experiment_file', '')))}")
     return results
 
 

@@ -31,7 +31,7 @@ def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
 def side_by_side_line(results: Results) -> str:
     """Says how many rows ran beside others, so that their times do not compare; empty if none did."""
     several = int((results.cases.side_by_side != 0).sum())
-    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times do not compare with any." if several else ""
+    return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times are not comparable." if several else ""
 
 
 def machine_line(results: Results) -> str:
@@ -50,7 +50,7 @@ def measured_on(results: Results) -> str:
             f"commit {str(meta.get('commit', 'unknown'))[:10]}{dirty}, profile {meta.get('profile', 'unknown')}")
     for what, column in (("machine", results.cases.machine), ("build", results.programs)):
         if (count := len(set(column))) > 1:
-            line += f"; rows of {count} {what}s are mixed, and the times of two {what}s do not compare"
+            line += f"; rows of {count} {what}s are mixed, and the times of two {what}s are not comparable"
     return line
 
 

@@ -88,7 +88,7 @@ def coverage_note(estimates: Iterable[Estimate]) -> str:
     n = f"n = {counts[0]}" if len(counts) == 1 else f"n = {counts[0]} to {counts[-1]}"
     if counts[-1] == 1:
         return f"Single times ({n}): no interval."
-    percent = "at least 95 %" if least >= 0.95 else f"at least 95 % where n allows, else at least {math.floor(least * 100)} %"
+    percent = "at least 95 %" if least >= 0.95 else f"at least 95 % if n allows, otherwise at least {math.floor(least * 100)} %"
     return (f"Medians of {n} rounds (fresh processes; repeats within one count once), "
             f"with order-statistic intervals in brackets ({percent}).")
 
@@ -134,7 +134,7 @@ def read_json(path: Path) -> list[Record]:
     """Reads a list of records. Raises ValueError with the remedy if the file is damaged."""
     found = json.loads(path.read_text(encoding="utf-8"))
     if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-        raise ValueError(f"{path}: is not a list of records: write it again with 'python3 -m analysis'")
+        raise ValueError(f"{path}: not a list of records: write it again with 'python3 -m analysis'")
     return found
 
 

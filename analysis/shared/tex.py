@@ -26,7 +26,7 @@ _ACCENTS: Final = {"\u0300": "`", "\u0301": "'", "\u0302": "^", "\u0303": "~", "
                    "\u030b": "H", "\u030c": "v", "\u0327": "c"}
 _ACCENTED: Final = re.compile(f"([A-Za-z])([{''.join(_ACCENTS)}])")  # letters with an accent that are not single characters in Unicode
 SPELLED: Final = r"\texttt{U+"
-SPELLED_NOTE: Final = "U+ and digits are the number in Unicode of a letter that LaTeX does not set by itself."
+SPELLED_NOTE: Final = "U+ and digits are the Unicode number of a letter that LaTeX does not set by itself."
 
 
 def _under_accent(base: str) -> str:

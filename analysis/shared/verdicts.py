@@ -110,7 +110,7 @@ def power_of(ratios: Sequence[Estimate], what: str) -> str:
     if needed == 1:
         return ""
     return (f"n = {n} cannot refute it for {of} {what}" if needed > of else
-            f"n = {n} refutes it only where at least {needed} of {of} {what} are below 1")
+            f"n = {n} refutes it only if at least {needed} of {of} {what} are below 1")
 
 
 def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
@@ -270,7 +270,7 @@ def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], be
     outcome = HOLDS if any(clear) else FAILS if faster else OPEN
     blind = all(max(y.p_least for y in x) * len(rivals) > ERROR for _, x in rivals)
     parts = [f"least at {best}"] + [f"faster than {' and '.join(among)}: {', '.join(faster)}"] * bool(faster) \
-        + [f"less time, but no less than one of {len(rivals)} may take by chance: {', '.join(below)}"] * bool(below) \
+        + [f"less time, but not less than one of {len(rivals)} may take by chance: {', '.join(below)}"] * bool(below) \
         + [f"not separated from it: {', '.join(level)}"] * bool(level) \
         + [f"n = {min(y.n for _, x in rivals for y in x)} cannot refute it for {len(rivals)} rivals"] * (blind and outcome == OPEN)
     return Verdict(claim, outcome, "; ".join(parts))

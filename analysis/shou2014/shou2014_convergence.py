@@ -45,8 +45,7 @@ def make(results: Results) -> Report:
     exact = float(paper_numbers("shou2014_example")["exact"])
     depths = sorted({depth for _, _, depth in published})
     table = tables.Table(
-        "Interval of H of the cones of Shou et al. 2014 against voxels an axis; subdivision and distances apart, both "
-        "directions together.",
+        "Interval of H for the cones of Shou et al. 2014 against voxels per axis; subdivision and distances are separate, both directions together.",
         ["voxels / tolerance", "lower", "upper", "width", "holds H", *[f"polynomial bounds, {f.replace('_', ' ')}"
                                                                        for f in FORMS],
          "subdivision, s", "pruned pairs, s", "box distances", "all pairs, s", "box distances, all"])
@@ -79,15 +78,15 @@ def make(results: Results) -> Report:
                         if len({(o.lower, o.upper) for (label, _, d), o in published.items()
                                 if d == depth and label == "pruned pairs"}) > 1})
     table.notes = [
-        f"Exact H = {exact:.10f} (sqrt 43/3 - 4/3). Of the published method's intervals, "
-        f"{holding(published.values(), exact)} hold it, which the method itself does not prove. Of the proven ones ('ours'), "
-        f"{holding(ours.values(), exact)} hold it.",
+        f"Exact H = {exact:.10f} (sqrt 43/3 - 4/3). Of the published method's intervals, {holding(published.values(), exact)} contain it, which the method "
+        f"itself does not prove. Of the proven ones ('ours'), {holding(ours.values(), exact)} contain it.",
         "All four forms give the same interval at every size." if not different else
         "The forms give different intervals at " + ", ".join(f"{2**d}³" for d in different) + "; shown: modified affine.",
         f"Here: {machine_line(results)}."]
-    caption = ("The cones of Shou et al. 2014, both directions together: (a) the interval of H and the exact H, (b) the number of bounds of the polynomials in units of natural interval "
-               "arithmetic, and (c) the times to subdivide, by kind of arithmetic, and to measure distances, in seconds, by voxels along an axis; (d) the width of the interval against the "
-               "whole time, in seconds, with this project's enclosure ('ours') at several tolerances. (a) and (d) are of modified affine arithmetic.")
+    caption = ("The cones of Shou et al. 2014, both directions together: (a) the interval of H and the exact H, (b) the number of polynomial bounds "
+               "relative to natural interval arithmetic, and (c) the times to subdivide, by kind of arithmetic, and to measure distances, in seconds, by "
+               "voxels per axis; (d) the width of the interval against the whole time, in seconds, with this project's enclosure ('ours') at several "
+               "tolerances. (a) and (d) use modified affine arithmetic.")
     return Report(lambda: draw(published, ours, exact, depths), table, records, caption=caption)
 
 
@@ -133,7 +132,7 @@ def draw(published: dict[tuple[str, str, int], Joined], ours: dict[float, Joined
         ax.set_xscale("log", base=2)
         ax.set_xticks(at, [f"{int(a)}" for a in at])
         ax.minorticks_off()
-        ax.set_xlabel("voxels an axis")
+        ax.set_xlabel("voxels per axis")
     draw_widths(widths, pruned, every, list(ours.values()))
     seconds.set_ylim(top=seconds.get_ylim()[1] * 30)  # room for the legend
     seconds.legend(fontsize=6, frameon=False, ncols=2, loc="upper left")

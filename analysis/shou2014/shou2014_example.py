@@ -61,8 +61,7 @@ def make(results: Results) -> Report:
     doubtful = "seconds" in paper.get("doubtful", [])
     all_pairs = next((one for (label, _), one in found.items() if label == "all pairs"), None)
     table = tables.Table(
-        "Hausdorff distance H of two elliptic cones in [-2, 2]³, the example of Shou et al. 2014: 64 voxels an axis, "
-        "and this project's enclosure.",
+        "Hausdorff distance H of two elliptic cones in [-2, 2]³, the example of Shou et al. 2014: 64 voxels per axis, and this project's enclosure.",
         ["method", "lower", "upper", "midpoint", "half-width", "subdivision, s", "distances, s", "box distances",
          "fewer than all pairs", "polynomial bounds"])
     table.rows.append(["paper", f"{paper['lower']:.10f}", f"{paper['upper']:.10f}", f"{paper['midpoint']:.11f}",
@@ -85,11 +84,10 @@ def make(results: Results) -> Report:
     table.notes = [
         f"Both directions together. The exact H of these surfaces is sqrt 43/3 - 4/3 = {exact:.10f}, attained "
         "where the box clips the second surface.",
-        f"Paper: {reference['machine']}; {paper['seconds']} s{compared_with(paper, all_pairs, doubtful)} What is won "
-        "by the algorithm is the column 'fewer than all pairs'. The enclosure is to be compared where its interval is as wide "
-        "as that of all pairs.",
-        "The published method takes every voxel that may meet the surface for one that does, so its ends are no bounds "
-        "where that fails (stem surfaces_gallery shows such a pair); 'surface enclosure' proves both of its ends.",
+        f"Paper: {reference['machine']}; {paper['seconds']} s{compared_with(paper, all_pairs, doubtful)} The column 'fewer than all pairs' shows the gain of "
+        "the algorithm. The enclosure is comparable where its interval is as wide as the one of all pairs.",
+        "The published method assumes that every voxel that may meet the surface does meet it, so its ends are not bounds where that fails (stem "
+        "surfaces_gallery shows such a pair); 'surface enclosure' proves both ends.",
         "The surfaces' denominators are inferred from the printed interval; the text itself is not legible there.",
         f"Here: {machine_line(results)}."]
     return Report(lambda: draw(methods, found, paper, exact), table, records)
@@ -106,11 +104,11 @@ def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
 def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) -> str:
     """Returns the end of a sentence on the paper's time: the ratio to ours, unless the printed time may have been misread."""
     if doubtful:
-        return " as it was recognised, which may be wrong by a lost decimal point: so no ratio of times is made."
+        return " as it was recognised, possibly with a lost decimal point, so no ratio of times is given."
     if here is None:
         return "."
-    return (f". All pairs took {tables.number(paper['seconds'] / (here.prepare + here.solve))} times less here. The numbers of distances say what that "
-            "is worth: the same work, in compiled code on another machine.")
+    return (f". All pairs took {tables.number(paper['seconds'] / (here.prepare + here.solve))} times less here. The numbers of distances put that in "
+            "perspective: the same work, in compiled code on another machine.")
 
 
 def title_of(solver: str, label: str, tolerance: float) -> str:

@@ -130,16 +130,16 @@ def make(results: Results) -> Report:
         table.rows.append([*cells, ", ".join(sorted(checks)) or tables.NOTHING, *off])
     table.verdicts = [holds_distance(results)]
     table.notes = [
-        "'unsound': an end of the published interval is refuted by a certified bound; such a row is never a data point. "
-        "'stalled': the bounds hold, but cannot close. 'checked': the witnesses of the certified lower bounds, by "
-        "code that shares no bound with the solvers. 'meshes off by': at most, in the worse of both directions, proven; "
-        "the intervals of 'surface meshes' are wider by that. It refuses a surface that no corner of its grid sees.",
+        "'unsound': an end of the published interval is refuted by a certified bound; such a row is never a data point. 'stalled': the bounds hold but "
+        "cannot close. 'checked': the witnesses of the certified lower bounds, by code that shares no bound with the solvers. 'meshes off by': a proven "
+        "upper bound, in the worse of both directions; the intervals of 'surface meshes' are wider by that. It refuses a surface that no corner of its grid "
+        "sees.",
         *[f"{scene}: {note}." for scene in scenes if (note := cases.scene_note[results.rows(scene=scene)[0]])],
-        f"Pictures: a slice, one voxel thick, of the voxels kept at {VOXELS} an axis by natural interval arithmetic (A "
-        "black, B blue; the box is the frame), and the witness of the certified lower bound from its dot on A to B, seen "
-        "along the axis that it leaves least; where there is none, or a shorter one than a voxel, the middle of the box. "
-        "They take the text as it stands; the false piece of 'ghost' comes with multiplying its product out.",
-        "Of a distance that is constant over A (concentric spheres) a tolerance e needs O(1/e) boxes.",
+        f"Pictures: a slice, one voxel thick, of the voxels kept at {VOXELS} per axis by natural interval arithmetic (A black, B blue; the frame is the "
+        "box), and the witness of the certified lower bound from its dot on A to B, seen along the axis in which it is shortest; without a witness, or with "
+        "one shorter than a voxel, the middle of the box. They use the polynomial as written; the false piece of 'ghost' appears when its product is "
+        "multiplied out.",
+        "If the distance is constant over A (concentric spheres), a tolerance e needs O(1/e) boxes.",
         f"Here: {machine_line(results)}."]
     return Report(lambda: draw(results, scenes), table, records)
 

@@ -61,8 +61,8 @@ def away_notes(results: Results, curves: Curves, titles: dict[str, str]) -> list
         far = rows[rows.index(start):]
         if results.cases.solver[start.case] == "ohd" and nodes is not None and nodes[rows[0].case] > 0 \
                 and not any(nodes[row.case] for row in far):
-            text += (". There it visits no node of its octree, whose cells are split only until they are as small as the first "
-                     "lower bound: that is larger than B, so each search goes through the points of B one by one")
+            text += (". There it visits no node of its octree, whose cells are split only down to the size of the first lower bound; that is larger than B, "
+                     "so each search scans the points of B one by one")
         found.append(text + ".")
     return found
 
@@ -77,7 +77,7 @@ def make(results: Results) -> Report:
               if any(label == pair[1] for _, label in curves)]
     titles = {label: style.title(solver, label) for solver, label in labels}
     table = tables.Table(
-        "Work and time of each solver where two lengths of a scene grow apart, relative to ratio 1.",
+        "Work and time of each solver as two lengths of a scene grow apart, relative to ratio 1.",
         ["scene", "solver", "work at ratio 1", "largest work / that", "at ratio", "largest time / that of ratio 1", "at ratio",
          "rows not ok"],
         left=2)
@@ -93,9 +93,9 @@ def make(results: Results) -> Report:
                        if row.status in ANSWERED] for _, label in labels}
     silent = [titles[label] for label, work in answers.items() if work and all(map(math.isnan, work))]
     table.notes += [
-        "Work: distances, bounds, nodes of trees and polynomial bounds together, of one solve."
-        + f" No counts, time alone: {', '.join(silent)}." * bool(silent)
-        + f" {titles.get('kdtree')}, a peer, counts distances alone, and neither the nodes nor the bounds of its tree."
+        "Work: distances, bounds, nodes of trees and polynomial bounds of one solve, together."
+        + f" No counts, only time: {', '.join(silent)}." * bool(silent)
+        + f" {titles.get('kdtree')}, a peer, counts only distances, not the nodes and bounds of its tree."
         * any(not math.isnan(work) for work in answers.get("kdtree", [])) + one_seed(results, curves, titles),
         *away_notes(results, curves, titles),
         "Time: preparing and solving. Ratio: a distance in the scene over the diagonal of the rest of it; base over height "
@@ -107,7 +107,7 @@ def make(results: Results) -> Report:
 
 def one_seed(results: Results, curves: Curves, titles: dict[str, str]) -> str:
     drawn = {titles[label]: None for (_, label), rows in curves.items() if takes_seed(results, rows[0].case)}
-    return f" Of one seed, so one draw: {', '.join(drawn)}." * bool(drawn)
+    return f" With one seed, so one draw: {', '.join(drawn)}." * bool(drawn)
 
 
 def table_cells(rows: Sequence[Row]) -> list[str]:

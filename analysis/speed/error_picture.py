@@ -299,15 +299,15 @@ def _key(bands: list[tuple[str, list[Shown]]]) -> str:
         if curves or any(error_curves.joined(answer.series) for answer in answers) else []
     if any(len(some) > 1 for one in shown for some in one.curves.values()):
         parts.append("Bands: all seeds.")
-    parts.append("Grey stairs: the Pareto front of the certified answers. Bars: interval of the median time; error of the lower and of the upper bound, beside "
-                 "the error of their middle.")
+    parts.append("Grey stairs: the Pareto front of the certified answers. Bars: interval of the median time; errors of the lower and of the upper bound, "
+                 "next to the error of their middle.")
     if any(np.isinf(curve.upper).any() for curve in curves):
-        parts.append("Dotted: error of the lower bound, while no upper bound is known.")
+        parts.append("Dotted: error of the lower bound, until an upper bound is known.")
     if any(answer.read_off for answer in answers):
         parts.append("Small: read off the traced run.")
     if any(not answer.ok for answer in answers):
         parts.append("Open: the tolerance was not reached.")
     parts.append(f"Grey area: less than the width of the reference, or {tables.number(shown[0].least, 1)}.")
     if letters := style.letters_key({status for one in shown for _, status, _ in one.lost}):
-        parts.append(f"At the right, not ok (a number: at so many tolerances): {letters}.")
+        parts.append(f"At the right, not ok (a number: at how many tolerances): {letters}.")
     return " ".join(parts)

@@ -36,7 +36,7 @@ def make(results: Results) -> Report:
     ours = pareto.cells(results, OURS)
     table.verdicts = [pareto.judge(ours, style.title(OURS))] if ours else []
     table.notes = [*left_out(results, panels), *unknown(results, panels), f"{tables.coverage_note(times.values())} {tracing_note(results)}".strip(),
-                   "Errors are against the middle of what certified solvers prove. Distances: point to point and point to triangle.",
+                   "Errors are measured from the middle of the interval that certified solvers prove. Distances: point to point and point to triangle.",
                    f"Measured on {measured_on(results)}."]
     drawn = [panel for panel in panels if run_rows(results, panel)] or panels
     return Report(lambda: error_picture.draw(results, drawn, {panel: run_rows(results, panel) for panel in drawn},
@@ -111,8 +111,8 @@ def tracing_note(results: Results) -> str:
         return ""
     each = {solver: float(np.median(costs)) for solver, costs in found.items()}
     worst, all_of = max(each, key=lambda solver: each[solver]), np.concatenate(list(found.values()))
-    return (f"Tracing a run of {1e3 * LEAST_TRACED:.0f} ms and more takes {percent(float(np.median(all_of)))} % longer (median of {len(all_of)}); "
-            f"of one solver's at most {percent(each[worst])} % ({style.title(worst)}).")
+    return (f"Tracing a run of {1e3 * LEAST_TRACED:.0f} ms and more takes {percent(float(np.median(all_of)))} % longer (median of {len(all_of)}); the "
+            f"largest median of one solver is {percent(each[worst])} % ({style.title(worst)}).")
 
 
 def percent(share: float) -> str:
@@ -151,7 +151,7 @@ def panel_title(panel: Panel, panels: Sequence[Panel]) -> str:
 def unknown(results: Results, panels: Sequence[Panel]) -> list[str]:
     """Names the scenes whose errors cannot be told, because no certified solver has an answer."""
     names = [panel_title(panel, panels) for panel in panels if np.isnan(results.reference(*panel)).any()]
-    return [f"Error unknown, for no certified solver has an answer: {', '.join(names)}."] if names else []
+    return [f"Error unknown, because no certified solver has an answer: {', '.join(names)}."] if names else []
 
 
 def distances(results: Results, case: int) -> int:

@@ -28,8 +28,8 @@ def make(results: Results) -> Report:
         for pair in suite.labels_of(family.kind):
             if own := family.asked(pair[1]):
                 table.rows.append([family.title, look(*pair).title, *cells(suite, own)])
-    table.notes = ["Error: the larger of |lower - h| and |upper - h|; of CGAL, which gives one number, |answer - h|. u = 2^-53, M: the largest "
-                   "coordinate; a tolerance below 40 u M is below the precision of doubles. All severities and tolerances.",
+    table.notes = ["Error: the larger of |lower - h| and |upper - h|; for CGAL, which gives one number, |answer - h|. u = 2^-53, M: the largest coordinate; "
+                   "a tolerance below 40 u M is below the precision of doubles. Over all severities and tolerances.",
                    f"{machine_line(results)}."]
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
@@ -86,8 +86,7 @@ def draw(suite: Suite, families: list[Family]) -> Any:
     measures = (Measure("gap / diagonal", lambda answer: gap(suite, answer), lambda answer: floor(suite, answer)),
                 Measure("error / diagonal", lambda answer: error(suite, answer), lambda answer: floor(suite, answer)))
     tolerances = sorted({answer.tolerance for answer in suite.answers})
-    notes = ["Red boxes: wrong. Open markers: stopped or loose. Dotted: 40 u M, the precision of doubles. "
-             "Zeros stand in the grey band."
+    notes = ["Red boxes: wrong. Open markers: stopped or loose. Dotted: 40 u M, the precision of doubles. Zeros are in the grey band."
              + (f" Tolerance: {tolerances[0]:g}, the finest." if len(tolerances) > 1 else ""),
              "Letters: no bounds (H hung, C crashed, R refused, X no numbers; ∞ no upper bound)."]
     return stability_panels.draw(suite, families, measures, notes)

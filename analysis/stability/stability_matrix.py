@@ -124,7 +124,7 @@ def cell(family: Family, label: str) -> str:
 
 def table_of(suite: Suite) -> tables.Table:
     results, labels = suite.results, suite.labels
-    table = tables.Table("The worst that each solver comes to on each family of scenes, and at how many of its severities.",
+    table = tables.Table("The worst outcome of each solver on each family of scenes, and at how many of its severities.",
                          ["family", "severity", "scenes", *[look(*pair).title for pair in labels]], left=3 + len(labels), parts=_kinds_begin(suite))
     for kind in KINDS:
         table.rules.add(len(table.rows))
@@ -135,17 +135,17 @@ def table_of(suite: Suite) -> tables.Table:
     table.verdicts = [claim_certified(suite), claim_tight(suite), *claims_can_fail(suite)]
     unknown = sum(answer.can_be_met is None and was_run(answer) for answer in suite.answers)
     table.notes = [
-        "Tight: an answer within its tolerance whose bounds hold. Loose: the bounds hold and the solver ended by itself, but the gap is above "
-        "the tolerance, or the upper bound is infinite. Stopped: at its budget, its time limit or the precision of doubles, with bounds that hold. "
-        "Refused: an error and no bounds; 'refused it' where that is right, because the input is not legal. Wrong: bounds that leave out the "
-        "true distance, cross or are no numbers; 'converged' of a certified solver whose gap is above the tolerance; an answer to input that "
-        "is not legal; or two runs that differ. Hung: killed at the limit, without bounds. n/a: the solver does not take such shapes.",
-        f"Bounds are held against the distance in closed form, to one ulp, or else against all that certified solvers prove together. "
-        f"Solvers that are not certified may be off by {SLACK / U:.0f} u M. A gap can be met where the tolerance is at least "
-        f"{MEETABLE / U:.0f} u M (u = 2^-53, M the largest coordinate).",
+        "Tight: an answer within its tolerance whose bounds hold. Loose: the bounds hold and the solver ended by itself, but the gap is above the "
+        "tolerance, or the upper bound is infinite. Stopped: at its budget, its time limit or the precision of doubles, with bounds that hold. Refused: an "
+        "error and no bounds; 'refused it' if that is right, because the input is not legal. Wrong: bounds that leave out the true distance, cross or are "
+        "not numbers; 'converged' from a certified solver whose gap is above the tolerance; an answer to input that is not legal; or two runs that differ. "
+        "Hung: killed at the limit, without bounds. n/a: the solver does not take such shapes.",
+        "Bounds are compared with the distance in closed form, to one ulp, or else with what all certified solvers prove together. Solvers that are not "
+        f"certified may be off by {SLACK / U:.0f} u M. A gap can be met if the tolerance is at least {MEETABLE / U:.0f} u M (u = 2^-53, M the largest "
+        "coordinate).",
         f"Each had {seconds_text(results)}; tolerances: {', '.join(f'{x:g}' for x in sorted(set(results.cases.tolerance), reverse=True))}."]
-    table.notes += [f"Of {unknown:,} answers the shapes are not in the cache: whether their gap can be met is unknown, and the bounds of "
-                    "solvers that are not certified are judged by the harness alone."] * bool(unknown)
+    table.notes += [f"The shapes of {unknown:,} answers are not in the cache: whether their gap can be met is unknown, and only the harness judges the "
+                    "bounds of solvers that are not certified."] * bool(unknown)
     table.notes += [f"{family.title}: {note}." for family in suite.families if (note := note_of(suite, family))]
     table.notes.append(f"{machine_line(results)}.")
     return table

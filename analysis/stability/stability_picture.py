@@ -48,7 +48,7 @@ def draw_kind(suite: Suite, kind: str) -> Any:
 def footnote(suite: Suite) -> list[str]:
     two = any(len(family.tolerances) > 1 for family in suite.families)
     return ["Strips: severities, the mildest at the left" + ("; in each cell the coarser tolerance above the finer one" if two else "")
-            + ". Names in italics: not certified, so that bounds may be wrong."]
+            + ". Names in italics: not certified, so bounds may be wrong."]
 
 
 def legend(suite: Suite, families: Sequence[Family]) -> list[Any]:

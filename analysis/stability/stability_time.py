@@ -21,7 +21,7 @@ RESULTS_OF: Final = "stability_matrix"
 def make(results: Results) -> Report:
     suite = Suite(results)
     families = swept(suite)
-    table = tables.Table("Time to solve and counted work of each solver on each family: at the mildest severity, and the most that it takes.",
+    table = tables.Table("Time to solve and counted work of each solver on each family: at the mildest severity, and the most at any severity.",
                          ["family", "solver", "time, ms", "most, ms", "at severity", "work", "most work", "at severity", "out of time",
                           "without bounds"], left=2)
     for family in families:
@@ -29,14 +29,15 @@ def make(results: Results) -> Report:
         for pair in suite.labels_of(family.kind):
             if own := [answer for answer in family.finest(pair[1]) if answer in family.asked(pair[1])]:
                 table.rows.append([family.title, look(*pair).title, *cells(suite, own)])
-    table.notes = ["Of the finest tolerance. Time: of the first answer, structures built before it. Work: distances, bounds, nodes of "
-                   "trees and polynomial bounds together; peers count nothing. Out of time: at the limit, with bounds or without.",
+    table.notes = ["At the finest tolerance. Time: of the first answer, with structures already built. Work: distances, bounds, nodes of trees and "
+                   "polynomial bounds together; peers count nothing. Out of time: at the limit, with bounds or without.",
                    f"{machine_line(results)}."]
     records = [record(suite, family, answer) for family in families for own in family.answers.values() for answer in own.values()
                if answer in family.asked(answer.label)]
     return Report(lambda: draw(suite, choose(families, lambda family: growth(suite, family))), table, records,
                   clock="Times are wall time.",
-                  caption="Time to solve (upper frames) and counted work (lower frames) of each solver against severity, on the families where one grows the most.")
+                  caption="Time to solve (upper frames) and counted work (lower frames) of each solver against severity, on the families in which the work "
+                          "of one grows the most.")
 
 
 def ran_out_of_time(suite: Suite, answer: Answer) -> bool:

@@ -88,7 +88,8 @@ def make(results: Results) -> Report:
     variants = Variants(results)
     rows = [(label, tolerance) for label in variants.labels for tolerance in variants.tolerances
             if any((scene, label, tolerance) in variants.runs for scene in variants.scenes)]
-    table = tables.Table(f"{clock_title(results)} and counted work of all poses of a motion, two-sided: the algorithm of Tang et al. 2009 with one part changed.",
+    table = tables.Table(f"{clock_title(results)} and counted work over all poses of a motion, two-sided: the algorithm of Tang et al. 2009 with one part "
+                         "changed.",
                          ["pair", "", "tolerance", "time, ms", "subdivisions", "distances", "deepest", "time / plain", *[f"{what} / plain" for what in COUNTED]], left=2)
     records: list[tables.Record] = []
     for scene in variants.scenes:
@@ -105,12 +106,15 @@ def make(results: Results) -> Report:
             table.rows.append([style.scene_title(scene) if i == 0 else "", style.title(solver, label), f"{tolerance:g}", *cells,
                                *[tables.ratio(variants.ratio(scene, label, PLAIN, what)) if compared else tables.NOTHING for what in ("", *COUNTED)]])
     table.verdicts = verdicts(variants)
-    table.notes = ["Plain: as in the paper, tolerance 1e-4 of A's longest side; Lemma 4, which the paper offers for closed models, is off. Time is the sum over the poses of their "
-                   "medians over rounds; ratios are paired by round. Distances are those of points to triangles. Deepest: subdivisions one in another.",
-                   "Warm: each pose starts from what the one before has left. Corners alone: the three corners of a triangle of A are closest point queries of their own.",
+    table.notes = ["Plain: as in the paper, tolerance 1e-4 of A's longest side; Lemma 4, which the paper offers for closed models, is off. Time is the "
+                   "median over rounds, summed over the poses; ratios are paired by round. Distances are from points to triangles. Deepest: nested "
+                   "subdivisions.",
+                   "Warm: each pose starts from what the previous pose left. Corners alone: each of the three corners of a triangle of A is a closest point "
+                   "query of its own.",
                    f"Here: {machine_line(results)}."]
-    caption = (f"(a) {clock_title(results)} of all poses of a motion with one part of the algorithm of Tang et al. 2009 changed, in units of the plain algorithm, with the interval of the "
-               "ratio as a line; cover is another algorithm. (b) The same time, in ms, of the plain algorithm against the tolerance. The legend names the models that stand in for the paper's.")
+    caption = (f"(a) {clock_title(results)} of all poses of a motion with one part of the algorithm of Tang et al. 2009 changed, relative to the plain "
+               "algorithm, with the interval of the ratio as a line; cover is another algorithm. (b) The same time of the plain algorithm, in ms, against "
+               "the tolerance. The legend names the models that stand in for the paper's.")
     return Report(lambda: draw(variants, rows, clock_word(results)), table, records, caption=caption)
 
 

@@ -27,7 +27,8 @@ def make(results: Results) -> Report:
     groups: dict[str, list[int]] = {}
     for row in range(len(cases)):
         groups.setdefault(group(results, row), []).append(row)
-    table = tables.Table("The two-sided distance of three pairs, and the deepest pair of points of a frame of each dynamic scene (Fig. 1 of Tang et al. 2009), in percent of A's longest side.",
+    table = tables.Table("The two-sided distance of three pairs, and the deepest pair of points in one frame of each dynamic scene (Fig. 1 of Tang et al. "
+                         "2009), in percent of A's longest side.",
                          ["scene", "", "what", "pairs", "lower", "upper"], left=3)
     records: list[tables.Record] = []
     for name, rows in groups.items():
@@ -43,13 +44,12 @@ def make(results: Results) -> Report:
         records += [{"scene": name, "label": cases.label[row], "frame": int(cases.frame[row]), "source": cases.source[row], "target": cases.target[row],
                      "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "longest": float(cases.source_longest[row])} for row in rows]
     notes = dict.fromkeys(f"{cases.scene[rows[0]]}: {cases.scene_note[rows[0]]}" for rows in groups.values() if cases.scene_note[rows[0]])
-    table.notes = ["Of a frame the pair of objects that are deepest in each other. "
-                   "Tolerance 1e-4 of A's longest side.",
+    table.notes = ["For a frame: the pair of objects that penetrate each other most deeply. Tolerance 1e-4 of A's longest side.",
                    "The paper's models and motions are not public. " + "; ".join(notes) + ". The dynamic scenes were simulated with Bullet.", f"Here: {machine_line(results)}."]
-    caption = ("The two-sided distance of three pairs: green, the two points that attain it, and the line between them; and a frame of each dynamic scene, with the deepest pair of "
-               "points of every two objects that overlap, so near to each other that they look like one green dot (Fig. 1 of Tang et al. 2009). A is blue and B is beige; in a "
-               "frame, objects take turns in both colours, and objects that overlap no other one are not drawn. Other models stand in for the paper's, as the titles say; the "
-               "dynamic scenes were simulated with Bullet.")
+    caption = ("The two-sided distance of three pairs, with the two points that attain it and the line between them in green; and a frame of each dynamic "
+               "scene, with the deepest pair of points of every two objects that overlap, so close together that they look like one green dot (Fig. 1 of "
+               "Tang et al. 2009). A is blue and B is beige; in a frame, the colours alternate between objects, and objects that overlap no other are not "
+               "drawn. Other models stand in for the paper's, as the titles say; the dynamic scenes were simulated with Bullet.")
     return Report(lambda: draw(results, groups), table, records, clock=NO_TIMES, caption=caption)
 
 

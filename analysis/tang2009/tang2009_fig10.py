@@ -67,8 +67,7 @@ def memory(pairs: Pairs) -> Verdict:
 def make(results: Results) -> Report:
     pairs = Pairs(results)
     unit, scale = tables.time_unit(cell.time.value for cell in pairs.cells.values())
-    table = tables.Table(f"{total_title(results)}, {unit}, and peak memory, MB: the two-sided distance of models that lie over each other "
-                         "(Fig. 10 of Tang et al. 2009).",
+    table = tables.Table(f"{total_title(results)}, {unit}, and peak memory, MB: the two-sided distance of overlapping models (Fig. 10 of Tang et al. 2009).",
                          ["pair", "|A| / |B|", "H / longest side, %", *pairs.titles(),
                           *[f"{style.title(label)}, MB" for _, label in pairs.labels],
                           *[" / ".join(style.title(label) for label in pair) for pair in OVER],
@@ -85,9 +84,12 @@ def make(results: Results) -> Report:
                     for (_, label), cell in zip(pairs.labels, own) if cell]
     table.verdicts = verdicts(pairs)
     table.notes = ["The paper does not name its pairs. Tolerance 1e-4 of A's longest side. Guthe searches octrees, as his program did, and Tang BVHs of swept spheres, with the same kernels.",
-                   tables.coverage_note(cell.time for cell in pairs.cells.values()) + " Preparation is included, loading is not. Ratios are paired by round.", "Memory: the largest resident set after loading, less that before preparing.", f"Here: {machine_line(results)}."]
-    caption = (f"(a) {total_title(results)}, in ms, with the interval of the median as a line, and (b) peak memory, in MB: the two-sided distance of models that lie over each other "
-               "(Fig. 10 of Tang et al. 2009, which does not name its pairs). Dotted: a tenth of Guthe's time, below which the paper claims that Tang's algorithm stays.")
+                   tables.coverage_note(cell.time for cell in pairs.cells.values())
+                   + " Preparation is included, loading is not. Ratios are paired by round.",
+                   "Memory: the largest resident set after loading, less the resident set before preparing.", f"Here: {machine_line(results)}."]
+    caption = (f"(a) {total_title(results)}, in ms, with the interval of the median as a line, and (b) peak memory, in MB: the two-sided distance of "
+               "overlapping models (Fig. 10 of Tang et al. 2009, which does not name its pairs). Dotted: a tenth of Guthe's time; the paper claims that "
+               "Tang's algorithm stays below it.")
     return Report(lambda: draw(pairs, total_word(results)), table, records, caption=caption)
 
 

@@ -21,7 +21,7 @@ def make(results: Results) -> Report:
     cases = results.cases
     scenes = [results.rows(scene=scene)[0] for scene in results.scenes]
     note = dict(zip(results.models.name, results.models.note))
-    table = tables.Table("The models of Fig. 7 of Tang et al. 2009 and those that stand in for them, all of one size and centred.",
+    table = tables.Table("The models of Fig. 7 of Tang et al. 2009 and their stand-ins, all centred and of one size.",
                          ["model", "stands in", "triangles", "paper", "H of the pair, % of A's longest side"], left=2)
     records: list[tables.Record] = []
     for row in scenes:
@@ -31,7 +31,8 @@ def make(results: Results) -> Report:
                                                      (cases.source_elements[row], cases.target_elements[row]))):
             table.rows.append([name, str(model), f"{count:,}", PAPER.get(name, tables.NOTHING), f"{tables.number(low, 5)} to {tables.number(high, 5)}" if i == 0 else ""])
             records.append({"model": name, "stand_in": str(model), "triangles": int(count), "note": str(note.get(model, "")), "lower": float(cases.lower[row]), "upper": float(cases.upper[row])})
-    table.notes = ["The paper's models are not public, but for Bunny2, which has the triangles of a bunny that is. The distance is that of the pair where both are centred.",
+    table.notes = ["The paper's models are not public, except for Bunny2, which has the triangles of a public bunny. The distance is measured with both "
+                   "models of the pair centred.",
                    f"Here: {machine_line(results)}."]
     return Report(lambda: draw(results, scenes), table, records, clock=NO_TIMES)
 

@@ -29,7 +29,8 @@ def make(results: Results) -> Report:
                                tables.NOTHING if not results.is_bounded(row) else "A to B" if forward else "B to A"])
             records.append({"scene": scene, "label": cases.label[row], "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
                             "longest": float(cases.source_longest[row]), "direction": str(cases.witness_direction[row])})
-    table.notes = ["A is moved by 1.1 of its longest sides along x. Shown from: the direction whose farthest point is the witness. Tolerance 1e-4 of A's longest side.",
+    table.notes = ["A is moved along x by 1.1 times its longest side. Shown from: the direction whose farthest point is the witness. Tolerance 1e-4 of A's "
+                   "longest side.",
                    "; ".join(f"{cases.scene[row]}: {cases.scene_note[row]}" for row in shown) + ".", f"Here: {machine_line(results)}."]
     caption = ("The two-sided distance of pairs side by side (Fig. 8 of Tang et al. 2009): A is blue, B is beige, and the green line joins the two points that attain the distance. "
                "Other models stand in for the paper's, as the titles say.")

@@ -19,7 +19,7 @@ STAGES: Final[dict[str, tuple[str, style.Line]]] = {"cull on A": ("#56B4E9", "-"
 
 def make(results: Results) -> Report:
     found = tang_motion.motions(results)
-    table = tables.Table("The time of each stage of Tang's algorithm, two-sided, as a share of all poses and of the tenth of them that are nearest "
+    table = tables.Table("The time of each stage of Tang's algorithm, two-sided, as a share of the total, for all poses and for the nearest tenth of them "
                          "(Fig. 9 of Tang et al. 2009).",
                          ["pair", "|A| / |B|", "poses", "H / longest side, %", *[f"{stage}, %" for stage in STAGES], "mean, ms", f"{style.title('cover')}, mean, ms"], left=1)
     records: list[tables.Record] = []
@@ -41,13 +41,13 @@ def make(results: Results) -> Report:
                             **({"cover_seconds": float(cover.per_pose[i])} if cover and len(cover.per_pose) else {})})
     table.verdicts = [tang_motion.rising(found, "tang")]
     rounds = max(len(motion.runs["tang"].by_round) for motion in found)
-    table.notes = ["Stages are of a run of their own, which reads the clock at each change; means are of timed runs without it, "
+    table.notes = ["Stages come from a separate run, which reads the clock at each change; means come from timed runs without that, "
                    f"{f'medians over {rounds} rounds' if rounds > 1 else 'of one round'}. Finding the lists of Lemma 3 counts as culling on B.",
                    "The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
                    f"Here: {machine_line(results)}."]
-    caption = (f"Top: {clock_word(results)}, in ms, of each stage of Tang's algorithm, two-sided, by frame, and of cover in all; a stage takes next to no time where it is below the axis. "
-               "Bottom: the two-sided distance (Fig. 9 of Tang et al. 2009). Stages are of a run of their own, and cover's line is the median over rounds. Titles name the pair, the "
-               "triangles of A / B, and the models that stand in for the paper's.")
+    caption = (f"Top: {clock_word(results)}, in ms, of each stage of Tang's algorithm, two-sided, by frame, and of cover in total; a stage below the axis "
+               "takes next to no time. Bottom: the two-sided distance (Fig. 9 of Tang et al. 2009). Stages come from a separate run, and cover's line is "
+               "the median over rounds. Titles name the pair, the triangles of A / B, and the models that stand in for the paper's.")
     return Report(lambda: draw(found, clock_word(results)), table, records, caption=caption)
 
 

@@ -136,7 +136,8 @@ def cells_of(one: Search) -> list[str]:
 
 def make(results: Results) -> Report:
     matrix, missing = matrix_beside(results)
-    table = tables.Table("The nearest of all shapes, found by a search: each target's cutoff is the least upper bound before it. Counted work against the full matrix.",
+    table = tables.Table("The nearest of all shapes, found by a search: each target's cutoff is the least upper bound so far. Counted work against the full "
+                         "matrix.",
                          ["", "shape", "nearest", "H, %", "as in the matrix", "cut off", *[cell for what in MEASURES for cell in (f"{what}, matrix", "search", "ratio")]], left=3)
     records, every, judged = list[tables.Record](), dict[str, list[Search]](), list[Verdict]()
     for solver, label in style.order(zip(results.cases.solver, results.cases.label)):
@@ -155,8 +156,8 @@ def make(results: Results) -> Report:
                            f"{sum(one.found.cut_off() for one in found)} of {sum(len(one.found.rows) for one in found)}",
                            *[cell for whole, part in sums for cell in (f"{whole:,}", f"{part:,}", tables.number(whole / part if part else float("nan")))]])
     table.verdicts = judged
-    table.notes = ["Cut off: the lower bound is above the least upper bound so far. The matrix counts without its diagonal; so does the search. Shapes with an answer "
-                   "missing in either have no ratio, and do not count in the sums. The first target of each shape has no cutoff.",
+    table.notes = ["Cut off: the lower bound is above the least upper bound so far. The diagonal is not counted, in the matrix or in the search. Shapes "
+                   "with an answer missing in either have no ratio and are left out of the sums. The first target of each shape has no cutoff.",
                    *([f"No matrix to compare with: {missing}."] if missing else []), f"Here: {machine_line(results)}."]
     return Report(lambda: draw(every), table, records, clock=NO_TIMES)
 

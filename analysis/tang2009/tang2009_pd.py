@@ -59,8 +59,10 @@ def make(results: Results) -> Report:
     printed = paper_numbers(results.stem)
     papers = {str(row["scene"]): float(row["average"]) for row in printed["row"]}
     found = tang_depth.recorded(results, LABELS)
-    table = tables.Table("The penetration depth in dynamic scenes, and what it costs a frame: the mean over the frames in which objects overlap (Tang et al. 2009, section 7.3).",
-                         ["scene", "", "frames", "pairs a frame", "parts", "depth, %", "largest", "triangles", "cutting, ms", "measuring, ms", "both, ms"], left=2)
+    table = tables.Table("The penetration depth in dynamic scenes, and its cost per frame: the mean over the frames in which objects overlap (Tang et al. "
+                         "2009, section 7.3).",
+                         ["scene", "", "frames", "pairs "
+                                                 "per frame", "parts", "depth, %", "largest", "triangles", "cutting, ms", "measuring, ms", "both, ms"], left=2)
     records: list[tables.Record] = []
     for name in dict.fromkeys(scene.name for scene in found):
         table.rules.add(len(table.rows))
@@ -73,9 +75,11 @@ def make(results: Results) -> Report:
     table.verdicts = verdicts(found, papers)
     table.notes = ["Depths are in percent of the first object's longest side (median and largest over the pairs); parts of the common volume, and triangles on both sides of "
                    "them, are means over the pairs. Tolerance 1e-4 of the longest side.",
-                   "The paper's scenes are not public: ours were simulated with Bullet. Contacts are rigid, as in the paper's engine; in the soft scenes they are springs, so that objects "
-                   "overlap far deeper. Cutting is CGAL's corefinement of both whole meshes; the paper finds the triangles inside by flood fill, and does not say whether its times have it.",
-                   "Times are of one run of each pair, in the order of the frames; the interval is Student's, from eight runs of consecutive frames. It covers how the scene changes, too.",
+                   "The paper's scenes are not public: ours were simulated with Bullet. Contacts are rigid, as in the paper's engine; in the soft scenes "
+                   "they are springs, so objects overlap far more deeply. Cutting is CGAL's corefinement of both whole meshes; the paper finds the "
+                   "triangles inside by flood fill, and does not say whether its times include that.",
+                   "Times are from one run of each pair, in the order of the frames; the interval is Student's, over eight groups of consecutive frames. It "
+                   "also covers how the scene changes.",
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
     rows = results.rows(scene=FIGURE, label="each part")
     return Report(lambda: draw(results, rows[0] if rows else None, found, papers), table, records,
@@ -85,9 +89,10 @@ def make(results: Results) -> Report:
 def caption(names: list[str], papers: dict[str, float]) -> str:
     """Returns the caption of the figure."""
     mean = f" Dotted: the mean that the paper prints ({', '.join(name for name in names if name in papers)}); the paper does not say whether that includes cutting."
-    return ("(a) The volume that two solids A and B have in common, in separate parts. (b) Each part, enlarged and moved beside the others, with the points of its penetration depth, which "
-            "a green line joins. The other panels: wall time, in ms, to measure the depths of all pairs of a frame, without cutting, in each dynamic scene, which was simulated with "
-            f"Bullet because the paper's are not public (Tang et al. 2009, section 7.3).{mean if papers else ''}")
+    return ("(a) The volume that two solids A and B have in common, in separate parts. (b) Each part, enlarged and moved next to the others, with the "
+            "points of its penetration depth joined by a green line. The other panels: wall time, in ms, to measure the depths of all pairs of a frame, "
+            "without cutting, in each dynamic scene, simulated with Bullet because the paper's scenes are not public (Tang et al. 2009, section "
+            f"7.3).{mean if papers else ''}")
 
 
 def cells(scene: Scene) -> list[str]:
@@ -118,7 +123,7 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
             ax.set_visible(False)
             continue
         tang_pictures.draw_common_volume(ax, results, shown, VIEW, close)
-        ax.set_title("(b) each part enlarged, and its deepest pair" if close else "(a) what of A lies in B (dark blue), and of B in A (light red)", y=-0.08)
+        ax.set_title("(b) each part enlarged, and its deepest pair" if close else "(a) A inside B (dark blue) and B inside A (light red)", y=-0.08)
     for ax, name in zip(np.atleast_1d(lower.subplots(1, max(1, len(names)))), names):
         for scene in (scene for scene in found if scene.name == name):
             looks = style.look(scene.label)
@@ -128,7 +133,7 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
         ax.set(title=name, xlabel="frame", yscale="log")
         scales.log_ticks(ax.yaxis)
     if names:
-        lower.axes[0].set_ylabel("measuring (ms a frame)")
+        lower.axes[0].set_ylabel("measuring (ms per frame)")
     entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.title(label)) for label in LABELS]
     paper = plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, label="the paper's mean time of a frame")
     between.legend(handles=[*entries, paper], loc="center", ncol=3)

@@ -113,7 +113,7 @@ def make(results: Results) -> Report:
     matrix = matrix_of(results, SOLVER)
     if len(matrix.names) < 2:
         raise ResultError(f"{results.path}: no rows of '{SOLVER}': measure them with 'make {results.stem}'")
-    table = tables.Table("Shapes by their two-sided distance, all of one size and centred, none turned; in percent of the diagonal.",
+    table = tables.Table("Shapes by their two-sided distance, in percent of the diagonal; all are centred and of one size, none is rotated.",
                          ["shape", "family", "nearest", "H", "second", "H", "third", "H", "same family"], left=3)
     middle, records = matrix.middle, list[tables.Record]()
     for i, (name, others) in enumerate(zip(matrix.names, nearest(matrix))):
@@ -121,8 +121,8 @@ def make(results: Results) -> Report:
         table.rows.append([name, family(name), *cells, *[tables.NOTHING] * (6 - len(cells)), "yes" if family(matrix.names[others[0]]) == family(name) else "no"])
         records += [{"source": name, "target": matrix.names[j], "lower": float(matrix.lower[i, j]), "upper": float(matrix.upper[i, j])} for j in range(len(matrix.names))]
     table.verdicts = verdicts(matrix)
-    table.notes = [f"{len(matrix.names)} shapes, {len(matrix.names)**2} distances, each shape prepared once. Tolerance 1e-3 of the diagonal. Families are our judgement; "
-                   "shapes are not turned to fit each other, so that two of one family that stand differently are far apart.",
+    table.notes = [f"{len(matrix.names)} shapes, {len(matrix.names)**2} distances, each shape prepared once. Tolerance 1e-3 of the diagonal. Families are "
+                   "our judgement; shapes are not rotated to fit each other, so two of one family in different orientations are far apart.",
                    f"Here: {machine_line(results)}."]
     return Report(lambda: draw(matrix), table, records, clock=NO_TIMES)
 

@@ -56,16 +56,17 @@ def make(results: Results) -> Report:
                                tables.NOTHING, tables.NOTHING])
     table.verdicts = verdicts(found)
     table.notes = ["The paper's models are not public. " + "; ".join(f"{motion.scene}: {motion.note}" for motion in found) + ".",
-                   "A starts three of its longest sides away. Tolerance 1e-4 of A's longest side: the paper gives 1e-4 without a unit, so that choice is ours. "
-                   "Structures are built once, before; a motion of B, as the second direction has it, is undone by one of A.",
-                   "Culled on A: the share of A's triangles that are settled before culling on B; culled on B: the share of B's triangles that one of A that is left is not "
-                   "measured against. Both are means over poses and directions. Deepest: subdivisions one in another. Queries: closest points looked for at a pose.",
-                   "The mean over the poses is one number a round (a fresh process that answers all poses), with its interval over rounds from six on; "
-                   "least and most are of the poses' medians. Warm: from what the pose before has left.",
+                   "A starts three times its longest side away. Tolerance 1e-4 of A's longest side: the paper gives 1e-4 without a unit, so that choice is "
+                   "ours. Structures are built once, before the motion; in the second direction B moves, which is replaced by the inverse motion of A.",
+                   "Culled on A: the share of A's triangles settled before culling on B; culled on B: the share of B's triangles that a remaining triangle "
+                   "of A is not measured against. Both are means over poses and directions. Deepest: nested subdivisions. Queries: closest point queries at "
+                   "a pose.",
+                   "The mean over the poses is one number per round (a fresh process that answers all poses), with its interval over rounds from six on; "
+                   "least and most are among the poses' medians. Warm: from what the previous pose left.",
                    f"Paper: {printed['machine']}.", f"Here: {machine_line(results)}."]
-    caption = (f"{clock_title(results)}, in ms, of the two-sided distance at a pose against the distance, while A is translated towards B: the motion goes from left to right "
-               "(Table 2 of Tang et al. 2009). Dashed: warm, from what the pose before has left. Markers: every tenth pose. Titles name the pair, the triangles of A / B, and the models "
-               "that stand in for the paper's.")
+    caption = (f"{clock_title(results)}, in ms, of the two-sided distance at a pose against the distance, while A is translated towards B: the motion goes "
+               "from left to right (Table 2 of Tang et al. 2009). Dashed: warm, from what the previous pose left. Markers: every tenth pose. Titles name "
+               "the pair, the triangles of A / B, and the models that stand in for the paper's.")
     return Report(lambda: draw(found, clock_word(results)), table, records, caption=caption)
 
 

@@ -124,7 +124,7 @@ def labels_of(found: Sequence[Motion]) -> list[tuple[str, str]]:
 def each(claim: str, values: Sequence[float], most: float, what: str, scale: float = 1.0) -> Verdict:
     """Judges a claim that each of some numbers, which are known exactly, is at most `most`."""
     if not values or not all(map(math.isfinite, values)):
-        return Verdict(claim, UNTESTED if not any(map(math.isfinite, values)) else OPEN, f"a number is missing of {len(values)} {what}")
+        return Verdict(claim, UNTESTED if not any(map(math.isfinite, values)) else OPEN, f"a number is missing among {len(values)} {what}")
     over = sum(value > most for value in values)
     return Verdict(claim, FAILS if over else HOLDS, f"{tables.number(scale * min(values))} to {tables.number(scale * max(values))} on {len(values)} {what}"
                    + (f", more on {over}" if over else ""), ratio=Ratio(math.nan, *(most / x if x else math.inf for x in (max(values), min(values)))))
@@ -200,7 +200,8 @@ def subdivided(found: Sequence[Motion], label: str) -> Verdict:
         return Verdict(claim, UNTESTED, "no pair with counted subdivisions at every pose")
     more, less = sum(low >= AIM_OF_SUBDIVIDING for low, _ in known), sum(high < AIM_OF_SUBDIVIDING for _, high in known)
     most, pairs = [high for _, high in known], sum(label in motion.runs for motion in found)
-    evidence = f"at most {tables.number(100 * min(most))} to {tables.number(100 * max(most))} % on {len(known)} of {pairs} pairs; more than 1 % for certain on {more}"
+    evidence = (f"at most {tables.number(100 * min(most))} to {tables.number(100 * max(most))} % on {len(known)} of {pairs} pairs; "
+                f"certainly more than 1 % on {more}")
     return Verdict(claim, FAILS if more else HOLDS if less == pairs else OPEN, evidence,
                    ratio=Ratio(math.nan, *(AIM_OF_SUBDIVIDING / x if x else math.inf for x in (max(most), min(most)))))
 

@@ -61,7 +61,8 @@ def make(results: Results) -> Report | None:
     if len(found) < 2 or len(next(iter(found.values()))) < 2:
         return None
     cases = len(next(iter(found.values())))
-    table = tables.Table(f"{results.meta.get('title') or results.stem}: the share of the {cases} cases, as far as it takes their shapes, that each solver answers within a factor of the fastest.",
+    table = tables.Table(f"{results.meta.get('title') or results.stem}: the share of the {cases} cases that each solver answers within a factor of the "
+                         "fastest, among those whose shapes it takes.",
                          ["solver", "cases", *[f"within {factor:g}" for factor in SHOWN], "answered"], left=1)
     records: list[tables.Record] = []
     for pair, values in found.items():

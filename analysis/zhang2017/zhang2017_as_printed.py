@@ -116,7 +116,7 @@ def direction(results: Results, label: str) -> str:
 def make(results: Results) -> Report:
     scenes = results.scenes
     labels = [label for label in LOOKS if len(results.rows(label=label))]
-    table = tables.Table("Wrong answers of the algorithms of Zhang et al. 2017 as they are printed, and as mended.",
+    table = tables.Table("Wrong answers of the algorithms of Zhang et al. 2017, as printed and as mended.",
                          ["clouds", "solver", "poses", "seeds", "answers", "wrong", "share wrong, %", "95 %",
                           "answer / h, worst"],
                          left=2)
@@ -142,20 +142,20 @@ def make(results: Results) -> Report:
                          "why": results.cases.reason[row]} for row in rows]
     notes = {results.cases.scene[row]: results.cases.scene_note[row] for row in range(len(results.cases))}
     table.verdicts = [exactness(results, label) for label in labels]
-    table.notes = ["Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper "
-                   "bound below a certified lower bound of NAIVEHDD ('unsound'). Answers at neighbouring poses are "
-                   f"alike: 95 % is of the bootstrap over blocks of {BLOCK} poses, and where no answer is wrong, of Clopper "
-                   "and Pearson with a block as one trial. What is mended is not refuted where the blocks leave no rate as "
-                   "high as that of the printed variant on the same poses and seeds.",
+    table.notes = ["Wrong: the harness shows that the lower bound is above the distance at its witness, or the upper bound below a certified lower bound of "
+                   f"NAIVEHDD ('unsound'). Answers at neighbouring poses are alike, so 95 % is from the bootstrap over blocks of {BLOCK} poses, and if no "
+                   "answer is wrong, from Clopper and Pearson with a block as one trial. A mended solver is not refuted if the blocks rule out a rate as "
+                   "high as the printed variant's on the same poses and seeds.",
                    "As printed: OHD culls points in a cell whose side is the first lower bound (its points may be "
                    f"sqrt 3 times that apart){direction(results, 'ohd_as_printed')}; NOHD leaves the loop of Algorithm 5 "
                    f"without cmin = 0{direction(results, 'nohd_as_printed')}.",
-                   "Seeds: of the sample that OHD begins with. NOHD leaves nothing to chance; its trials are the poses.",
+                   "Seeds: of OHD's first sample. NOHD uses no random numbers; its trials are the poses.",
                    *[f"{scene}: {notes[scene]}." for scene in scenes], f"Here: {machine_line(results)}."]
     shown = [scene for scene in scenes if any(wrong(results, results.rows(scene=scene, label=label)) for label in PRINTED.values())]
     without = ", ".join(scene for scene in scenes if scene not in shown)
-    caption = ("Wrong answers of the algorithms of Zhang et al. 2017 as they are printed, by the shift between the clouds: above, the share of the seeds, in percent; below, each "
-               f"wrong answer as a multiple of the distance h.{f' Not drawn, because no answer is wrong there: {without}.' if without and shown else ''}")
+    caption = ("Wrong answers of the algorithms of Zhang et al. 2017 as printed, by the shift between the clouds: above, the share of the seeds, in "
+               "percent; below, each wrong answer as a multiple of the distance "
+               f"h.{f' Not drawn, because no answer is wrong there: {without}.' if without and shown else ''}")
     return Report(lambda: draw(results, shown or scenes), table, records, clock=NO_TIMES, caption=caption)
 
 

@@ -31,7 +31,7 @@ def make(results: Results) -> Report:
     cases, printed = results.cases, paper_numbers("zhang2017_table3")
     papers = {row["scene"]: row for row in printed["row"]}
     scenes = results.scenes
-    table = tables.Table("The six pairs of Table 3 of Zhang et al. 2017 (their Fig. 12), and where their distance is.",
+    table = tables.Table("The six pairs of Table 3 of Zhang et al. 2017 (their Fig. 12), and their witnesses.",
                          ["pair", "stands in", "|A| / |B|", "paper: |A| / |B|", "h(A, B)", "h / diagonal of A", "α",
                           "chosen", "witness on A", "witness on B"], left=2)
     records: list[tables.Record] = []
@@ -59,10 +59,9 @@ def make(results: Results) -> Report:
                            for i, axis in enumerate("xyz")},
                         **told, **results.facts(row)})
     table.verdicts = [all_of(claims.of("hausbench", "same_sizes"), unlike, len(scenes), len(papers), "pairs")]
-    table.notes = ["α: overlap of the boxes as a fraction of the smaller one, by which the framework chose. "
-                   "Witnesses: number of the point. In the picture: the source A, the target B, and the line between "
-                   f"the witnesses, seen from a direction in which it is not shortened; at most {MOST:,} points of a "
-                   "set are drawn.",
+    table.notes = ["α: overlap of the boxes as a fraction of the smaller one, by which the framework chose a solver. Witnesses: number of the point. In the "
+                   "picture: the source A, the target B, and the line between the witnesses, seen from a direction in which it is not shortened; at most "
+                   f"{MOST:,} points of a set are drawn.",
                    f"Here: {machine_line(results)}."]
     caption = ("The six pairs of Table 3 of Zhang et al. 2017 (their Fig. 12): the source A, the target B, and the line from the witness on A to its nearest "
                "point of B, whose length is h. Titles name the shapes that stand in for the paper's, and the numbers of points |A| / |B|.")

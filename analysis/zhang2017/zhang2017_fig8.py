@@ -33,8 +33,8 @@ def build_by_depth(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
 SPEC = zhang_sweep.Spec(
     "NOHD against the depth of its octree, on normal clouds that lie apart (Fig. 8 of Zhang et al. 2017).",
     "depth", "depth of the octree", lambda value: f"{value:g}", 6.0, verdicts, (),
-    "Ratios are paired by rounds in which the depths took turns. Greater than 6 is read at the greatest depth, "
-    "smaller than 5 at depth 1. The octree is built to the depth asked, as in the paper.")
+    "Ratios are paired by rounds in which the depths took turns. Greater than 6 is judged at the greatest depth, smaller than 5 at depth 1. The octree is "
+    "built to the requested depth, as in the paper.")
 
 
 def make(results: Results) -> Report:

@@ -53,7 +53,7 @@ def culled(results: Results, cell: Cell) -> float:
 SPEC = zhang_sweep.Spec(
     "OHD against the size of its first sample, on normal clouds that overlap (Fig. 9 of Zhang et al. 2017).",
     "lambda", "points of A in the first sample, λ |A|: λ", text_of, RECOMMENDED, verdicts, (("culled, %", culled),),
-    "Each n is a seed of the sample, by its median. The line marks the 1/100 that the paper recommends.")
+    "n counts the seeds of the sample, each by its median. The line marks the 1/100 that the paper recommends.")
 
 
 def make(results: Results) -> Report:

@@ -68,7 +68,7 @@ def verdict(workload: str, spots: list[Spot]) -> Verdict:
     claim = claims.of("hausbench", "inc_memory", workload)
     known = [spot for spot in spots if "inc" in spot.cells and spot.cells["inc"].peak > 0]
     if not known:
-        return Verdict(claim, UNTESTED, "no memory known of INC")
+        return Verdict(claim, UNTESTED, "the memory of INC is unknown")
     largest = max(known, key=lambda spot: spot.points)
     own, rivals = largest.cells["inc"].peak, {label: cell for label, cell in largest.cells.items() if label != "inc"}
     others = {label: cell.peak for label, cell in rivals.items() if cell.peak >= 0}
@@ -124,7 +124,7 @@ def make(results: Results) -> Report:
     table = tables.Table("Peak memory to prepare and solve, MiB, of exact directed distances between point sets.",
                          ["workload", "|A| + |B|", "the points themselves",
                           *[style.title(label) for label in labels],
-                          "INC, bytes a point", "INC's queues, MiB"], left=1)
+                          "INC, bytes per point", "INC's queues, MiB"], left=1)
     records: list[tables.Record] = []
     for workload in workloads:
         table.rules.add(len(table.rows))
@@ -149,10 +149,9 @@ def make(results: Results) -> Report:
     notes = {scene.partition(", ")[0]: str(note)
              for scene, note in zip(results.cases.scene, results.cases.scene_note)}
     table.verdicts = [judge(workload, [s for s in spots if s.workload == workload]) for judge in (verdict, almost_linear) for workload in workloads]
-    table.notes = ["Peak: resident set less that before preparing, so the points themselves are not in it; in pages "
-                   "of 4 KiB, and 0 where what loading left free was enough: below 1 MiB (grey) it says little. The "
-                   "exponent is of the least squares line through the logarithms of what is above. Zhang et al. print "
-                   "no memory: the claim is what INC's queue for every entry of its heap suggests.",
+    table.notes = ["Peak: the resident set less the resident set before preparing, so without the points themselves; in pages of 4 KiB, and 0 if the memory "
+                   "left free by loading was enough, so it says little below 1 MiB (grey). The exponent is of the least squares line through the logarithms "
+                   "of the peaks above that. Zhang et al. print no memory: INC's queue for every entry of its heap suggests the claim.",
                    *[f"{workload}: {notes[workload]}." for workload in workloads], f"Here: {machine_line(results)}."]
     return Report(lambda: draw(spots, workloads, labels), table, records, clock=NO_TIMES)
 

@@ -83,8 +83,8 @@ def collect(results: Results) -> list[Step]:
 def make(results: Results) -> Report:
     steps = collect(results)
     scenes = list(dict.fromkeys(step.scene for step in steps))
-    table = tables.Table("Inner steps of EARLYBREAK for a point of A, as Eqs. 4 to 7 of Zhang et al. 2017 expect them, "
-                         "and counted.", ["pair", "shift", "h(A, B)", "counted", "1/mean p (Eq. 7, c = 1)",
+    table = tables.Table("Inner steps of EARLYBREAK per point of A: expected by Eqs. 4 to 7 of Zhang et "
+                         "al. 2017, and counted.", ["pair", "shift", "h(A, B)", "counted", "1/mean p (Eq. 7, c = 1)",
                                       "counted / (1/mean p)",
                                       "mean of 1/p", "counted / mean of 1/p"], left=1)
     records: list[tables.Record] = []
@@ -100,12 +100,10 @@ def make(results: Results) -> Report:
                             "counted_high": step.counted.high,
                             "expected": step.expected, "by_point": step.by_point, "c": step.c})
     table.verdicts = [verdict for scene in scenes for verdict in verdicts([step for step in steps if step.scene == scene])]
-    table.notes = [f"Counted: distances computed / |A|; medians of {max((s.counted.n for s in steps), default=0)} "
-                   "seeds with order-statistic intervals. 1/mean p: the mean is the share of all pairs that are "
-                   "nearer than h, as if cmax were h from the start. Mean of 1/p: the same for each point of A on its "
-                   "own, drawn without replacement, then averaged: 1/p of an average is less than the average of 1/p, "
-                   f"which Eq. 6 passes over. Of A at most {MOST:,} points are looked at. A dash: the points are "
-                   "not in datasets/cache.",
+    table.notes = [f"Counted: distances computed / |A|; medians of {max((s.counted.n for s in steps), default=0)} seeds with order-statistic intervals. "
+                   "1/mean p: the mean is the share of all pairs that are nearer than h, as if cmax were h from the start. Mean of 1/p: the same for each "
+                   "point of A separately, drawn without replacement, then averaged: 1/p of an average is less than the average of 1/p, which Eq. 6 "
+                   f"ignores. At most {MOST:,} points of A are looked at. A dash: the points are not in datasets/cache.",
                    f"Here: {machine_line(results)}."]
     return Report(lambda: draw(steps, scenes), table, records, clock=NO_TIMES)
 
@@ -140,7 +138,7 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
             ax.plot(step.shift, step.counted.value, **style.filled_marker(counted))
         ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene + (f"\n(stand-in: {STAND_INS[scene]})" if scene in STAND_INS else ""))
         scales.log_ticks(ax.yaxis)
-    axes[0][0].set_ylabel("inner steps for a point of A")
+    axes[0][0].set_ylabel("inner steps per point of A")
     entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,
                           **{**style.filled_marker(counted), "linestyle": "-"}),
                *[plt.Line2D([], [], label=looks.entry, color=looks.colour, linestyle=looks.line, linewidth=0.9)

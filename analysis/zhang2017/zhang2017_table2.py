@@ -28,10 +28,10 @@ def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[st
 SPEC = zhang_pairs.Spec(
     "OHD with and without culling, on normal clouds that overlap (Table 2 of Zhang et al. 2017).",
     "ohd_without_culling", "ohd", "culling", "culling", ("ohd_as_printed", "scan"),
-    ["The paper says \"the same data sets\" as in its Table 1, which lie apart, where nothing can be culled: here half "
-     "a standard deviation lies between the centres.",
-     "The paper's times are of its unsafe rule (cells of side AHD, column 'ohd as printed'); ours of the exact one "
-     "(cells of diagonal AHD). 'unsound': its answer was shown to be wrong."], extra)
+    ["The paper says \"the same data sets\" as in its Table 1, which lie apart, so that nothing can be culled; here the centres are half a standard "
+     "deviation apart.",
+     "The paper's times are for its unsafe rule (cells of side AHD, column 'ohd as printed'), ours for the exact one (cells of diagonal AHD). 'unsound': "
+     "the answer was shown to be wrong."], extra)
 
 
 def make(results: Results) -> Report:

@@ -51,8 +51,8 @@ def what_it_saves(grid: Grid, papers: dict[str, dict[str, Any]]) -> str:
         saved = [[grid.ratio(scene, slow, "adaptive", what).value for scene in grid.scenes]
                  for what in ("distances", "distances, bounds and nodes", "")]
         if np.isfinite(saved).any():
-            parts.append(f"{style.title(slow)} computes {span(saved[0])} times the distances of the framework, does "
-                         f"{span(saved[1])} times its distances, bounds and nodes, and takes {span(saved[2])} times its time.")
+            parts.append(f"{style.title(slow)} computes {span(saved[0])} times as many distances as the framework, {span(saved[1])} times as many distances, "
+                         f"bounds and nodes, and takes {span(saved[2])} times as long.")
     return " ".join(parts)
 
 
@@ -82,8 +82,8 @@ def make(results: Results) -> Report:
     grid.scenes.sort(key=lambda s: list(papers).index(s) if s in papers else len(papers))
     unit, scale = tables.time_unit(cell.time.value for cell in grid.cells.values())
     table = tables.Table(
-        f"{total_title(results)}, {unit}, of exact directed Hausdorff "
-        "distances between point sets, measured here and as printed in Table 3 of Zhang et al. 2017; and the work counted.",
+        f"{total_title(results)}, {unit}, of exact directed Hausdorff distances between point sets, measured here and as printed in Table 3 of Zhang et al. "
+        "2017, with the counted work.",
         ["scene", "", "|A| / |B|", *grid.titles(),
          *[ratio_title(*pair) for pair in RATIOS]], left=2, parts=(2, 3 + len(grid.titles())))
     records: list[tables.Record] = []
@@ -95,7 +95,7 @@ def make(results: Results) -> Report:
         for what, names in MEASURES.items():
             table.rows.append(["", what, "", *[count_text(cell, names) for cell in own],
                                *[tables.ratio(grid.ratio(scene, *pair, what)) for pair in RATIOS]])
-        table.rows.append(["", "ns a distance", "", *[tables.number(nanoseconds(cell)) for cell in own],
+        table.rows.append(["", "ns per distance", "", *[tables.number(nanoseconds(cell)) for cell in own],
                            *[tables.NOTHING] * len(RATIOS)])
         if paper:
             table.rows.append(["", "paper", f"{paper['source_elements']:,} / {paper['target_elements']:,}",
@@ -117,10 +117,8 @@ def make(results: Results) -> Report:
     table.verdicts = [*[faster(grid, slow) for slow, fast in RATIOS if fast == "adaptive"], all_pairs(grid)]
     table.notes = [what_it_saves(grid, papers), *table.notes]
     table.notes += [tables.coverage_note(cell.time for cell in grid.cells.values())
-                    + " Where a solver was run with several seeds, n counts them, each by its median. Preparation "
-                    "(trees) is included, loading is not.",
-                    "Distances, bounds and nodes are counted by the solvers (the k-d tree counts distances alone); the "
-                    "counts of solvers with seeds are medians.",
+                    + " If a solver was run with several seeds, n counts them, each by its median. Preparation (trees) is included, loading is not.",
+                    "The solvers count distances, bounds and nodes (the k-d tree counts only distances); the counts of solvers with seeds are medians.",
                     f"Here: {machine_line(results)}. Paper: {printed['machine']}.",
                     "A dash: not part of the experiment, or not in the paper."]
     beside = "open, printed in the paper" if tests_claims(results) else "the paper's times are not shown, because these pairs are smaller"

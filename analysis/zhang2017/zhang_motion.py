@@ -275,12 +275,12 @@ def make(results: Results) -> Report:
     reused = [f"{motion.scene}: {'; '.join(motion.reuse())}." for motion in motions if motion.reuse()]
     counts = sorted({motion.time(p, label).n for motion in motions for p in motion.poses for label in p.rows} - {0})
     table.verdicts = [verdict for motion in motions for verdict in motion.verdicts()]
-    table.notes = ["A ratio is the median over the poses of a kind, one number a round (a fresh process that answers all "
-                   f"poses); brackets: over n = {' or '.join(map(str, counts))} rounds (at least 95 % from six on). Counted work is exact, or one number a "
-                   "seed: one seed (n = 1) separates nothing. "
-                   "Times, and the poses of the peak (by counted work), are of the first seed. α: overlap of the boxes, as a fraction of the smaller one.",
-                   "Structures are built once in A's frame and serve every pose; their building is not in these "
-                   "times. " + (" ".join(reused) or "What this saved was not recorded."),
+    table.notes = ["A ratio is the median over the poses of a kind, one number per round (a fresh process that answers all poses); brackets: over n = "
+                   f"{' or '.join(map(str, counts))} rounds (at least 95 % from six on). Counted work is exact, or one number per seed: one seed (n = 1) "
+                   "separates nothing. Times, and the poses of the peak (by counted work), are those of the first seed. α: overlap of the boxes, as a "
+                   "fraction of the smaller one.",
+                   "Structures are built once in A's frame and serve every pose; building them is "
+                   "not in these times. " + (" ".join(reused) or "The time that this saved was not recorded."),
                    f"Here: {machine_line(results)}."]
     return Report(lambda: draw(motions, labels, reused, clock), table, records, caption=figure_caption(caption, motions, clock))
 

@@ -94,11 +94,10 @@ def make(spec: Spec, results: Results) -> Report:
                             **{f"{what}, ratio": x.value for what, x in pair.counted.items()},
                             **{header: value for header, _, value in extra}, **cell.counters})
     table.verdicts = verdicts_of(spec, pairs)
-    table.notes = [f"Ratio: without / with {spec.part}; paired by {unit_of(pairs)}. Distances, bounds and nodes are counted "
-                   "by the solver, and the same on every machine; of a solver with a seed they are of its seeds, and one "
-                   "seed is one draw.", what_it_saves(spec, pairs),
+    table.notes = [f"Ratio: without / with {spec.part}; paired by {unit_of(pairs)}. The solver counts distances, bounds and nodes, which are the same on "
+                   "every machine; for a solver with a seed they depend on it, and one seed is one draw.", what_it_saves(spec, pairs),
                    tables.coverage_note(cell.time for pair in pairs for cell in pair.cells.values())
-                   + " Where a solver was run with several seeds, n counts them." * has_seeds(pairs),
+                   + " If a solver was run with several seeds, n counts them." * has_seeds(pairs),
                    *spec.notes,
                    f"Here: {machine_line(results)}. Paper: {printed['machine']}; {printed['what']}."]
     caption = (f"{spec.caption} (a) {total_title(results)}, in seconds, by the number of points. (b) Time without / with {spec.part} on each pair of the paper's table. "
@@ -112,9 +111,8 @@ def has_seeds(pairs: list[Pair]) -> bool:
 
 def unit_of(pairs: list[Pair]) -> str:
     if has_seeds(pairs):
-        return "seeds, of each the median of its rounds, in which the solvers took turns"
-    return ("rounds in which the solvers took turns. The structure that both are prepared with is the same, so both are given "
-            "the shorter of its two times in each round")
+        return "seeds, each by the median of its rounds, in which the solvers took turns"
+    return ("rounds in which the solvers took turns. Both are prepared with the same structure, so both get the shorter of its two times in each round")
 
 
 def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
@@ -133,14 +131,14 @@ def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
     """Says how much work and how much time the part saves: medians over the pairs."""
     known = [pair for pair in pairs if pair.ratio.n and all(x.n for x in pair.counted.values())]
     if not known:
-        return f"What {spec.part} saves in work is not known from these rows."
+        return f"These rows do not say how much work {spec.part} saves."
     work, time = ([1 - 1 / x for x in values] for values in
                   ([pair.counted["distances, bounds and nodes"].value for pair in known],
                    [pair.ratio.value for pair in known]))
     cost = [1e9 * pair.time(spec.with_it).value / pair.cells[spec.with_it].count(WORK) for pair in known]
-    return (f"Over these pairs, {spec.part} saves {tables.number(100 * float(np.median(work)), 2)} % of the distances, "
-            f"bounds and nodes, and this machine makes {tables.number(100 * float(np.median(time)), 2)} % less time of it "
-            f"(medians); one of them costs {tables.number(float(np.median(cost)), 2)} ns, preparation included.")
+    return (f"Over these pairs, {spec.part} saves {tables.number(100 * float(np.median(work)), 2)} % of the distances, bounds and nodes, and takes "
+            f"{tables.number(100 * float(np.median(time)), 2)} % less time on this machine (medians); one of them costs "
+            f"{tables.number(float(np.median(cost)), 2)} ns, preparation included.")
 
 
 def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str], clock: str) -> Any:

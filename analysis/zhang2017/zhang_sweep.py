@@ -117,8 +117,8 @@ def make(spec: Spec, results: Results) -> Report:
     table.notes = [tables.coverage_note(cell.time for cell in sweep.cells.values()) + " " + spec.note
                    + "",
                    f"Here: {machine_line(results)}."]
-    caption = (f"{spec.caption} (a) {total_title(results)}, in seconds, with the interval of the median as a bar. (b) The same in units of the least time of each pair"
-               f"{'' if from_zero(sweep) else '; the axis does not begin at 0'}.")
+    caption = (f"{spec.caption} (a) {total_title(results)}, in seconds, with the interval of the median as a bar. (b) The same relative to the least time of "
+               f"each pair{'' if from_zero(sweep) else '; the axis does not begin at 0'}.")
     return Report(lambda: draw(sweep), table, records, caption=caption)
 
 

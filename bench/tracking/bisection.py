@@ -78,12 +78,12 @@ def case_named(name: str, experiment: Path) -> Case:
     """Returns the case. Raises ValueError unless exactly one case has the name."""
     known = cases(experiment)
     if any(one.name.startswith(name) for one in KERNELS) and not any(case.name.startswith(name) for case in known):
-        raise ValueError(f"{name!r} is a kernel: kernels cannot be searched for, since they count no work; the table of steps of `make history` "
-                         "says between which commits the time or the instructions of one changed")
+        raise ValueError(f"{name!r} is a kernel: kernels count no work, so they cannot be searched; the table of steps of `make history` says between which "
+                         "commits the time or the instructions of one changed")
     found = chosen([name], known)
     exact = [case for case in found if case.name == name]
     if len(exact or found) != 1:
-        raise ValueError(f"{name!r} is more than one case: {', '.join(case.name for case in found)}")
+        raise ValueError(f"{name!r} names more than one case: {', '.join(case.name for case in found)}")
     return (exact or found)[0]
 
 
@@ -123,14 +123,14 @@ def apart(one: int, other: int) -> float:
 def decided_by(good: Measured, bad: Measured, by: str) -> str:
     """Returns "counters" or "instructions". Raises Unclear if neither differs, or not the requested one."""
     if good.shapes != bad.shapes:
-        raise Unclear("good and bad have other shapes in this case, so their work says nothing about the code")
+        raise Unclear("good and bad have different shapes in this case, so their work says nothing about the code")
     found = [way for way in WAYS[1:] if by in ("auto", way) and differing(good.counts(way), bad.counts(way), SAME if way == "instructions" else 0)]
     if not found:
         what = {"auto": "neither work counters nor instructions differ", "counters": "work counters do not differ",
                 "instructions": "instructions do not differ"}[by]
         uncounted = "".join(f" (instructions of {name} are not counted: {side.uncounted})" for name, side in (("good", good), ("bad", bad)) if side.uncounted)
-        raise Unclear(f"{what} between good and bad, as far as both could be counted{uncounted}: there is no commit to search for; "
-                      "if the time differs all the same, look at libraries, the compiler and the layout of the program")
+        raise Unclear(f"{what} between good and bad, as far as both could be counted{uncounted}: there is no commit to search for; if the time still "
+                      "differs, look at libraries, the compiler and the layout of the program")
     return found[0]
 
 
@@ -140,7 +140,7 @@ def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str,
     """
     names = [name for name in differing(good, bad) if name in counts]
     if not names:
-        raise NotMeasured("nothing of what differs is counted at this commit")
+        raise NotMeasured("none of the differing counts is known at this commit")
     to_good, to_bad = (sum(apart(counts[name], side[name]) for name in names) for side in (good, bad))
     return to_bad < to_good
 
@@ -151,7 +151,7 @@ def step(tree: Path, question: Question) -> int:
     try:
         found = measure(tree, case_named(question.case, Path(question.experiment)), question.by)
         if found.shapes != question.shapes:
-            raise NotMeasured("the shapes are others")
+            raise NotMeasured("its shapes are different")
         counts = found.counts(question.by)
         bad = is_bad(counts, question.good, question.bad)
     except (NotBuilt, NotMeasured) as why:
@@ -181,7 +181,7 @@ def locked(file: Path) -> Iterator[int]:
         try:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise Unclear(f"another search is at work in {file.with_suffix('')}: wait until it has ended, or end it") from None
+            raise Unclear(f"another search is running in {file.with_suffix('')}: wait until it ends, or stop it") from None
         yield held.fileno()
 
 
@@ -201,9 +201,9 @@ def in_order(good: str, bad: str) -> None:
     except NotBuilt:  # git finds no merge base and prints nothing
         raise ValueError(f"good ({good}) and bad ({bad}) have no commit in common here{cut}") from None
     if base.startswith(bad):
-        raise ValueError(f"good ({good}) is newer than bad ({bad}): exchange them; good is the older one, even if it does more work")
+        raise ValueError(f"good ({good}) is newer than bad ({bad}): swap them; good is the older one, even if it does more work")
     if not base.startswith(good):
-        raise ValueError(f"good ({good}) is no ancestor of bad ({bad}): take {base[:10]}, where they part, as good{cut}")
+        raise ValueError(f"good ({good}) is not an ancestor of bad ({bad}): use {base[:10]}, where they diverge, as good{cut}")
 
 
 def search(tree: Path, ends: list[str], question: Path, command: list[str], lock: int) -> list[str]:
@@ -277,12 +277,12 @@ STEP = [sys.executable, "-P", "-m", "bench.tracking.bisection", "--step"]
 
 def main(arguments: list[str], command: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--case", help="of experiments/tracking.toml, no kernel; the beginning of a name is enough")
+    parser.add_argument("--case", help="a case of experiments/tracking.toml, not a kernel; the beginning of its name is enough")
     parser.add_argument("--good", metavar="REV", help="the older commit")
     parser.add_argument("--bad", metavar="REV", help="the newer commit")
     parser.add_argument("--by", choices=WAYS, default="auto")
     parser.add_argument("--experiment", type=Path, default=EXPERIMENT)
-    parser.add_argument("--step", type=Path, metavar="QUESTION", help="for git bisect run: one commit, in the folder at hand")
+    parser.add_argument("--step", type=Path, metavar="QUESTION", help="for git bisect run: measure one commit, in the current folder")
     options = parser.parse_args(arguments)
     if options.step:
         try:
@@ -293,7 +293,7 @@ def main(arguments: list[str], command: list[str] | None = None) -> int:
             say(f"stopped: {type(problem).__name__}: {problem}")
             return ABORT
     if not (options.case and options.good and options.bad):
-        parser.error("--case, --good and --bad are needed")
+        parser.error("give --case, --good and --bad")
     try:
         experiment = options.experiment.resolve()
         return find(case_named(options.case, experiment), (options.good, options.bad), options.by, experiment, command or STEP)
@@ -301,7 +301,7 @@ def main(arguments: list[str], command: list[str] | None = None) -> int:
         say(str(problem))
         return 2
     except KeyboardInterrupt:
-        say("interrupted; the next search begins anew")
+        say("interrupted; the next search starts over")
         return 130
 
 

@@ -63,12 +63,12 @@ def read_baseline(file: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(file.read_text()) if file.is_file() else {}
     except tomllib.TOMLDecodeError as error:
-        raise Missing(f"{file}: {error}: take the committed file, or write it anew with --update REASON") from None
+        raise Missing(f"{file}: {error}: take the committed file, or rewrite it with --update REASON") from None
 
 
 # --- work counters ---------------------------------------------------------------------------------------------------
 
-OTHER_SHAPES = "nothing measured: its shapes are not those of the baseline (does another library make them?)"
+OTHER_SHAPES = "nothing measured: its shapes are not those of the baseline (perhaps another library made them)"
 
 
 def count_work(cases: Sequence[Case], program: Path, baseline: Mapping[str, Any], folder: Path) -> Found:
@@ -112,7 +112,7 @@ def count_small_scenes(program: Path, folder: Path) -> dict[str, Any]:
     try:
         subprocess.run([program], env={**os.environ, "HAUSBENCH_COUNTS": str(file)}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True)
     except OSError:
-        raise Missing(f"{program} is missing: make track-counts builds it") from None
+        raise Missing(f"{program} is missing: build it with 'make track-counts'") from None
     except subprocess.CalledProcessError as error:
         raise Missing(f"{program} failed: {error.stdout}") from None
     return tomllib.loads(file.read_text())
@@ -145,7 +145,7 @@ def unknown_instruction(logs: Path) -> NotMeasured | None:
         text = log.read_text(errors="replace")
         if found := re.search(r"unhandled instruction bytes: ((?:0x[0-9A-F]+ ?)+)", text):
             at = re.search(r"^==\d+== +at 0x[0-9A-F]+: (.*)$", text, re.M)
-            return NotMeasured(f"valgrind knows no instruction {found[1].strip()} on this machine{f', at {at[1]}' if at else ''}", skipped=True)
+            return NotMeasured(f"valgrind does not know instruction {found[1].strip()} on this machine{f', at {at[1]}' if at else ''}", skipped=True)
     return None
 
 
@@ -162,7 +162,7 @@ def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, 
             raise unknown
         total = sum(int(found[1]) for file in Path(out).iterdir() if (found := re.search(r"^totals: (\d+)$", file.read_text(), re.M)))
     if total == 0:
-        raise NotMeasured(f"callgrind counted nothing in {function}: is the program built as `make build` does?")
+        raise NotMeasured(f"callgrind counted nothing in {function}: was the program built with `make build`?")
     return total
 
 

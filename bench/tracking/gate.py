@@ -120,7 +120,7 @@ def inverse(ratio: Estimate) -> Estimate:
 
 def self_test(judged: Sequence[Judged]) -> list[str]:
     """Returns the reasons to distrust the gate: none if it detected the planted slowdown and no difference of the base from itself."""
-    failures = [f"{one.name}: the base is {one.itself.value:.3f} times as slow as itself: what differs is not the builds"
+    failures = [f"{one.name}: the base is {one.itself.value:.3f} times as slow as itself: the difference is not between the builds"
                 for one in judged if one.itself.n and (alarms(one.itself) or alarms(inverse(one.itself)))]
     planted = [one for one in judged if one.planted.n]
     failures += [f"{one.name}: a planted slowdown of {100 * PLANTED:.0f} % was not seen ({one.planted.value:.3f}, lower end {one.planted.low:.3f})"
@@ -131,7 +131,7 @@ def self_test(judged: Sequence[Judged]) -> list[str]:
 def verdict_of_times(judged: Sequence[Judged]) -> tuple[Verdict, list[str]]:
     """Returns the verdict and its reasons. Distrusted times say nothing, and neither do their alarms."""
     if not judged:
-        return Verdict.nothing_measured, ["there is no case that base and candidate know"]
+        return Verdict.nothing_measured, ["base and candidate have no case in common"]
     if failures := self_test(judged):
         return Verdict.inconclusive, failures
     reasons = [f"{one.name}: slower by {100 * (one.ratio.value - 1):.1f} %, and in a second run by {100 * (one.second.value - 1):.1f} %"

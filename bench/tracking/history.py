@@ -89,7 +89,7 @@ def cell(value: Any) -> str:
 def seconds_in(text: str) -> float:
     value = float(text) if text else NAN
     if text and not 0 < value < math.inf:
-        raise ValueError(f"{text} is no time")
+        raise ValueError(f"{text} is not a time")
     return value
 
 
@@ -99,13 +99,13 @@ def row_of(cells: list[str]) -> Row:
         raise ValueError(f"it has {len(cells)} cells, not {len(COLUMNS)}")
     known = dict(zip(COLUMNS, cells))
     if not re.fullmatch(r"[0-9a-f]{7,40}\+?", known["commit"]):
-        raise ValueError(f"{known['commit']!r} is no commit")
+        raise ValueError(f"{known['commit']!r} is not a commit")
     datetime.strptime(known["date"], TIME)
     datetime.strptime(known["measured"], TIME)
     if not known["machine"] or not known["case"]:
         raise ValueError("the machine or the case is empty")
     if (known["blocks"] == "0") != (known["cpu_seconds"] == ""):
-        raise ValueError("there are no blocks without a time, and no time without blocks")
+        raise ValueError("a row has both blocks and a time, or neither")
     pairs = [part.partition("=") for part in known["counters"].split()]
     cpu, low, high, wall = (seconds_in(known[name]) for name in ("cpu_seconds", "cpu_low", "cpu_high", "wall_seconds"))
     if math.isnan(low) != math.isnan(high) or low > cpu or cpu > high:
@@ -127,9 +127,9 @@ def read(file: Path) -> list[Row]:
                     raise ValueError(f"the columns are not {','.join(COLUMNS)}")
                 continue
             if (row := row_of(cells)).key in rows:
-                raise ValueError(f"{row.case} at {row.commit} on this machine in one run is there twice")
+                raise ValueError(f"{row.case} at {row.commit} on this machine is there twice in one run")
         except ValueError as problem:
-            raise ValueError(f"{file}, line {lines.line_num}: {problem}: mend or delete the line, or take the file that is committed "
+            raise ValueError(f"{file}, line {lines.line_num}: {problem}: correct or delete the line, or take the committed file "
                              f"(git checkout {file})") from None
         rows[row.key] = row
     return list(rows.values())
@@ -264,7 +264,7 @@ def versions_of(revisions: Sequence[str]) -> list[Version]:
             continue
         found[build.commit] = Version(build, date_of(build.commit))
     if not found:
-        raise NotBuilt("no commit is there to be measured")
+        raise NotBuilt("there is no commit to measure")
     return [found[commit] for commit in in_order({commit: version.date for commit, version in found.items()})]
 
 
@@ -369,12 +369,12 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--measure", nargs="+", default=[], metavar="REV", help="commits to measure; default: only draw")
     parser.add_argument("--blocks", type=int, default=BLOCKS, help=f"fresh processes of each case at each commit (default: {BLOCKS})")
-    parser.add_argument("--no-instructions", action="store_true", help="count none, which takes some seconds for each case of each commit")
+    parser.add_argument("--no-instructions", action="store_true", help="do not count instructions, which takes some seconds for each case of each commit")
     parser.add_argument("--csv", type=Path, default=FILE)
     parser.add_argument("--out", type=Path, default=ROOT / "results", help="figures/ and tables/ go there (default: results)")
     options = parser.parse_args(arguments)
     if options.blocks < 1:
-        parser.error("--blocks is at least 1")
+        parser.error("--blocks must be at least 1")
     try:
         rows = measure(options.measure, options.csv, options.blocks, not options.no_instructions) if options.measure else read(options.csv)
         if not rows:
@@ -385,7 +385,7 @@ def main(arguments: list[str]) -> int:
         say(str(problem))
         return 2
     except KeyboardInterrupt:
-        say(f"interrupted; {options.csv} has the rounds that were finished")
+        say(f"interrupted; {options.csv} has the finished rounds")
         return 130
     return 0
 

@@ -263,9 +263,9 @@ def footnote(rows: Sequence[Row], left_out: int = 0) -> str:
         where = f"One run, of {minute(order[0][0])} UTC, on {order[0][1]}."
     else:
         runs = {machine: [f"{letter} ({minute(begun)})" for letter, (begun, one) in zip(LETTERS, order) if one == machine] for _, machine in order}
-        where = f"Runs (UTC): {'; '.join(', '.join(ones) + ' on ' + machine for machine, ones in runs.items())}. Times of two runs do not compare."
+        where = f"Runs (UTC): {'; '.join(', '.join(ones) + ' on ' + machine for machine, ones in runs.items())}. Times of different runs are not comparable."
         where += f" {left_out} older runs are not shown." if left_out else ""
-    return (f"Commits from left to right, oldest first. Medians of {count} blocks, measured in turn; each axis is logarithmic, on its own. {where} "
+    return (f"Commits from left to right, oldest first. Medians of {count} blocks, measured in turn; each axis has a logarithmic scale of its own. {where} "
             "Steps are listed in tables/history_steps.")
 
 
@@ -308,8 +308,10 @@ def steps_table(found: Sequence[Found], subject_of: Callable[[str], str],
         records.append({"before": before, "before_subject": subject_of(before), "after": after, "after_subject": subject_of(after),
                         "commits": between(before, after), "case": case, "machine": machine, "measured": begun,
                         **{f"{what}_ratio": ones[what].ratio if what in ones else math.nan for what in ("time", "instructions")}})
-    table.notes = ["A step lies in one of the commits after the first and up to the second; `commits`: how many. `make bisect` finds which.",
-                   "Where the time has a step and instructions have none, the same work took longer or less: memory, or where code and data lie.",
+    table.notes = ["A step lies in one of the commits after the first and up to the second; `commits`: how many there are. `make bisect` finds the right "
+                   "one.",
+                   "If the time has a step and the instructions have none, the same work took more or less time, because of memory or the placement of code "
+                   "and data.",
                    f"Found by bench/tracking/steps.py: steps of the time by {100 * LEAST_TIME:.0f} % or more, of instructions by "
                    f"{100 * LEAST_COUNT:.0f} %. {tables.NOTHING}: no step, or not measured."]
     return table, records

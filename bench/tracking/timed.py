@@ -117,18 +117,18 @@ class Known:
         try:
             base = subject.block("base")
         except NotMeasured as why:
-            self.left_out.append(f"{subject.name}: left out, since the base does not measure it: {why}")
+            self.left_out.append(f"{subject.name}: left out, because the base does not measure it: {why}")
             return
         try:
             candidate = subject.block("candidate")
         except NotMeasured as why:
-            (self.left_out if why.skipped else self.broken).append(f"{subject.name}: the base measures it, this build does not: {why}")
+            (self.left_out if why.skipped else self.broken).append(f"{subject.name}: the base measures it, but this build does not: {why}")
             return
         if len(set(subject.shapes.values())) > 1:
-            self.left_out.append(f"{subject.name}: left out, since its shapes are not those of the base")
+            self.left_out.append(f"{subject.name}: left out, because its shapes are not those of the base")
             return
         both = tuple(name for name in subject.names if name in base and name in candidate)
-        self.left_out += [f"{name}: left out, since {'the base' if name not in base else 'this build'} does not have it"
+        self.left_out += [f"{name}: left out, because {'the base' if name not in base else 'this build'} does not have it"
                           for name in subject.names if name not in both]
         if both:
             self.subjects.append(replace(subject, names=both))
@@ -157,7 +157,7 @@ class Question:
             for which, found in zip(pair, self.subject.blocks(pair, names)):
                 for name in names:
                     if name not in found:
-                        raise NotMeasured(f"{name}: it was not measured this time")
+                        raise NotMeasured(f"{name}: not measured this time")
                     sides = self.sides[name]
                     (sides.candidate if which == self.slower else sides.base).append(found[name])
 

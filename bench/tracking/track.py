@@ -81,7 +81,7 @@ def ratio_text(ratio: Estimate) -> str:
 def table(judged: Sequence[Judged]) -> list[str]:
     """Returns a line for each case."""
     width = max(len(one.name) for one in judged)
-    lines = ["shows: the smallest slowdown that would be an alarm after as many blocks",
+    lines = ["shows: the smallest slowdown that would be an alarm after that many blocks",
              f"{'case':{width}}  {'base, ms':>9}  {'blocks':>6}  {'candidate / base':>22}  shows"]
     for one in judged:
         word = "red" if one.red else "an alarm that was not repeated" if one.alarms else "faster" if one.ratio.high < 1 - LEAST else ""
@@ -108,7 +108,7 @@ def instructions_tier(report: Report, task: Task) -> counted.Found:
     jobs = counted.jobs_of(task.cases, KERNELS if task.kernels else (), task.given.program, task.kernel_program, task.folder)
     shapes = {name: table["shapes"] for name, table in baseline.get("counters", {}).items()}
     found = counted.count_instructions(jobs, baseline.get("instructions", {}), shapes, task.given.update is not None)
-    missing = ["kernels: nothing measured: there is no kernel_bench beside the program: make track builds it"]
+    missing = ["kernels: nothing measured: there is no kernel_bench next to the program: build it with 'make track'"]
     report.add("instructions", found.verdict, found.lines + (missing if task.kernels and task.kernel_program is None else []))
     return found
 
@@ -131,7 +131,7 @@ def known_to_both(task: Task, base: Build, candidate: Build, places: Places) -> 
     if task.kernels and kernel_programs:
         known.add(timed.of_kernels([kernel.name for kernel in KERNELS], kernel_programs, task.folder, places))
     elif task.kernels:
-        known.left_out.append("kernels: left out, since one of the builds has no kernel_bench")
+        known.left_out.append("kernels: left out, because one of the builds has no kernel_bench")
     return known
 
 
@@ -148,7 +148,7 @@ def time_tier(report: Report, task: Task) -> None:
             report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
             return
     verdict, reasons = verdict_of_times(judged)
-    many = f"{SCREENING} blocks a side, and up to {task.given.blocks} of what looked slower and of the plant"
+    many = f"{SCREENING} blocks per side, and up to {task.given.blocks} of cases that looked slower and of the plant"
     lines = [*notes, *reasons, f"base {base.commit}, candidate {candidate.commit}, {many}"]
     report.add("time", Verdict.red if known.broken else verdict, lines + (table(judged) if judged else []))
     report.record["runs"] = [{name: asdict(found) for name, found in run.items()} for run in runs]
@@ -160,7 +160,7 @@ def update(task: Task, counters: counted.Found, instructions: counted.Found) -> 
     if "counters" in task.given.tiers and not task.given.case:
         small_scenes = counted.count_small_scenes(task.given.program.parent / "tests" / "counters_test", task.folder)
     if not counters.measured and len(instructions.measured) < 2 and not small_scenes:
-        raise counted.Missing("nothing was measured: the baseline stays as it is")
+        raise counted.Missing("nothing was measured: the baseline is unchanged")
     names = None if task.given.case else {case.name for case in task.cases} | {kernel.name for kernel in KERNELS}
     baseline = counted.read_baseline(task.given.baseline)
     counted.write_baseline(task.given.baseline,
@@ -210,19 +210,20 @@ def arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="hausbench track", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--base", default="HEAD", metavar="REV", help="commit to compare with (default: HEAD)")
     parser.add_argument("--base-program", type=Path, metavar="FILE", help="its program, if it is built already")
-    parser.add_argument("--tiers", type=tiers, default=list(TIERS), metavar="T,T", help="of counters, instructions, time (default: all)")
+    parser.add_argument("--tiers", type=tiers, default=list(TIERS), metavar="T,T", help="some of counters, instructions, time (default: all)")
     parser.add_argument("--blocks", type=block_count, default=BLOCKS, metavar="N",
-                        help=f"of each side, at most, of what looks slower after {SCREENING} (default: {BLOCKS})")
-    parser.add_argument("--case", action="append", default=[], metavar="NAME", help="only cases whose names begin so; may be repeated")
-    parser.add_argument("--update", metavar="REASON", help="write the baseline of counters (of small scenes, too) and instructions, and why it changed; no times")
+                        help=f"the most blocks per side, for cases that look slower after {SCREENING} (default: {BLOCKS})")
+    parser.add_argument("--case", action="append", default=[], metavar="NAME", help="only cases whose names begin with this; may be repeated")
+    parser.add_argument("--update", metavar="REASON", help="write the baseline of counters (small scenes included) and instructions, with the reason; "
+                                                           "measure no times")
     parser.add_argument("--record", type=Path, default=ROOT / "results" / "tracking.json", metavar="FILE",
-                        help="all that was measured (default: results/tracking.json)")
+                        help="file for all measurements (default: results/tracking.json)")
     program = os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build/release/hausbench")
     parser.add_argument("--program", type=Path, default=Path(program), help=argparse.SUPPRESS)
     parser.add_argument("--baseline", type=Path, default=counted.BASELINE, help=argparse.SUPPRESS)
     given = parser.parse_args(words)
     if given.update is not None and given.tiers == ["time"]:
-        parser.error("--update is of counters and instructions: leave out --tiers time")
+        parser.error("--update is for counters and instructions: leave out --tiers time")
     return given
 
 
@@ -233,7 +234,7 @@ def task_of(given: argparse.Namespace, folder: Path) -> Task:
     programs: list[Path | None] = [given.program, given.base_program]
     for program in programs:
         if program and not program.is_file():
-            raise ValueError(f"{program} is missing: make build")
+            raise ValueError(f"{program} is missing: build it with 'make build'")
     if "time" in given.tiers and given.update is None and given.base_program is None:
         try:
             commit_of(given.base)

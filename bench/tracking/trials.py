@@ -139,10 +139,10 @@ def table_of(trials: Sequence[dict[str, Any]]) -> str:
         tiers = [one["tiers"].get(tier, "—") for tier in ("counters", "instructions", "time")]
         table.rows.append([str(number), KINDS[one["kind"]].what, str(one["load"]), f"{100 * one['unrest']:.0f} %", one["commit"], *tiers,
                            str(one["exit"]), str(one["seconds"]), "yes" if right(one) else "no"])
-    head = ["# Is the gate of timings to be believed?", "",
-            "Made by `python3 -m bench.tracking.trials` and not edited. Each run is a whole `hausbench track`; the tier that has to see what was",
-            "planted is time for `kang`, and counters for the node visit. On a machine that is kept busy, `inconclusive` is right, too.",
-            f"Unrest: by how much a quarter of {PROBE_BLOCKS} short blocks of one case were slower than the fastest, just before.", "",
+    head = ["# Can the gate of timings be believed?", "",
+            "Written by `python3 -m bench.tracking.trials`; not edited. Each run is a whole `hausbench track`; the tier that has to see what was",
+            "planted is time for `kang`, and counters for the node visit. On a machine that is kept busy, `inconclusive` is also right.",
+            f"Unrest: a quarter of {PROBE_BLOCKS} short blocks of one case, just before, were slower than the fastest by at least this.", "",
             f"- {'; '.join(sorted({one['machine'] for one in trials}))}"]
     for name in KINDS:
         for load in sorted({one["load"] for one in trials if one["kind"] == name}):

@@ -48,7 +48,7 @@ def test_verdicts_come_from_the_data(make: Make) -> None:
     assert (f"closest point work of Guthe 2005 {claim} Here it does not hold (in 4 kinds of scene, largest 100 times, "
             "mesh, stray triangle in B at ratio 1e12; 1 timeout)") in text
     assert f"work on a needle triangle of Guthe 2005 {claim} Here it holds" in text
-    assert "work of CGAL" not in text and "No counts, time alone: CGAL." in text
+    assert "work of CGAL" not in text and "No counts, only time: CGAL." in text
 
 
 def away(work: list[int], nodes: list[int], solver: str = "ohd") -> synthetic.ResultFile:
@@ -64,7 +64,7 @@ def away(work: list[int], nodes: list[int], solver: str = "ohd") -> synthetic.Re
 def test_growth_that_ends_is_told_with_its_reason(make: Make) -> None:
     _, _, text = make(away([1000, 9000, 11_010, 11_000, 11_005], [100, 50, 0, 0, 0]))
     assert "points, A moved away: the work of OHD grows 11.0 times and is flat from ratio 1e4 on. There it visits no node" in text
-    assert "Of one seed, so one draw: OHD." in text
+    assert "With one seed, so one draw: OHD." in text
 
 
 @pytest.mark.parametrize(("work", "nodes", "solver", "flat", "why"), [
@@ -80,9 +80,9 @@ def test_growth_is_worked_out(work: list[int], nodes: list[int], solver: str, fl
 
 def test_the_tree_of_a_peer_counts_distances_alone(make: Make) -> None:
     file = synthetic.cliffs()
-    assert "counts distances alone" not in make(file)[2]
+    assert "counts only distances" not in make(file)[2]
     file.case("kdtree", "points_stray_in_B_1e00", [0.01], lower=0.5, upper=0.5, counters={"point_distances": 7})
-    assert "k-d tree (nanoflann), a peer, counts distances alone, and neither the nodes nor" in make(file)[2]
+    assert "k-d tree (nanoflann), a peer, counts only distances, not the nodes and" in make(file)[2]
 
 
 @pytest.mark.parametrize(("work", "outcome"), [(4000, "holds"), (4001, "does not hold")])

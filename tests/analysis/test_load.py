@@ -313,7 +313,7 @@ def test_no_remedy_is_to_remove_a_file_that_is_no_result(tmp_path: Path) -> None
             load.load(tmp_path / f"{name}.h5")
         said[name] = str(error.value)
     assert "delete" not in " ".join(said.values()) and "move it away" not in said["text"] + said["foreign"]
-    assert "damaged: take a copy that is whole" in said["cut"] and "with 'hausbench run /mine/empty.toml'" in said["empty"]
+    assert "damaged: take an intact copy" in said["cut"] and "with 'hausbench run /mine/empty.toml'" in said["empty"]
 
 
 def test_the_remedy_is_make_only_in_a_clone(tmp_path: Path) -> None:
@@ -328,12 +328,12 @@ def test_file_of_another_experiment(tmp_path: Path) -> None:
     file = ResultFile("one")
     file.case("naive", "x")
     file.write(tmp_path).rename(tmp_path / "two.h5")
-    with pytest.raises(ResultError, match=r"two\.h5: holds the experiment 'one', not 'two'"):
+    with pytest.raises(ResultError, match=r"two\.h5: has the experiment 'one', not 'two'"):
         load.load(tmp_path / "two.h5")
 
 
 def test_no_cases(tmp_path: Path) -> None:
-    with pytest.raises(ResultError, match="holds no cases"):
+    with pytest.raises(ResultError, match="has no cases"):
         load.load(ResultFile("empty").write(tmp_path))
 
 

@@ -55,8 +55,8 @@ def test_peers_ratios_and_means(make: Make) -> None:
     assert hard[3].startswith("≥ 10.0")
     # Ratios of 10, 10 and at least 50: identical shapes do not count.
     assert rows["geometric mean"][0][4].startswith("17.1") and rows["geometric mean"][0][3].startswith("3.42")
-    assert "Here it holds (17.1 [" in claim(text, "Sacht") and "over 3 pairs, interval over rounds, of these pairs" in claim(text, "Sacht")
-    assert "Its interval is over rounds, of these pairs" in text
+    assert "Here it holds (17.1 [" in claim(text, "Sacht") and "over 3 pairs, interval over rounds, for these pairs" in claim(text, "Sacht")
+    assert "Its interval is over rounds, for these pairs" in text
     assert "holds" in claim(text, "Zheng") and "Sacht 2024 3" in text and "limit of 5.00 s" in text
     record = next(r for r in records if r["scene"] == "far" and r["label"] == "sacht")
     assert float(record["cgal_over_it"]) == pytest.approx(10)
@@ -75,7 +75,7 @@ def test_peers_claim_comes_out_three_ways(make: Make, seconds: float, rounds: in
 def test_peers_claim_that_is_missed_is_open_where_cgal_was_stopped(make: Make) -> None:
     """The ratio of the pair on which CGAL was killed is at least 3, so no mean is an upper bound."""
     line = claim(make(peers(sacht=0.150))[2], "Sacht")
-    assert "Here: not separated" in line and "over 3 pairs, interval over rounds, of these pairs, at the least: CGAL did not end on 1" in line
+    assert "Here: not separated" in line and "over 3 pairs, interval over rounds, for these pairs, at least: CGAL did not end on 1" in line
 
 
 def test_peers_mean_leaves_out_what_cgal_had_no_memory_for(make: Make) -> None:
@@ -83,7 +83,7 @@ def test_peers_mean_leaves_out_what_cgal_had_no_memory_for(make: Make) -> None:
     file = peers()
     file.cases[8] |= {"status": "out_of_memory"}
     _, rows, text = make(file)
-    assert "over 2 pairs" in claim(text, "Sacht") and "at the least" not in claim(text, "Sacht")
+    assert "over 2 pairs" in claim(text, "Sacht") and "at least: CGAL" not in claim(text, "Sacht")
     assert rows["geometric mean"][0][4].startswith("10.0")
 
 

@@ -60,7 +60,7 @@ def test_a_verdict_of_this_run_stands_before_the_kept_one() -> None:
 def test_counted_work_says_whether_it_is_the_machine() -> None:
     same = record(FAILS, "ratio 0.5", counted={"distances": verdict(FAILS, "ratio 0.4")})
     unlike = record(FAILS, "ratio 0.5", counted={"distances": verdict(HOLDS, "ratio 2.4")})
-    assert "it is not this machine" in line([same], [])[0] and "it is not this machine" not in line([unlike], [])[0]
+    assert "the machine is not the reason" in line([same], [])[0] and "the machine is not the reason" not in line([unlike], [])[0]
     assert "counted work agrees with the paper" in line([unlike], [])[0]
     assert "counted work" not in line([record(HOLDS, "ratio 2", counted={"distances": verdict(HOLDS, "ratio 2.4")})], [])[0]
 

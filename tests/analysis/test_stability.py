@@ -233,7 +233,7 @@ def test_the_share_of_tight_cells_decides(make: Make, tmp_path: Path, tight: int
 def test_without_the_shapes_nobody_knows_what_can_be_met(make: Make) -> None:
     records, _, text = make(small().file)
     assert {record["can_be_met"] for record in records if record["kind"] == "points"} == {"unknown"}
-    assert "the shapes are not in the cache" in text
+    assert "answers are not in the cache" in text
 
 
 def test_worst_of_two_tolerances_counts(make: Make, tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ def test_table3_cells(make: Make) -> None:
     assert pears[header.index("INC")] == "0.130 [0.126, 0.134]"  # 0.11 plus 0.02 of preparation
     assert pears[1] == "1,075 / 1,076"
     distances, work, each, paper = rows[""][:4]
-    assert distances[0] == "distances" and work[0] == "distances, bounds and nodes" and each[0] == "ns a distance"
+    assert distances[0] == "distances" and work[0] == "distances, bounds and nodes" and each[0] == "ns per distance"
     # 1M and 0.2M distances (the median of ten seeds); 0.1M and 0.05M bounds and nodes.
     assert distances[2] == "1,000,000" and distances[header.index("NAIVEHDD / EARLYBREAK")] == "5.00 [5.00, 5.00]"
     assert work[header.index("EARLYBREAK / framework")] == "1.25 [1.25, 1.25]"
@@ -52,8 +52,8 @@ def test_table3_cells(make: Make) -> None:
     claim = next(line for line in text.splitlines() if "less time than INC" in line)
     assert "Counted in distances it is not separated (geometric mean 0.500" in claim  # two pairs are not known
     assert "In the paper a pair of points costs NAIVEHDD 409 to 538 ns, here 600 to 5000 ns." in text
-    assert "NAIVEHDD computes 10 times the distances of the framework, does 5.0 times its distances, bounds" in text
-    assert "INC computes 0.50 times the distances of the framework, does 5.2 times its" in text
+    assert "NAIVEHDD computes 10 times as many distances as the framework, 5.0 times as many distances, bounds" in text
+    assert "INC computes 0.50 times as many distances as the framework, 5.2 times as many" in text
     assert "(a) pears: neverball orange_sculpted.obj" in text and "Test CPU" in text and "profile quick" in text
     record = next(r for r in records if r["scene"] == "a_pears" and r["solver"] == "naive")
     assert float(record["median_seconds"]) == pytest.approx(2.0) and float(record["paper_seconds"]) == 47.282

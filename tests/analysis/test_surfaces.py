@@ -46,7 +46,7 @@ def test_example_joins_both_directions(tmp_path: Path) -> None:
     assert first["box_distances"] == "10000" and float(first["subdivision_seconds"]) == 1.0
     assert float(first["distance_seconds"]) == pytest.approx(3.6) and second["box_distances"] == "10"
     text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
-    assert "| 1000 |" in text and "789694? (all)" in text and "no ratio of times is made" in text and "times less" not in text and "0.81295637135" in text
+    assert "| 1000 |" in text and "789694? (all)" in text and "no ratio of times is given" in text and "times less" not in text and "0.81295637135" in text
 
 
 def test_convergence_leaves_out_what_failed(tmp_path: Path) -> None:

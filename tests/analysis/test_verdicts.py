@@ -58,7 +58,7 @@ def test_everywhere_says_what_its_rounds_cannot_refute() -> None:
     def evidence(rounds: int, pairs: int, below: int = 0) -> str:
         return verdicts.everywhere("x", [ratio(1.1, rounds, odd=2)] * (pairs - below) + [ratio(0.5, rounds)] * below).evidence
     # 15 / 2^6 = 0.23, and 15 / 2^6 / 5 = 0.047; 3 / 2^4 / 3 = 0.0625: four rounds are never enough.
-    assert evidence(6, 15, 1).endswith("n = 6 refutes it only where at least 5 of 15 pairs are below 1")
+    assert evidence(6, 15, 1).endswith("n = 6 refutes it only if at least 5 of 15 pairs are below 1")
     assert evidence(4, 3).endswith("n = 4 cannot refute it for 3 pairs")
     assert "refute" not in evidence(10, 15) and "refute" not in evidence(6, 3)
     assert "refute" not in verdicts.everywhere("x", [FASTER] * 2 + [ratio(2.0, 6)] * 13).evidence  # the claim holds
@@ -195,7 +195,7 @@ def test_least_among_tells_level_from_less() -> None:
         first = (ratio(0.5, rounds, odd),)
         return verdicts.least_among("x", [("a", first), *[(c, (ratio(1.1, 10, odd=4),)) for c in "bcdefg"], ("h", (FASTER,))],
                                     "a", ["5"]).evidence
-    assert evidence(6) == ("least at a; less time, but no less than one of 8 may take by chance: a; "
+    assert evidence(6) == ("least at a; less time, but not less than one of 8 may take by chance: a; "
                            "not separated from it: b, c, d, e, f, g")
     assert "faster than 5: a" in evidence(10) and "not separated from it: a, b" in evidence(10, 3)
     few = verdicts.least_among("x", [(c, (ratio(0.5, 6),)) for c in "abcdefgh"], "a", ["5"])

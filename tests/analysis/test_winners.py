@@ -69,8 +69,8 @@ def test_a_winner_is_separated_from_all_others(tmp_path: Path) -> None:
     two are level.
     """
     lines = winners.table(kept(tmp_path)).splitlines()
-    assert "| `scan` | 1 of the 3 pairs of Table 3, 2.0 times over the next best |" in lines
-    assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times over the next best |" in lines
+    assert "| `scan` | 1 of the 3 pairs of Table 3, 2.0 times as fast as the next best |" in lines
+    assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times as fast as the next best |" in lines
     assert "`scan`" not in winners.table(kept(tmp_path, scan=[2.0, 1.5, 3.5]))
 
 
@@ -79,7 +79,7 @@ def test_a_single_time_neither_wins_nor_loses(tmp_path: Path) -> None:
     for time, least in ((4.0, "; the interval of `scan` lies below all intervals and single times in 1 of them"), (0.1, "")):
         text = winners.table(kept(tmp_path, kdtree=[time]))
         assert "`scan` |" not in text and "`kdtree` |" not in text
-        assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times over the next best |" in text
+        assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times as fast as the next best |" in text
         assert ("\n\nNo winner in 1 of the 3 pairs of Table 3: k-d tree (nanoflann) has single times there, without an interval"
                 f"{least}.") in text
 
@@ -87,9 +87,9 @@ def test_a_single_time_neither_wins_nor_loses(tmp_path: Path) -> None:
 @pytest.mark.parametrize("rounds", [2, 5])
 def test_nobody_wins_by_intervals_of_less_than_95_percent(rounds: int, tmp_path: Path) -> None:
     text = winners.table(kept(tmp_path, rounds=rounds))
-    assert text.count("over the next best") == 0
-    assert "No winner in 3 of the 3 pairs of Table 3: their intervals are of less than 95 %." in text
-    assert winners.table(kept(tmp_path, rounds=6)).count("over the next best") == 2
+    assert text.count("as fast as the next best") == 0
+    assert "No winner in 3 of the 3 pairs of Table 3: their intervals cover less than 95 %." in text
+    assert winners.table(kept(tmp_path, rounds=6)).count("as fast as the next best") == 2
 
 
 def test_the_stated_sources_are_those_that_are_read(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ def test_table1_gives_both_variants_the_same_preparation(make: Make) -> None:
     assert rows["5"][0][header.index("here: without")] == "timeout" and rows["5"][0][header.index("here: ratio")] == "—"
     assert "Claim: early breaking makes NOHD faster on average. Here: not separated (geometric mean" in text
     assert "over 4 pairs, no ratio for 1). Counted in distances it is not separated (geometric mean" in text
-    assert "early breaking saves 50 % of the distances, bounds and nodes, and this machine makes 42 % less time of it" in text
+    assert "early breaking saves 50 % of the distances, bounds and nodes, and takes 42 % less time on this machine" in text
     assert "Times are process CPU time, children included; preparing is wall time." in text
     assert "Claim: time increases with the numbers of points. Here it holds" in text and "Test CPU" in text
     record = next(r for r in records if (r["pair"], r["label"]) == ("2", "nohd"))

@@ -408,7 +408,7 @@ def test_damaged_files_are_found_and_fetched_again(world: World, capsys: pytest.
 
 
 @pytest.mark.parametrize(("corpus", "words"), [
-    ('manifest = ["d"]', "d: 'manifest' names it"), ("[model.a]\nsource = 'file'", "a: the manifest has it too"), ("[", "corpus.toml")])
+    ('manifest = ["d"]', "d: 'manifest' names it"), ("[model.a]\nsource = 'file'", "a: the manifest also has it"), ("[", "corpus.toml")])
 def test_a_corpus_at_odds_with_the_manifest_is_an_error(world: World, corpus: str, words: str) -> None:
     world.model("a", "debian", "a.obj", sha(b"a"))
     (world.folder / "corpus.toml").write_text(corpus)

@@ -184,7 +184,7 @@ def test_one_search_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, c
     commits = repository(tmp_path, [work(100), work(200)])
     with bisection.locked(tmp_path / "build" / "versions" / "bisect.lock"):
         assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 2
-        assert f"another search is at work in {tmp_path}/build/versions/bisect: wait" in capsys.readouterr().err
+        assert f"another search is running in {tmp_path}/build/versions/bisect: wait" in capsys.readouterr().err
     assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 0
 
 
@@ -210,7 +210,7 @@ def test_an_interruption_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(bisection, "search", interrupted)
     assert run(tmp_path, monkeypatch, commits[0], commits[1]) == 130
-    assert capsys.readouterr().err.splitlines()[-1] == "bisect: interrupted; the next search begins anew"
+    assert capsys.readouterr().err.splitlines()[-1] == "bisect: interrupted; the next search starts over"
     monkeypatch.setattr(bisection, "step", interrupted)
     (tmp_path / "question.json").write_text('{"case": "", "experiment": "", "by": "", "good": {}, "bad": {}, "shapes": "", "log": ""}')
     assert bisection.main(["--step", str(tmp_path / "question.json")]) == bisection.ABORT
@@ -240,7 +240,7 @@ def test_good_and_bad_exchanged_unrelated_or_the_same_are_mistakes(tmp_path: Pat
     commits = repository(tmp_path, [work(100), work(200)])
     git(tmp_path, "checkout", "--quiet", "-b", "beside", commits[0])
     git(tmp_path, "commit", "--quiet", "--allow-empty", "-m", "beside")
-    for good, bad, word in ((commits[1], commits[0], "exchange them"), ("beside", commits[1], f"take {commits[0][:10]}"),
+    for good, bad, word in ((commits[1], commits[0], "swap them"), ("beside", commits[1], f"use {commits[0][:10]}"),
                             (commits[0], commits[0], "same commit"), (commits[0], "nowhere", "nowhere")):
         assert run(tmp_path, monkeypatch, good, bad) == 2
         assert word in capsys.readouterr().err
@@ -339,7 +339,7 @@ def test_a_name_chooses_one_case(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="guthe_other on two points"):
             bisection.case_named(name, file)
     for name in ("build/bvh", "closest"):
-        with pytest.raises(ValueError, match="kernels cannot be searched for"):
+        with pytest.raises(ValueError, match="kernels count no work"):
             bisection.case_named(name, file)
     file.write_text(EXPERIMENT.replace("guthe", "cover"))
     assert bisection.case_named("cover on", file).name.startswith("cover")  # "c" also begins the name of a kernel, closest/bvh/cold

@@ -242,7 +242,7 @@ def test_an_instruction_that_valgrind_does_not_know_is_the_reason(tmp_path: Path
                                        "int main() { wide(); }\n")
     subprocess.run(["c++", "-g", "-o", "wide", "wide.cpp"], cwd=tmp_path, check=True)
     for command in ([str(tmp_path / "wide")], ["/bin/sh", "-c", f"{tmp_path}/wide; exit {exit_code}"]):
-        with pytest.raises(NotMeasured, match=r"valgrind knows no instruction 0x62 0xF1 0x7C 0x48 0x57 0xC0 .*wide\(\)") as why:
+        with pytest.raises(NotMeasured, match=r"valgrind does not know instruction 0x62 0xF1 0x7C 0x48 0x57 0xC0 .*wide\(\)") as why:
             counted.callgrind("wide*", command, tmp_path, (0, 1))
         assert why.value.skipped
 

@@ -104,10 +104,10 @@ GOOD = 'aaaaaaaaaa,2026-01-01T00:00:00Z,m,2026-05-05T05:05:05Z,c,0.01,0.009,0.01
 
 
 @pytest.mark.parametrize(("bad", "what"), [
-    ("<<<<<<< HEAD", "1 cells"), (GOOD.replace("0.009", "-1"), "-1 is no time"), (GOOD.replace("0.011", "inf"), "inf is no time"),
-    (GOOD.replace("0.01,", ",", 1), "no blocks without a time"),
+    ("<<<<<<< HEAD", "1 cells"), (GOOD.replace("0.009", "-1"), "-1 is not a time"), (GOOD.replace("0.011", "inf"), "inf is not a time"),
+    (GOOD.replace("0.01,", ",", 1), "has both blocks and a time"),
     (GOOD.replace(",8,", ",eight,"), "eight"), (GOOD.replace("a=7", "a"), "invalid literal"), (GOOD.replace("2026-01-01T", "January "), "January"),
-    (GOOD.replace("aaaaaaaaaa", "main"), "'main' is no commit"), (GOOD.replace(",m,", ",,"), "is empty"),
+    (GOOD.replace("aaaaaaaaaa", "main"), "'main' is not a commit"), (GOOD.replace(",m,", ",,"), "is empty"),
     (GOOD.replace("0.009", "0.0101"), "is not between cpu_low and cpu_high"), (GOOD.replace("0.011", "0.0099"), "is not between"),
     (GOOD.replace("0.011", ""), "is not between"), (GOOD.replace("2026-05-05T", "today "), "today"), (GOOD, "there twice")])
 def test_a_bad_line_is_named_with_a_remedy(tmp_path: Path, bad: str, what: str) -> None:

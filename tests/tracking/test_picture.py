@@ -118,7 +118,7 @@ def test_the_footnote_says_which_run_is_which() -> None:
     one = run_of([0.01] * 2)
     assert "One run, of 2026-05-05 05:05 UTC, on one." in picture.footnote(one)
     text = picture.footnote([*one, *run_of([0.01], LATER), *run_of([0.01], LATER, "two")])
-    assert "A (2026-05-05 05:05), B (2026-06-06 06:06) on one; C (2026-06-06 06:06) on two." in text and "do not compare" in text
+    assert "A (2026-05-05 05:05), B (2026-06-06 06:06) on one; C (2026-06-06 06:06) on two." in text and "are not comparable" in text
 
 
 def test_a_table_of_several_runs_says_which(tmp_path: Path) -> None:

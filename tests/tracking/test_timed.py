@@ -144,8 +144,8 @@ def known_of(base: dict[str, float] | NotMeasured, candidate: dict[str, float] |
 
 def test_what_only_one_build_has_is_left_out() -> None:
     known = known_of({"old": 1.0}, {"old": 1.0, "new": 1.0})
-    assert [one.names for one in known.subjects] == [("old",)] and known.left_out == ["new: left out, since the base does not have it"]
-    assert known_of({"old": 1.0, "new": 1.0}, {"old": 1.0}).left_out == ["new: left out, since this build does not have it"]
+    assert [one.names for one in known.subjects] == [("old",)] and known.left_out == ["new: left out, because the base does not have it"]
+    assert known_of({"old": 1.0, "new": 1.0}, {"old": 1.0}).left_out == ["new: left out, because this build does not have it"]
     assert not known_of({"old": 1.0}, {"new": 1.0}).subjects
 
 
@@ -181,7 +181,7 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
         calls.append(which)
         return {"old": 1.0} if len(calls) == 3 else {"old": 1.0, "new": 1.0}
 
-    with pytest.raises(NotMeasured, match="new: it was not measured this time"):
+    with pytest.raises(NotMeasured, match="new: not measured this time"):
         screen([question(Subject("kernels", ("old", "new"), each(side)), ("old", "new"))], 24)
 
 

@@ -189,7 +189,7 @@ def test_an_update_of_nothing_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.setattr(counted, "count_small_scenes", lambda *given: {})
     monkeypatch.setattr(counted, "count_instructions", lambda *given: counted.Found(measured={"depends_on": "this"}))
     assert track.main([*words, "--update", "why"]) == 5
-    assert "stays as it is" in capsys.readouterr().err and not (tmp_path / "baseline.toml").exists()
+    assert "baseline is unchanged" in capsys.readouterr().err and not (tmp_path / "baseline.toml").exists()
 
 
 def test_a_record_that_cannot_be_written_loses_no_verdict(monkeypatch: pytest.MonkeyPatch, words: list[str],
