@@ -113,7 +113,7 @@ def key_table(keys: list[dict[str, str]]) -> str:
     lines = ["| key | default | meaning |", "| --- | --- | --- |"]
     for key in keys:
         fallback = key["default"]
-        code = f"`{fallback}`" if re.fullmatch(r'[\w.+-]+|"[^"]*"', fallback) and fallback != "all" else fallback
+        code = f"`{fallback}`" if re.fullmatch(r'[\w.+-]+|"[^"]*"', fallback) else fallback
         lines.append(f"| `{key['name']}` | {code} | {key['meaning']} |")
     return "\n".join(lines)
 

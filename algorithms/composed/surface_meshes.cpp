@@ -113,7 +113,7 @@ private:
     }
 
     int cells_, levels_;
-    std::string no_mesh_;  // why there is no mesh, or empty
+    std::string no_mesh_;  // why a mesh is missing; empty: both exist
     SolverEntry asked_;
     MeshDeviation a_{}, b_{};
     std::array<double, 2> triangles_{};

@@ -31,7 +31,7 @@
 //
 // Certificate: the search's own pieces, each with the triangle S of its bound (search/piece_proofs.h). The distances
 // from the corners to S prove the bound even if the search used the box of a group and one point of S, because these
-// distances are no larger.
+// distances are at most as large.
 //
 // Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on tame data. Memory:
 // O(n + m), and 168 bytes per piece in the queue.

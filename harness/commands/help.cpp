@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <utility>
 #include <vector>
 
 namespace hausbench {
@@ -15,9 +17,9 @@ namespace {
 constexpr std::size_t widest = 100;                          // most characters of a line
 constexpr std::size_t verb_column = 12, option_column = 26;  // where the meanings of verbs and of arguments begin
 
-// One argument of a verb, as help, manual and completion show it.
+// An argument of a verb, for help, manual and completion.
 struct Argument {
-    std::string name;     // "--tolerance"; of a positional: "A"
+    std::string name;     // "--tolerance"; a positional: "A"
     std::string value;    // "NUMBER", "here|slurm"; empty: a flag
     std::string meaning;  // with its default
     bool positional, required, many;
@@ -42,7 +44,7 @@ Argument argument_of(const CLI::Option& option) {
             .many = positional && option.get_items_expected_max() > 1};
 }
 
-// The visible arguments of a verb but --help: positionals first.
+// Returns the visible arguments of a verb except --help, positionals first.
 std::vector<Argument> arguments_of(const CLI::App& verb) {
     std::vector<Argument> all;
     for (const CLI::Option* option : verb.get_options()) {
@@ -80,7 +82,7 @@ std::string usage_of(const CLI::App& verb) {
                        : "");
 }
 
-// "  NAME    meaning", with the meaning in a column of its own.
+// Returns "  NAME    meaning", with the meaning in its own column.
 std::string entry(const std::string& name, const std::string& meaning, std::size_t column, std::size_t width) {
     std::string lines = wrapped(meaning, column, width);
     std::string head = "  " + name;
@@ -119,7 +121,7 @@ std::string Help::make_help(const CLI::App* app, std::string, CLI::AppFormatMode
 
 namespace {
 
-// Text as the macros of man(7) take it.
+// Escapes a text for the macros of man(7).
 std::string roff(const std::string& text) {
     std::string out;
     for (const char c : text) {
@@ -173,7 +175,7 @@ std::string man_page(const CLI::App& program) {
 
 namespace {
 
-// What may stand for a value: words, or a call of the program that lists them; empty: files.
+// Returns the possible values: words, or a call of the program that lists them; empty for files.
 std::string values_of(const std::string& value) {
     if (value.find('|') != std::string::npos) {
         std::string words = value;
@@ -189,7 +191,7 @@ std::string values_of(const std::string& value) {
 }  // namespace
 
 std::string bash_completion(const CLI::App& program) {
-    std::string verbs, options, values, first;
+    std::string verbs, options, values;
     for (const CLI::App* verb : verbs_of(program)) {
         const std::string name = verb->get_name();
         verbs += " " + name;
@@ -222,10 +224,9 @@ _hausbench() {{
         words=$options files=""
     else
         case $verb\ $before in
-{}            *) : ;;
-        esac
+{}        esac
     fi
-    COMPREPLY=($(compgen -W "$words" -- "$word"))
+    mapfile -t COMPREPLY < <(compgen -W '$words' -- "$word")  # in single quotes, so that names are not expanded
     if [[ $files ]]; then
         compopt -o filenames 2>/dev/null
         mapfile -t -O "${{#COMPREPLY[@]}}" COMPREPLY < <(compgen -f -- "$word")

@@ -1,4 +1,5 @@
-// Verbs for programs: `load`, `derive` and `worker`, which only this one calls, and `describe`, for the installation and the shell.
+// Verbs for programs: `load`, `derive` and `worker`, which only this program calls, and `describe`, for the
+// installation and the shell.
 #include "algorithms/registry.h"
 #include "datasets/derive.h"
 #include "datasets/load.h"
@@ -28,7 +29,7 @@ void derive_file(const std::string& operation, const std::vector<std::string>& t
     write_shape(out, derive(operation, numbers, read_shape(origin)));
 }
 
-// The man page, the completion of bash, or the names of solvers, experiments or models, one in each line.
+// Returns the man page, the completion of bash, or the names of solvers, experiments or models, one per line.
 std::string described(const CLI::App& program, const std::string& what) {
     if (what == "man") return man_page(program);
     if (what == "bash") return bash_completion(program);

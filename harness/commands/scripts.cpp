@@ -19,11 +19,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Number of values of an option. Scripts parse their options themselves; a test checks that they have the same ones.
+// Number of values of an option. Scripts parse their options themselves; a test checks that both have the same ones.
 enum class Takes { nothing, value, values };
 
 void take(CLI::App* verb, const std::string& name, Takes takes, const std::string& value, const std::string& meaning) {
-    static std::deque<std::vector<std::string>> given;  // stays where it is
+    static std::deque<std::vector<std::string>> given;  // a deque, because options point into it
     static std::deque<bool> flags;
     if (takes == Takes::nothing)
         verb->add_flag(name, flags.emplace_back(), meaning);
@@ -33,7 +33,7 @@ void take(CLI::App* verb, const std::string& name, Takes takes, const std::strin
             ->allow_extra_args(takes == Takes::values);
 }
 
-// The arguments that the command line gave, for the script: positionals first, as an option that takes several values would swallow them.
+// Returns the given arguments for the script: positionals first, because an option with several values would take them.
 std::vector<std::string> words_of(const CLI::App& verb) {
     std::vector<std::string> positionals, options;
     for (const CLI::Option* option : verb.get_options()) {

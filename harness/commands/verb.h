@@ -30,7 +30,8 @@ void add_fetch(CLI::App& app, int& code);
 // Adds hidden verbs for the program's own use: a crash in a reader or a solver ends only its own process.
 void add_internal_verbs(CLI::App& app, int& code);
 
-// Adds a verb with its help: what it does in one line (a verb in the third person, no full stop), an example, and notes such as exit codes.
+// Adds a verb with its help: a description in one line ("joins results", no full stop), an example, and notes such as
+// exit codes.
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& meaning, const std::string& example,
                    const std::string& notes = "");
 

@@ -96,7 +96,7 @@ const KeyTable& scene_keys() {
          {"motion", "static", "motion of A, see below"},
          {"target_motion", "static", "motion of B. If both move, they need the same number of poses"},
          {"tolerances", "of the top level", "tolerances of this scene"},
-         {"profiles", "all", "list: the scene belongs to these profiles only"},
+         {"profiles", "all profiles", "list: the scene belongs to these profiles only"},
          {"each", "",
           "one scene per model: `\"corpus\"` (366 real meshes), `\"whole_corpus\"` (806, broken files included), or a "
           "list of names"},
@@ -106,7 +106,7 @@ const KeyTable& scene_keys() {
          {"family", "`name` without `{}`", "name of the sweep over `severity`"},
          {"recording", "", "file: one scene per pair of objects that overlap in a recorded simulation, see below"},
          {"every", "1", "takes every n-th frame of the recording"},
-         {"frames", "all", "list: takes these frames only"}}};
+         {"frames", "all frames", "list: takes these frames only"}}};
     return table;
 }
 
@@ -161,9 +161,9 @@ const KeyTable& solver_keys() {
          {"quantity", "of the top level", "quantity of this solver"},
          {"threads", "of the top level", "threads of this solver"},
          {"tolerances", "of the top level", "tolerances of this solver"},
-         {"scenes", "all", "list: it runs on these scenes only"},
+         {"scenes", "all scenes", "list: it runs on these scenes only"},
          {"warm", "false", "each pose starts from the state of the one before, if the solver supports that"},
-         {"profiles", "all", "list: the solver belongs to these profiles only"}}};
+         {"profiles", "all profiles", "list: the solver belongs to these profiles only"}}};
     return table;
 }
 

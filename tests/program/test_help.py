@@ -88,12 +88,12 @@ def test_the_man_page_has_every_verb_and_option(hausbench: Program, tmp_path: Pa
         assert done.stderr == ""
 
 
-def completed(hausbench: Program, folder: Path, *words: str) -> set[str]:
-    """What bash offers for the last of the words."""
+def completed(hausbench: Program, folder: Path, *words: str, **more: str) -> set[str]:
+    """Returns what bash offers for the last of the words."""
     script = hausbench("describe", "bash").stdout
     line = " ".join(map(shlex.quote, (hausbench.path, *words)))
     done = subprocess.run(["bash", "-c", f'{script}\nCOMP_WORDS=({line}); COMP_CWORD={len(words)}; _hausbench; printf "%s\\n" "${{COMPREPLY[@]}}"'],
-                          cwd=folder, env=hausbench.environment(), capture_output=True, text=True, check=True)
+                          cwd=folder, env={**hausbench.environment(), **more}, capture_output=True, text=True, check=True)
     assert done.stderr == ""
     return set(done.stdout.split())
 
@@ -110,3 +110,14 @@ def test_bash_completes(hausbench: Program, tmp_path: Path) -> None:
     assert "bunny" in completed(hausbench, tmp_path, "export", "bun")
     assert completed(hausbench, tmp_path, "list", "key") == {"keys"}
     assert completed(hausbench, tmp_path, "show", "sca") == {"scan.ply"}
+
+
+def test_completing_runs_no_command_of_a_name(hausbench: Program, tmp_path: Path) -> None:
+    """A foreign checkout may name an experiment like a command."""
+    for folder in ("datasets", "experiments"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "datasets" / "manifest.toml").touch()
+    (tmp_path / "experiments" / "$(touch taken).toml").touch()
+    (tmp_path / "experiments" / "mine.toml").touch()
+    assert completed(hausbench, tmp_path, "run", "mi", HAUSBENCH_ROOT=str(tmp_path)) == {"mine"}
+    assert not (tmp_path / "taken").exists()

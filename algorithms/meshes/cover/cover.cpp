@@ -8,13 +8,13 @@
 // 2. Cover the remaining triangles eight at a time, the most promising first, so that l is nearly final early. Gather
 //    the nearby triangles of B once, as frames in single precision (structures/triangle_blocks.h), and compute the
 //    distances of all corners to them. A triangle whose three corners are within tau of one triangle S of B lies
-//    within tau of S, because the tau-offset of S is convex. If there is no such S, try to cover it by several
+//    within tau of S, because the tau-offset of S is convex. Otherwise several triangles may cover it together
 //    (meshes/cover/offset_cover.h).
 // 3. Repeat whatever single precision cannot decide in double precision at the end, when tau is nearly final. A point
 //    that is not within tau of any triangle of B is measured exactly, which raises l and tau. If double precision at
 //    the place of a piece cannot tell tau from l, the piece gets a bound that exceeds tau by this error.
-// There is no queue and no refinement of bounds: each triangle is covered once, most of them in step 2 and without a
-// query.
+// The search needs neither a queue nor refined bounds: each triangle is covered once, most of them in step 2 and
+// without a query.
 //
 // Upper bound: the largest distance that the covers and the groups have shown, not tau. Lower bound and witness: as
 // in guthe.cpp.

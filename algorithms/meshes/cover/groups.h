@@ -29,8 +29,8 @@ private:
 };
 
 // The boxes of the groups of A posed, each computed on request. A cluster gets its tightest box; a larger group gets
-// the rotated box of the unposed group (kernel/posed_box.h). So if most groups are settled at once, there is no work
-// per triangle.
+// the rotated box of the unposed group (kernel/posed_box.h). So if most groups are settled at once, single triangles
+// cost nothing.
 class PosedGroupBoxes {
 public:
     // Keeps references. `points` are the vertices of A, posed; computing their box takes O(n).

@@ -206,7 +206,7 @@ private:
     int slow_ = 0;                             // consecutive peels that removed little
     int peels_ = 0;                            // since the last cut
     bool spent_ = false;  // time or budget is spent: the remaining parts get the bounds that they have
-    bool full_ = false;   // there is no room for the triangle nearest to a point
+    bool full_ = false;   // the triangle nearest to a point found no room
     std::array<T, 3> centre_{};
     double radius_ = 0;  // of the piece, around centre_
     float slack_ = 0;    // the largest slack of its corners
