@@ -1,4 +1,5 @@
-// Closest point queries: the query, its answer, and the plain scan that every structure must match bit for bit.
+// Closest point queries on a mesh: the answer, optional hints, and the plain scan over all triangles, whose answer
+// every search structure must match bit for bit.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -8,25 +9,27 @@
 
 namespace hausbench {
 
+// The answer to a query.
 struct ClosestPoint {
     double squared_distance = std::numeric_limits<double>::infinity();
-    Vec3 point = Vec3::Zero();  // on the triangle
-    Index triangle = -1;        // ties go to the lowest index
+    Vec3 point = Vec3::Zero();  // on `triangle`, up to rounding
+    Index triangle = -1;        // the lowest index if several triangles are equally near; -1 if there is none
 };
 
-// Optional hints of a query. They change its answer only as described here.
+// Optional hints for a query. They change its answer only as described here.
 struct ClosestHints {
-    // Only triangles with squared distance <= this are considered; `triangle` stays -1 if there is none.
+    // Only triangles with squared distance <= this are considered. If there is none, the answer has `triangle` -1.
     double squared_radius = std::numeric_limits<double>::infinity();
-    // Early-out: stop at the first triangle whose squared distance is at most this, and return it instead of the
-    // closest one. Negative: never.
+    // The search stops at the first triangle whose squared distance is at most this, and returns that triangle instead
+    // of the closest one. Negative: the search never stops early.
     double early_out_squared = -1;
-    // This triangle is tested first, if it seems near, so that the search starts with a small radius; -1: none.
-    // Without early-out the answer has the same bits.
+    // A triangle that is probably near, such as the answer for a neighbouring point; -1 if none is known. A structure
+    // may test it first, so that the search starts with a small radius. Unless the search stops early, the answer has
+    // the same bits as without this hint.
     Index warm_triangle = -1;
 };
 
-// Keeps the smaller squared distance; ties go to the lower index.
+// Replaces `best` if the candidate is nearer, or equally near with a lower index.
 inline void offer(ClosestPoint& best, const TrianglePoint& candidate, Index triangle) {
     const double squared = candidate.squared_distance;
     if (squared > best.squared_distance) return;
@@ -34,18 +37,17 @@ inline void offer(ClosestPoint& best, const TrianglePoint& candidate, Index tria
     best = {squared, candidate.point, triangle};
 }
 
-// Returns the smallest answer of closest_point(point, triangle) (point_triangle.h) over all triangles of `mesh`, by
-// testing each of them. O(n).
+// Finds the closest triangle by calling closest_point (point_triangle.h) for each triangle of `mesh`. O(n).
 ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const ClosestHints& hints,
                              Counters& counters);
 
-// Returns a lower bound of the distance from `point` to the exact mesh, valid under rounding: the least of one
-// number per triangle. That is distance_certainly_at_least (point_triangle.h) for a triangle whose box is within
-// the computed distance of the closest triangle, and this computed distance, rounded down, for all others. O(n).
+// Returns a proven lower bound on the exact distance from `point` to the mesh: the smallest of one lower bound per
+// triangle. Let f be the computed distance to the closest triangle. For a triangle whose box is at most f away, the
+// lower bound is distance_certainly_at_least (point_triangle.h); for all others, it is f, rounded down. O(n).
 double certified_distance_by_scan(const TriangleMesh& mesh, const Vec3& point, Counters& counters);
 
-// Adds one triangle to that: lowers `least` to the certified distance of `triangle` if its box is within `nearest`
-// (squared).
+// One step of certified_distance_by_scan: lowers `least` to the lower bound of `triangle` if that is smaller. Does
+// nothing if the squared distance to the triangle's box is more than `nearest`, which is f squared.
 void certify(const Vec3& point, const Triangle& triangle, double nearest, double& least, Counters& counters);
 
 }  // namespace hausbench

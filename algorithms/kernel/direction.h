@@ -1,4 +1,4 @@
-// Directions of vectors of any length.
+// Scaling of very long and very short vectors before they are normalised.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -7,9 +7,9 @@
 
 namespace hausbench {
 
-// Returns v times the power of two that brings its largest |coordinate| into [1, 2), so that squares neither
-// underflow nor overflow. Exact, except that coordinates negligible beside the largest may underflow. Zero and
-// non-finite vectors are returned unchanged.
+// Returns v times the power of two that brings its largest |coordinate| into [1, 2), so that the squared length neither
+// underflows nor overflows. The product is exact, except that a coordinate may underflow if it is negligible compared
+// with the largest. Zero and non-finite vectors are returned unchanged.
 inline Vec3 at_unit_scale(const Vec3& v) {
     const double largest = v.cwiseAbs().maxCoeff();
     if (!(largest > 0) || !v.allFinite()) return v;

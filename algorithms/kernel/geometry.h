@@ -1,7 +1,6 @@
-// Vectors, points, the data of shapes, and poses. The base of kernel/, structures/ and search/, which know nothing
-// of scenes.
+// The basic types: vectors, point sets, triangle meshes, algebraic surfaces, and poses.
 //
-// Lengths are in the unit of the input files; nothing here rescales them (see session.h).
+// Lengths are in the unit of the data; no function here rescales them. Sessions do (session/scaled.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -19,36 +18,37 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-// A finite set of points; never empty, all coordinates finite (checked when files are loaded).
+// A set of points. It is never empty, and all coordinates are finite; loading a file checks both.
 struct PointSet {
     Points points;
 };
 
-// A triangle soup: no adjacency, orientation or manifoldness is assumed, and degenerate triangles are legal. Every
-// vertex belongs to a triangle (loaders drop the others and report their number).
+// A triangle soup: no adjacency, orientation or manifoldness is assumed, and degenerate triangles are allowed. Every
+// vertex belongs to a triangle; loaders drop the other vertices and report how many they dropped.
 struct TriangleMesh {
     Points vertices;
     Triangles triangles;
 };
 
-// The points of a closed box where a polynomial in x, y, z vanishes. Like every shape, it must not be empty; a solver that
-// finds it empty throws InputError in prepare().
+// The points of a closed box at which a polynomial in x, y, z is zero. Like every shape, the surface must not be empty;
+// a solver that finds it empty throws InputError in prepare().
 struct AlgebraicSurface {
-    // Syntax: kernel/polynomial.h. Coefficients are exact decimal numbers, not doubles.
+    // For the syntax, see kernel/polynomial.h. Coefficients are exact: "0.1" is one tenth, not the nearest double.
     std::string polynomial;
-    Points box;  // two rows: least and largest corner, first < second in each coordinate
+    Points box;  // two rows, the least and the largest corner; the first is smaller in each coordinate
 };
 
-// Returns the length of the diagonal of the bounding box of the points.
+// Returns the length of the diagonal of the bounding box of the points; 0 if there are no points.
 double diagonal(const Points& points);
 
-// Returns the length of the longest side of the bounding box.
+// Returns the length of the longest side of the bounding box of the points; 0 if there are no points.
 double longest_side(const Points& points);
 
-// Returns the largest |coordinate|.
+// Returns the largest |coordinate| of the points; 0 if there are no points.
 double magnitude(const Points& points);
 
-// A rigid motion or any other affine map, as stored in result files.
+// The map v -> rotation * v + translation, which moves a shape in a query. Usually a rigid motion, but any matrix is
+// allowed. Result files store these twelve numbers.
 struct Pose {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     Vec3 translation = Vec3::Zero();
@@ -56,10 +56,12 @@ struct Pose {
     bool is_identity() const;
 };
 
-// Returns the points fl(R v + t), computed as (r0 x + r1 y) + r2 z + t and rounded after each operation, in that
-// order. "A posed" is by definition the shape on these rounded points, and every bound and witness refers to it.
-// The identity pose returns the same bits. Surfaces do not move: a session refuses any pose of a surface but the
-// identity.
+// Returns the points, moved by a pose. Coordinate k of a point (x, y, z) becomes
+//     ((r(k,0) * x + r(k,1) * y) + r(k,2) * z) + t(k),   where r is the rotation and t the translation,
+// rounded after each operation, in this order. The identity returns the same bits.
+//
+// In all comments, the "posed" points, and the "posed" mesh that has them as vertices, are these rounded ones; every
+// bound and witness refers to them. Algebraic surfaces cannot be moved: a session accepts only the identity for them.
 Points posed(const Points& points, const Pose& pose);
 
 }  // namespace hausbench

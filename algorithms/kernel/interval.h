@@ -1,12 +1,13 @@
-// Interval arithmetic with directed rounding: CGAL's Interval_nt, without its own switching of the rounding mode.
+// Interval arithmetic with directed rounding: CGAL's Interval_nt, in the variant that does not switch the rounding mode
+// itself.
 //
-// Chosen for its speed: it takes about 3 times as long as plain doubles. Boost.Interval takes about 28 times as
-// long with its default policy, which sets and restores the rounding mode in each operation. Without that policy it
-// is nearly as fast as CGAL's type, but does not set the mode at all. CGAL keeps (-low, high) in one SSE register,
-// so rounding upward gives both ends.
+// Code that computes with Interval must keep an UpwardRounding object alive while it does. Operations on plain doubles
+// are then rounded upward as well; comments say so if a bound depends on it.
 //
-// Code that computes with Interval must hold an UpwardRounding while it does. Plain doubles are then rounded upward
-// as well; comments mention this wherever a bound depends on it.
+// CGAL's type was chosen for its speed: it takes about 3 times as long as plain doubles. It keeps (-low, high) in one
+// SSE register, so that rounding upward is right for both ends. Boost.Interval takes about 28 times as long as doubles
+// with its default policy, which sets and restores the rounding mode in each operation. Without that policy it is
+// nearly as fast as CGAL's type, but does not set the mode at all.
 #pragma once
 
 #ifndef __ROUNDING_MATH__
@@ -23,12 +24,13 @@ using Interval = CGAL::Interval_nt<false>;
 // Sets the rounding mode to upward for its lifetime, and restores it afterwards.
 using UpwardRounding = CGAL::Protect_FPU_rounding<true>;
 
-// Returns x^n for n >= 0. Even powers are never below 0, and odd powers are sharp. O(log n).
+// Returns an interval that contains the n-th power of every number in x, for n >= 0. Apart from rounding, it is the
+// smallest one; so even powers are never below 0, unlike the product x * x of intervals. O(log n).
 inline Interval power(const Interval& x, int n) {
     if (n == 0) return Interval(1.0);
     if (n == 1) return x;
     if (n % 2 == 0) return CGAL::square(power(x, n / 2));
-    // The ends are kept as intervals because they may be infinite.
+    // Not Interval(x.inf()): that constructor expects a finite number, and an end may be infinite.
     const Interval low(x.inf(), x.inf()), high(x.sup(), x.sup());
     const Interval at_low = CGAL::square(power(low, n / 2)) * low, at_high = CGAL::square(power(high, n / 2)) * high;
     return Interval(at_low.inf(), at_high.sup());

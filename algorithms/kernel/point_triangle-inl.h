@@ -62,6 +62,7 @@ HWY_INLINE V squared_distance_to_box(const V3& p, const VBox& box) {
     return dot(d, d);
 }
 
+// Returns the closest point of an edge; the parameters are the same as in point_triangle.cpp.
 HWY_INLINE V3 closest_on_edge(const V3& from, const V3& to, V along, V length, V inverse) {
     const Doubles d;
     const V one = hn::Set(d, 1.0);
@@ -75,6 +76,7 @@ struct VFoot {
     V3 point;
 };
 
+// Replaces `best` with q in the lanes in which q is nearer to p.
 HWY_INLINE void offer(const V3& p, const V3& q, VFoot& best) {
     const V3 r = p - q;
     const V squared = dot(r, r);

@@ -1,57 +1,66 @@
-// Closest point of a triangle; robust for degenerate triangles, with a proven error.
+// The point of a triangle that is closest to a given point, and a proven lower bound on its distance. Degenerate
+// triangles are handled as accurately as others.
 #pragma once
 
 #include "algorithms/kernel/triangle.h"
 
 namespace hausbench {
 
+// The closest point of a triangle, as seen from a query point p.
 struct TrianglePoint {
-    double squared_distance;  // squared_length(p - point), as rounded
+    double squared_distance;  // squared_length(p - point), rounded after each operation
     Vec3 point;               // exactly inside the box of the triangle; no coordinate is -0
 };
 
-// Returns the point of the triangle closest to p. Coordinates may be up to 2^400; zero-area triangles (segments,
-// points) are fine. The kernel for eight triangles at a time (point_triangle-inl.h) returns the same bits.
+// Returns the point of the triangle closest to p. |Coordinates| may be up to 2^400. Triangles without area (segments,
+// points) are allowed. The kernel for several triangles at a time (point_triangle-inl.h) returns the same bits.
 //
-// Method: the longest edge e = b - a comes first. Its height is h = (c - a) - x_c e, made orthogonal to e twice.
-// The foot of p in the plane has the coordinates x along e and y along h, so its weights are 1 - x + y x_c - y,
-// x - y x_c and y; the foot is a candidate if no weight is negative. The nearest candidate among the foot and the
-// closest points of the three edges wins. No product of more than two lengths occurs. (textbook.h has the method of
-// Ericson, Real-Time Collision Detection, 2005, section 5.1.5; on needles and caps its products of four lengths err
-// by the size of the triangle.)
+// Method. The corners are named so that ab is the longest edge. Let e = b - a, let x_c e be the part of c - a along e,
+// and h = (c - a) - x_c e the height of c over ab; the code makes h orthogonal to e a second time, because rounding
+// leaves a part along e. In the plane of the triangle, the foot of the perpendicular from p is
+//     a + x e + y h  =  (1 - x + y x_c - y) a  +  (x - y x_c) b  +  y c.
+// The foot is a candidate if none of these three weights is negative (in the code, `x` is the second weight). The other
+// candidates are the closest points of the three edges. The nearest candidate is returned. No product of more than two
+// lengths occurs. (The usual method, in textbook.h, has products of four lengths. On a thin triangle, with one very
+// short edge or with an angle of almost 180 degrees, these err by the size of the triangle.)
 //
-// Error: u = 2^-53, M = max |coordinate| of p and the triangle, q is the returned point taken as exact, d is the
-// exact distance.
+// Error. Let u = 2^-53, M be the largest |coordinate| of p and the triangle, q the returned point (taken as exact), and
+// d the exact distance from p to the triangle.
 //
-// Not too near (proven): d <= |p - q| + 7uM. q = (w_a a + w_b b) + w_c c has w_b, w_c >= 0 in floating point with
-// fl(w_b + w_c) <= 1, and w_a = max(fl(fl(1 - w_b) - w_c), 0). These are two roundings of numbers of at most 1, so
-// the weights add up to 1 within u. Let w_a absorb that difference or, if w_a = 0, divide all weights by their sum:
-// q moves by at most uM in each coordinate. Products cost u (w_a + w_b + w_c) M = uM, and the two sums uM each.
-// Together this is 4uM plus terms of order u^2, and sqrt(3) 4 < 7. A point (1 - t) a + t b of an edge errs less.
-// Clamping q to the triangle's box moves it no farther from the feasible point, which lies in the box. Nothing else
-// is required of q: upper bounds hold whatever the errors of x and y.
+// The distance is not too small (proven): d <= |p - q| + 7uM, because q is within 7uM of a point of the triangle. For
+// the foot, q = (w_a a + w_b b) + w_c c with w_b, w_c >= 0, fl(w_b + w_c) <= 1 and w_a = max(fl(fl(1 - w_b) - w_c), 0),
+// all as computed.
+//   - w_a takes two roundings of numbers of at most 1, so the sum of the weights differs from 1 by at most u. Divided
+//     by their sum, the weights give a point of the triangle, which differs from q by at most uM in each coordinate.
+//   - The three products err by u (w_a + w_b + w_c) M = uM in total, and the two sums by uM each.
+// Together this is 4uM in each coordinate, plus terms of order u^2, and sqrt(3) * 4uM < 7uM. A point (1 - t) a + t b of
+// an edge errs less. At the end, q is clamped to the box of the triangle; this moves q no farther from the point of the
+// triangle, because that point lies in the box. The proof uses nothing else about the weights, so upper bounds hold
+// however large the errors of x and y are.
 //
-// Not too far (measured): |p - q| <= d + 10uM on millions of pairs of every degenerate class
-// (tests/algorithms/kernel/kernel_point_triangle_test.cpp). Bounds hold without this; it only makes them tight. The
-// error is so small for this reason: x e errs by a few uM, and so does y h except for the tilt of h out of the
-// plane, which is an angle of a few u|e|/|h| from rounding c - a. The tilt moves the foot along h by at most u d
-// |e|/|h|, and by at most |h| because the weights are clamped; moving it by m along the plane costs m^2 / 2d, at
-// most u|e|. If the errors of x or y are so large that an inside point is taken for outside, the closest point of
-// an edge is just as near.
+// The distance is not too large (measured): |p - q| <= d + 10uM on millions of pairs of every degenerate class
+// (tests/algorithms/kernel/kernel_point_triangle_test.cpp). Bounds are valid without this; it only makes them tight.
+// The reason for so small an error: x e errs by a few uM, and so does y h, except that rounding c - a tilts h out of
+// the plane by an angle of a few u |e| / |h|. The tilt moves the foot along h by at most u d |e| / |h|, and also by at
+// most |h|, because weights outside [0, 1] are not used. If the foot moves by m within the plane, its distance grows by
+// at most m^2 / (2d); here, this is at most u |e|. If x or y err so much that a foot inside the triangle seems to be
+// outside, the closest point of an edge is just as near.
 //
 // The computed distance f = fl(sqrt(squared_distance)) errs by another 4u f (rounding.h).
 TrianglePoint closest_point(const Vec3& p, const Triangle& triangle);
 
-// Returns a proven lower bound of the exact distance from p to the triangle; q is the point that closest_point
-// returned, or any other point.
+// Returns a proven lower bound on the exact distance from p to the triangle. It holds for any q, and is tight if q is
+// the point that closest_point returned.
 //
-// For every n != 0, no point of the triangle is closer to p than min over vertices v of n.(p - v) / |n|. Several n
-// are tried: p - q, its parts perpendicular to an edge, and the normal. Rounding: w = fl(p - v) errs by u|w_k| in
-// each coordinate, the products and sums by 3u, so the dot product m is off by at most
-// 4.01u sum |n_k||w_k| <= 4.01u |n||w|. |n| is off by a factor of 1 -+ 2.5u, and the quotient by another u. |m|/|n|
-// is at most |w|, so all this is less than 7.6u |w|, and the subtraction adds u. |w| <= |w_x| + |w_y| + |w_z|, so
-// m/|n| - 9u max(|w_x| + |w_y| + |w_z|) is a lower bound. Directions with |n| < 2^-450 are not tried; underflow
-// then costs less than 2^-600.
+// Let n be any vector except 0. Along n, every point of the triangle is at least as far from p as the nearest corner:
+// the distance is at least min over corners v of n.(p - v) / |n|. The function returns the best bound for several n:
+// p - q, its parts perpendicular to each edge, and the normal of the triangle.
+//
+// Rounding, for one corner. w = fl(p - v) errs by u |w_k| in coordinate k, and the products and sums by 3u, so the dot
+// product m = n.w is off by at most 4.01u sum |n_k| |w_k| <= 4.01u |n| |w|. The length |n| errs by 2.5u, and the
+// quotient by u. As |m| / |n| <= |w|, all this is less than 7.6u |w|, and the subtraction of the margin adds u |w|. As
+// |w| <= |w_x| + |w_y| + |w_z|, the margin 9u max(|w_x| + |w_y| + |w_z|), over the three corners, is enough. Vectors n
+// with |n| <= 2^-450 are not used; for others, underflow costs less than 2^-600, which is part of the margin, too.
 double distance_certainly_at_least(const Vec3& p, const Triangle& triangle, const Vec3& q);
 
 }  // namespace hausbench

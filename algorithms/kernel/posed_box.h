@@ -1,8 +1,9 @@
-// Bounds of computed distances between boxes, points and posed boxes, with no slack for rounding.
+// Bounds on the computed squared distances between all points of two boxes, one of which may be moved by a pose. The
+// bounds need no slack for rounding.
 //
-// All distances between points here are fl(((ax-bx)^2 + (ay-by)^2) + (az-bz)^2), rounded after each operation.
-// Rounding is monotone: x <= y implies fl(x) <= fl(y). So the same operations on the ends of intervals that contain
-// the coordinates bound the computed result for all coordinates inside, exactly.
+// The squared distance between two points is always computed as ((ax-bx)^2 + (ay-by)^2) + (az-bz)^2, rounded after each
+// operation. Rounding is monotone: x <= y implies fl(x) <= fl(y). So the same operations, applied to the ends of
+// intervals that contain the coordinates, give bounds on the computed result for any coordinates in these intervals.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -12,10 +13,13 @@
 
 namespace hausbench {
 
-// Returns a box that contains posed(p) (geometry.h) for every p in `box`. It does the operations of posed() on
-// whichever end of the box makes each product least or most. For the identity the result is the box itself; for a
-// rotation it is the box around the turned box, clipped to `within`. `within` must contain all posed points;
-// clipping also removes overflow at a corner.
+// Returns a box that contains the computed posed(p) (geometry.h) of every point p of a shape that lies in `box`.
+// `within` must be a box around all posed points of the shape; the result is clipped to it, because the box around a
+// rotated box is larger than its content. Clipping also removes a corner that overflowed. For the identity, the result
+// is `box`.
+//
+// Each coordinate takes the operations of posed() in their order, on the end of `box` for which a product is least, or
+// largest.
 inline Box posed_box(const Box& box, const Pose& pose, const Box& within) {
     if (pose.is_identity()) return box;
     Box result;
@@ -28,32 +32,34 @@ inline Box posed_box(const Box& box, const Pose& pose, const Box& within) {
         }
         const double least = ((low[0] + low[1]) + low[2]) + pose.translation[k];
         const double most = ((high[0] + high[1]) + high[2]) + pose.translation[k];
-        result.low[k] = least > within.low[k] ? least : within.low[k];  // if NaN: the end of `within`
+        result.low[k] = least > within.low[k] ? least : within.low[k];  // if `least` is NaN, takes within.low
         result.high[k] = most < within.high[k] ? most : within.high[k];
     }
     return result;
 }
 
+// Returns the bounding box of the points.
 inline Box box_of(const Points& points) {
     Box box;
     for (Eigen::Index i = 0; i < points.rows(); ++i) box.add(points.row(i));
     return box;
 }
 
-// Lower and upper bound of the squared distance between any p in one box and any q in the other.
+// Returns a lower bound on the squared distance, as computed, between any point of one box and any point of the other.
 inline double squared_distance_at_least(const Box& a, const Box& b) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = std::max(std::max(b.low[k] - a.high[k], a.low[k] - b.high[k]), 0.0);
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
+// Returns an upper bound on the same distances.
 inline double squared_distance_at_most(const Box& a, const Box& b) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = std::max(b.high[k] - a.low[k], a.high[k] - b.low[k]);
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// Returns the squared distance from p to the farthest corner.
+// Returns the squared distance from p to the farthest corner of the box: no point of the box is farther from p.
 inline double squared_distance_at_most(const Vec3& p, const Box& box) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = std::max(box.high[k] - p[k], p[k] - box.low[k]);

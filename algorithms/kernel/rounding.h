@@ -1,8 +1,12 @@
-// Rounding errors of the distances computed here, and how bounds are widened so that they still hold.
+// Bounds on the rounding errors of computed distances, and functions that widen a computed distance so that it bounds
+// the exact one.
 //
-// u = 2^-53, round to nearest. This file covers the distances between points and triangles and the widenings that
-// most solvers use. A file that widens by something else derives it there: `git grep -l unit_roundoff` lists these
-// files.
+// Notation: fl(x) is x rounded to the nearest double. u = 2^-53 is the unit roundoff: |fl(x) - x| <= u |x|, unless
+// fl(x) underflows or overflows. "Errs by 3u" stands for a relative error of at most 3u, and "errs by 3uM" for an
+// absolute error of at most 3 * u * M.
+//
+// This file covers the distances between points and triangles, and the widenings that most solvers use. A file that
+// needs another widening derives it in its own comments; `git grep -l unit_roundoff` lists these files.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -17,7 +21,7 @@ namespace hausbench {
 
 inline constexpr double unit_roundoff = 0x1p-53;
 
-// Like std::nextafter towards +infinity, but inlined.
+// Returns the next larger double, like std::nextafter towards +infinity, but inlined.
 inline double next_up(double x) {
     if (x == 0) return std::numeric_limits<double>::denorm_min();
     if (!(x < std::numeric_limits<double>::infinity())) return x;
@@ -27,22 +31,26 @@ inline double next_down(double x) { return -next_up(-x); }
 
 // --- point to point -------------------------------------------------------------------------------------------------
 //
-// s = fl(((ax-bx)^2 + (ay-by)^2) + (az-bz)^2), f = fl(sqrt(s)), d = |a - b|.
-// A difference has one relative error of at most u, its square has two of them and one more, and the sums add at
-// most two more, so s lies in d^2 [(1-u)^5, (1+u)^5] and f in d [(1-u)^3.5, (1+u)^3.5]. As 1/(1-u)^3.5 < 1 + 4u and
-// 1/(1+u)^3.5 > 1 - 4u, d lies in [f (1 - 4u), f (1 + 4u)]. Minima and maxima of s are exact choices among such
-// values, so the same holds for the Hausdorff distance. The products with 1 -+ 4u are rounded once more; next_up
-// and next_down make up for that.
+// For points a and b, let d = |a - b| be the exact distance, s the computed squared distance, and f its root:
+//     s = fl(((ax-bx)^2 + (ay-by)^2) + (az-bz)^2),   f = fl(sqrt(s)).
+// Each difference has a rounding factor between 1 - u and 1 + u. Its square has two such factors from the difference
+// and one of its own, and the two sums add at most two more. So s lies in d^2 [(1-u)^5, (1+u)^5]. The root halves the
+// exponent and adds one factor: f lies in d [(1-u)^3.5, (1+u)^3.5]. As 1/(1-u)^3.5 < 1 + 4u and
+// 1/(1+u)^3.5 > 1 - 4u, d lies in [f (1 - 4u), f (1 + 4u)].
+// The products with 1 - 4u and 1 + 4u are rounded once more; next_down and next_up make up for that.
+// A minimum or maximum of several s is one of them, without further rounding, so the same bounds hold for the
+// Hausdorff distance.
 //
-// Overflow: none while |coordinate| <= 2^400 (differences 2^401, squares 2^802).
-// Underflow: differences are exact when they underflow. If every nonzero |coordinate| >= 2^-450, all coordinates
-// are multiples of 2^-502, unequal ones differ by 2^-502 or more, and squares are at least 2^-1004: these are
-// normal, and s = 0 only for equal points. Otherwise each of the three squares is off by at most 2^-1075, their sum
-// by less than 2^-1072, and f by less than 2^-536: bounds are widened by 2^-500 beyond the relative error.
+// Overflow: there is none while |coordinate| <= 2^400 (differences are at most 2^401, squares 2^802).
+// Underflow: a difference that underflows is exact. Let every nonzero |coordinate| be at least 2^-450. Then all
+// coordinates are multiples of 2^-502, unequal ones differ by 2^-502 or more, and nonzero squares are at least 2^-1004.
+// These are normal numbers, and s = 0 only for equal points. With smaller coordinates, each of the three squares is off
+// by at most 2^-1075, their sum by less than 2^-1072, and f by less than 2^-536: bounds are then widened by 2^-500, in
+// addition to the relative error.
 inline constexpr double largest_safe_coordinate = 0x1p400;
 inline constexpr double smallest_safe_coordinate = 0x1p-450;
 
-// Returns the smallest nonzero |coordinate|, or infinity if there is none. O(n).
+// Returns the smallest nonzero |coordinate|, or infinity if all are 0. O(n).
 inline double smallest_nonzero(const Points& points) {
     double smallest = std::numeric_limits<double>::infinity();
     for (const double value : std::span(points.data(), static_cast<std::size_t>(points.size()))) {
@@ -51,6 +59,8 @@ inline double smallest_nonzero(const Points& points) {
     return smallest;
 }
 
+// Returns a lower bound on the exact distance between two points, given their squared distance as computed. Pass
+// may_underflow = true if some nonzero |coordinate| may be below smallest_safe_coordinate.
 inline double distance_at_least(double squared, bool may_underflow) {
     const double f = std::sqrt(squared);
     if (f == 0) return 0;
@@ -58,6 +68,7 @@ inline double distance_at_least(double squared, bool may_underflow) {
     return low > 0 ? low : 0;
 }
 
+// Returns an upper bound on the exact distance; the parameters are the same.
 inline double distance_at_most(double squared, bool may_underflow) {
     const double f = std::sqrt(squared);
     const double high = f == 0 ? 0 : next_up(f * (1 + 4 * unit_roundoff));
@@ -66,60 +77,74 @@ inline double distance_at_most(double squared, bool may_underflow) {
 
 // --- point to triangle, and subdivided triangles ---------------------------------------------------------------------
 //
-// M = max |coordinate| of A posed and B; it is either 0 or between these two values.
+// Solvers bound the distances from points of A to B. M is the largest |coordinate| of B and of A, moved by its pose.
+// Solvers require that M is 0 or between these two values.
 inline constexpr double smallest_safe_magnitude = 0x1p-400, largest_safe_magnitude = largest_safe_coordinate;
 
-// closest_point (point_triangle.h) returns a point within 7uM of the triangle, at the computed squared distance s,
-// which errs as above; its underflow part, 2^-536, is far below uM. So sqrt(s) (1 + 4u) + 8uM bounds the exact
-// distance.
-// The sum needs no next_up. To first order, rounding it costs at most u (d + 8uM), with d <= 2 sqrt(3) M < 3.5M.
-// distance_at_most is at least (1 + 0.9u) d: it uses 4u where 3.5u are needed, and its next_up adds 0.4u more than
-// the product loses by rounding. The other 0.1ud < 0.4uM come from the eighth uM, of which underflow uses at most a
-// 2^-83 part.
+// Levels. Solvers cut the triangles of A into pieces, which are smaller triangles, and rounding moves the corners of
+// the pieces off A. A computed point has *level* k if it is within 2k * uM of the exact point of A that it stands for.
+// The vertices of A have level 0, and each halving of an edge adds one: in each coordinate, the midpoint fl((a + b) /
+// 2) errs by at most u |a + b| / 2 <= uM, so by at most sqrt(3) * uM < 2uM in length. In addition, it inherits at most
+// the larger of the errors of a and b.
 //
-// A midpoint fl((a + b) / 2) errs by u |a + b| / 2 <= uM in each coordinate, so by less than 2uM in length, and
-// inherits at most the larger error of its ends: a vertex after k halvings is within 2kuM of the exact one. The
-// exact pieces cover the triangle, and the distance changes no more than the point moves.
+// Returns an upper bound on the distance to B of the exact point of A that a computed point of this level stands for.
+// `squared` is the squared distance of the computed point to B, according to closest_point (point_triangle.h);
+// `magnitude` is M. For a piece, `squared` is the largest such number in the computed piece, and the result holds for
+// the exact piece. The exact pieces of a triangle cover it.
+//
+// Level 0: closest_point returns a point within 7uM of a triangle of B, at the computed squared distance s. This s errs
+// as derived above; its underflow part, 2^-536, is far below uM. So sqrt(s) (1 + 4u) + 8uM bounds the exact distance d:
+// 7uM are needed for the point, and the eighth uM is left for the losses below.
+// Level k: the distance to B changes no more than the point moves, so 2k * uM is added.
+// The sum needs no next_up. To first order, rounding it costs at most u (d + 8uM), with d <= 2 sqrt(3) M < 3.5M. The
+// result of distance_at_most is at least (1 + 0.9u) d: it uses 4u, of which only 3.5u are needed, and its next_up adds
+// at least 0.4u more than the product loses by rounding. The other 0.1u d < 0.4uM come from the eighth uM. Underflow
+// uses at most a 2^-83 part of that uM.
 inline double surface_distance_at_most(double squared, double magnitude, int level) {
     if (magnitude == 0) return 0;
     return distance_at_most(squared, false) + (8 + 2 * level) * unit_roundoff * magnitude;
 }
 
-// A point of A that closest_point returned is within 7uM of A: closer than a vertex after four halvings.
+// The level of a point that closest_point returned for a triangle of A: it is within 7uM < 2 * 4uM of the triangle.
 inline constexpr int level_of_closest_point = 4;
 
-// fl(fl((1 - t) a) + fl(t b)) with 0 <= t <= 1 is within 6uM of the edge ab, and fl((a + b + c) / 3) is within 6uM
-// of the triangle abc: both like a vertex after three halvings. In each coordinate of the first, 1 - t errs by u,
-// the products by uM in total, and their sum by uM: together 3uM. In the second, the sums a + b and + c err by 2uM
-// and 3uM; a third of that and uM for the division make less than 3uM. sqrt(3) 3 < 6.
+// The level of a point computed as fl(fl((1 - t) a) + fl(t b)), with 0 <= t <= 1, for an edge ab, or as
+// fl((a + b + c) / 3) for a triangle abc. Each coordinate of either errs by at most 3uM:
+//   - In the first, the rounding of 1 - t costs at most uM, the two products uM in total, and their sum uM.
+//   - In the second, the sum a + b errs by 2uM, and adding c by 3uM. A third of these 5uM, and uM for the division,
+//     make less than 3uM.
+// In length, this is at most sqrt(3) * 3uM < 6uM = 2 * 3uM, so level 3 is enough.
 inline constexpr int level_of_inner_point = 3;
 
-// Returns a point of the edge ab, for 0 <= t <= 1. b - a errs by u |b - a| in each coordinate, its product with t
-// by as much again, and the sum by uM: uM + 2.01u e in total, where e is the largest |coordinate| of b - a. That is
-// at most 5.1uM, as e <= 2M, and sqrt(3) 5.1 < 10: like a vertex after five halvings. If e <= M / 16, it is at most
-// 1.13uM, and sqrt(3) 1.13 < 2: like a vertex after one halving. If M = 0, nothing errs.
+// Returns a point of the edge ab, for 0 <= t <= 1. Let e be the largest |coordinate| of b - a. In each coordinate,
+// b - a errs by at most u e, its product with t by as much again, and the sum by uM: uM + 2.01u e in total.
+//   - In general, e <= 2M, so this is at most 5.1uM, and sqrt(3) * 5.1uM < 10uM = 2 * 5uM: level 5.
+//   - If e <= M / 16, it is at most 1.13uM, and sqrt(3) * 1.13uM < 2uM: level 1.
+// If M = 0, nothing errs.
 inline Vec3 point_of_edge(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
 
 inline constexpr int level_of_long_edge = 5;
 
-// `longest` is the largest e as computed. It may be too small by a factor of 1 - u; the 1.13 above has room for
-// that.
+// Returns the level of point_of_edge(). `longest` is e as computed, or the largest e of several edges. It may be too
+// small by a factor of 1 - u; the 1.13 above has room for that.
 inline int level_of_point_of_edge(double longest, double magnitude) {
     return longest <= magnitude / 16 ? 1 : level_of_long_edge;
 }
 
-// Returns an upper bound of the exact f + g, given `sum` = fl(f + g). f is the distance from a point of A to B as
-// closest_point computes it, or the largest of several such distances. g is a length between points of A, computed
-// in the same way, or more than that length. f and g err by 3.5u, and their sum rounds by u: 1 + 5u covers these.
-// The point of B is off B by up to 7uM, and underflow is far below the eighth uM. Each next_up makes up for
+// Returns an upper bound on the exact f + g, given `sum` = fl(f + g). f is the distance from a point of A, of this
+// level, to B as closest_point computes it, or the largest of several such distances. g is a length between points of
+// A, computed in the same way, or more than that length.
+//
+// f and g each err by 3.5u, and rounding their sum adds u: the factor 1 + 5u covers these. The closest point is off B
+// by up to 7uM, and underflow is far below the eighth uM. Level k adds 2k * uM, as above. Each next_up makes up for
 // rounding the product or the sum before it.
 inline double surface_sum_at_most(double sum, double magnitude, int level) {
     if (magnitude == 0) return 0;
     return next_up(next_up(sum * (1 + 5 * unit_roundoff)) + (8 + 2 * level) * unit_roundoff * magnitude);
 }
 
-// Turns a certified distance of a rounded vertex into a certified distance of the exact point of A that it stands
-// for.
+// Returns a lower bound on the distance to B of an exact point of A. `certified` is a lower bound on the distance to B
+// of the point of this level that stands for it.
 inline double surface_distance_at_least(double certified, double magnitude, int level) {
     const double low = level == 0 ? certified : next_down(certified - 2 * level * unit_roundoff * magnitude);
     return low > 0 ? low : 0;
@@ -127,32 +152,38 @@ inline double surface_distance_at_least(double certified, double magnitude, int 
 
 // --- samples of a triangle -------------------------------------------------------------------------------------------
 //
-// The grid of n steps on a triangle consists of the points (i a + j b + k c) / n with integers i, j, k >= 0 and
-// i + j + k = n. It cuts the triangle into n^2 small ones, whose edges are 1/n as long as its own.
+// The grid of n steps on a triangle abc consists of the points (i a + j b + k c) / n with integers i, j, k >= 0 and
+// i + j + k = n. It cuts the triangle into n^2 small ones, whose edges are 1/n as long.
 //
-// grid_point() returns a point within 7uM of the exact one, for n < 2^53: the products cost u (i + j + k) M = u n M
-// in total, each of the two sums as much, and the quotient uM: 4uM in each coordinate plus terms of order u^2, and
-// sqrt(3) 4 < 7. Underflow costs far less.
+// grid_point() returns a point within 7uM of the exact one, for n < 2^53. The three products err by
+// u (i + j + k) M = u n M in total, and each of the two sums by as much; divided by n, these are 3uM. The division
+// adds uM. Together this is 4uM in each coordinate, plus terms of order u^2, and sqrt(3) * 4uM < 7uM. Underflow costs
+// far less.
 inline Vec3 grid_point(const Vec3& a, const Vec3& b, const Vec3& c, std::int64_t i, std::int64_t j, std::int64_t n) {
     return ((static_cast<double>(i) * a + static_cast<double>(j) * b) + static_cast<double>(n - i - j) * c) /
            static_cast<double>(n);
 }
 
-// A point of the grid is closer to A than a vertex after four halvings.
+// The level of a point of the grid: it is within 7uM < 2 * 4uM of A.
 inline constexpr int level_of_grid_point = 4;
 
-// Covering radius: every point p of a triangle is within L / sqrt(3) of a corner, where L is its longest edge. Let
-// p = sum w_i c_i, with weights w_i >= 0 that add up to 1. As sum w_i (c_i - p) = 0,
+// Covering radius: every point p of a triangle is within L / sqrt(3) of a corner, where L is the length of the longest
+// edge. Let c_i be the corners and p = sum w_i c_i, with weights w_i >= 0 that add up to 1. The smallest |c_i - p|^2 is
+// at most their weighted mean. As sum w_i (c_i - p) = 0,
 //     min |c_i - p|^2 <= sum w_i |c_i - p|^2 = sum_{i<j} w_i w_j |c_i - c_j|^2 <= L^2 (1 - sum w_i^2) / 2 <= L^2 / 3.
-// This holds for a triangle of any shape, even a needle or a point; a regular triangle attains it at its centre.
-// Every point of the triangle is within r = L / (n sqrt(3)) of a point of the grid of n steps. The distance to B
-// changes no more than the point moves, so it exceeds the distance at some sample by at most r.
+// This holds for a triangle of any shape, even if all corners lie on a line or coincide; for a regular triangle, the
+// centre attains it.
 //
-// `at_samples` is the largest surface_distance_at_most of the samples, so it is 0 only if M is 0; `squared_edge` is
-// L^2 as computed. fl(sqrt(L^2)) errs by 3.5u (see point to point), fl(sqrt(3)) by 0.6u, and product and quotient
-// by u each: r is at most (1 + 6.1u) times the quotient, to first order. The product with 1 + 8u loses at most u.
+// Returns an upper bound on the distance to B of any point of a triangle. `at_samples` is the largest
+// surface_distance_at_most of the points of its grid of n steps, so it is 0 only if M is 0; `squared_edge` is L^2 as
+// computed. The bound is at_samples + r: each small triangle of the grid has edges of length L / n or less, so every
+// point of the triangle is within r = L / (n sqrt(3)) of a point of the grid, and the distance to B changes no more
+// than the point moves.
+//
+// fl(sqrt(L^2)) errs by 3.5u (see point to point), fl(sqrt(3)) by 0.6u, and product and quotient by u each: to first
+// order, r is at most (1 + 6.1u) times the computed quotient. The product with 1 + 8u loses at most u by rounding. The
 // next_up makes up for rounding the sum, and half an ulp is left over: at least 2^-504, because
-// at_samples >= 8uM >= 2^-450. That is more than the 2^-536 that underflow takes from L.
+// at_samples >= 8uM >= 2^-450. That is more than the 2^-536 by which L may be too small because of underflow.
 inline double grid_distance_at_most(double at_samples, double squared_edge, std::int64_t n) {
     if (at_samples == 0) return 0;
     const double root_of_three = 0x1.bb67ae8584caap+0;
@@ -160,8 +191,8 @@ inline double grid_distance_at_most(double at_samples, double squared_edge, std:
     return next_up(at_samples + radius * (1 + 8 * unit_roundoff));
 }
 
-// Upper bounds for one scene. If `certify` is off, they are not widened, to measure the cost of widening and to
-// show what goes wrong without it.
+// The upper bounds for one scene, whose M is `magnitude`. If `certify` is false, distances are returned without
+// widening, to measure the cost of widening and to show what goes wrong without it.
 struct SurfaceRounding {
     double magnitude;
     bool certify = true;

@@ -1,9 +1,10 @@
-// The closest point of a triangle as textbooks and most programs compute it. Kept to show its failures; use
-// point_triangle.h instead.
+// The closest point of a triangle as textbooks and most programs compute it. It is kept to show how it fails; use
+// closest_point (point_triangle.h) instead.
 //
-// Ericson, Real-Time Collision Detection, 2005, section 5.1.5. Correct in exact arithmetic. In double, its products
-// of four lengths overflow beyond 2^255, underflow below 2^-268, and cancel: on needles, caps and collinear corners
-// it errs by the size of the triangle, and close to a triangle of size 1 by 1e-12.
+// Source: Ericson, Real-Time Collision Detection, 2005, section 5.1.5. The method is correct in exact arithmetic. In
+// double precision, its products of four lengths overflow for lengths beyond 2^255, underflow below 2^-268, and cancel.
+// The result errs by the size of the triangle if the corners lie almost on a line, and by 1e-12 for points close to an
+// ordinary triangle of size 1.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"

@@ -1,4 +1,4 @@
-// Eight triangles side by side, for kernels that process them together.
+// Blocks of eight triangles or points, stored side by side for vector instructions, and their closest points.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -8,12 +8,13 @@
 
 namespace hausbench {
 
-inline constexpr int block_width = 8;  // logical width, the same on every machine
+inline constexpr int block_width = 8;  // the same on every machine, whatever the width of its vectors
 
+// One to eight triangles, one in each lane.
 struct alignas(64) TriangleBlock {
-    double corner[3][3][block_width];  // [corner][coordinate][lane], the longest edge first
-    Index triangle[block_width];
-    std::int32_t count;  // lanes in use; the other lanes repeat the first
+    double corner[3][3][block_width];  // [corner][coordinate][lane]; corners 0 and 1 are the ends of the longest edge
+    Index triangle[block_width];       // indices in the mesh
+    std::int32_t count;                // lanes in use; the other lanes repeat lane 0
 
     void set(const TriangleMesh& mesh, std::span<const Index> triangles) {  // 1 to 8 triangles
         count = static_cast<std::int32_t>(triangles.size());
@@ -34,21 +35,22 @@ struct alignas(64) TriangleBlock {
     }
 };
 
-// Eight points side by side.
+// Eight points, one in each lane.
 struct alignas(64) PointBlock {
     double coordinate[3][block_width];
 };
 
-// For each lane, the same bits as closest_point(point, triangle).
+// A foot is the closest point of a triangle, as seen from a query point; here one in each lane. It has the same bits as
+// closest_point(point, triangle).
 struct alignas(64) BlockFeet {
     double squared_distance[block_width];
     double point[3][block_width];
 };
 
-// Tests one point against the triangles of a block.
+// Finds the closest point of each triangle of the block to one point.
 void closest_points(const Vec3& point, const TriangleBlock& block, BlockFeet& feet);
 
-// Tests the points of a block against one triangle.
+// Finds the closest point of one triangle to each point of the block.
 void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet);
 
 }  // namespace hausbench
