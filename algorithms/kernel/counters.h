@@ -1,5 +1,5 @@
-// Work counters. They are the same on every machine, so they are reported beside every time. Passed in, never
-// global.
+// Counters of the work done by a query. Unlike times, they are the same on every machine, so results report both.
+// Functions take a Counters& instead of changing global variables.
 #pragma once
 
 #include <array>
@@ -9,15 +9,15 @@
 namespace hausbench {
 
 struct Counters {
-    std::uint64_t point_distances = 0;           // point to point
-    std::uint64_t point_triangle_distances = 0;  // point to triangle
+    std::uint64_t point_distances = 0;           // distances from a point to a point
+    std::uint64_t point_triangle_distances = 0;  // distances from a point to a triangle
     std::uint64_t node_visits = 0;               // nodes or cells of a tree whose box was tested
     std::uint64_t closest_point_queries = 0;
-    std::uint64_t bound_tests = 0;   // upper bounds evaluated for elements of A
-    std::uint64_t subdivisions = 0;  // elements of A split
+    std::uint64_t bound_tests = 0;   // upper bounds computed for triangles or other parts of A
+    std::uint64_t subdivisions = 0;  // triangles or other parts of A that were split
     std::uint64_t queue_pushes = 0;
-    std::uint64_t box_distances = 0;           // box to box, or box to the piece of a surface in a box
-    std::uint64_t polynomial_evaluations = 0;  // polynomials bounded over a box
+    std::uint64_t box_distances = 0;           // from a box to a box, or to the part of a surface inside a box
+    std::uint64_t polynomial_evaluations = 0;  // bounds on a polynomial over a box
 
     bool operator==(const Counters&) const = default;
     Counters& operator+=(const Counters& more);
@@ -28,7 +28,8 @@ struct CounterField {
     std::uint64_t Counters::*member;
 };
 
-// The only list of the counters; files, tables and tests follow it.
+// The names of all counters. Files, tables and tests get the counters from this list, so a new one is added only here
+// and in Counters.
 inline constexpr std::array<CounterField, 9> counter_fields{{
     {"point_distances", &Counters::point_distances},
     {"point_triangle_distances", &Counters::point_triangle_distances},

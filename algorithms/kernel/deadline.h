@@ -1,4 +1,4 @@
-// A limit of wall time. If there is no limit, the clock is never read.
+// A limit on wall time.
 #pragma once
 
 #include <chrono>
@@ -6,6 +6,8 @@
 
 namespace hausbench {
 
+// A deadline that passes the given number of seconds after its construction. Infinity sets no limit, and the clock is
+// then never read.
 class Deadline {
 public:
     explicit Deadline(double seconds) : seconds_(seconds), limited_(std::isfinite(seconds)) {

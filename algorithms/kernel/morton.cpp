@@ -11,9 +11,9 @@
 namespace hausbench {
 namespace {
 
-constexpr int bits = 10;  // per coordinate
+constexpr int bits = 10;  // of a key, for each coordinate
 constexpr double cells = 1 << bits;
-constexpr std::size_t few = 32;  // up to this many points are left in any order
+constexpr std::size_t few = 32;  // up to this many points with equal keys are not sorted further
 
 // Inserts two zero bits before each bit.
 std::uint32_t spread(std::uint32_t x) {
@@ -23,13 +23,15 @@ std::uint32_t spread(std::uint32_t x) {
     return (x | (x << 2)) & 0x09249249;
 }
 
-// One step down the Hilbert curve: maps the octant of a cell to a digit of the cell's position on the curve. The
-// digit depends on the corner `entry` where the curve enters the cube and on the axis `along` which it leaves; the
-// state is 3 entry + along. A double step handles two octants, that is six bits, at once.
+// One step down the Hilbert curve. The curve visits the eight octants of a cube in an order that depends on the corner
+// `entry` at which it enters the cube and on the axis `along` which it leaves the cube. These two are the state:
+// 3 * entry + along. The step maps a state and an octant to the number of the octant in this order, which is one octal
+// digit of the position on the curve, and to the state for the octant itself.
 struct HilbertStep {
     std::uint8_t digits, state;
 };
 
+// Returns the steps, indexed by state and octant.
 constexpr std::array<std::array<HilbertStep, 8>, 24> hilbert_single_steps() {
     std::array<std::array<HilbertStep, 8>, 24> steps{};
     const auto turned_left = [](unsigned x, unsigned by) { return (x << by | x >> (3 - by)) & 7; };
@@ -52,6 +54,7 @@ constexpr std::array<std::array<HilbertStep, 8>, 24> hilbert_single_steps() {
     return steps;
 }
 
+// Returns two steps in one, indexed by state and two octants: six bits of a Morton key.
 constexpr std::array<std::array<HilbertStep, 64>, 24> hilbert_double_steps() {
     constexpr auto single = hilbert_single_steps();
     std::array<std::array<HilbertStep, 64>, 24> steps{};
@@ -64,13 +67,14 @@ constexpr std::array<std::array<HilbertStep, 64>, 24> hilbert_double_steps() {
     return steps;
 }
 
-// The key in the upper half and the row in the lower half: one number to sort by.
+// A key in the upper half and the row of its point in the lower half, so that sorting takes a single number.
 using Item = std::uint64_t;
 Item item_of(std::uint32_t key, Index row) { return (Item{key} << 32) | static_cast<std::uint32_t>(row); }
 Index row_of(Item item) { return static_cast<Index>(item & 0xffffffff); }
 std::uint32_t key_of(Item item) { return static_cast<std::uint32_t>(item >> 32); }
 
-// Sorts by key. The sort is stable, so rows that ascend before also ascend within each key afterwards.
+// Sorts items by key. If the rows ascend before the call, rows with equal keys ascend after it. `room` is a scratch
+// buffer.
 void sort_items(std::span<Item> items, std::vector<Item>& room) {
     if (items.size() < 1024) {
         std::sort(items.begin(), items.end());
@@ -99,8 +103,9 @@ template <Curve curve> std::uint32_t key_along(const MortonFrame& frame, const d
     return curve == Curve::hilbert ? hilbert_key(key) : key;
 }
 
-// Sorts each run of equal keys by the keys of a smaller frame, which splits the run unless rounding prevents it.
-// Runs that are not split are left as they are.
+// Sorts each run of more than `few` items with equal keys by the keys of a smaller frame, then does the same with the
+// runs of equal keys in that frame. Stops at a run that the smaller frame does not split, because of rounding or
+// because all its points are equal. The items keep the keys that they have in `outer`.
 template <Curve curve>
 void refine_runs(const Points& points, std::span<Item> items, const MortonFrame& outer, std::vector<Item>& room) {
     for (std::size_t begin = 0; begin < items.size();) {
@@ -131,7 +136,7 @@ void refine_runs(const Points& points, std::span<Item> items, const MortonFrame&
 MortonFrame::MortonFrame(const Box& box) : MortonFrame(box.low, (box.high - box.low).maxCoeff()) {}
 
 MortonFrame::MortonFrame(const Vec3& low, double width) : low_(low), width_(width) {
-    if (width > 0x1p-900) cells_per_length_ = cells / width;  // otherwise everything is in one cell
+    if (width > 0x1p-900) cells_per_length_ = cells / width;  // otherwise it stays 0, and all points are in cell 0
 }
 
 std::uint32_t MortonFrame::key(const double* point) const {
@@ -143,8 +148,8 @@ std::uint32_t MortonFrame::key(const double* point) const {
     return key;
 }
 
-// Returns the halvings of x as the bits of a number below 2^52: the highest bit says in which half of the cube x
-// lies, the next bit in which half of that half, and so on.
+// Returns the position of coordinate x in the cube as a number below 2^52. Its highest bit says in which half of the
+// cube x lies, the next bit in which half of that half, and so on.
 std::uint64_t MortonFrame::halvings_of(double x, int axis) const {
     constexpr double places = 0x1p52;
     const double part = (x - low_[axis]) * cells_per_length_ * (places / cells);
@@ -152,7 +157,8 @@ std::uint64_t MortonFrame::halvings_of(double x, int axis) const {
 }
 
 bool MortonFrame::before(const double* first, const double* second) const {
-    std::uint64_t highest = 0;  // bits that differ, on the axis with the first difference
+    // In Morton order, the axis on which the points are separated by the earliest halving decides; x before y before z.
+    std::uint64_t highest = 0;  // the bits that differ on that axis
     bool less = false;
     for (int k = 0; k < 3; ++k) {
         const std::uint64_t a = halvings_of(first[k], k), b = halvings_of(second[k], k), differ = a ^ b;

@@ -1,15 +1,15 @@
-// A parallel loop over independent blocks (on oneTBB) whose outcome does not depend on the number of threads.
+// A parallel loop over independent blocks of work, based on oneTBB. Its result does not depend on the number of
+// threads.
 //
 //     const Threads threads(query.threads);
 //     std::vector<Box> boxes(blocks);
 //     threads.for_each(blocks, [&](std::size_t block) { boxes[block] = box_of(part(n, block, blocks)); });
 //     for (const Box& box : boxes) ...
 //
-// Two rules make the outcome independent of the number: the number of blocks depends only on the size of the input,
-// and each block writes only the data of its own block. The caller then combines the results in the order of the
-// blocks.
+// For this, the caller must follow three rules: the number of blocks depends only on the size of the input; each block
+// writes only its own data; and the results of the blocks are combined in the order of the blocks, after the loop.
 //
-// With one thread, oneTBB is never called: no thread is started, and the loop is a plain loop.
+// With one thread, this is a plain loop: oneTBB is not called, and no thread is started.
 #pragma once
 
 #include <algorithm>
@@ -23,40 +23,45 @@
 
 namespace hausbench {
 
-// The half-open range of the items in one block, when `items` items are cut into `blocks` blocks of nearly equal
-// size.
+// The half-open range of the items of one block.
 struct Part {
     std::size_t begin, end;
     std::size_t size() const { return end - begin; }
 };
+// Returns the items of block number `block` if `items` items are cut into `blocks` blocks. The sizes of the blocks
+// differ by at most one.
 inline Part part(std::size_t items, std::size_t block, std::size_t blocks) {
-    const std::size_t size = items / blocks, longer = items % blocks;  // a product could overflow
+    const std::size_t size = items / blocks, longer = items % blocks;  // items * block / blocks could overflow
     const std::size_t begin = block * size + std::min(block, longer);
     return {begin, begin + size + (block < longer ? 1 : 0)};
 }
 
-// Returns the number of blocks, at least one, so that each has at least `least` items.
+// Returns the largest number of blocks for which each block has at least `least` items; one if there are too few items.
 inline std::size_t blocks_of(std::size_t items, std::size_t least) {
     return std::max<std::size_t>(items / std::max<std::size_t>(least, 1), 1);
 }
 
+// A limit on the number of threads, and the loops that run on so many threads.
 class Threads {
 public:
     explicit Threads(int most = 1) : most_(std::max(most, 1)) {}
 
     int most() const { return most_; }
 
-    // Calls body(block) or body(block, worker) once for each block below `count`; returns when all calls have
-    // returned. At most most() calls run at a time, one of them in the calling thread. It is not determined which
-    // blocks run at the same time, in which order, or on which worker. 0 <= worker < most(), and two simultaneous
-    // calls have different workers, so each worker may have its own scratch buffer; data that a block leaves there
-    // must not change the result of another block.
+    // Calls body(block) or body(block, worker) once for each block from 0 to count - 1, and returns when all calls have
+    // returned. At most most() calls run at a time, one of them in the calling thread. The order of the blocks, and the
+    // worker that gets a block, may differ from run to run.
     //
-    // The threads belong to a oneTBB arena of their own, so thread counts requested elsewhere do not matter, and
-    // there are never more threads than the machine has cores. Starting them takes some ten microseconds. Each
-    // thread works in the floating-point environment of the caller. If a body throws, the loop ends once the
-    // running blocks are done, other blocks may not run at all, and the exception is rethrown. Do not fork()
-    // afterwards unless the child calls exec(), because fork() does not copy the threads.
+    // Workers are numbered from 0 to most() - 1, and calls that run at the same time have different workers. So each
+    // worker may have its own scratch buffer, as long as data that one block leaves there does not change the result of
+    // another block.
+    //
+    // The threads belong to a oneTBB arena of their own, so thread counts that other code sets for oneTBB do not
+    // matter. There are never more threads than cores. Starting them takes some ten microseconds. Each thread works in
+    // the floating-point environment of the caller, so it has the same rounding mode.
+    //
+    // If a body throws, no further block is started, and the exception is rethrown once the running blocks are done.
+    // After a loop, do not fork() unless the child calls exec(), because fork() does not copy the threads.
     template <class Body> void for_each(std::size_t count, const Body& body) const {
         if (most_ <= 1 || count <= 1) {
             for (std::size_t block = 0; block < count; ++block) call(body, block, 0);
@@ -81,10 +86,11 @@ private:
             body(block);
     }
 
-    // The thread sanitizer does not see how oneTBB, which is not compiled with it, hands work from thread to
-    // thread. If the sanitizer is on, these atomics declare the same order again: each block sees everything done
-    // before the loop, and the code after the loop sees everything done by the blocks. They declare no order
-    // between two blocks, so a race between blocks is reported.
+    // The body of a loop and, under the thread sanitizer, two atomics. oneTBB is not compiled with the sanitizer, which
+    // therefore does not see how oneTBB passes work from thread to thread, and would report false races. The atomics
+    // show it the order again: each block sees everything done before the loop, and the code after the loop sees
+    // everything done by the blocks. They order no block before another, so a race between two blocks is still
+    // reported.
     template <class Body> struct Job {
         const Body& body;
 #ifdef __SANITIZE_THREAD__

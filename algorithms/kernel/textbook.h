@@ -3,8 +3,8 @@
 //
 // Source: Ericson, Real-Time Collision Detection, 2005, section 5.1.5. The method is correct in exact arithmetic. In
 // double precision, its products of four lengths overflow for lengths beyond 2^255, underflow below 2^-268, and cancel.
-// The result errs by the size of the triangle if the corners lie almost on a line, and by 1e-12 for points close to an
-// ordinary triangle of size 1.
+// The result errs by the size of the triangle if the corners lie on a line or almost so, and by 1e-12 for points close
+// to an ordinary triangle of size 1.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"

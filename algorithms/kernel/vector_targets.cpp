@@ -1,10 +1,10 @@
-// The functions that Highway's headers expect from its library: which instruction sets the processor has, and which
-// one is in use.
+// The functions that Highway's headers expect from Highway's library. They say which instruction sets ("targets") the
+// processor has, and which one is in use.
 //
-// Highway's own library is not linked: Debian has it only as a shared library, and its initialiser measures a timer
-// (`rdtscp`) that nothing here needs. Some virtual machines hide that instruction, and valgrind then ends the
-// program before main().
-#undef HWY_SHARED_DEFINE  // so that these functions are hidden, and stay out of a plug-in's symbols
+// Highway's own library is not linked. Debian has it only as a shared library, whose initialiser measures a timer with
+// the instruction `rdtscp`, although this project does not need that timer. Some virtual machines hide the instruction,
+// and valgrind then ends the program before main().
+#undef HWY_SHARED_DEFINE  // makes these functions hidden symbols, so that a plug-in does not export them
 #include <hwy/targets.h>
 
 #include <atomic>
@@ -19,11 +19,12 @@
 namespace hwy {
 namespace {
 
-std::atomic<std::int64_t> targets_for_test{0};  // 0: the targets of the processor
+std::atomic<std::int64_t> targets_for_test{0};  // 0: SupportedTargets() returns the targets of the processor
 ChosenTarget chosen_target;
 
-// Returns the targets whose instructions the processor has and the system allows. A target requires every feature
-// that the compiler may use for it (HWY_TARGET_STR_... in hwy/ops/set_macros-inl.h).
+// Returns the targets whose instructions the processor has and the operating system enables, as bits. A target is
+// included only if the processor has every feature that the compiler may use for it (HWY_TARGET_STR_... in
+// hwy/ops/set_macros-inl.h).
 std::int64_t targets_of_processor() {
     std::int64_t targets = HWY_ENABLED_BASELINE | HWY_SCALAR | HWY_EMU128;
 #if HWY_ARCH_X86
@@ -33,7 +34,7 @@ std::int64_t targets_of_processor() {
         !__builtin_cpu_supports("aes"))
         return targets;
     targets |= HWY_SSE4;
-    unsigned a = 0, b = 0, c = 0, d = 0;  // clang 14 has no name for F16C
+    unsigned a = 0, b = 0, c = 0, d = 0;  // for F16C, for which __builtin_cpu_supports of clang 14 has no name
     if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("bmi") || !__builtin_cpu_supports("bmi2") ||
         !__builtin_cpu_supports("fma") || __get_cpuid(1, &a, &b, &c, &d) == 0 || (c & bit_F16C) == 0)
         return targets;
