@@ -6,8 +6,8 @@
 namespace hausbench {
 namespace {
 
-// Computes the middle and half widths of a box. Any middle will do; the half widths are rounded up because the
-// rounding mode is upward.
+// Computes the middle and half widths of a box. The middle need not be exact, because the half widths are measured from
+// it; they are rounded up, because the rounding mode is upward.
 void centre(const Box& box, Vec3& middle, Vec3& half) {
     for (int k = 0; k < 3; ++k) {
         middle[k] = 0.5 * box.low[k] + 0.5 * box.high[k];
@@ -15,8 +15,8 @@ void centre(const Box& box, Vec3& middle, Vec3& half) {
     }
 }
 
-// Returns whether both ends are finite. Callers replace any other interval by unbounded(), because an interval with
-// NaN would contain nothing.
+// Returns whether both ends are finite. Callers replace any other interval with unbounded(), because an interval whose
+// ends are NaN would contain no number.
 bool finite(const Interval& x) { return std::isfinite(x.inf()) && std::isfinite(x.sup()); }
 
 Interval unbounded() {
@@ -24,13 +24,14 @@ Interval unbounded() {
     return {-most, most};
 }
 
-// The form m + s.u + e v with |v| <= 1 and e >= 0.
+// The numbers m + s.u + e v with e >= 0, where u in [-1, 1]^3 is the position in the box, and v in [-1, 1] is unknown.
 struct Affine {
     Interval m;
     std::array<Interval, 3> s;
     double e = 0;
 };
 
+// Returns an upper bound on |s.u + e v|.
 double radius(const Affine& a) { return magnitude(a.s[0]) + magnitude(a.s[1]) + magnitude(a.s[2]) + a.e; }
 
 Affine operator*(const Affine& a, const Affine& b) {
@@ -55,7 +56,8 @@ FormEvaluator::FormEvaluator(const Polynomial& polynomial)
     sums_.resize((kept + 1) * (kept + 1) * (kept + 1));
 }
 
-// Computes each power from the previous one, times m + h u.
+// Computes the expanded powers of m + h u along each axis, each from the previous one. Here, m is the middle of the
+// box, measured from the origin of the polynomial, and h is its half width.
 void FormEvaluator::set_powers(const Vec3& middle, const Vec3& half) {
     for (std::size_t k = 0; k < 3; ++k) {
         const Eigen::Index axis = Eigen::Index(k);
@@ -71,7 +73,7 @@ void FormEvaluator::set_powers(const Vec3& middle, const Vec3& half) {
             for (std::size_t q = 1; q <= std::size_t(next.top); ++q)
                 next.low[q] = m * last.low[q] + h * last.low[q - 1];
             products_ += 2 * std::uint64_t(next.top) + 1;
-            if (p > kept) {  // kept is even
+            if (p > kept) {  // as `kept` is even, u times u^kept is an odd power
                 next.even = m * last.even + h * last.odd;
                 next.odd = m * last.odd + h * (last.even + last.low[kept]);
                 products_ += 4;
@@ -98,11 +100,14 @@ void FormEvaluator::add(const Polynomial::Term& term) {
     if (term.powers[0] + term.powers[1] + term.powers[2] > kept) add_beyond(x, y, z);
 }
 
-// Bounds the monomials of one term beyond degree `kept`. Monomials u^i v^j w^k with even powers lie in [0, 1] and
-// their coefficients have the same sign, so their sum lies between 0 and the sum of the coefficients. All other
-// monomials are bounded by the absolute values of their coefficients.
+// Adds bounds on the monomials of one term whose total degree is above `kept`. x, y and z are the expanded powers of
+// the term; x includes its coefficient. If all powers of a monomial are even, its value without the coefficient is in
+// [0, 1]. The coefficients of these monomials have the same sign, so their sum lies between 0 and the sum of the
+// coefficients; this interval is added to rest_. All other monomials are bounded by the absolute values of their
+// coefficients, whose sum is added to others_.
 void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
-    constexpr int n = kept + 2, half = kept / 2 + 2;  // slots by degree or half degree; the last holds the rest
+    // Coefficients are indexed by degree, or by half the degree; the last entry is for all degrees above `kept`.
+    constexpr int n = kept + 2, half = kept / 2 + 2;
     const Power* of[3] = {&x, &y, &z};
     double all[3][n], all_from[n + 1];
     Interval even[3][half], even_from[half + 1];
@@ -114,8 +119,9 @@ void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
         all[k][n - 1] = magnitude(of[k]->even) + magnitude(of[k]->odd);
         even[k][half - 1] = of[k]->even;
     }
+    // Returns the sum of all products a[i] * b[j] * c[k] of total degree above `kept`.
     const auto beyond = [](auto* a, auto* b, auto* c, auto* c_from, int size) {
-        c_from[size] = 0.0;  // sums of c from each slot to the last
+        c_from[size] = 0.0;  // c_from[i] becomes the sum of c[i] to c[size - 1]
         for (int i = size - 1; i >= 0; --i) c_from[i] = c_from[i + 1] + c[i];
         auto sum = c_from[size];
         for (int i = 0; i < size; ++i) {
@@ -133,7 +139,7 @@ void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
         return;
     }
     rest_ += Interval(std::min(squares.inf(), 0.0), std::max(squares.sup(), 0.0));
-    const double least = std::max(std::max(squares.inf(), -squares.sup()), 0.0);  // of |squares|
+    const double least = std::max(std::max(squares.inf(), -squares.sup()), 0.0);  // lower bound on |squares|
     others_ += everything - least;
     products_ += 2 * n * n + 2 * half * half;
 }

@@ -1,12 +1,14 @@
-// Bounds of a polynomial over a box, in four forms of interval arithmetic.
+// Bounds on the values of a polynomial f over a box X with middle c, by four methods of interval arithmetic.
 //
-// natural          term by term, with sharp powers
-// centred          the mean value form f(c) + f'(X) (X - c), see Neumaier: Interval methods for systems of equations, 1990
-// affine           affine arithmetic, Stolfi and Figueiredo: Self-validated numerical methods and applications, 1997; the
-//                  errors of products go into one shared error term (form AF1 of Messine 2002)
-// modified_affine  Martin, Shou, Voiculescu, Bowyer, Wang: Comparison of interval methods for plotting algebraic curves,
-//                  CAGD 2002: the polynomial is expanded exactly in the noise symbols, and terms whose powers are all even
-//                  are known not to change sign
+// natural          Bounds each term on its own, with the smallest interval for each power, and adds the bounds.
+// centred          The mean value form f(c) + f'(X) (X - c). Source: Neumaier, Interval methods for systems of
+//                  equations, 1990.
+// affine           Affine arithmetic: numbers are linear functions of three variables in [-1, 1], plus an error; the
+//                  errors of all products go into one shared error term (form AF1 of Messine, 2002). Source: Stolfi and
+//                  Figueiredo, Self-validated numerical methods and applications, 1997.
+// modified_affine  Expands the polynomial exactly in these three variables, and uses that a term whose powers are all
+//                  even does not change sign. Source: Martin, Shou, Voiculescu, Bowyer and Wang, Comparison of interval
+//                  methods for plotting algebraic curves, CAGD 2002.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -20,37 +22,42 @@ enum class Form { natural, centred, affine, modified_affine };
 // Indexed by Form.
 inline constexpr std::string_view form_names[] = {"natural", "centred", "affine", "modified_affine"};
 
-// A linear form of f over the box with middle c and half widths r: at every point c + r u (componentwise,
-// |u| <= 1), f = slope.u + e for some e in `rest`. The part of `rest` beyond f(c) shrinks with the square of the
-// box.
+// A linear function that approximates f over a box, and the error. The points of the box are middle + half * u with u
+// in [-1, 1]^3 (products by coordinate). At each of them, f = slope.u + e, for some e in the interval `rest`. This
+// interval contains f(middle), and its width shrinks with the square of the size of the box.
 struct LinearForm {
-    Vec3 middle, half;  // half widths rounded up
-    Vec3 slope;
+    Vec3 middle, half;  // the half widths are rounded up
+    Vec3 slope;         // for u, so it is the gradient times `half`
     Interval rest;
 
-    Interval range() const;  // of f
+    // Returns an interval that contains all values of f.
+    Interval range() const;
 };
 
-// Evaluates one polynomial over boxes. It holds working memory, so use one per thread. All functions require
-// UpwardRounding. A range or linear form costs O(terms + degree), with a constant of about 100 products.
+// Evaluates one polynomial over boxes. It holds scratch memory, so each thread needs its own. All functions require
+// UpwardRounding. A range or linear form takes O(terms + degree) time, up to about 100 products of intervals per term.
 class FormEvaluator {
 public:
     explicit FormEvaluator(const Polynomial& polynomial);
 
+    // Returns an interval that contains all values in the box.
     Interval range(Form form, const Box& box);
+    // Returns the linear form that modified_affine uses.
     LinearForm linear(const Box& box);
 
     const Polynomial& polynomial() const { return polynomial_; }
-    std::uint64_t products() const { return products_; }  // computed so far, for linear forms only
+    // Returns the number of products of intervals computed so far. Only linear(), which modified_affine uses, counts
+    // them.
+    std::uint64_t products() const { return products_; }
 
 private:
-    // Monomials in u up to this total degree are kept one by one, summed over the terms of f. Monomials of higher
-    // degree are bounded term by term.
+    // Expanded in u, each term of f gives many monomials. Up to this total degree, each monomial has one coefficient,
+    // summed over all terms of f. Monomials of higher degree are bounded for each term on its own.
     static constexpr int kept = 6;
 
-    // (m + h u)^p along one axis: the coefficients of the powers up to `kept`, and two sums of the coefficients
-    // beyond, one over even and one over odd powers. Coefficients of the same parity have the same sign, because
-    // the coefficient of u^q is a positive number times m^(p-q).
+    // The expanded power (m + h u)^p along one axis: the coefficients of u^0 to u^kept, and the sums of the
+    // coefficients of all higher even powers and of all higher odd powers. All coefficients of even powers have the
+    // same sign, and so have those of odd powers, because the coefficient of u^q is a positive number times m^(p-q).
     struct Power {
         std::array<Interval, kept + 1> low;
         Interval even, odd;
@@ -58,7 +65,7 @@ private:
     };
 
     void set_powers(const Vec3& middle, const Vec3& half);
-    void add(const Polynomial::Term& term);  // to sums_, rest_ and others_
+    void add(const Polynomial::Term& term);  // expands a term of f and adds it to sums_, rest_ and others_
     void add_beyond(const Power& x, const Power& y, const Power& z);
     Interval& sum_of(int i, int j, int k) { return sums_[std::size_t((i * (kept + 1) + j) * (kept + 1) + k)]; }
     Interval affine(const Vec3& middle, const Vec3& half) const;
@@ -66,9 +73,9 @@ private:
     Polynomial polynomial_;
     std::array<Polynomial, 3> derivatives_;
     std::array<std::vector<Power>, 3> powers_;
-    std::vector<Interval> sums_;  // coefficients of the kept monomials
-    Interval rest_;
-    double others_ = 0;  // bound of the monomials that may have either sign
+    std::vector<Interval> sums_;  // coefficients of the monomials up to degree `kept`
+    Interval rest_;               // the constant, and an interval for the monomials that do not change sign
+    double others_ = 0;           // upper bound on the absolute value of the sum of all other monomials
     std::uint64_t products_ = 0;
 };
 

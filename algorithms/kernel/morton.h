@@ -45,14 +45,15 @@ private:
 // small it is beside the whole. The last 32 points or fewer of a cell are sorted by row. Apart from these, two sets
 // sorted in the same frame follow the same curve.
 //
-// Takes O(n) time, because it is a radix sort, and O(n) memory. A smaller frame is smaller by a factor of at least
-// 2^10, so data that mix scales may take another O(n) for each factor of 2^10 between the scales.
+// Takes O(n) memory and, because it is a radix sort, O(n) time for tame data: data in which few cells need a smaller
+// frame. A smaller frame is smaller by a factor of at least 2^10, so data that mix scales may take another O(n) for
+// each factor of 2^10 between the scales.
 std::vector<Index> morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame);
 
 // Returns the position of a cell on the Hilbert curve through all 2^30 cells of a frame, given the Morton key of the
-// cell. Consecutive cells of the Hilbert curve are always neighbours in space, whereas the Morton curve jumps. So
-// consecutive points have smaller bounding boxes in Hilbert order. Source: Hamilton and Rau-Chaplin, Compact Hilbert
-// indices, 2008; here, the same curve comes from a table of 24 states.
+// cell. Consecutive cells of the Hilbert curve are always neighbours in space, whereas the Morton curve jumps. So a run
+// of consecutive points has a smaller bounding box in Hilbert order.
+// Source: Hamilton and Rau-Chaplin, Compact Hilbert indices, 2008: the same curve, here as a table of 24 states.
 std::uint32_t hilbert_key(std::uint32_t morton_key);
 
 // Returns all rows sorted by the Hilbert keys of their cells. If a cell contains more than 32 points, they are sorted

@@ -14,15 +14,15 @@ namespace {
 
 constexpr int most_power = 40;
 constexpr std::size_t most_products =
-    10'000'000;               // in total: seconds; the densest polynomial of power 40 takes half as many
-constexpr int deepest = 100;  // nested parentheses: each level takes some 500 bytes of stack
+    10'000'000;               // per text: takes seconds; a polynomial with all terms of power 40 needs half as many
+constexpr int deepest = 100;  // nested parentheses; a limit, because each level takes some 500 bytes of stack
 
 using Powers = std::array<int, 3>;
-using Sum = std::map<Powers, Interval>;
+using Sum = std::map<Powers, Interval>;  // a polynomial that is multiplied out: powers and coefficient of each term
 
 bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
 
-// The text may contain line breaks, but a message is one line; replacing them by blanks keeps the columns.
+// Throws an InputError whose message is one line. Line breaks in the text become blanks, so columns stay right.
 [[noreturn]] void refuse(std::string_view text, const std::string& what) {
     std::string message = fmt::format("polynomial '{}': {}", text, what);
     std::replace_if(
@@ -30,7 +30,8 @@ bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
     throw InputError(message);
 }
 
-// A recursive descent parser with one character of lookahead.
+// Reads a text by recursive descent with one character of lookahead, and multiplies it out. The functions of the
+// grammar in polynomial.h: sum() reads a sum, term() a product, raised() a power, and atom() an atom.
 class Reader {
 public:
     Reader(std::string_view text, const Vec3& origin) : text_(text), origin_(origin) {}
@@ -136,7 +137,7 @@ private:
             n = 10 * n + (text_[at_++] - '0');
         if (at_ == from) fail_at(from, "write a whole number from 0 after '^', such as x^2");
         if (n > most_power) fail_at(from, fmt::format("powers above {} are not supported", most_power));
-        if (base.size() == 1) {  // sharp, both for (-2)^2 and for x^2
+        if (base.size() == 1) {  // a single term, such as -2 or x: power() gives the smallest interval
             const auto& [powers, x] = *base.begin();
             Sum all{{{powers[0] * n, powers[1] * n, powers[2] * n}, power(x, n)}};
             check_size(all);
@@ -184,8 +185,8 @@ private:
         fail(fmt::format("'{}' where a number, x, y, z or '(' is expected", c));
     }
 
-    // Reads the digits one at a time in interval arithmetic: exact as long as a double can hold them, enclosed
-    // beyond.
+    // Reads the digits one at a time in interval arithmetic. So a number with few digits is exact, and the interval
+    // contains the number if it has more digits than a double can hold.
     Interval number() {
         const std::size_t from = at_;
         Interval value(0.0);
@@ -224,7 +225,7 @@ private:
     std::string_view text_;
     Vec3 origin_;
     std::size_t at_ = 0;
-    int depth_ = 0;  // parentheses open
+    int depth_ = 0;  // number of open parentheses
     std::size_t products_ = 0;
 };
 
@@ -242,7 +243,7 @@ Polynomial::Polynomial(std::string_view text, const Vec3& origin) : origin_(orig
         refuse(text, "is a constant, which has no surface: write one in x, y and z");
 }
 
-// An axis keeps the origin 0 if the box is near 0, so nothing changes for most surfaces.
+// Along an axis on which the box is near 0, the origin stays 0. So most surfaces keep the origin 0.
 Polynomial Polynomial::of(const AlgebraicSurface& surface) {
     Vec3 origin = Vec3::Zero();
     for (int k = 0; k < 3; ++k) {
@@ -253,14 +254,14 @@ Polynomial Polynomial::of(const AlgebraicSurface& surface) {
     if (origin != Vec3::Zero()) {
         try {
             polynomial = Polynomial(surface.polynomial, origin);
-        } catch (const InputError&) {  // too many terms or too large coefficients: it keeps the origin 0
+        } catch (const InputError&) {  // too many terms or too large coefficients: keeps the origin 0
         }
     }
     polynomial.normalise(surface.box);
     return polynomial;
 }
 
-// Multiplying by a power of two keeps the zeros; intervals enclose coefficients that underflow.
+// Multiplying by a power of two keeps the zeros. A coefficient that underflows stays inside its interval.
 void Polynomial::normalise(const Points& box) {
     const UpwardRounding upward;
     std::array<Interval, 3> x;

@@ -5,8 +5,8 @@
 //     power   = atom [ ^ digits ]                  such as x^2
 //     atom    = number | x | y | z | ( sum )
 //
-// Numbers are decimal ("2", "0.125", "1e-3"). Coefficients are exact numbers: 1/9 is kept as an interval that
-// contains it, two neighbouring doubles wide.
+// Numbers are decimal ("2", "0.125", "1e-3"). Coefficients are not rounded: if no double is equal to one, it is kept as
+// an interval that contains it. For 1/9, the ends of the interval are two neighbouring doubles.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -19,6 +19,8 @@
 
 namespace hausbench {
 
+// A polynomial in x, y and z, multiplied out: a sum of terms. Each term is a coefficient times powers of x - o_x,
+// y - o_y and z - o_z, where o is the origin.
 class Polynomial {
 public:
     struct Term {
@@ -26,34 +28,40 @@ public:
         Interval coefficient;
     };
 
-    // Throws InputError for text that does not match the grammar above (the message gives the column, counted from
-    // 1, and the remedy), powers above 40, more than 100 nested parentheses or 10 million products of terms, a
-    // polynomial without x, y and z, and coefficients that are not finite. Sets the rounding mode itself.
+    // Reads and multiplies out a text, with its powers about `origin`. Throws InputError for text that does not match
+    // the grammar above (the message gives the column, counted from 1, and says what to change), powers above 40, more
+    // than 100 nested parentheses, more than 10 million products of terms, a polynomial without x, y and z, and
+    // coefficients that are not finite. Sets the rounding mode itself.
     explicit Polynomial(std::string_view text, const Vec3& origin = Vec3::Zero());
 
-    // Returns the polynomial of a surface, prepared for a search in its box. If the box is far from 0, the
-    // polynomial is expanded about the middle of the box, because x^2 would cancel there and lose the shape of the
-    // surface. Each variable is replaced in the text before anything is multiplied out, so factors such as
-    // (x - 1000000)^2 lose nothing; a text that is already multiplied out has lost precision in its coefficients.
-    // If values in the box exceed 2^100, or all are below 2^-100, they are scaled by a power of two, which keeps
-    // the zeros, so that their squares neither overflow nor underflow. Throws like the constructor.
+    // Returns the polynomial of a surface in a form that is accurate in the surface's box.
+    //
+    // If the box is far from 0, the origin is the middle of the box: with origin 0, large terms such as x^2 would
+    // cancel each other and lose the shape of the surface. The text is read with x replaced by o_x + (x - o_x) before
+    // anything is multiplied out, so a factor such as (x - 1000000)^2 loses no precision. A text that was multiplied
+    // out by its author has lost it already, in its rounded coefficients.
+    //
+    // If some values in the box may exceed 2^100, or all are below 2^-100, the polynomial is multiplied by a power of
+    // two, so that squares of its values neither overflow nor underflow. This does not change the zeros. Throws like
+    // the constructor.
     static Polynomial of(const AlgebraicSurface& surface);
 
-    // The powers are powers of (point - origin()), but all functions take points in the original coordinates.
+    // The origin matters only to code that reads terms(). All functions take points in the original coordinates.
     const Vec3& origin() const { return origin_; }
 
-    // Sorted by powers; no coefficient is exactly 0.
+    // Sorted by powers. No coefficient is exactly 0.
     const std::vector<Term>& terms() const { return terms_; }
     int degree(int axis) const { return degrees_[static_cast<std::size_t>(axis)]; }
 
     Polynomial derivative(int axis) const;  // sets the rounding mode itself, too
 
-    // Returns the value in double arithmetic, for results that are proven in another way. O(terms).
+    // Returns the value as computed with doubles, without an error bound: use it only for results that are proven in
+    // another way. O(terms).
     double value(const Vec3& at) const;
     double value(const Vec3& at, Vec3& gradient) const;
 
-    // Returns an interval that contains the values at all points of a box, computed term by term. Requires
-    // UpwardRounding.
+    // Returns an interval that contains the values at all points of a box. It is computed term by term, so it is wide
+    // if terms cancel each other (see interval_form.h). Requires UpwardRounding.
     Interval natural(const std::array<Interval, 3>& box) const;
 
 private:
@@ -63,12 +71,13 @@ private:
 
     Vec3 origin_ = Vec3::Zero();
     std::vector<Term> terms_;
-    std::vector<double> middles_;  // of the coefficients
+    std::vector<double> middles_;  // the middles of the coefficients, for value()
     std::array<int, 3> degrees_{};
 };
 
-// Returns why this is not a surface, or an empty string if it is one. The reasons: text that is not a polynomial,
-// corners of the box that are not finite, a box without volume, or a polynomial whose values overflow in its box.
+// Returns a message if the data do not define a surface, or an empty string if they do. The possible reasons are a text
+// that is not a polynomial, a box whose corners are not finite, a box without volume, and a polynomial whose values
+// overflow in the box.
 std::string surface_problem(const AlgebraicSurface& surface);
 
 }  // namespace hausbench

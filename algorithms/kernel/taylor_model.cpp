@@ -6,10 +6,11 @@
 namespace hausbench {
 namespace {
 
-constexpr double epsilon = 0x1p-52;      // one operation rounded upward: |fl(x) - x| <= epsilon |x|
-constexpr double underflow = 0x1p-1000;  // more than all products of one operation can lose by underflow
+constexpr double epsilon = 0x1p-52;      // |fl(x) - x| <= epsilon |x|, if fl rounds upward without underflow
+constexpr double underflow = 0x1p-1000;  // more than all products of one operator can lose by underflow
 
-using Norms = std::array<double, TaylorModel::order + 1>;  // sums of |coefficients|, by degree; rounded up
+// For each degree, the sum of the absolute values of its coefficients, rounded up.
+using Norms = std::array<double, TaylorModel::order + 1>;
 
 Norms norms(const TaylorModel& a) {
     Norms n{};
@@ -26,6 +27,7 @@ double sum(const Norms& n) {
     return s;
 }
 
+// Adds the product of two polynomials to `out`, without its terms of degrees above `most`.
 void multiply(const TaylorModel& a, const TaylorModel& b, int most, TaylorModel& out) {
     for (int d = 0; d <= most; ++d) {
         const std::size_t from = TaylorModel::start(d);
@@ -41,7 +43,7 @@ void multiply(const TaylorModel& a, const TaylorModel& b, int most, TaylorModel&
     }
 }
 
-// Returns an upper bound of linear v + square v^2 for |v| <= 1.
+// Returns an upper bound on linear * v + square * v^2 for |v| <= 1.
 double most_on_line(const Interval& linear, const Interval& square) {
     const double b = magnitude(linear), a = square.sup();
     if (!(a < 0)) return b + a;
@@ -68,9 +70,11 @@ Interval TaylorModel::range() const {
     return Interval(c[0]) + Interval(-s, s);
 }
 
-// Let a < 0, h and b be the coefficients of u^2, u v and u. For every v,
-//     a u^2 + (h v + b) u = a (u + (h v + b) / (2 a))^2 - (h v + b)^2 / (4 a) <= (h v + b)^2 / (-4 a),
-// which leaves a quadratic in v alone.
+// Let a, h and b be the coefficients of u^2, u v and u. If a < 0, completing the square gives, for every v,
+//     a u^2 + (h v + b) u = a (u + (h v + b) / (2 a))^2 - (h v + b)^2 / (4 a) <= (h v + b)^2 / (-4 a).
+// The right side is a quadratic polynomial in v alone. Together with the terms v and v^2 of p, it is bounded by
+// most_on_line(). If the coefficient of v^2 is the smaller one, u and v change roles. Terms of degree 3 and more are
+// bounded by their absolute values.
 double TaylorModel::at_most() const {
     double higher = error;
     for (std::size_t i = start(3); i < count; ++i) higher += std::abs(c[i]);
@@ -93,16 +97,18 @@ TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most) {
     return out;
 }
 
-// `error` covers the products of degrees that sum to more than the order, the products with the errors of a and b,
-// and rounding. A coefficient is the sum of at most 25 products (of degree 4 by degree 4); each product is rounded,
-// and so is each sum. Over all coefficients together, rounding costs at most 1.01 * 26 epsilon times the sum of the
-// absolute values.
+// The error covers three things:
+//   - the dropped products of terms whose degrees sum to more than `order`: `beyond`,
+//   - the products with the errors of a and b,
+//   - rounding. The coefficient of u^i v^j is a sum of (i + 1) (j + 1) products, which is at most 25, for u^4 v^4. Each
+//     product is rounded, and so is each sum. Over all coefficients together, rounding costs at most 1.01 * 26 epsilon
+//     times the sum of the absolute values of all products, which is at most all_a * all_b; 27 epsilon is used.
 TaylorModel operator*(const TaylorModel& a, const TaylorModel& b) {
     TaylorModel out;
     multiply(a, b, TaylorModel::order, out);
     const Norms of_a = norms(a), of_b = norms(b);
     const double all_a = sum(of_a), all_b = sum(of_b);
-    double beyond = 0, from = 0;  // `from`: norm of the degrees of b that are too high for degree i of a
+    double beyond = 0, from = 0;  // `from`: the norm of all degrees of b that are too high for degree i of a
     for (int i = 1; i <= TaylorModel::order; ++i) {
         from += of_b[std::size_t(TaylorModel::order + 1 - i)];
         beyond += of_a[std::size_t(i)] * from;
@@ -119,8 +125,9 @@ TaylorModel operator+(const TaylorModel& a, const TaylorModel& b) {
         out.c[i] = a.c[i] + b.c[i];
         rounded += std::abs(out.c[i]);
     }
-    // epsilon |exact| <= epsilon (1 + epsilon) |rounded|, and sums do not underflow. A sum that overflows below is
-    // rounded upward to a finite number, so a model this large gets an infinite error.
+    // Rounding a sum costs at most epsilon |exact sum| <= epsilon (1 + epsilon) |rounded sum|, for which 2 epsilon is
+    // used; sums do not underflow. A negative sum that overflows is rounded upward to a finite number and so would not
+    // be noticed; therefore models so large get an infinite error.
     out.error =
         rounded < 0x1p1000 ? a.error + b.error + 2 * epsilon * rounded : std::numeric_limits<double>::infinity();
     return out;
