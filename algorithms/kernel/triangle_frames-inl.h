@@ -1,7 +1,8 @@
-// The distance from a point to triangles in their frames (triangle_frames.h). Compiled once for every target:
-// include it after hwy/foreach_target.h.
+// The squared distances from points to triangles that are given by their frames (triangle_frames.h), several at a time.
+// Compiled once for every target (instruction set): include it after hwy/foreach_target.h.
 //
-// It gives the same bits on every target: the same operations lane by lane, without fused multiply-add.
+// The results have the same bits on every target, because each lane takes the same operations, without fused
+// multiply-add.
 #include "algorithms/kernel/triangle_frames.h"
 
 #include <hwy/highway.h>
@@ -17,11 +18,13 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Vectors of sixteen floats, or of at most eight doubles: two or more steps for sixteen triangles.
+// Vectors of up to sixteen floats or eight doubles. With fewer than sixteen lanes, sixteen triangles take several
+// steps.
 template <class T> using FrameLanes = hn::CappedTag<T, sizeof(T) == 4 ? 16 : 8>;
 
-// row(i) returns row i of the frames as a vector. If the lanes hold different points, it returns one number of that
-// row in all lanes.
+// Returns the squared distance between one point and one triangle in each lane. row(i) returns row i (frame_row) of the
+// frames as a vector; px, py and pz are the coordinates of the points. For one point and several triangles, px, py and
+// pz have the same number in all lanes. For several points and one triangle, row(i) has the same number in all lanes.
 template <class D, class Rows>
 HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::Vec<D> py, hn::Vec<D> pz) {
     using Numbers = hn::Vec<D>;
@@ -35,8 +38,10 @@ HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::
     const Numbers beyond = hn::Sub(x, hn::Min(hn::Max(x, zero), length));
     Numbers squared = hn::Add(hn::Mul(beyond, beyond), hn::Mul(y, y));
     Numbers inner = y;
-    // `across` is the signed distance from the line of an edge that begins at (x - from_x, 0). `right`: the
-    // triangle is to the right of the edge, so a positive `across` is on the inner side.
+    // Lowers `squared` to the squared distance from one edge, and `inner` to the distance from its line, which is
+    // negative on the outer side. The edge starts at the corner with y = 0 whose x is smaller by from_x than the x of
+    // the point. `t` is the coordinate along the edge, and `across` the signed distance from its line, positive on the
+    // right. `right` says on which side of the edge the triangle is.
     const auto edge = [&](std::size_t direction, std::size_t edge_length, Numbers from_x, bool right) HWY_ATTR {
         const Numbers ux = row(direction), uy = row(direction + 1);
         const Numbers t = hn::Add(hn::Mul(from_x, ux), hn::Mul(y, uy));
@@ -57,7 +62,7 @@ HWY_INLINE hn::Vec<FrameLanes<T>> squared_in_frames(const Rows& row, hn::Vec<Fra
     return squared_in_lanes(FrameLanes<T>(), row, px, py, pz);
 }
 
-// Returns the mask as bits: bit i is lane i.
+// Returns a mask of up to sixteen lanes as a number: bit i is lane i.
 template <class D> HWY_INLINE unsigned lane_bits(D d, hn::Mask<D> mask) {
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, mask, bits);

@@ -1,50 +1,60 @@
-// Triangles in their own frames, sixteen side by side: the distances from a point to all of them take only products
-// and sums.
+// The distances from a point to sixteen triangles at a time. Each triangle is stored in a coordinate system of its own,
+// its *frame*, in which a distance takes only products, sums and comparisons.
 //
-// The frame of a triangle with longest edge ab has the axes e along ab, h towards the third corner c, and the
-// normal n; its origin is a, so b = (L, 0, 0) and c = (x_c, y_c, 0). Moving a point there takes nine products. Its
-// distance in the plane is the least of its distances to the three edges, or 0 inside; the edges ac and bc are kept
-// as a direction of length 1 and a length. A query needs no division and no square root: they are done when the
-// frame is made, in double precision.
+// The frame of a triangle has its origin at a corner a. Its axes, of length 1, are e along the longest edge ab, h in
+// the plane of the triangle towards the third corner c, and the normal n. In the frame, b = (L, 0, 0) and c = (x_c,
+// y_c, 0). Moving a point into the frame takes nine products. Its distance from the plane is then |z|, and its distance
+// within the plane is the least of its distances from the three edges, or 0 if it is inside. The edges ac and bc are
+// stored as a direction of length 1 and a length. So a query needs no division and no square root; these are done when
+// the frame is made, in double precision.
 //
-// Error. u is the unit roundoff of T, R the largest |corner|, and D = |p| + R. For coordinates of at most 2^40, let
-// s be the computed square and d the exact distance from p to the triangle: |sqrt(s) - d| <= frame_error<T> u D,
-// plus 2^-60 for float and 2^-500 for double because of underflow. The derivation is for T = float, where making
-// the frame errs by far less than u; vectors are measured by Euclid's norm:
-//   - e, h and n, rounded from double, are within u of orthonormal axes. A coordinate of p errs by u|p| for that,
-//     by u R for rounding the shift and by 4u D for three products and their sums: 6u D. For all three it is
-//     sqrt(3) 6u D < 11u D.
-//   - p itself, once rounded, is off by u|p|.
-//   - Corners: L, x_c, y_c err by u 2R each; as directions and lengths of edges, by twice that, and c as seen from
-//     a differs no more from c as seen from b: 8u R. A triangle flatter than 8u of its length is replaced by its
-//     longest edge, which moves no point by more than that: 16u R.
-//   - In the plane: t and the distance s to the line of an edge take two products, a sum and a direction that errs
-//     by u, on numbers of at most D: 4u D each, so sqrt(2) 4u D < 6u D for an edge.
-//   - Inside: a point counts as inside if it is within 4u D of the inner side of the three lines and 0 <= x <= L.
-//     How near to the triangle is it then? Near a corner of 60 degrees or more it is within 2 * 4u D, because the
-//     mitre of an angle w is 1 / sin(w / 2) long. The angle at c is such an angle, as ab is longest. Near a or b
-//     with a smaller angle, where 0 <= x <= L cuts the mitre off, the triangle is straight below or above the
-//     point, within 4u D / cos(w) <= 2 * 4u D. If an inside point counts as outside, it is within 4u D of a line,
-//     and at least as near to an edge, because the way to the line meets an edge of the triangle first. Together
-//     8u D.
-//   - The sums of squares and the square root of s: 3u s, so 1.5u sqrt(s) <= 4u D.
-// Together 11 + 1 + 8 + 16 + max(6, 8) + 4 = 48u D; terms of order u^2 are far below the 64 that is used. For
-// T = double, making the frame counts: edges, lengths and axes take up to 12 roundings each instead of one above (e
-// is within 6u of an axis, h within 10u, n within 20u; a coordinate errs by 28u D, L, x_c and y_c by 20u R). In
-// total this is less than 5 times as much; 256 is used.
+// Error. Let T be the type of the numbers (float or double), u its unit roundoff, p the point, R the largest length
+// |a|, |b| or |c|, and D = |p| + R. Let s be the computed squared distance, and d the exact distance from p to the
+// triangle. For coordinates of at most 2^40,
+//     |sqrt(s) - d| <= frame_error<T> * u D + frame_underflow<T>.
+// The derivation is for T = float, where double precision makes frames with an error far below u, so that only the
+// rounding to float counts. Vectors are measured by Euclid's norm. The parts of the error are:
+//   - Axes, 11u D: e, h and n, rounded from double, are within u of orthonormal axes. So a coordinate of p in the frame
+//     errs by u |p|; by another u R for rounding the shift, which is minus the coordinate of a; and by another 4u D for
+//     three products and their sums: together 6u D. For all three coordinates, this is sqrt(3) * 6u D < 11u D.
+//   - Point, u D: p itself is rounded to T, which moves it by u |p|.
+//   - Corners, 8u R: L, x_c and y_c err by u * 2R each. The end of an edge that is stored as a direction and a length
+//     errs by twice that, 4u R. The end of ac and the end of bc, which both stand for c, differ by no more than the sum
+//     of their errors, 8u R.
+//   - Flat triangles, 16u R: a triangle whose height is at most 8u times its length is replaced with its longest edge.
+//     As the length is at most 2R, no point moves by more than 16u R.
+//   - Edges, 6u D: for each edge, the code computes the coordinate t along it and the distance from its line. Both take
+//     two products, a sum and a direction that errs by u, with numbers of at most D: 4u D each. Together, the distance
+//     from an edge errs by sqrt(2) * 4u D < 6u D.
+//   - Inside, 8u D, instead of the error of an edge. A point counts as inside if, with errors of 4u D, it is on the
+//     inner side of the three lines, and if 0 <= x <= L. So it may be outside by 4u D from each line. How far may it be
+//     from the triangle? Lines that are moved outward by 4u D meet at a distance of 4u D / sin(w / 2) from a corner
+//     with angle w. If w >= 60 degrees, this is at most 2 * 4u D. The angle at c is so large, because ab is the longest
+//     edge. At a or b, the angle may be smaller, but 0 <= x <= L cuts the acute tip off: the triangle is straight below
+//     or above the point, at a distance of at most 4u D / cos(w) <= 2 * 4u D. A point inside may also count as outside.
+//     Then it is within 4u D of a line, and at least as near to an edge, because the way to the line meets an edge of
+//     the triangle first.
+//   - Squares, 4u D: s, a sum of squares, errs by 3u s, so sqrt(s) errs by 1.5u sqrt(s). The rest is slack.
+// The sum is 11 + 1 + 8 + 16 + max(6, 8) + 4 = 48u D. frame_error is 64, which also covers terms of order u^2.
 //
-// Underflow. A square may lose 2^-1075, so the root of a sum of squares of about 2^-1075 errs by any factor; a
-// direction divided by it does not have length 1, and the coordinates of all points, however far, are off by that
-// factor. So no direction is made from a length of 2^-502 or less:
-//   - If the longest edge, as computed, is no longer than that, the triangle is replaced by a segment of its length
-//     along the x axis from a. Both are within 2^-502 of a, up to rounding, so no distance changes by more.
-//   - If c is no farther than 2^-501 from the line of ab, the triangle is replaced by ab. No point moves by more,
-//     as ab is longest. A point is flat too, as c is within 2^-502 of a.
-// Otherwise |ab| > 2^-502, and y_c, which is at least half the height, is above 2^-502. Three squares lose
-// 3 2^-1075, a part of less than 2^-69 of the sums whose roots are |ab|, |ac|, |bc| and the height. So the roots
-// lose a part of 2^-70, far below u. All other products only add their losses: 2^-1075 each for double, 2^-150 for
-// float, times at most 2^40 in a coordinate, and under the last root sqrt(6 2^-1075) < 2^-535 or
-// sqrt(6 2^-150) < 2^-73. Together less than 2^-500 for double, and less than 2^-60 for float.
+// For T = double, making the frame errs, too. Edges, lengths and axes take up to 12 roundings each, instead of one
+// above: e is within 6u of an axis, h within 10u, and n within 20u; a coordinate errs by 28u D, and L, x_c and y_c by
+// 20u R. In total, this is less than 5 times as much as above. frame_error is 256, which is more than 5 * 48.
+//
+// Underflow. A square may lose 2^-1075. So the square root of a sum of squares of about 2^-1075 errs by any factor. A
+// direction that was divided by such a root does not have length 1, and the coordinate of any point along it, however
+// far the point is, errs by the same factor. So no direction is made from a length of 2^-502 (frame_point) or less:
+//   - If the longest edge, as computed, is no longer than 2^-502, the triangle is replaced with a segment of the same
+//     length that starts at a and is parallel to the x axis. Both are within 2^-502 of a, up to rounding, so no
+//     distance changes by more.
+//   - If c is no farther than 2^-501 from the line of ab, the triangle is replaced with ab. No point moves by more,
+//     because ab is the longest edge. This includes the triangles of the first case, in which c is within 2^-502 of a.
+// For all other triangles, |ab| > 2^-502, and y_c, which is at least half the height, is above 2^-502. Three squares
+// lose 3 * 2^-1075, which is less than a 2^-69 part of the sums whose roots are |ab|, |ac|, |bc| and the height. So the
+// roots lose a 2^-70 part, far below u. All other products only add what they lose: 2^-1075 each for double and 2^-150
+// for float. In a coordinate, this is multiplied by at most 2^40; under the last root, it is at most sqrt(6 * 2^-1075)
+// < 2^-535 for double and sqrt(6 * 2^-150) < 2^-73 for float. In total, this is less than frame_underflow: 2^-500 for
+// double, 2^-60 for float.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -56,26 +66,29 @@ namespace hausbench {
 
 inline constexpr std::size_t frames_width = 16;
 
-// Row numbers of TriangleFrames; each row has one number per triangle.
+// The rows of TriangleFrames, by number. Each row has one number per triangle.
 namespace frame_row {
-inline constexpr std::size_t e = 0, h = 3, n = 6;  // three rows each
-inline constexpr std::size_t shift = 9;            // three rows: minus the corner a along e, h and n
-inline constexpr std::size_t length = 12;          // L
+inline constexpr std::size_t e = 0, h = 3, n = 6;  // the axes: three rows each
+inline constexpr std::size_t shift = 9;            // three rows: minus the coordinates of a along e, h and n
+inline constexpr std::size_t length = 12;          // L, the length of ab
+// The edges from a to c and from b to c: two rows for the direction, along e and h, and one for the length.
 inline constexpr std::size_t ac = 13, ac_length = 15, bc = 16, bc_length = 18;
 inline constexpr std::size_t count = 19;
 }  // namespace frame_row
 
+// The three constants of the error bound at the top of this file: frame_error, u and frame_underflow.
 template <class T> inline constexpr double frame_error = sizeof(T) == 4 ? 64 : 256;
 template <class T> inline constexpr double frame_roundoff = sizeof(T) == 4 ? 0x1p-24 : 0x1p-53;
 template <class T> inline constexpr double frame_underflow = sizeof(T) == 4 ? 0x1p-60 : 0x1p-500;
 
-// A triangle whose longest edge is at most this long counts as a point. A triangle whose height is at most twice
-// this counts as its longest edge.
+// A triangle whose longest edge is at most this long is treated as a point, and a triangle whose height is at most
+// twice this is replaced with its longest edge; see "Underflow" above.
 inline constexpr double frame_point = 0x1p-502;
 
+// The frames of sixteen triangles, one in each lane; frame_row says which number is in which row.
 template <class T> struct alignas(64) TriangleFrames { T row[frame_row::count][frames_width]; };
 
-// The coordinates of the corners: row[3 v + k] holds coordinate k of corner v of each triangle.
+// The corners of sixteen triangles: row[3 * v + k] has coordinate k of corner v, one triangle in each lane.
 struct alignas(64) CornerRows {
     double row[9][frames_width];
 
@@ -86,11 +99,12 @@ struct alignas(64) CornerRows {
     }
 };
 
+// Makes the frames of sixteen triangles.
 void make_frames(const CornerRows& corners, TriangleFrames<float>& frames);
 void make_frames(const CornerRows& corners, TriangleFrames<double>& frames);
 
-// Computes the squared distances from a point to all triangles. For tests; code where speed matters inlines the
-// kernel of triangle_frames-inl.h.
+// Computes the squared distances from a point to all sixteen triangles. For tests; code that must be fast inlines
+// squared_in_frames() of triangle_frames-inl.h.
 void squared_distances(const TriangleFrames<float>& frames, const float (&point)[3], float (&squared)[frames_width]);
 void squared_distances(const TriangleFrames<double>& frames, const double (&point)[3], double (&squared)[frames_width]);
 
