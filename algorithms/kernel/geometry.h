@@ -38,13 +38,13 @@ struct AlgebraicSurface {
     Points box;  // two rows, the least and the largest corner; the first is smaller in each coordinate
 };
 
-// Returns the length of the diagonal of the bounding box of the points; 0 if there are no points.
+// Returns the length of the diagonal of the bounding box of the points; 0 for an empty set.
 double diagonal(const Points& points);
 
-// Returns the length of the longest side of the bounding box of the points; 0 if there are no points.
+// Returns the length of the longest side of the bounding box of the points; 0 for an empty set.
 double longest_side(const Points& points);
 
-// Returns the largest |coordinate| of the points; 0 if there are no points.
+// Returns the largest |coordinate| of the points; 0 for an empty set.
 double magnitude(const Points& points);
 
 // The map v -> rotation * v + translation, which moves a shape in a query. Usually a rigid motion, but any matrix is

@@ -55,9 +55,10 @@ private:
     // summed over all terms of f. Monomials of higher degree are bounded for each term on its own.
     static constexpr int kept = 6;
 
-    // The expanded power (m + h u)^p along one axis: the coefficients of u^0 to u^kept, and the sums of the
-    // coefficients of all higher even powers and of all higher odd powers. All coefficients of even powers have the
-    // same sign, and so have those of odd powers, because the coefficient of u^q is a positive number times m^(p-q).
+    // The expanded power (m + h u)^p along one axis, where m is the middle of the box and h its half width: the
+    // coefficients of u^0 to u^kept, and the sums of the coefficients of all higher even powers and of all higher odd
+    // powers. The coefficient of u^q is a positive number times m^(p-q), so all coefficients of even powers have the
+    // same sign, and so do all coefficients of odd powers.
     struct Power {
         std::array<Interval, kept + 1> low;
         Interval even, odd;

@@ -2,11 +2,11 @@
 // its *frame*, in which a distance takes only products, sums and comparisons.
 //
 // The frame of a triangle has its origin at a corner a. Its axes, of length 1, are e along the longest edge ab, h in
-// the plane of the triangle towards the third corner c, and the normal n. In the frame, b = (L, 0, 0) and c = (x_c,
-// y_c, 0). Moving a point into the frame takes nine products. Its distance from the plane is then |z|, and its distance
-// within the plane is the least of its distances from the three edges, or 0 if it is inside. The edges ac and bc are
-// stored as a direction of length 1 and a length. So a query needs no division and no square root; these are done when
-// the frame is made, in double precision.
+// the plane of the triangle towards the third corner c, and the normal n. So b has the coordinates (L, 0, 0) and c has
+// (x_c, y_c, 0). Moving a point into the frame takes nine products. The distance of the point from the plane is then
+// |z|, and within the plane it is the least of the distances from the three edges, or 0 inside the triangle. The edges
+// ac and bc are stored as a direction of length 1 and a length. So a query needs no division and no square root; these
+// are done when the frame is made, in double precision.
 //
 // Error. Let T be the type of the numbers (float or double), u its unit roundoff, p the point, R the largest length
 // |a|, |b| or |c|, and D = |p| + R. Let s be the computed squared distance, and d the exact distance from p to the
@@ -26,15 +26,18 @@
 //   - Edges, 6u D: for each edge, the code computes the coordinate t along it and the distance from its line. Both take
 //     two products, a sum and a direction that errs by u, with numbers of at most D: 4u D each. Together, the distance
 //     from an edge errs by sqrt(2) * 4u D < 6u D.
-//   - Inside, 8u D, instead of the error of an edge. A point counts as inside if, with errors of 4u D, it is on the
-//     inner side of the three lines, and if 0 <= x <= L. So it may be outside by 4u D from each line. How far may it be
-//     from the triangle? Lines that are moved outward by 4u D meet at a distance of 4u D / sin(w / 2) from a corner
-//     with angle w. If w >= 60 degrees, this is at most 2 * 4u D. The angle at c is so large, because ab is the longest
-//     edge. At a or b, the angle may be smaller, but 0 <= x <= L cuts the acute tip off: the triangle is straight below
-//     or above the point, at a distance of at most 4u D / cos(w) <= 2 * 4u D. A point inside may also count as outside.
-//     Then it is within 4u D of a line, and at least as near to an edge, because the way to the line meets an edge of
-//     the triangle first.
-//   - Squares, 4u D: s, a sum of squares, errs by 3u s, so sqrt(s) errs by 1.5u sqrt(s). The rest is slack.
+//   - Inside, 8u D, for points that count as inside or should; these do not have the error of an edge. A point counts
+//     as inside if 0 <= x <= L and it seems to be on the inner side of the lines of all three edges. As these distances
+//     err by 4u D, it may be outside each line by 4u D. How far may it be from the triangle?
+//     Near a corner with angle w: lines that are moved outward by 4u D meet at a distance of 4u D / sin(w / 2) from the
+//     corner. If w is at least 60 degrees, this is at most 2 * 4u D. The angle at c is, because ab is the longest edge.
+//     If w is smaller at a or b, the condition 0 <= x <= L cuts off the region between the moved lines beyond the
+//     corner. Then the point has the triangle straight above or below it (along h), at a distance of at most
+//     4u D / cos(w) <= 2 * 4u D.
+//     A point inside that counts as outside is within 4u D of one of the lines. It is at least as near to an edge,
+//     because the way to the line meets an edge of the triangle first.
+//   - Squares, 4u D: s, a sum of squares, errs by 3u s, so its root errs by 1.5u sqrt(s), and sqrt(s) is about D at
+//     most. This leaves room for the differences that are squared; their rounding costs another u sqrt(s).
 // The sum is 11 + 1 + 8 + 16 + max(6, 8) + 4 = 48u D. frame_error is 64, which also covers terms of order u^2.
 //
 // For T = double, making the frame errs, too. Edges, lengths and axes take up to 12 roundings each, instead of one
@@ -51,10 +54,12 @@
 //     because ab is the longest edge. This includes the triangles of the first case, in which c is within 2^-502 of a.
 // For all other triangles, |ab| > 2^-502, and y_c, which is at least half the height, is above 2^-502. Three squares
 // lose 3 * 2^-1075, which is less than a 2^-69 part of the sums whose roots are |ab|, |ac|, |bc| and the height. So the
-// roots lose a 2^-70 part, far below u. All other products only add what they lose: 2^-1075 each for double and 2^-150
-// for float. In a coordinate, this is multiplied by at most 2^40; under the last root, it is at most sqrt(6 * 2^-1075)
-// < 2^-535 for double and sqrt(6 * 2^-150) < 2^-73 for float. In total, this is less than frame_underflow: 2^-500 for
-// double, 2^-60 for float.
+// roots lose a 2^-70 part, far below u.
+//
+// The underflow of all other products only adds a small error: 2^-1075 for each product of doubles, and 2^-150 for
+// each product of floats. In a coordinate, this is multiplied by at most 2^40. Under the last root, it becomes at most
+// sqrt(6 * 2^-1075) < 2^-535 for double, and sqrt(6 * 2^-150) < 2^-73 for float. In total, this is less than
+// frame_underflow: 2^-500 for double, 2^-60 for float.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
