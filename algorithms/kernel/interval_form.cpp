@@ -34,6 +34,8 @@ struct Affine {
 // Returns an upper bound on |s.u + e v|.
 double radius(const Affine& a) { return magnitude(a.s[0]) + magnitude(a.s[1]) + magnitude(a.s[2]) + a.e; }
 
+// Returns numbers that include all products of a number in `a` and a number in `b`. All parts that are not linear in u
+// go into e.
 Affine operator*(const Affine& a, const Affine& b) {
     Affine out;
     out.m = a.m * b.m;

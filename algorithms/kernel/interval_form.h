@@ -3,9 +3,10 @@
 // natural          Bounds each term on its own, with the smallest interval for each power, and adds the bounds.
 // centred          The mean value form f(c) + f'(X) (X - c). Source: Neumaier, Interval methods for systems of
 //                  equations, 1990.
-// affine           Affine arithmetic: numbers are linear functions of three variables in [-1, 1], plus an error; the
-//                  errors of all products go into one shared error term (form AF1 of Messine, 2002). Source: Stolfi and
-//                  Figueiredo, Self-validated numerical methods and applications, 1997.
+// affine           Affine arithmetic: numbers are linear functions of the position in the box, which is three variables
+//                  in [-1, 1], plus an error; the errors of all products go into one shared error term (form AF1 of
+//                  Messine, 2002). Source: Stolfi and Figueiredo, Self-validated numerical methods and applications,
+//                  1997.
 // modified_affine  Expands the polynomial exactly in these three variables, and uses that a term whose powers are all
 //                  even does not change sign. Source: Martin, Shou, Voiculescu, Bowyer and Wang, Comparison of interval
 //                  methods for plotting algebraic curves, CAGD 2002.

@@ -11,11 +11,11 @@
 namespace hausbench {
 namespace {
 
-constexpr int bits = 10;  // of a key, for each coordinate
+constexpr int bits = 10;  // of a Morton key, per coordinate
 constexpr double cells = 1 << bits;
 constexpr std::size_t few = 32;  // up to this many points with equal keys are not sorted further
 
-// Inserts two zero bits before each bit.
+// Spreads the ten bits of x: inserts two zero bits before each.
 std::uint32_t spread(std::uint32_t x) {
     x = (x | (x << 16)) & 0x030000ff;
     x = (x | (x << 8)) & 0x0300f00f;

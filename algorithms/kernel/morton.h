@@ -19,8 +19,8 @@ class MortonFrame {
 public:
     explicit MortonFrame(const Box& box);
 
-    // Returns the Morton key of the point's cell: 30 bits, three for each halving. These say in which half of the cube
-    // the cell lies along x, y and z.
+    // Returns the Morton key of the point's cell. It has 30 bits, three for each halving: the highest three say in
+    // which half of the cube the cell lies along x, y and z, the next three in which half of that half, and so on.
     std::uint32_t key(const double* point) const;
 
     // Returns whether `first` precedes `second` in Morton order. Compares with 52 halvings, so it also tells apart

@@ -1,8 +1,8 @@
-// closest_point (point_triangle.h) for a vector of points and triangles. Compiled once for every target: include it
-// after hwy/foreach_target.h.
+// closest_point (point_triangle.h) for several points and triangles at a time, one pair in each lane of a vector.
+// Compiled once for every target (instruction set): include it after hwy/foreach_target.h.
 //
-// It gives the same bits as the scalar kernel on every target: the same operations in the same order, lane by lane,
-// without fused multiply-add and without approximate reciprocals.
+// On every target, each lane has the same bits as the scalar function, because it takes the same operations in the same
+// order, without fused multiply-add and without approximate reciprocals.
 #include "algorithms/kernel/triangle_block.h"
 
 #include <hwy/highway.h>
@@ -18,10 +18,12 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four lanes at most, because only a few of the eight triangles of a leaf are near enough to be measured.
+// Four lanes at most. A leaf of a tree has eight triangles, of which only a few are near enough to be measured, so
+// eight lanes would mostly be wasted.
 using Doubles = hn::CappedTag<double, 4>;
 using V = hn::Vec<Doubles>;
 
+// A Vec3 in each lane.
 struct V3 {
     V x, y, z;
 };
@@ -38,7 +40,7 @@ HWY_INLINE V3 set(const Vec3& a) {
     const Doubles d;
     return {hn::Set(d, a[0]), hn::Set(d, a[1]), hn::Set(d, a[2])};
 }
-// Loads the lanes from `lane` on of three rows of a block.
+// Loads a vector of x, y and z from the three rows of a block, starting at `lane`.
 HWY_INLINE V3 load(const double (&rows)[3][block_width], std::size_t lane) {
     const Doubles d;
     return {hn::Load(d, rows[0] + lane), hn::Load(d, rows[1] + lane), hn::Load(d, rows[2] + lane)};
@@ -71,8 +73,9 @@ HWY_INLINE V3 closest_on_edge(const V3& from, const V3& to, V along, V length, V
     return hn::Sub(one, t) * from + t * to;
 }
 
+// A foot is the closest point of a triangle, as seen from a query point; here one in each lane.
 struct VFoot {
-    V squared;
+    V squared;  // squared distance from the query point
     V3 point;
 };
 
@@ -86,7 +89,7 @@ HWY_INLINE void offer(const V3& p, const V3& q, VFoot& best) {
                   hn::IfThenElse(nearer, q.z, best.point.z)};
 }
 
-// a and b are the ends of the longest edge; `box` is the bounding box of the triangle.
+// Returns the closest point of triangle abc in each lane. ab must be its longest edge, and `box` its bounding box.
 HWY_INLINE VFoot closest_point(const V3& p, const V3& a, const V3& b, const V3& c, const VBox& box) {
     const Doubles d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int most_power = 40;
 constexpr std::size_t most_products =
-    10'000'000;               // per text: takes seconds; a polynomial with all terms of power 40 needs half as many
+    10'000'000;               // per text; takes seconds. ((1+x)*(1+y)*(1+z))^40, the densest, needs half as many
 constexpr int deepest = 100;  // nested parentheses; a limit, because each level takes some 500 bytes of stack
 
 using Powers = std::array<int, 3>;

@@ -28,10 +28,10 @@ public:
         Interval coefficient;
     };
 
-    // Reads and multiplies out a text, with its powers about `origin`. Throws InputError for text that does not match
-    // the grammar above (the message gives the column, counted from 1, and says what to change), powers above 40, more
-    // than 100 nested parentheses, more than 10 million products of terms, a polynomial without x, y and z, and
-    // coefficients that are not finite. Sets the rounding mode itself.
+    // Reads a text in x, y and z, and multiplies it out to terms with this origin. Throws InputError for text that does
+    // not match the grammar above (the message gives the column, counted from 1, and says what to change), powers above
+    // 40, more than 100 nested parentheses, more than 10 million products of terms, a polynomial without x, y and z,
+    // and coefficients that are not finite. Sets the rounding mode itself.
     explicit Polynomial(std::string_view text, const Vec3& origin = Vec3::Zero());
 
     // Returns the polynomial of a surface in a form that is accurate in the surface's box.

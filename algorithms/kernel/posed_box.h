@@ -18,8 +18,8 @@ namespace hausbench {
 // rotated box is larger than its content. Clipping also removes a corner that overflowed. For the identity, the result
 // is `box`.
 //
-// Each coordinate takes the operations of posed() in their order, on the end of `box` for which a product is least, or
-// largest.
+// The least coordinates come from the operations of posed(), in their order, on those ends of `box` that make each
+// product as small as possible; for the largest coordinates, as large as possible.
 inline Box posed_box(const Box& box, const Pose& pose, const Box& within) {
     if (pose.is_identity()) return box;
     Box result;

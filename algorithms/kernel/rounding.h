@@ -78,19 +78,19 @@ inline double distance_at_most(double squared, bool may_underflow) {
 // --- point to triangle, and subdivided triangles ---------------------------------------------------------------------
 //
 // Solvers bound the distances from points of A to B. M is the largest |coordinate| of B and of A, moved by its pose.
-// Solvers require that M is 0 or between these two values.
+// Solvers require that M is 0 or between the two values below.
 inline constexpr double smallest_safe_magnitude = 0x1p-400, largest_safe_magnitude = largest_safe_coordinate;
 
 // Levels. Solvers cut the triangles of A into pieces, which are smaller triangles, and rounding moves the corners of
 // the pieces off A. A computed point has *level* k if it is within 2k * uM of the exact point of A that it stands for.
-// The vertices of A have level 0, and each halving of an edge adds one: in each coordinate, the midpoint fl((a + b) /
-// 2) errs by at most u |a + b| / 2 <= uM, so by at most sqrt(3) * uM < 2uM in length. In addition, it inherits at most
-// the larger of the errors of a and b.
+// The vertices of A have level 0, and each halving of an edge adds one. The reason: the midpoint fl((a + b) / 2) errs
+// by at most u |a + b| / 2 <= uM in each coordinate, so by at most sqrt(3) * uM < 2uM in length. In addition, it
+// inherits at most the larger of the errors of a and b.
 //
 // Returns an upper bound on the distance to B of the exact point of A that a computed point of this level stands for.
 // `squared` is the squared distance of the computed point to B, according to closest_point (point_triangle.h);
-// `magnitude` is M. For a piece, `squared` is the largest such number in the computed piece, and the result holds for
-// the exact piece. The exact pieces of a triangle cover it.
+// `magnitude` is M. For a piece, pass the largest squared distance in the computed piece: the result then holds in the
+// exact piece, and the exact pieces of a triangle cover it.
 //
 // Level 0: closest_point returns a point within 7uM of a triangle of B, at the computed squared distance s. This s errs
 // as derived above; its underflow part, 2^-536, is far below uM. So sqrt(s) (1 + 4u) + 8uM bounds the exact distance d:
@@ -144,7 +144,7 @@ inline double surface_sum_at_most(double sum, double magnitude, int level) {
 }
 
 // Returns a lower bound on the distance to B of an exact point of A. `certified` is a lower bound on the distance to B
-// of the point of this level that stands for it.
+// of the computed point that stands for it and has this level.
 inline double surface_distance_at_least(double certified, double magnitude, int level) {
     const double low = level == 0 ? certified : next_down(certified - 2 * level * unit_roundoff * magnitude);
     return low > 0 ? low : 0;
@@ -180,7 +180,7 @@ inline constexpr int level_of_grid_point = 4;
 // point of the triangle is within r = L / (n sqrt(3)) of a point of the grid, and the distance to B changes no more
 // than the point moves.
 //
-// fl(sqrt(L^2)) errs by 3.5u (see point to point), fl(sqrt(3)) by 0.6u, and product and quotient by u each: to first
+// fl(sqrt(L^2)) errs by 3.5u (see "point to point"), fl(sqrt(3)) by 0.6u, and product and quotient by u each: to first
 // order, r is at most (1 + 6.1u) times the computed quotient. The product with 1 + 8u loses at most u by rounding. The
 // next_up makes up for rounding the sum, and half an ulp is left over: at least 2^-504, because
 // at_samples >= 8uM >= 2^-450. That is more than the 2^-536 by which L may be too small because of underflow.

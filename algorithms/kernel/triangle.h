@@ -26,7 +26,7 @@ inline Box box_of(const Triangle& t) {
     return box;
 }
 
-// Returns the longest edge: 0 for ab, 1 for bc, 2 for ca.
+// Returns the longest edge, by the corner at which it begins: 0 for ab, 1 for bc, 2 for ca.
 inline int longest_edge(const Triangle& t) {
     const double ab = squared_length(t.b - t.a), bc = squared_length(t.c - t.b), ca = squared_length(t.a - t.c);
     if (bc > ab && bc >= ca) return 1;
