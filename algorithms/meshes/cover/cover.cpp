@@ -29,8 +29,8 @@
 // number of threads. Rounds grow from one part to 64, so that most parts start from a good l.
 //
 // Sequences of poses, and both directions of H (ours as well). A triangle of B often settles a group without a query if
-// it was nearest to a vertex of the group at the previous pose, or if, in the other direction, one of its own vertices
-// was nearest to the group. The farthest point of the previous pose is measured first.
+// it was nearest to a vertex of the group at the previous pose, or if, in the other direction, the triangle of A
+// nearest to one of its vertices was in the group. The farthest point of the previous pose is measured first.
 //
 // Fields: as in guthe.cpp.
 // Budget: cuts, including halvings. If a budget is given, a round is a single group, cluster or piece, because several

@@ -36,8 +36,8 @@ template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
 // Estimates for each triangle how far its offset reaches along the two edges beside the run: the sum of both exits,
 // from 0 to 2. Along an edge the distance to a triangle is convex, so it is at most the linear interpolation between
 // the distances at the ends. The estimated exit, at which the interpolation reaches the threshold, is therefore never
-// beyond the true one. `corners` are the ends of the edge before the run, beginning at the run, then those of the
-// edge after it.
+// beyond the true one. `corners` are the two ends of the edge before the run, beginning at the run, and then the two
+// ends of the edge after it.
 template <class T>
 void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
                                T (&estimate)[NearTriangles<T>::most_triangles]) {

@@ -189,7 +189,7 @@ void CoverWorker::count() {
 //
 // u is the unit roundoff 2^-53, and M is the magnitude. The bound x of a cover is widened like a measured distance, by
 // surface_sum_at_most(): to x * (1 + 5u) + (8 + 2 * level) * uM. Only the 2uM for each level are needed, because x
-// already includes all roundings of the cover, even those of moving A and B to local coordinates
+// already includes all roundings of the cover, even the conversion of A and B to local coordinates
 // (meshes/cover/offset_cover.h). The 8uM stay because they are below every tolerance that can be met, and without them
 // the last bits of all answers would change. Below, 8u and 10uM take the place of 5u and 8uM; the difference covers the
 // rounding of both formulas.
