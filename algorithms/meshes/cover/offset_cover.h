@@ -14,8 +14,9 @@
 //      one part and the second triangle covers the other part, so the polygon is done.
 //   4. If peeling makes no progress, cut the polygon in two.
 //
-// The proof does not depend on which triangles are tried or where a polygon is cut. It needs only that the covered
-// polygons together make up the piece, and that no distance is underestimated.
+// Only the *gathered* triangles are tried: the triangles of B around the piece, which the caller has collected in
+// NearTriangles. The proof does not depend on which triangles are tried or where a polygon is cut. It needs only that
+// the covered polygons together make up the piece, and that no distance is underestimated.
 //
 // Rounding. u is the unit roundoff of T: 2^-24 for float, 2^-53 for double. All coordinates are *local*: relative to an
 // origin near the piece, in a unit so large that |coordinate| <= 1 in the piece (LocalUnits in
@@ -97,8 +98,8 @@ template <class T> struct CoverPoints {
 class CoverHost {
 public:
     // Measures the distance from a point of the piece to all of B, not only to the gathered triangles. This may raise
-    // the threshold. `slack` belongs to the point; `near` is a triangle of B to try first. Returns the triangle of B
-    // nearest to the point.
+    // the threshold. The point may be off the piece by `slack`, in units of u. `near` is a triangle of B to try first.
+    // Returns the triangle of B nearest to the point.
     virtual Index measure(const double (&point)[3], double slack, Index near) = 0;
 
     // Returns the present threshold tau.
@@ -120,8 +121,8 @@ template <class T> struct OffsetCover {
     NearTriangles<T> near;  // the gathered triangles of B
     double extent = 1.75;   // upper bound on |p| over all measured points p, in local units
     double threshold = 0;   // tau, in local units
-    // In local units. An upper bound of at most this cannot raise the upper bound of the search, which is already as
-    // large, so no better triangle is looked for.
+    // The largest upper bound that the search has recorded elsewhere, in local units. The final upper bound cannot be
+    // less, so if one triangle proves a bound of at most this, no triangle with a smaller bound is looked for.
     double early_out = 0;
     // For each triangle, the largest computed squared distance that proves distance <= threshold; -1: none does.
     std::vector<T> limit;

@@ -13,10 +13,10 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// The slack of the mean of up to 16 corners: an upper bound on its rounding error, in units of u. In each coordinate,
-// |coordinate| <= 1, so a partial sum is at most 16 and each of the 15 sums errs by at most 16u. The division by 16
-// reduces this error to u for each sum, and itself adds u: 16u in total. In three coordinates this is
-// sqrt(3) * 16u < 28u. The mean of fewer corners errs less.
+// The slack of the mean of up to 16 corners: an upper bound on its rounding error, in units of u. As |coordinate| <=
+// 1, every partial sum of one coordinate is at most 16, so each of the 15 sums errs by at most 16u. The division by
+// 16 reduces this to u for each sum, 15u in total, and adds u for its own rounding. So each coordinate errs by at
+// most 16u, and the point by sqrt(3) * 16u < 28u. The mean of fewer corners errs less.
 constexpr double slack_of_mean = 28;
 
 // Computes centre_, radius_ and slack_. Every point of the polygon is within radius_ of centre_, so its distance to a
@@ -41,9 +41,10 @@ template <class T> void Engine<T>::find_centre() {
     radius_ = std::sqrt(most) * (1 + 0x1p-50);
 }
 
-// Decides about a polygon that cannot be peeled, from its centre and the triangle k nearest to the centre. Returns
-// `covered` if triangle k covers the polygon, or gives its bound to a polygon that is too small to be cut in double
-// precision; `lost` if single precision cannot cover it; otherwise `cut`.
+// Decides what to do with a polygon that cannot be peeled, from the triangle k nearest to its centre. Returns
+// `covered` if triangle k covers the polygon, and otherwise `cut`, with two exceptions. A polygon that must not be
+// cut is `lost` in single precision, and so is one whose centre is beyond the threshold. In double precision, a
+// polygon that must not be cut gets the bound of triangle k and counts as `covered`.
 template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     find_centre();
     measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);

@@ -29,7 +29,7 @@ namespace {
 // corners, the other half on the edge after it.
 template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 8;
 
-// A peel computes the exits of this many triangles and takes the best one. They are chosen by estimated exits.
+// A peel computes the exits of this many triangles and takes the best one. The triangles are chosen by estimated exits.
 constexpr std::size_t tried_triangles = 3;
 
 // The triangles that may cover a polygon: all gathered triangles, or the few kept by keep_few().
@@ -114,7 +114,7 @@ private:
     static constexpr bool exact = sizeof(T) == 8;
     static constexpr std::size_t centre_row = most_shared_points + most_polygon_corners + 2;
 
-    // Neighbouring corners of the polygon that at least one triangle is near to, the same one for all of them.
+    // Neighbouring corners of the polygon that have a near triangle in common.
     struct Run {
         std::size_t begin = 0, length = 0;  // first corner, number of corners
         NearSet common;                     // the triangles near all these corners
@@ -125,7 +125,7 @@ private:
         // The exits on the edges before and after the run, as fractions of these edges: 0 is at the run, 1 at the other
         // end.
         T before = 0, after = 0;
-        std::size_t second = none;  // a triangle that covers the other part, too, if one is known
+        std::size_t second = none;  // a triangle that covers the other part, or `none`
         double upper = 0;           // only if `second` is set: upper bound for the whole polygon, from both triangles
     };
     struct Tried {
@@ -175,7 +175,7 @@ private:
         return std::max(piece_.slack[from], piece_.slack[to]) + 1.75F + 2.01F * static_cast<float>(t * length);
     }
     const NearSet& within(std::size_t corner) const { return c_.within[row_[corner]]; }
-    // Records that triangle k covers a polygon, all of which is at most `bound` from B.
+    // Records that triangle k covers a polygon, and that no point of the polygon is farther than `bound` from B.
     void covered_by(std::size_t k, double bound) {
         upper_ = std::max(upper_, bound);
         if (c_.proof) c_.proof->one(all_.frames->triangle[k]);
@@ -212,7 +212,7 @@ private:
     CoverPolygon<T> piece_;                    // the present polygon
     std::size_t row_[most_polygon_corners]{};  // for each corner, its row in c_.squared and its index in c_.within
     std::uint32_t used_ = 0;                   // bit i: row most_shared_points + i is in use
-    int slow_ = 0;                             // number of peels in a row that removed little
+    int slow_ = 0;                             // number of consecutive peels that removed little
     int peels_ = 0;                            // number of peels since the last cut in two
     bool spent_ = false;  // time or budget is spent: the remaining polygons get the bounds that they have
     bool full_ = false;   // the triangle nearest to a measured point must join `near`, which has no room left

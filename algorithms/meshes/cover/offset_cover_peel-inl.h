@@ -58,8 +58,8 @@ void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
     }
 }
 
-// Chooses the triangles near the whole run whose offsets are estimated to reach farthest along the two edges; at most
-// tried_triangles. Returns their number.
+// Chooses up to tried_triangles triangles: of those near the whole run, the ones whose offsets are estimated to reach
+// farthest along the two edges. Returns their number.
 template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Tried, tried_triangles>& tried) {
     std::size_t count = 0;
     T estimate[NearTriangles<T>::most_triangles];
@@ -134,8 +134,8 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
     return out.second != none;
 }
 
-// Returns the exit of one of the two edges for a triangle. The first round uses the samples in `tried`. In double
-// precision, two more rounds sample the step that contains the exit more finely.
+// Returns the exit of one of the two edges for a triangle, as a fraction of the edge. The first round uses the
+// samples in `tried`. In double precision, two more rounds sample the step that contains the exit more finely.
 template <class T>
 T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points) {
     const std::size_t end = end_of(run);

@@ -17,12 +17,13 @@
 
 namespace hausbench {
 
-// A point whose distance to B was measured. It stands for the triangles of A around it: each of their points is at most
-// as far from B as the landmark, plus its own distance from the landmark.
+// A point with a known distance to a triangle of B. It bounds the distance of the triangles of A around it: the
+// distance from any of their points to B is at most the distance of the landmark plus the distance from that point to
+// it.
 struct Landmark {
     Vec3 at = Vec3::Zero();
-    double distance = 0;  // to B, as computed
-    Index near = -1;      // nearest triangle of B; -1: not measured
+    double distance = 0;  // to triangle `near`, as computed
+    Index near = -1;      // the nearest triangle of B, or a partner (CoverScene::partner); -1: not measured
     Index vertex = -1;    // if the landmark is a vertex of A: its index; otherwise -1
 };
 
@@ -50,7 +51,7 @@ struct Cluster {
 // keep their order, so that neighbours stay together.
 void order_clusters(std::vector<Cluster>& clusters, std::size_t first);
 
-// The data of one query. References are kept; `elements` and `proofs` may be null.
+// The data of one query. Keeps references.
 struct CoverScene {
     const TriangleMesh& a;
     const Points& points;  // vertices of A, after its pose
@@ -60,8 +61,8 @@ struct CoverScene {
     const Query& query;
     double magnitude;  // M of kernel/rounding.h: the largest |coordinate| of A, after its pose, and of B
     double least_gap;  // tau exceeds the lower bound by at least this, unless floor = cutoff
-    // Bounds of each triangle of A; null if no fields are wanted. With `elements` or `proofs`, only one worker runs
-    // at a time.
+    // Receives bounds of each triangle of A for Result::fields; null if no fields are wanted. With `elements` or
+    // `proofs`, only one worker runs at a time.
     ElementBounds* elements;
     CoverProofs* proofs;  // certificate under construction; null if none is wanted
     // For each triangle of A, a triangle of B that is probably near it, or -1 (WarmStart::partner); null without a warm
@@ -88,8 +89,8 @@ struct CoverPiece {
 // The unit of local coordinates (LocalUnits) is at least this fraction of the magnitude, even around a single point.
 inline constexpr double least_place = 0x1p-100;
 
-// If too many triangles of B are near a piece to be tried all, the piece is halved, but only up to this level. At this
-// level or beyond, only some of the near triangles are tried.
+// If too many triangles of B are near a piece to try all of them, the piece is halved, but only up to this level. From
+// this level on, only some of the near triangles are tried.
 inline constexpr int halvings_for_all_near = 8;
 
 // The outcome of one part of the work (see "Rounds" in cover.cpp).

@@ -15,7 +15,7 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t most_spare_rooms = 4;
-constexpr std::size_t most_looked_at = 32;  // from_partner() tries this many triangles on either side of the middle
+constexpr std::size_t most_looked_at = 32;  // by from_partner(), on either side of the middle of a group
 
 // This thread's pool of returned scratch buffers.
 std::vector<std::unique_ptr<CoverRoom::Covers>>& spare_rooms() {
@@ -225,8 +225,8 @@ bool CoverWorker::from_partner(const Cluster& group, const Box& box, Landmark& l
     return false;
 }
 
-// Returns a landmark, not measured yet, for a triangle in a box: the corner of the triangle whose largest distance to a
-// point of the box is least.
+// Returns a corner of a triangle as a landmark that is not measured yet. Chooses the corner that is least far from its
+// farthest point of the box, because this distance is a part of the bound from the landmark (around()).
 Landmark CoverWorker::central_corner(Index source, const Box& box) const {
     Landmark landmark;
     double least = std::numeric_limits<double>::infinity();
