@@ -7,18 +7,19 @@
 namespace hausbench {
 namespace {
 
-// The kind of a node: the two lowest bits of its first number.
+// The kinds of nodes, as in the two lowest bits of the first number of a node.
 enum Node : std::uint64_t { cut_node, one_leaf, centre_leaf, vertex_leaf };
 
 }  // namespace
 
-// Writes seven bits per byte, the lowest first; the highest bit of a byte says that another byte follows.
+// Writes an integer with seven bits per byte, the lowest bits first. The highest bit of a byte is 1 if another byte
+// follows.
 void CertificateTree::number(std::uint64_t value) {
     for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<char>(value | 0x80));
     bytes_.push_back(static_cast<char>(value));
 }
 
-// Writes eight bytes, the lowest first, on every machine.
+// Writes t as eight bytes, the lowest byte first whatever the byte order of the machine. Writes nothing for a corner.
 void CertificateTree::parameter(const CutPoint& point) {
     if (point.t < 0) return;
     const auto bits = std::bit_cast<std::uint64_t>(point.t);

@@ -1,22 +1,30 @@
-// Writes a certificate of an upper bound of h(A,B): how the triangles of A are cut into polygons, and for each
+// Writes a certificate of an upper bound on h(A,B): how the triangles of A are cut into polygons, and for each
 // polygon a triangle of B that is near all of it. docs/certificate.md describes the format and why it proves the
 // bound; harness/check/certificate_check.h checks it.
 //
-// Each triangle of A (a point of A is a triangle with three equal corners) has one tree in preorder: a node, the
-// subtree of its first child, the subtree of its second child. A node is a convex polygon; the root has the three
-// corners of the triangle, 0, 1, 2 in the order of the mesh. Edge i goes from corner i to corner i + 1; the last
-// edge goes to corner 0.
+// Each triangle of A has one tree. (A point of A counts as a triangle with three equal corners.) The tree is written in
+// preorder: a node, the subtree of its first child, the subtree of its second child. Each node is a convex polygon. The
+// root is the whole triangle; its corners 0, 1, 2 are in the order of the mesh. Edge i goes from corner i to corner
+// i + 1, the last edge to corner 0. A node is either cut in two, or it is a leaf and names the triangle of B.
 //
-// The proof is about exact points: a point on an edge is a + t (b - a) without rounding, where a and b are
-// themselves exact. `proven` must leave room for two things:
-// - The errors of the solver's own points and distances, if its upper bound does not also hold for the exact
+// The proof is about exact points: a point on an edge is a + t * (b - a) without rounding, where a and b are exact
+// themselves. The solver must choose `proven`, the upper bound that it claims, so that it leaves room for two errors:
+// - The rounding of the points and distances of the solver, unless its upper bound already holds for the exact
 //   polygons.
-// - The checker's own rounding outward, which costs a leaf below L cuts at most (14 L + 100) u D, where u = 2^-53
-//   and D is the diagonal of the box of both posed shapes. A coordinate of a point p - q of the difference of the
-//   two triangles is a sum (a - s) + v e + w e' - (x f + y f'), with edges e, e' of the triangle of A and f, f' of
-//   the triangle of B. A cut widens the weights v and w by 7u: u for 1 - t, 2u for each product and 2u for the sum;
-//   so by 7 L u (|e| + |e'|) <= 14 L u D. The rest is differences, products and sums of lengths below D, each off
-//   by at most 4u of its value. (certificate_soups_test.cpp measures it.)
+// - The rounding of the checker, which calculates with intervals and rounds outward. For a leaf after L nested cuts,
+//   this costs at most (14 * L + 100) * u * D, where u = 2^-53 and D is the diagonal of the box around both shapes.
+//
+// The derivation of the last bound: the checker bounds the length of p - q, where p is a corner of the leaf and q a
+// point of the triangle of B. Let the triangle of A have the edges e and e' at its corner a, and the triangle of B the
+// edges f and f' at its corner s. Then each coordinate of p - q is
+//     (a - s) + (v * e + w * e') - (x * f + y * f')
+// with weights v, w, x and y from 0 to 1. For a new corner, at the fraction t of the edge between corners with weights
+// v1 and v2, the checker computes v = (1 - t) * v1 + t * v2, and w likewise. This makes the intervals of v and w wider
+// by at most 7u: u for 1 - t, 2u for each of the two products, and 2u for the sum. After L cuts, this contributes at
+// most
+//     7 * L * u * (|e| + |e'|) <= 14 * L * u * D.
+// All other terms are differences, products and sums of lengths below D, each off by at most 4u times its value;
+// together they contribute less than 100 * u * D. (certificate_soups_test.cpp measures the total.)
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -32,48 +40,49 @@ namespace hausbench {
 
 inline constexpr std::string_view cover_certificate_format = "hausbench cover 1";
 inline constexpr std::size_t most_certificate_corners = 64;  // per polygon
-// The most nodes that may wait for their second child.
+// While the checker reads a tree, it keeps the polygons whose subtrees are still to come. It refuses a tree for which
+// these are more than this.
 inline constexpr std::size_t most_certificate_pending = 4096;
 
-// The point where a cut meets the boundary of a polygon: a corner, or the fraction t of the way along an edge. On
-// an edge it is always a new corner of both children, even if t is 0 or 1, so the shape of the children does not
-// depend on t.
+// The point where a cut meets the boundary of a polygon: a corner, or the point at the fraction t of an edge. A point
+// on an edge becomes a new corner of both children, even if t is 0 or 1, so the number of corners of the children
+// does not depend on t.
 struct CutPoint {
     static CutPoint corner(std::size_t i) { return {i, -1, false}; }
-    // Measures t from corner `edge`.
+    // The fraction t of the way from corner `edge` to the next corner.
     static CutPoint along(std::size_t edge, double t) { return {edge, t, false}; }
-    // Measures t from the next corner, backward.
+    // The fraction t of the way from the corner after `edge` back to corner `edge`.
     static CutPoint back(std::size_t edge, double t) { return {edge, t, true}; }
 
-    std::size_t place;  // number of the corner or edge
-    double t;           // in [0, 1]; negative: a corner
-    bool backward;
+    std::size_t place;  // index of the corner or edge
+    double t;           // in [0, 1]; negative if the point is a corner
+    bool backward;      // whether t is measured as in back()
 };
 
-// The tree of one triangle, written as the solver goes along. Not shared by threads.
+// The tree of one triangle of A. A solver writes it node by node, in preorder. Not to be shared by threads.
 class CertificateTree {
 public:
-    // Cuts a node along the line from P to Q. The first child has the corners P, those after P and before Q, and Q.
-    // The second child has the corners Q, those after Q and before P, and P. Each child must have at least three
-    // corners, and P and Q must not lie on one edge.
+    // Writes a node that is cut along the line from P to Q. The first child has the corners P, the corners after P
+    // and before Q, and Q. The second child has the corners Q, the corners after Q and before P, and P. Each child
+    // must have at least three corners, and P and Q must not lie on the same edge.
     void cut(const CutPoint& p, const CutPoint& q);
 
-    // Write a leaf. No point of the polygon is farther from B than
-    // - one: the largest distance of a corner to triangle k of B. Never more than the two others.
-    // - centre: the distance of its centre, the mean of its corners, to triangle k, plus the largest distance from
-    //   the centre to a corner.
-    // - vertex: the same with vertex v of A (its row in the points of A) in place of the centre. Needs no distance
-    //   from a corner to B.
+    // Each of the next three functions writes a leaf, with a different bound on the distance of the polygon to B:
+    // - one: the largest distance of a corner to triangle k of B. This is never more than the other two.
+    // - centre: the distance from the mean c of the corners to triangle k, plus the largest distance from c to a
+    //   corner.
+    // - vertex: the same with vertex v of A as c (an index into its points). One measured vertex can serve for many
+    //   polygons, so their corners need not be measured.
     void one(Index k);
     void centre(Index k);
     void vertex(Index v, Index k);
 
-    // mark() returns a position in the tree; back_to() takes back everything written after it.
+    // mark() returns the present end of the tree; back_to() removes everything written since then.
     std::size_t mark() const { return bytes_.size(); }
     void back_to(std::size_t mark) { bytes_.resize(mark); }
     void clear() { bytes_.clear(); }
 
-    // Appends a tree or subtree that was written elsewhere.
+    // Appends a tree or subtree that was written to another object.
     void append(const CertificateTree& other) { bytes_ += other.bytes_; }
 
     const std::string& bytes() const { return bytes_; }
@@ -94,11 +103,12 @@ public:
     // Replaces any earlier tree of the triangle.
     void set(Index triangle, const CertificateTree& tree) { trees_[static_cast<std::size_t>(triangle)] = tree.bytes(); }
 
-    // Returns nothing if some triangle has no tree. O(bytes).
+    // Returns the certificate of h(A,B) <= proven, or nothing if some triangle has no tree. Takes O(bytes).
     std::optional<Certificate> finish(double proven) const;
 
 private:
-    std::vector<std::string> trees_;  // a leaf takes at most 10 bytes: no allocation
+    // A tree of one leaf has at most 10 bytes, which a string stores without allocating memory.
+    std::vector<std::string> trees_;
 };
 
 }  // namespace hausbench

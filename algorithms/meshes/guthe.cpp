@@ -1,40 +1,45 @@
-// Midpoint subdivision after Guthe, Borodin, Klein: Fast and accurate Hausdorff distance calculation between meshes, WSCG
-// 2005. The paper was not at hand, so this follows the descriptions in Tang, Lee, Kim 2009 and Zhang et al. 2017: an
-// octree for proximity, subdivision at the midpoints of the edges, an upper bound for each triangle, purging of
-// triangles that cannot attain the maximum, and no further work on a triangle whose vertices share a nearest triangle.
+// Branch and bound with midpoint subdivision, after Guthe, Borodin, Klein: Fast and accurate Hausdorff distance
+// calculation between meshes, WSCG 2005. The paper was not at hand, so this follows the descriptions in Tang, Lee, Kim
+// 2009 and Zhang et al. 2017: an octree finds closest points, triangles are subdivided at the midpoints of their edges,
+// each triangle has an upper bound, triangles that cannot contain the farthest point are purged, and a triangle is not
+// subdivided if one triangle of B is nearest to all its vertices.
 //
-// Upper bound of a piece T with vertices v: the least, over some triangles S of B, of max_v d(v, S). The distance to
-// a convex set is convex, so its maximum over T is at a vertex. The bound is exact if S is nearest to all three, even
-// if ties named another triangle (the shared-triangle end of Tang et al., section 4). Which S Guthe tries is not
-// known. We try those nearest to the piece's vertices and its siblings' vertices, and the best one of its parent. A
-// Lipschitz bound, d(v, B) + the longest edge from v, cannot be less than the bound of the S nearest to v, so it is
-// not used.
+// A *piece* is a triangle of A or a part of one. The upper bound of a piece T with vertices v is
+//     min over some triangles S of B of (max over v of d(v, S)).
+// It holds for every S, because the distance to the convex set S is convex and so is largest at a vertex of T. It is
+// exact if one S is nearest to all three vertices, even if the queries returned other triangles that are equally near
+// (the case of a shared nearest triangle in Tang et al., section 4). It is not known which S Guthe tries. We try the
+// triangles nearest to the vertices of the piece and of the other pieces of the same split, and the S that was best for
+// the piece that was split. The bound d(v, B) + (the longest edge at v) is not used, because it is never less than the
+// bound of the S nearest to v.
 // The piece with the largest upper bound is split first. The lower bound is the largest distance of a vertex so far.
 //
-// Regions: the boxes of an octree over A settle groups of triangles (search/source_regions.h). If off, every vertex
-// of A is measured.
+// Regions: the boxes of an octree over A give upper bounds for groups of triangles. A group whose bound is small enough
+// is *settled*: it needs no further work (search/source_regions.h). If regions are off, every vertex of A is measured.
 //
-// Split: `midpoint`, as published, makes four pieces of the same shape, so a needle stays a needle: k levels make 4^k
-// pieces where 2^k would do. `longest_edge` (ours) halves the longest edge, which soon makes compact pieces of a
-// needle.
+// Split: `midpoint`, as published, makes four pieces of the same shape, so the pieces of a thin triangle are thin, too.
+// After k levels there are 4^k of them, although 2^k pieces could be as short. `longest_edge` (ours) halves the longest
+// edge, which soon cuts a thin triangle into compact pieces.
 //
-// Certified: upper bounds are widened as kernel/rounding.h says. Purging by the uncertified lower bound is safe,
-// because the bounds of purged pieces are kept; only the last witness is certified, by support planes
-// (kernel/point_triangle.h). With certify = false nothing is widened or certified, and with kernel = textbook
-// distances are computed as in textbooks. Both exist for comparison, and their bounds may be wrong.
+// Certified: upper bounds are widened for rounding as in kernel/rounding.h. The lower bound that purges pieces is not
+// certified. This is safe, because the upper bound of the result also covers purged pieces. Only the farthest point at
+// the end is certified, by support planes (kernel/point_triangle.h). With certify = false nothing is widened or
+// certified; with kernel = textbook distances are computed as in textbooks. Both exist for comparison only, and their
+// bounds may be wrong.
 // Warm start (ours, if the caller gives a State; search/warm_start.h): the farthest point of the previous pose is
-// measured first, and a triangle of A is settled without a query if its distance to a triangle of B that was nearest
-// to one of its corners is small enough. Queries of vertices start at the triangle that was nearest before.
+// measured first. A triangle of A is settled without a query if it is close enough to a triangle of B that was nearest
+// to one of its corners at the previous pose. The query for a vertex starts at the triangle that was nearest then.
 //
-// Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and the "level" of its smallest
-// piece. They are as tight as the search needed; triangles that cannot attain the maximum are not refined.
+// Fields: for each triangle of A, "lower" and "upper" bounds of the largest distance of its points to B, and the
+// "level" of its smallest piece: the number of splits that made it. The bounds are only as tight as the search
+// needed; triangles that cannot contain the farthest point are not split further.
 //
-// Certificate: the search's own pieces, each with the triangle S of its bound (search/piece_proofs.h). The distances
-// from the corners to S prove the bound even if the search used the box of a group and one point of S, because these
-// distances are at most as large.
+// Certificate: the pieces of the search, each with the triangle S of its bound (search/piece_proofs.h). If the search
+// bounded a whole group by the distance from its box to one point of S, the certificate still names S for each triangle
+// of the group: the distances from the corners to S are not larger than that bound.
 //
-// Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on tame data. Memory:
-// O(n + m), and 168 bytes per piece in the queue.
+// Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on well-behaved data, for n
+// triangles of A and m of B. Memory: O(n + m), and 168 bytes per piece in the queue.
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
 #include "algorithms/search/mesh_solver.h"
@@ -55,10 +60,10 @@ namespace {
 struct GuthePiece {
     std::array<MeasuredPoint, 3> corners;
     double upper;
-    Index source;  // triangle of A
-    Index best;    // triangle of B whose bound was least
-    int level;
-    PieceProofs::Node node;  // of its proof, if a certificate is wanted
+    Index source;            // triangle of A
+    Index best;              // the triangle S of B with the least bound
+    int level;               // number of splits that made the piece
+    PieceProofs::Node node;  // the node of the piece, if a certificate is wanted
 };
 
 struct GutheChoices {
@@ -147,7 +152,7 @@ void GutheSearch::push_triangles() {
     }
 }
 
-// Returns the largest squared distance from a corner of the piece to a triangle of B.
+// Returns the largest squared distance from a corner of the piece to a triangle of B. Uses known distances if it can.
 double GutheSearch::squared_to_farthest(const GuthePiece& piece, Index triangle) {
     const Triangle near = target_.triangle(triangle);
     double most = 0;
@@ -163,6 +168,7 @@ double GutheSearch::squared_to_farthest(const GuthePiece& piece, Index triangle)
     return most;
 }
 
+// Returns the vertices of a cut as a block of eight points; unused lanes repeat the last vertex.
 PointBlock block_of(const Cut<MeasuredPoint>& cut) {
     PointBlock block;
     for (std::size_t lane = 0; lane < block_width; ++lane) {
@@ -172,7 +178,8 @@ PointBlock block_of(const Cut<MeasuredPoint>& cut) {
     return block;
 }
 
-// Bounds each part by the triangles nearest to any vertex of the cut, and by the best one of the whole piece.
+// Splits a piece and queues the parts. The bound of each part is the least over the triangles of B that are nearest
+// to a vertex of the cut, old or new, and the triangle that was best for the piece.
 void GutheSearch::split(const GuthePiece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;

@@ -1,29 +1,31 @@
 // Sampling like Metro (Cignoni, Rocchini, Scopigno 1998) and MESH (Aspert, Santa-Cruz, Ebrahimi 2002): measures the
 // distance to B from the vertices of A and from evenly spread points on its edges and faces. Neither paper was at
-// hand, so this follows descriptions. Both report the largest distance of a sample, which bounds h from below. The
-// upper bound is ours.
+// hand, so this follows descriptions. Both programs report the largest distance of a sample, which is a lower bound on
+// h(A,B). The upper bound is ours.
 //
-// Samples: a grid of n steps on each triangle of A (kernel/rounding.h), where n is the least number for which the
-// steps on its longest edge L are at most `step` times the diagonal of A's box. Metro takes a number of samples per
-// unit of area, MESH a step as a fraction of the diagonal. A grid has about as many samples per triangle as either,
-// except on needles, which get more here.
+// Samples: each triangle of A gets a grid whose points divide every edge into n steps (kernel/rounding.h). L is the
+// length of the longest edge, and n is the least number for which L / n is at most `step` times the diagonal of A's
+// box. Metro is given a number of samples per unit of area, MESH a step as a fraction of the diagonal. A grid has about
+// as many samples per triangle as either of them, except on thin triangles, which get more samples here.
 //
-// Upper bound of a triangle: the largest distance of its samples plus the covering radius L / (n sqrt 3), which
-// kernel/rounding.h derives with its rounding. The gap is at most the largest covering radius, 0.58 `step` diagonals,
-// plus rounding, whatever the tolerance; if it exceeds the tolerance, the status is `budget`. If the step is halved
-// and every n doubles, the lower bound does not decrease and the largest gap is halved. The upper bound may increase,
-// because a new sample may be up to 0.5 L / n farther than its neighbours, while the radius shrinks only by 0.29 L /
-// n.
+// Upper bound of a triangle: the largest distance of its samples to B, plus the covering radius r = L / (n * sqrt(3)).
+// Every point of the triangle is within r of a sample; kernel/rounding.h derives r and its rounding. So the gap is at
+// most the largest r, which is below 0.58 * `step` diagonals, plus rounding. The tolerance does not change it: if the
+// gap exceeds the tolerance, the status is `budget`. If `step` is halved so that every n doubles, the old samples
+// remain, so the lower bound does not decrease, and the largest r is halved. The upper bound may increase: a new sample
+// may be farther from B than its neighbours by up to 0.5 * L / n, while r decreases only by 0.29 * L / n.
 //
-// Order: first all vertices, which give every triangle the bound of n = 1 (kept if it is the smaller one), then the
-// samples on the edges and inside, triangle by triangle. An edge that two triangles share with the same n is measured
-// once. A search that stops early uses the bounds of n = 1 for the remaining triangles. Triangles whose bound of n =
-// 1 is at most the floor are skipped.
+// Order: first all vertices, then the other samples triangle by triangle, on the edges and inside. The vertices alone
+// are a grid with n = 1. The bound from this grid is used if it is smaller than the bound from all samples, or if the
+// search stops before it reaches the triangle. If it is at most Query::floor, the triangle is not sampled. An edge that
+// two triangles share with the same n is measured once.
 //
-// Fields: "lower" and "upper" bounds of the largest distance of each triangle of A, and its "steps" n.
+// Fields: for each triangle of A, "lower" and "upper" bounds of the largest distance of its points to B, and its number
+// of "steps", n.
 //
-// Budget: samples other than the vertices of A, which are always measured. Time: O(log m) per sample on tame data.
-// Memory: O(n + m) for n triangles of A and m of B; only samples at vertices and on edges are stored.
+// Budget: samples other than the vertices of A, which are always measured. Time: logarithmic in the size of B for each
+// sample, on well-behaved data. Memory: proportional to the size of A and B; only samples at vertices and the farthest
+// sample of each edge are stored.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
@@ -41,12 +43,12 @@
 namespace hausbench {
 namespace {
 
-constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // per triangle, so that numbers of steps are exact
+constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // of an edge; an int and a double hold it exactly
 
-// The samples in the interior of an edge.
+// The samples of an edge, without its ends.
 struct EdgeSamples {
-    std::int64_t steps = 0;
-    MeasuredPoint farthest{Vec3::Zero()};
+    std::int64_t steps = 0;                // the n for which the edge was sampled last; 0: not yet
+    MeasuredPoint farthest{Vec3::Zero()};  // the sample farthest from B
 };
 
 // The sampling of one query.
@@ -98,10 +100,10 @@ private:
     Stages stages_;
     SearchBounds bounds_;
     SourceVertices vertices_;
-    std::vector<double> rest_;  // the largest bound of n = 1 among triangles i and later
-    std::unordered_map<std::uint64_t, EdgeSamples> edges_;
-    std::uint64_t samples_ = 0;  // other than vertices
-    Index near_ = -1;            // triangle of B, nearest to the last sample
+    std::vector<double> rest_;  // entry i: the largest upper bound of triangles i and later, from vertices alone
+    std::unordered_map<std::uint64_t, EdgeSamples> edges_;  // the key has the numbers of both ends
+    std::uint64_t samples_ = 0;                             // number of samples, without the vertices of A
+    Index near_ = -1;  // where the next query starts: the triangle of B nearest to a neighbouring sample
     std::optional<Status> stopped_;
 };
 
@@ -135,8 +137,9 @@ void Sampling::bound_by_corners() {
     }
 }
 
-// Returns a status if floor or cutoff allow stopping, given that `rest` bounds the unsampled triangles. The tolerance
-// never ends it.
+// Returns a status if the search may stop because of the floor or the cutoff. `rest` is an upper bound for the
+// triangles that are not sampled yet. The tolerance never stops the search, so that the same samples are taken for
+// every tolerance.
 std::optional<Status> Sampling::end(double rest) {
     const double high = std::max(bounds_.settled(), rest);
     if (trace_.on()) trace_.record(bounds_.certified_lower(), high);
@@ -146,7 +149,8 @@ std::optional<Status> Sampling::end(double rest) {
     return query.answer(bounds_.certified_lower(), high);
 }
 
-// Measures a sample. Returns false if the budget or the time is spent.
+// Measures a sample, and sets `farthest` to it if it is farther from B. Returns false if the budget or the time is
+// spent.
 bool Sampling::measure(const Vec3& point, Index i, MeasuredPoint& farthest) {
     if (samples_ >= query_.budget) stopped_ = Status::budget;
     if (samples_ % 64 == 0 && bounds_.out_of_time()) stopped_ = Status::time_limit;
@@ -183,12 +187,13 @@ bool Sampling::sample_inside(Index i, std::int64_t n, MeasuredPoint& farthest) {
             if (!measure(grid_point(a, b, c, j, k, n), i, farthest)) return false;
             if (k == 1) first = near_;
         }
-        near_ = first;  // near the first sample of the next row
+        near_ = first;  // the next row starts beside the first sample of this row
     }
     return true;
 }
 
-// Samples a triangle. Returns false if it stopped early.
+// Samples a triangle and settles it with its upper bound; `by_corners` is the upper bound from its vertices alone.
+// Returns false, without settling it, if the budget or the time was spent.
 bool Sampling::sample_triangle(Index i, std::int64_t n, double by_corners) {
     const auto v = a_.triangles.row(i);
     const auto corners = vertices_.corners(i);
@@ -211,7 +216,7 @@ Result Sampling::sample() {
     stages_.end("measure vertices");
     if (!measured) return bounds_.result_without_bounds(a_.triangles, points_);
     bound_by_corners();
-    bool spread = false;  // whether some triangle is more than a point
+    bool spread = false;  // whether some triangle has an edge of positive length; only then can more samples help
     Index i = 0;
     for (; i < a_.triangles.rows(); ++i) {
         const double rest = rest_[static_cast<std::size_t>(i)];
@@ -253,7 +258,7 @@ private:
     }
 
     double step_;
-    double length_ = 0;  // of a step
+    double length_ = 0;  // `step` as a length
 };
 
 }  // namespace

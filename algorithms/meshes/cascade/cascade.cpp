@@ -23,10 +23,11 @@ struct CascadePiece {
     double upper;
     Index source;  // triangle of A
     int level;
-    PieceProofs::Node node;  // of its proof, if a certificate is wanted
+    PieceProofs::Node node;  // the node of the piece, if a certificate is wanted
 };
 
-// Returns the number of subdivisions that max_factor allows; it limits the triangles of A plus all pieces.
+// Returns the number of splits for which the triangles of A and all pieces together are at most max_factor times the
+// triangles of A. A split makes four pieces or two.
 std::uint64_t subdivisions_of(const Cascade& cascade, Index triangles) {
     const double pieces = (cascade.max_factor - 1) * static_cast<double>(triangles);
     const double most = std::floor(pieces / (cascade.split == Split::midpoint ? 4 : 2));
@@ -93,7 +94,9 @@ private:
     Query query_;
     Counters counters_;
     std::optional<ElementBounds> elements_;  // set only if fields are wanted
-    std::vector<double> last_bound_;         // the same: the last bound computed for each triangle of A; 0: exact
+    // Set only if fields are wanted: for each triangle of A, the last bound computed for a piece of it, as a number of
+    // PieceBound; 0: exact.
+    std::vector<double> last_bound_;
     Stages stages_;
     std::optional<PieceProofs> proofs_;  // set only if a certificate is wanted
     SearchBounds bounds_;
@@ -126,7 +129,8 @@ double CascadeSearch::bound(PieceBound which, const CascadePiece& piece) {
     return three;
 }
 
-// Lowers the upper bound of a piece. Returns whether this settles it.
+// Computes upper bounds of a piece until one settles it, and returns whether one did. Lowers `piece.upper` to the least
+// of them.
 bool CascadeSearch::bound(CascadePiece& piece) {
     const auto lower = [&](double upper, double which) {
         piece.upper = std::min(piece.upper, upper);

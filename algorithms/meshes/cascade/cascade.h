@@ -1,18 +1,23 @@
-// Branch and bound over pieces of A with one upper bound per piece or several in turn; shared by kang, zheng and
-// sacht.
+// Branch and bound over pieces of A, with a cascade of upper bounds: one or several, computed in turn until one is
+// small enough. Shared by kang, zheng and sacht.
 //
-// The piece with the largest upper bound is split first; the lower bound is the largest distance of a point of A
-// measured so far. A piece whose corners share a nearest triangle is exact. For any other piece the bounds of `order`
-// are computed in turn until one is at most the lower bound; otherwise the piece is queued with the least of its own
-// bounds and its parent's.
-// Ours: before a piece is queued, a second test checks whether ties hide a nearest triangle shared by its corners.
-// Identical meshes need this test, because the nearest triangle of a vertex may be any triangle at that vertex.
+// A *piece* is a triangle of A or a part of one. The piece with the largest upper bound is split first. The lower bound
+// is the largest distance to B of a point of A measured so far. If one triangle of B is nearest to all three corners of
+// a piece, the distances of the corners give the exact bound. For any other piece the bounds in Cascade::order are
+// computed in turn until one of them is at most the lower bound; this *settles* the piece, so it needs no further work.
+// If none is, the piece is queued with the least of these bounds and the bound of the piece that it was split from.
+// Ours: before a piece is queued, a second test looks for a triangle of B that is as near to each corner as the nearest
+// one, although queries returned different triangles for the corners. Identical meshes need this test: at a vertex of B
+// any triangle around that vertex may be returned as the nearest one.
 //
-// Certified: bounds are widened as in piece_bounds.h and kernel/rounding.h; the lower bound is computed as in
-// bounds.h. Certificate: the search's own pieces, each with the argument of its least bound (search/piece_cells.h). A
-// piece settled by the bound of a larger piece is bounded again after the search (search/piece_proofs.h).
-// Vertices that no triangle of A uses never count. An empty queue ends the search; the bounds of removed pieces are
-// kept.
+// Certified: upper bounds are widened for rounding as in search/piece_bounds.h and kernel/rounding.h; the lower bound
+// is certified as in search/bounds.h.
+//
+// Certificate: the pieces of the search, each with the reason for its least bound (search/piece_cells.h). A piece that
+// was settled by the bound of a larger piece is bounded again after the search (search/piece_proofs.h).
+//
+// Vertices of A that no triangle uses do not count. The search also ends when the queue is empty; the upper bound of
+// h(A,B) is then the largest upper bound of a settled piece.
 #pragma once
 
 #include "algorithms/search/mesh_solver.h"
@@ -26,17 +31,19 @@ namespace hausbench {
 enum class PieceBound { u1 = 1, u2, u3, u4, nearest_triangles };  // as in piece_bounds.h
 
 struct Cascade {
-    std::vector<PieceBound> order;
+    std::vector<PieceBound> order;  // the upper bounds to compute, in this order
     Split split = Split::midpoint;
-    // Limit on the number of triangles and pieces per triangle of A.
+    // The search ends when the triangles of A and all pieces together are this many times the triangles of A.
     double max_factor = std::numeric_limits<double>::infinity();
-    bool regions = false;  // search/source_regions.h
+    bool regions = false;  // settle groups of triangles of A by boxes (search/source_regions.h)
     bool grid = false;     // find closest points of B with a uniform grid instead of a BVH
 };
 
-// Returns the shapes, structures and parameters (`split` and `regions`) that the three solvers share.
+// Returns a SolverInfo with everything that the three solvers share, including the parameters `split` and `regions`.
+// `regions` is the default of the latter.
 SolverInfo cascade_info(std::string name, std::string title, std::string paper, bool regions = false);
 
+// Returns a cascade with these bounds, and `split` and `regions` as in the options.
 Cascade cascade_of(const Options& options, std::vector<PieceBound> order);
 
 std::unique_ptr<Solver> cascade_solver(Cascade cascade);

@@ -1,13 +1,14 @@
-// A single upper bound, from cutting a piece where its nearest triangles meet: Kang, Kyung, Yoon, Kim: Fast and
-// robust Hausdorff distance computation from triangle mesh to quad mesh in near-zero cases, Computer Aided Geometric
-// Design 62, 2018.
+// Branch and bound with a single upper bound for each piece of A: the piece is cut where the triangles of B nearest
+// to its corners meet, and each part is bounded by one of these triangles. Kang, Kyung, Yoon, Kim: Fast and robust
+// Hausdorff distance computation from triangle mesh to quad mesh in near-zero cases, Computer Aided Geometric Design
+// 62, 2018.
 //
 // The paper was not at hand, so this follows public code and Sacht and Jacobson 2024, section 3.2.3, which calls the
 // bound u3. The search is in cascade.h, the bound in search/piece_bounds.h. Closest points are found with a uniform
-// grid (structures/triangle_grid.h) or with a BVH, which is better far from B. Here B is a triangle mesh, not a quad
-// mesh.
+// grid (structures/triangle_grid.h) or with a BVH, which is faster if A is far from B. Here B is a triangle mesh, not a
+// quad mesh.
 //
-// Fields: as in guthe.cpp, and "bound": 0 if the last piece of the triangle was exact, otherwise 3.
+// Fields: as in guthe.cpp, and "bound", the last bound computed for a piece of the triangle: 3, or 0 if it was exact.
 // Budget: subdivisions.
 #include "algorithms/meshes/cascade/cascade.h"
 

@@ -1,18 +1,21 @@
-// A cascade of four upper bounds: Sacht, Jacobson: Cascading upper bounds for triangle soup Pompeiu-Hausdorff
-// distance, SGP 2024.
+// Branch and bound with a cascade of four upper bounds. Sacht, Jacobson: Cascading upper bounds for triangle soup
+// Pompeiu-Hausdorff distance, SGP 2024.
 //
-// The search is in cascade.h, the bounds are in search/piece_bounds.h. From the paper: the exact case, u1 to u4 and
-// their order, midpoint subdivision, splitting the piece with the largest upper bound first, and max_factor. Ours:
-// certification, ties (cascade.h) and `longest_edge`. Corrected: |v2 - q3| in Eq. 8 is |v2 - q2|, and the proof of u2
-// takes the vertex nearest to p, not to q. u4 does not divide by zero if two closest points coincide. Two failures of
-// its section 5.2 are avoided: a vertex that no triangle uses does not count, and rounding cannot empty the queue too
-// early.
+// The search is in cascade.h, the bounds are in search/piece_bounds.h.
+// - From the paper: the exact case, the bounds u1 to u4 and their order, midpoint subdivision, splitting the piece with
+//   the largest upper bound first, and max_factor.
+// - Ours: certified bounds, the test for triangles of B that are equally near (cascade.h), and `longest_edge`.
+// - Corrections: in Eq. 8, |v2 - q3| should be |v2 - q2|; the proof of u2 should use the vertex nearest to p, not to q;
+//   u4 does not divide by zero if two closest points coincide.
+// - Two failures that section 5.2 of the paper reports cannot happen here: a vertex that no triangle uses does not
+//   count, and rounding does not empty the queue too early.
 //
-// Fields: as in guthe.cpp, and "bound": the last bound computed for a piece of the triangle, 1 to 4, or 0 if it is
-// exact.
+// Fields: as in guthe.cpp, and "bound", the last bound computed for a piece of the triangle: 1 to 4 for u1 to u4, or 0
+// if it was exact.
 //
-// Budget: subdivisions; max_factor, as published, limits the triangles of A plus all pieces. Time: O(n log m) for the
-// vertices and O(log m) per subdivision on tame data. Memory: O(n + m), and 152 bytes per piece in the queue.
+// Budget: subdivisions; in addition max_factor, as published, limits the number of triangles of A and pieces together.
+// Time: O(n log m) for the vertices and O(log m) per subdivision on well-behaved data, for n triangles of A and m of B.
+// Memory: O(n + m), and 152 bytes per piece in the queue.
 #include "algorithms/meshes/cascade/cascade.h"
 
 #include "algorithms/error.h"
@@ -22,6 +25,7 @@
 namespace hausbench {
 namespace {
 
+// Returns an error message if this is not a valid value of the parameter `order`, and otherwise an empty string.
 std::string problem_of_order(const std::string& order) {
     std::string digits = order;
     std::sort(digits.begin(), digits.end());

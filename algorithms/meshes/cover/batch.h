@@ -13,20 +13,20 @@
 
 namespace hausbench {
 
-// The corners of a batch of pieces, each stored once, in coordinates of a place around them.
+// The corners of a batch of pieces. A corner that several pieces share is stored once.
 struct CoverBatch {
     static constexpr std::size_t most_pieces = 8;
 
     std::array<Vec3, 3 * most_pieces> corner;
-    std::array<std::array<std::size_t, 3>, most_pieces> of_piece;
-    CoverPoints<float> points;
-    LocalUnits place;
-    Vec3 centre;
-    double radius = 0;  // around `centre`
+    std::array<std::array<std::size_t, 3>, most_pieces> of_piece;  // the corners of each piece, as indices
+    CoverPoints<float> points;                                     // all corners in local coordinates
+    LocalUnits place;                                              // the local coordinates
+    Vec3 centre;                                                   // the origin of the local coordinates
+    double radius = 0;                                             // largest distance of a corner from `centre`
 
     CoverBatch(std::span<const CoverPiece> pieces, double magnitude) {
         Box box;
-        std::array<std::uint8_t, slots> number{};  // 1 + corner in each slot; 0: empty
+        std::array<std::uint8_t, slots> number{};  // a hash table: 1 + the index of a corner; 0: empty slot
         for (std::size_t i = 0; i < pieces.size(); ++i) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const Vec3& at = pieces[i].corners[k];
@@ -53,7 +53,7 @@ struct CoverBatch {
     }
 
 private:
-    static constexpr std::size_t slots = 64;  // more than twice the number of corners
+    static constexpr std::size_t slots = 64;  // of the hash table: more than twice the number of corners
 
     // Returns a hash of the bits of a point.
     static std::size_t slot_of(const Vec3& at) {

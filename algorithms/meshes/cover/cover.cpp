@@ -1,37 +1,40 @@
-// Threshold cover (ours). Shows of every triangle of A that it lies within tau of B, where tau is slightly larger
-// than the lower bound.
+// Threshold cover (ours). Shows that every triangle of A is within a threshold tau of B, where tau is slightly larger
+// than the lower bound on h(A,B).
 //
-// 1. Lower bound l: measure one vertex in each of a few groups of neighbouring triangles of A, then in each quarter
-//    of a group, down to clusters of 16 (meshes/cover/groups.h). A group is settled if that distance plus the
-//    distance from the vertex to the farthest point of its box is at most tau = l + max(0.9 tolerance, the widening
-//    for rounding).
-// 2. Cover the remaining triangles eight at a time, the most promising first, so that l is nearly final early. Gather
-//    the nearby triangles of B once, as frames in single precision (structures/triangle_blocks.h), and compute the
-//    distances of all corners to them. A triangle whose three corners are within tau of one triangle S of B lies
-//    within tau of S, because the tau-offset of S is convex. Otherwise several triangles may cover it together
-//    (meshes/cover/offset_cover.h).
-// 3. Repeat whatever single precision cannot decide in double precision at the end, when tau is nearly final. A point
-//    that is not within tau of any triangle of B is measured exactly, which raises l and tau. If double precision at
-//    the place of a piece cannot tell tau from l, the piece gets a bound that exceeds tau by this error.
-// The search needs neither a queue nor refined bounds: each triangle is covered once, most of them in step 2 and
-// without a query.
+// 1. Lower bound l. Measure the distance to B from one vertex in each of a few groups of neighbouring triangles of A,
+//    then in each quarter of a group, down to clusters of 16 triangles (meshes/cover/groups.h). The largest distance so
+//    far is l, and tau = l + max(0.9 * tolerance, least_gap), where least_gap is more than any bound is widened for
+//    rounding. A group is settled, which means that the search is done with it, if the distance of its vertex plus the
+//    distance from the vertex to the farthest point of the group's box is at most tau.
+// 2. Cover the triangles of the remaining clusters, up to eight at a time. Start with the clusters that are most likely
+//    to contain the farthest point, so that l is nearly final early. Gather the triangles of B near the eight once, in
+//    single precision (structures/triangle_blocks.h), and compute the distances of all corners to them. If all three
+//    corners of a triangle are within tau of one triangle S of B, so is the whole triangle, because the set of points
+//    within tau of S is convex. Otherwise several triangles of B may cover it together (meshes/cover/offset_cover.h).
+// 3. Cover the triangles for which single precision was not enough in double precision, at the end, when tau is nearly
+//    final. If a corner is not within tau of any gathered triangle, measure its distance to all of B, which may raise l
+//    and tau. If l and tau differ by less than the rounding errors around a piece, the piece gets an upper bound that
+//    exceeds tau by these errors.
+// The search needs neither a queue nor repeatedly improved bounds: each triangle is covered once, and most triangles
+// are covered in step 2 without a query for a closest point.
 //
-// Upper bound: the largest distance that the covers and the groups have shown, not tau. Lower bound and witness: as
+// Upper bound: the largest bound that settled a group or piece, which may be less than tau. Lower bound and witness: as
 // in guthe.cpp.
-// Rounding: covers follow meshes/cover/offset_cover.h, in coordinates of a place, so that errors scale with the size
-// of the place; groups, and the pieces of triangles that are halved first because they are large compared with those
-// of B, follow kernel/rounding.h.
+// Rounding: covers work in local coordinates around a few triangles, so their errors depend on the size of these
+// triangles and not on the size of the meshes (meshes/cover/offset_cover.h). Groups follow kernel/rounding.h, and so do
+// triangles that are halved before they are covered, because too many triangles of B are near them.
 //
-// Rounds: the work is cut into parts, and a few parts make a round. All parts of a round start from the lower bound
-// at its beginning, and their results are merged in order, so the answer does not depend on the number of threads.
-// Rounds grow, so that most of them start from a good l.
+// Rounds: the work is divided into parts, and a round consists of a few parts, which several threads may share. All
+// parts of a round start from the same l, and their results are merged in order, so the answer does not depend on the
+// number of threads. Rounds grow from one part to 64, so that most parts start from a good l.
 //
-// Both directions, and chains of poses (ours as well): a triangle of B that was nearest to a group at the previous
-// pose, or close to one of its triangles in the other direction, often settles the group without a query. The
-// previous farthest point is measured first.
+// Sequences of poses, and both directions of H (ours as well). A triangle of B often settles a group without a query if
+// it was nearest to a vertex of the group at the previous pose, or if, in the other direction, the triangle of A
+// nearest to one of its vertices was in the group. The farthest point of the previous pose is measured first.
 //
 // Fields: as in guthe.cpp.
-// Budget: cuts; with a budget each round has one part.
+// Budget: cuts, including halvings. If a budget is given, a round is a single group, cluster or piece, because several
+// could each spend the rest of the budget.
 #include "algorithms/kernel/box.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/meshes/cover/groups.h"
@@ -53,10 +56,12 @@
 namespace hausbench {
 namespace {
 
-constexpr std::size_t first_clusters = 32;  // the most promising ones
+constexpr std::size_t first_clusters = 32;  // the most promising clusters, which are finished before the others
+// The number of groups, clusters or pieces in a part, and the largest number of parts in a round.
 constexpr std::size_t groups_of_part = 16, clusters_of_part = 8, pieces_of_part = 4, most_parts_of_round = 64;
 
-// Exceeds the widening of any bound. A cover adds the error of its own place (meshes/cover/worker.h).
+// Returns a gap between l and tau that exceeds the widening of any bound for rounding. Covers in double precision may
+// need a larger gap and make sure of it themselves (CoverWorker::threshold()).
 double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
 
 Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
@@ -126,14 +131,15 @@ private:
     std::optional<CoverProofs> proofs_;
     CoverScene scene_;
     Threads threads_;
-    std::vector<std::unique_ptr<CoverWorker>> workers_;  // one per thread, made for its first part
+    std::vector<std::unique_ptr<CoverWorker>> workers_;  // one per thread; null until the thread gets its first part
     std::vector<Cluster> clusters_;
     std::vector<CoverPiece> undecided_;
     std::optional<Status> stop_;
 };
 
-// Merges the outcomes of a round in the order of its parts. `upper_of_rest(i)` returns the upper bound of the items
-// from i on, for the trace.
+// Calls item(worker, i) for every i < count, in rounds of parts of `of_part` items each (see "Rounds" above).
+// upper_of_rest(i) returns the largest upper bound of everything not settled yet, once the items before i are done. It
+// is needed for the trace, and to stop early if the query has a floor or a cutoff.
 template <class Item, class UpperOfRest>
 void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
                             const UpperOfRest& upper_of_rest) {
@@ -187,7 +193,8 @@ void CoverSearch::measure_previous() {
         bounds_.measure(warm_start_->point_in(t), warm_start_->target, warm_start_->source, level_of_closest_point);
 }
 
-// Goes from large groups to small ones, so that l is nearly final before the small groups, which are many.
+// Bounds the groups level by level, from large groups to small ones. The few large groups make l nearly final before
+// the many small groups are measured.
 void CoverSearch::measure_groups() {
     clusters_.assign(1, Cluster());
     clusters_[0].count = scene_.order.size();
@@ -216,7 +223,8 @@ void CoverSearch::cover_clusters(std::size_t begin, std::size_t end) {
         [&](std::size_t i) { return std::max(upper_of(clusters_, begin + i), upper_of(undecided_, 0)); });
 }
 
-// Starts with the pieces of largest upper bound, as they may raise l.
+// Settles the undecided pieces in double precision. Starts with the pieces that have the largest upper bounds, because
+// these may raise l. The clusters from `clusters_left` on are not covered yet.
 void CoverSearch::decide_all(std::size_t clusters_left) {
     std::vector<CoverPiece> pieces;
     pieces.swap(undecided_);
@@ -254,8 +262,8 @@ Result CoverSearch::run() {
     }
     if (elements_) result.fields = bounds_.fields();
     if (proofs_) {
-        // The checker's own rounding costs up to (14 cuts + 100) u of the diagonal (certificate/cover_certificate.h);
-        // this margin covers a chain of 280 cuts.
+        // The checker's own rounding costs up to (14 * cuts + 100) * u times the diagonal, for a polygon after so many
+        // nested cuts (certificate/cover_certificate.h). The margin of 4096u is enough for 280 nested cuts.
         const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal_of(pair_));
         if (proof)
             result.certificates = {*proof};

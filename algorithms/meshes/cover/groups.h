@@ -9,14 +9,14 @@
 
 namespace hausbench {
 
-inline constexpr std::size_t cluster_triangles = 16;  // of a cluster, the smallest group
+inline constexpr std::size_t cluster_triangles = 16;  // number of triangles in a cluster, the smallest kind of group
 
-// The boxes of all groups of A in its own pose. Level 0 contains the boxes of clusters. Each further level has a
-// quarter as many, down to at most 64.
+// The bounding boxes of all groups of A, before any pose. Level 0 has the boxes of the clusters. Each box of a further
+// level contains four boxes of the level below; the last level has at most 64 boxes.
 class GroupBoxes {
 public:
     GroupBoxes() = default;
-    // O(n).
+    // Takes O(n) for n triangles. A group is a run of triangles in `order`, which keeps neighbours together.
     GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order);
 
     std::size_t levels() const { return boxes_.size(); }
@@ -28,12 +28,12 @@ private:
     std::vector<std::vector<Box>> boxes_;
 };
 
-// The boxes of the groups of A posed, each computed on request. A cluster gets its tightest box; a larger group gets
-// the rotated box of the unposed group (kernel/posed_box.h). So if most groups are settled at once, single triangles
-// cost nothing.
+// The bounding boxes of the groups after A was moved by a pose. Each box is computed on request. A cluster gets the
+// tightest box around its moved vertices; a larger group gets the box around its moved box (kernel/posed_box.h), which
+// is looser, but costs nothing per triangle.
 class PosedGroupBoxes {
 public:
-    // Keeps references. `points` are the vertices of A, posed; computing their box takes O(n).
+    // Keeps references. `points` are the moved vertices of A; computing their box takes O(n).
     PosedGroupBoxes(const GroupBoxes& boxes, const Triangles& triangles, const Points& points,
                     const std::vector<Index>& order, const Pose& pose);
 
@@ -46,7 +46,7 @@ private:
     const Points& points_;
     const std::vector<Index>& order_;
     const Pose& pose_;
-    Box within_;  // the box of A posed
+    Box within_;  // the box of all moved vertices, to which the boxes of larger groups are clipped
 };
 
 }  // namespace hausbench

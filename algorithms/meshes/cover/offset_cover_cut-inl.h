@@ -1,5 +1,5 @@
-// Cuts a polygon in two when peeling makes no progress, see offset_cover.h. Compiled once for every target: include
-// it after hwy/foreach_target.h.
+// Cutting in two: what happens to a polygon if peeling makes no progress (offset_cover.h). Compiled once for every
+// instruction set: include it after hwy/foreach_target.h.
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
 #if defined(HAUSBENCH_OFFSET_COVER_CUT_INL) == defined(HWY_TARGET_TOGGLE)
@@ -13,12 +13,14 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// The rounding error of the mean of up to 16 corners. Partial sums are at most 16, so each of the 15 sums errs by
-// 16u, which is a sixteenth of that in the mean, and the quotient by u: sqrt(3) 16 < 28.
+// The slack of the mean of up to 16 corners: an upper bound on its rounding error, in units of u. As |coordinate| <=
+// 1, every partial sum of one coordinate is at most 16, so each of the 15 sums errs by at most 16u. The division by
+// 16 reduces this to u for each sum, 15u in total, and adds u for its own rounding. So each coordinate errs by at
+// most 16u, and the point by sqrt(3) * 16u < 28u. The mean of fewer corners errs less.
 constexpr double slack_of_mean = 28;
 
-// Computes a centre and radius: the distance of any point of the polygon to a triangle is at most the centre's plus
-// the radius.
+// Computes centre_, radius_ and slack_. Every point of the polygon is within radius_ of centre_, so its distance to a
+// triangle is at most the distance of the centre plus radius_.
 template <class T> void Engine<T>::find_centre() {
     std::array<T, 3> sum{};
     for (std::size_t i = 0; i < piece_.count; ++i) {
@@ -39,6 +41,10 @@ template <class T> void Engine<T>::find_centre() {
     radius_ = std::sqrt(most) * (1 + 0x1p-50);
 }
 
+// Decides what to do with a polygon that cannot be peeled, from the triangle k nearest to its centre. Returns
+// `covered` if triangle k covers the polygon, and otherwise `cut`, with two exceptions. A polygon that must not be
+// cut is `lost` in single precision, and so is one whose centre is beyond the threshold. In double precision, a
+// polygon that must not be cut gets the bound of triangle k and counts as `covered`.
 template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     find_centre();
     measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
@@ -49,12 +55,14 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
         measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
         k = nearest(centre_row);
     }
-    // Too small to be cut: the rounding error is as large as the polygon.
+    // Must not be cut: the polygon is hardly larger than the rounding error, the stack is too long, or the new corners
+    // would be too many or have too much slack. A cut adds at most 1.75 + 2.01 * 6 < 14 to the slack, because the three
+    // coordinate differences along an edge are at most 2 each.
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
                       slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
-    // The centre only tells whether its triangle, which the host may have just found, is near the whole polygon. The
-    // bound from the corners is the proof: in exact arithmetic it is never larger than the distance of the
-    // centre plus the radius, but as computed it may be.
+    // The proof is the bound from the corners. The bound from the centre, its distance plus the radius, only tells
+    // whether triangle k, which the host may have just found, is near the whole polygon. In exact arithmetic the bound
+    // from the corners is never the larger of the two, but as computed it may be; so both must be within the threshold.
     const double by_corners = at_most(largest_square(k), k);
     if ((distance() + radius_ <= c_.threshold && by_corners <= c_.threshold) || (exact && tiny)) {
         covered_by(k, by_corners);
@@ -64,8 +72,9 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     return Centre::cut;
 }
 
-// Cuts along an edge of triangle k, by the plane through the edge normal to the triangle. Fails if every such plane
-// only grazes the polygon.
+// Chooses a cut along the prism over triangle k, which is bounded by three planes: each contains one edge of the
+// triangle and is perpendicular to the triangle. Takes the plane that cuts deepest into the polygon, and sets `side`
+// to the signed distances of the corners from it. Returns false if even this plane only grazes the polygon.
 template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_polygon_corners]) const {
     const auto row = [&](std::size_t i) { return all_.row(i)[k]; };
     T sides[3][most_polygon_corners], best = 0;
@@ -93,8 +102,10 @@ template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_pol
     return true;
 }
 
-// Cuts by a plane normal to the longest edge. The plane meets the edge at its estimated equidistant point from the
-// triangles nearest to its ends, or at its midpoint.
+// Chooses a cut by a plane perpendicular to the longest edge, and sets `side` to numbers proportional to the signed
+// distances of the corners from the plane. Each end of the edge has a nearest triangle. The plane passes where the
+// edge is estimated to be equally far from both triangles, or through the midpoint of the edge if both ends have the
+// same one.
 template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_corners]) {
     std::size_t a = 0;
     T longest = -1;
@@ -117,18 +128,19 @@ template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_co
     const T mx = piece_.x[a] + t * ex, my = piece_.y[a] + t * ey, mz = piece_.z[a] + t * ez;
     for (std::size_t i = 0; i < piece_.count; ++i)
         side[i] = ((piece_.x[i] - mx) * ex + (piece_.y[i] - my) * ey) + (piece_.z[i] - mz) * ez;
-    side[a] = -t * longest;  // regardless of rounding
+    side[a] = -t * longest;  // so that a and b are on different sides, whatever rounding did
     side[b] = (1 - t) * longest;
 }
 
-// Cuts where the sign of `side` changes, in two places: a run of corners on the positive side, and the rest. A sign
-// that rounding made wrong, or further sign changes, do no harm: the cut follows the chord between two points of the
-// rim in any case.
+// Cuts the polygon in two between the corners where `side` is positive and the other corners: one part continues as the
+// present polygon, the other part goes to the stack. A sign that is wrong because of rounding does no harm, and neither
+// do positive corners that are not next to each other (only one run of them is taken): in any case the cut is a chord
+// between two points of the boundary, so both parts together are the polygon.
 template <class T> void Engine<T>::cut() {
     ++c_.cuts;
     T side[most_polygon_corners];
     if (!along_prism(nearest(centre_row), side)) across_longest_edge(side);
-    std::size_t first = 0;  // of a run of corners on the positive side
+    std::size_t first = 0;  // the first corner of a run on the positive side
     while (!(side[first] > 0 && side[last(first)] <= 0)) ++first;
     std::size_t end = first;
     while (side[next(end)] > 0) end = next(end);
@@ -138,7 +150,8 @@ template <class T> void Engine<T>::cut() {
         float slack;
         CutPoint place;
     };
-    // The rim crosses between two corners, or at one of them if its side is 0.
+    // Returns the point between two corners at which the boundary changes sides. This is corner `zero`, one of the two,
+    // if its `side` is 0.
     const auto crossing = [&](std::size_t from, std::size_t to, std::size_t zero) -> Crossing {
         if (side[zero] == 0)
             return {piece_.x[zero], piece_.y[zero], piece_.z[zero], piece_.slack[zero], CutPoint::corner(zero)};

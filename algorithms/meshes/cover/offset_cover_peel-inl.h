@@ -1,5 +1,5 @@
-// Peels: cuts off the part of a polygon that one triangle covers, see offset_cover.h. Compiled once for every target:
-// include it after hwy/foreach_target.h.
+// Peeling: cuts off the part of a polygon that one triangle covers (offset_cover.h). Compiled once for every
+// instruction set: include it after hwy/foreach_target.h.
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
 #if defined(HAUSBENCH_OFFSET_COVER_PEEL_INL) == defined(HWY_TARGET_TOGGLE)
@@ -13,9 +13,9 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-constexpr std::size_t most_seconds = 4;  // candidates for covering the rest
-constexpr std::size_t crowded = 12;      // corners: a polygon with so many is cut in two
-// Peels before the next cut; along a short edge, each may remove next to nothing.
+constexpr std::size_t most_seconds = 4;  // number of triangles that by_two() tries for the part without the run
+constexpr std::size_t crowded = 12;      // a polygon with this many corners is cut in two instead of peeled
+// After this many peels a polygon is cut in two, because along a short edge each peel may remove next to nothing.
 constexpr int most_peels = 8;
 
 template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
@@ -33,8 +33,11 @@ template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
     return best;
 }
 
-// Estimates how far each triangle reaches along both edges, as a sum from 0 to 2. The distance is convex along an
-// edge, so the chord between the distances at its ends meets the threshold no later than the edge leaves the offset.
+// Estimates for each triangle how far its offset reaches along the two edges beside the run: the sum of both exits,
+// from 0 to 2. Along an edge the distance to a triangle is convex, so it is at most the linear interpolation between
+// the distances at the ends. The estimated exit, at which the interpolation reaches the threshold, is therefore never
+// beyond the true one. `corners` are the two ends of the edge before the run, beginning at the run, and then the two
+// ends of the edge after it.
 template <class T>
 void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
                                T (&estimate)[NearTriangles<T>::most_triangles]) {
@@ -55,7 +58,8 @@ void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
     }
 }
 
-// Chooses a few triangles near the run that seem to reach farthest. Returns their number.
+// Chooses up to tried_triangles triangles: of those near the whole run, the ones whose offsets are estimated to reach
+// farthest along the two edges. Returns their number.
 template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Tried, tried_triangles>& tried) {
     std::size_t count = 0;
     T estimate[NearTriangles<T>::most_triangles];
@@ -78,7 +82,8 @@ template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Trie
     return count;
 }
 
-// Samples one of the two edges; the last sample is at `high`.
+// Sets the samples of one edge (side 0: before the run, 1: after it). They are evenly spaced between the fractions
+// `low` and `high` of the edge; the first one is a step beyond `low`, the last one is at `high`.
 template <class T>
 void Engine<T>::sample_edge(std::size_t side, std::size_t from, std::size_t to, T low, T high,
                             SamplePoints<T>& points) const {
@@ -96,8 +101,9 @@ template <class T> void Engine<T>::sample_edges(const Run& run, SamplePoints<T>&
     sample_edge(1, end, next(end), T(0), T(1), points);
 }
 
-// Looks for a triangle near the run and another near all other corners that both reach a sample on each edge: the two
-// cover the polygon, cut at these samples.
+// Looks for two triangles that cover the polygon together: one near the run, the other near all other corners, and both
+// near a common sample on each of the two edges. Cut between these two samples, the polygon has one part for each
+// triangle. Returns whether there is such a pair among those tried.
 template <class T>
 bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const SamplePoints<T>& points, Exits& out) {
     const std::size_t end = end_of(run);
@@ -128,7 +134,8 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
     return out.second != none;
 }
 
-// Returns the fraction at which one of the two edges leaves the offset of a triangle.
+// Returns the exit of one of the two edges for a triangle, as a fraction of the edge. The first round uses the
+// samples in `tried`. In double precision, two more rounds sample the step that contains the exit more finely.
 template <class T>
 T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points) {
     const std::size_t end = end_of(run);
@@ -144,8 +151,8 @@ T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const
         }
         T distances[samples<T>];
         roots(sampled.square, distances);
-        // Finds the first sample outside and the last one before it. The chord between their distances leaves the
-        // offset no later than the edge.
+        // Sample s is the first one outside the offset. Interpolates linearly between its distance and the distance of
+        // the sample before it; as the distance is convex, the edge leaves the offset there or later.
         const auto s = static_cast<std::size_t>(std::countr_one(sampled.within >> (side * half) & ((1U << half) - 1)));
         if (s == half) return to;
         if (s > 0) near = distances[side * half + s - 1];
@@ -158,7 +165,8 @@ T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const
     return out;
 }
 
-// Returns two triangles that cover the polygon, or of the chosen triangles the one that removes most, with its exits.
+// Returns two triangles that cover the polygon together, if by_two() finds them, and otherwise the chosen triangle that
+// removes most, with its exits.
 template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     std::array<Tried, tried_triangles> tried;
     const std::size_t count = choose(run, tried);
@@ -170,6 +178,7 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     T best_score = -1;
     for (std::size_t i = 0; i < count; ++i) {
         const T before = exit_of(run, tried[i], 0, points), after = exit_of(run, tried[i], 1, points);
+        // Peeling at a single corner removes a triangle, whose area is proportional to before * after.
         const T score = run.length == 1 ? before * after + T(0.01) * (before + after) : before + after;
         if (score <= best_score) continue;
         best_score = score;
@@ -180,16 +189,17 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     return best;
 }
 
-// Adds a corner at t on the edge from `inside` to `outside` that is within the limit of triangle k as computed;
-// reduces t until it is.
+// Adds to `rest` the corner at fraction t of the edge from `inside` to `outside`. If the corner, as rounded, is not
+// within the limit of triangle k, tries again with a smaller t. Returns false if this does not help either, or if the
+// corner would have too much slack.
 template <class T>
 bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
                          std::size_t k) {
     const float slack = slack_of_cut(inside, outside, t);
     if (slack > OffsetCover<T>::most_slack) return false;
     const std::size_t row = take_row();
-    // In double precision the smallest step back is enough, except along an edge so short that rounding is a
-    // noticeable part of it.
+    // The fractions by which t is reduced. In double precision the first one is enough, except along an edge so short
+    // that rounding is a noticeable part of it.
     constexpr std::array<T, 4> backs = exact ? std::array<T, 4>{T(0x1p-40), T(0x1p-28), T(0x1p-16), T(0x1p-4)}
                                              : std::array<T, 4>{T(0x1p-16), T(0x1p-12), T(0x1p-8), T(0x1p-4)};
     for (const T back : backs) {
@@ -207,8 +217,9 @@ bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t i
     return false;
 }
 
-// Drops triangles that are farther from the centre than anything that can cover a part of the polygon. The proof does
-// not depend on which remain. Does nothing in double precision, because the host may return any triangle.
+// Keeps only those gathered triangles that can cover a part of the polygon: their distance from its centre is at most
+// its radius plus the threshold. The proof does not depend on which triangles are kept. Does nothing if there are few
+// triangles anyway, or in double precision, because there measuring a point may add a triangle.
 template <class T> void Engine<T>::keep_few() {
     using D = FrameLanes<T>;
     const D d;
@@ -219,7 +230,7 @@ template <class T> void Engine<T>::keep_few() {
     measure_all(all_, centre_[0], centre_[1], centre_[2], c_.squares(centre_row));
     c_.distances += count;
     const auto far = static_cast<T>((radius_ + c_.threshold) * (1 + 0x1p-20));
-    // Two bytes for each vector; reading one may touch eight.
+    // The masks of the vectors, two bytes each. LoadMaskBits() may read eight bytes, hence six more at the end.
     std::array<std::uint8_t, 2 * NearTriangles<T>::most_triangles / least_lanes + 6> bits{};
     c_.few.clear(c_.near.units);
     for (std::size_t k = 0; k < count; k += lanes) {
@@ -251,8 +262,9 @@ template <class T> void Engine<T>::keep_few() {
     }
 }
 
-// Cuts off the part that one triangle covers. The run's corners and both exits are within its offset, so their convex
-// hull is.
+// Cuts off the part of the polygon that one triangle covers. The corners of this part, which are the run and both
+// exits, are within the offset of the triangle, and so is their convex hull. Returns `covered` if a second triangle
+// covers the rest, and `stuck` if little or nothing can be cut off.
 template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return Peel::stuck;
     const Run run = longest_run();

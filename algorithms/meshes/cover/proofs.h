@@ -1,5 +1,6 @@
-// Builds the certificate of a threshold cover. Pieces of A are covered in any order, and a halved piece is replaced
-// by two others, so each piece has its own tree; finish() joins them.
+// Builds the certificate of a threshold cover (certificate/cover_certificate.h). The certificate has one tree for each
+// triangle of A, but the pieces of a triangle are covered at different times and in any order. So each piece has a tree
+// of its own, and finish() joins them.
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"
@@ -18,7 +19,8 @@ public:
 
     CertificateTree& tree(Index piece) { return pieces_[static_cast<std::size_t>(piece)].tree; }
 
-    // Cuts a piece in two. The first piece returned is its first child.
+    // Records that a piece is cut along the line from p to q. Returns the two new pieces: the first and the second
+    // child of CertificateTree::cut().
     std::array<Index, 2> halve(Index piece, const CutPoint& p, const CutPoint& q) {
         const auto next = static_cast<Index>(pieces_.size());
         Piece& cut = pieces_[static_cast<std::size_t>(piece)];
@@ -28,7 +30,8 @@ public:
         return {next, next + 1};
     }
 
-    // Returns nothing if some piece has no tree. O(bytes).
+    // Returns the certificate for the upper bound `proven`, or nothing if some piece has an empty tree, because the
+    // search ended before that piece was covered. Takes O(bytes).
     std::optional<Certificate> finish(double proven) const {
         CertificateBuilder builder(triangles_);
         for (Index i = 0; i < triangles_; ++i) {
@@ -45,6 +48,7 @@ private:
         Index first = -1;  // the first of the two pieces that it was cut into, or -1
     };
 
+    // Appends the trees of a piece and of all pieces that it was cut into. Returns false if one of them is empty.
     bool append(Index piece, CertificateTree& whole) const {
         const Piece& own = pieces_[static_cast<std::size_t>(piece)];
         if (own.tree.bytes().empty()) return false;

@@ -11,7 +11,8 @@ void order_clusters(std::vector<Cluster>& clusters, std::size_t first) {
     const auto middle = static_cast<std::ptrdiff_t>(std::min(first, clusters.size()));
     std::vector<std::size_t> best(clusters.size());
     std::iota(best.begin(), best.end(), std::size_t{0});
-    // A cluster is promising if it is far from B, or large, so that a part of it may be far.
+    // A cluster is promising if its landmark is far from B, or if its upper bound is large, so that a part of it may be
+    // far from B.
     const auto promise = [&](std::size_t i) { return clusters[i].landmark.distance + 0.3 * clusters[i].upper.value; };
     std::partial_sort(best.begin(), best.begin() + middle, best.end(), [&](std::size_t i, std::size_t j) {
         const double x = promise(i), y = promise(j);

@@ -1,9 +1,9 @@
-// Covers parts of A for threshold cover (meshes/cover/cover.cpp): clusters of triangles in single precision, then the
-// undecided pieces in double precision.
+// The work on one part of A in threshold cover (meshes/cover/cover.cpp): clusters of triangles are covered in single
+// precision; the pieces that this leaves undecided are covered later in double precision.
 //
 // A worker starts from a given lower bound and collects its results in a CoverOutcome. They depend only on the part
-// and that bound, so several workers may run at once, and merging outcomes in the order of the parts gives the same
-// result for any number of threads.
+// and on that bound. So several workers may run at once, and the outcomes, merged in the order of the parts, are the
+// same for any number of threads.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -20,8 +20,8 @@
 
 namespace hausbench {
 
-// Scratch buffers for covering, a few hundred kB. Each thread keeps returned ones, because allocating them anew would
-// take longer than a search among small shapes.
+// Scratch buffers for covering, a few hundred kB. They come from a pool of the thread and return to it, because
+// allocating them anew would take longer than a search in small meshes.
 class CoverRoom {
 public:
     struct Covers {
@@ -44,31 +44,34 @@ public:
     explicit CoverWorker(const CoverScene& scene) : scene_(scene) {}
     CoverWorker(CoverWorker&&) = default;
 
-    // Starts a new part. `settled` is the largest upper bound so far, `budget` the number of cuts left. If `stopped`,
-    // time is already out, and everything is settled by the bounds it has.
+    // Starts a new part. `farthest` gives the lower bound; `settled` is the largest upper bound settled so far, and
+    // `budget` the number of cuts left. `stopped` means that the search has already ended, for example because time is
+    // out: then everything is settled with the upper bound that it already has.
     void begin(const Farthest& farthest, double settled, std::uint64_t budget, bool stopped, const Deadline& deadline);
 
-    // Bounds a group that knows at most a landmark, which may be its parent's. Settles it, or adds it to the
-    // outcome's groups with a better bound.
+    // Bounds the distance of a group to B from its landmark and the group's box. The landmark may be the landmark of a
+    // larger group that contains this one; it is replaced with a better one if that may help. Settles the group if the
+    // bound is at most tau, and otherwise adds it, with its bound, to CoverOutcome::groups.
     void narrow(const Cluster& group, const Box& box);
 
-    // Settles the triangles of a cluster, or leaves some undecided.
+    // Covers the triangles of a cluster in single precision. Settles those for which this succeeds, and adds the
+    // others, or parts of them, to CoverOutcome::undecided.
     void cover(const Cluster& cluster);
 
-    // Does the same for up to CoverBatch::most_pieces pieces near a landmark; if there are several, they must be
-    // whole triangles. Public for tests.
+    // Does the same for up to CoverBatch::most_pieces pieces near a landmark. If there are several, they must be whole
+    // triangles of A, and some may be left in `again_`, where cover(cluster) finds them to try again. Public for tests.
     void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
 
-    // Settles a piece in double precision. Always ends.
+    // Covers a piece in double precision and settles it, if need be with an upper bound that is larger than tau.
     void decide(const CoverPiece& piece);
 
     CoverOutcome finish();
 
-    // Returns the reason if time or budget ran out.
+    // Returns the reason if the search should end: time or budget is spent, or the distance is above the cutoff.
     std::optional<Status> stopped() const { return stop_; }
 
 private:
-    // CoverHost, for the piece being decided.
+    // The functions of CoverHost, for the piece that decide() is at.
     Index measure(const double (&point)[3], double slack, Index near) override;
     double threshold() const override;
     bool promising(double distance) const override;
@@ -84,8 +87,8 @@ private:
     Landmark central_corner(Index source, const Box& box) const;
     struct CornerBound {
         KnownUpper upper;
-        double squared = 0;        // the largest distance of a corner to the triangle, as computed
-        std::size_t farthest = 0;  // that corner
+        double squared = 0;        // largest squared distance of a corner to the triangle, as computed
+        std::size_t farthest = 0;  // the corner with this distance
     };
     CornerBound by_corners(const CoverPiece& piece, Index near);
     void settle(double upper, Index source);
@@ -109,11 +112,11 @@ private:
     OffsetCover<float>& cover_ = (*room_).rough;
     OffsetCover<double>& exact_ = (*room_).exact;
     std::vector<CoverPiece> pieces_, again_;
-    std::size_t batch_ = 0;     // number of pieces covered together
-    std::size_t gathered_ = 0;  // largest number of triangles of B near the last pieces
-    bool crowded_ = false;      // and they were too many
-    Index source_ = -1;         // of the piece being decided
-    int level_ = 0;
+    std::size_t batch_ = 0;     // number of pieces to cover together next
+    std::size_t gathered_ = 0;  // largest number of triangles of B gathered for a part of the last batch
+    bool crowded_ = false;      // whether the last gathering found more triangles of B than can be used
+    Index source_ = -1;         // the triangle of A that contains the piece that decide() is at
+    int level_ = 0;             // the level of this piece
 };
 
 }  // namespace hausbench

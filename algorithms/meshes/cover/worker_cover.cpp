@@ -1,5 +1,5 @@
-// How a worker covers: a few triangles at a time in single precision, then the rest in double precision, which always
-// ends.
+// The part of CoverWorker that covers pieces: cover() a few at a time in single precision, decide() one at a time in
+// double precision. decide() settles every piece.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/cover/batch.h"
 #include "algorithms/meshes/cover/worker.h"
@@ -12,10 +12,12 @@ namespace hausbench {
 
 namespace {
 
-constexpr std::size_t most_work_in_float = 48;  // cuts of one triangle
-// Triangles of B, fewer than fit. If more are near, the pieces are halved.
+constexpr std::size_t most_work_in_float = 48;  // most steps of cover_shared() for one piece
+// The most triangles of B that are used for a batch in single precision, and for a piece in double precision. If more
+// are near, the batch or the piece is halved. Both are less than the 256 that fit into NearTriangles: gathering adds up
+// to 16 triangles at a time, and a cover in double precision adds triangles that are nearest to measured points.
 constexpr std::size_t most_gathered_roughly = 208, most_gathered = 224;
-constexpr int most_halvings = 20;  // of a triangle, in double precision
+constexpr int most_halvings = 20;  // decide() settles a piece halved this often with the bound that it has
 
 Triangle triangle_of(const CoverScene& scene, Index i) {
     const auto v = scene.a.triangles.row(i);
@@ -42,13 +44,14 @@ void CoverWorker::cover(const Cluster& cluster) {
             cover_from_own(batch, cluster.landmark);
         else
             cover(batch, cluster.landmark);
-        // Neighbours need about as many triangles of B.
+        // Adapt the size of the next batch, as neighbouring triangles of A need about as many triangles of B.
         if (gathered_ > most_gathered_roughly)
             batch_ = std::max(count / 2, std::size_t{1});
         else if (gathered_ < most_gathered_roughly / 3)
             batch_ = std::min(2 * batch_, CoverBatch::most_pieces);
     }
-    // Cover these one by one, now with all triangles of B near each.
+    // Some pieces were not covered by the triangles of B nearest to them. Try these pieces again, one by one, with all
+    // triangles of B within tau.
     std::vector<CoverPiece> again;
     again.swap(again_);
     for (const CoverPiece& piece : again) cover(std::span(&piece, 1), piece.landmark);
@@ -73,8 +76,9 @@ void CoverWorker::cover(std::span<const CoverPiece> pieces, const Landmark& land
     cover_from_own(pieces.subspan(half), landmark);
 }
 
-// Gives pieces near too many triangles of B a landmark of their own. Far from B this settles most of them, because
-// the triangle nearest to one is nearly nearest to all.
+// Covers pieces that have too many triangles of B near them. First measures a corner of one of the pieces as their
+// new landmark. Far from B this settles most pieces, because the triangle of B nearest to the landmark is then hardly
+// farther from a piece than the rest of B.
 void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark) {
     const CoverPiece& middle = pieces[pieces.size() / 2];
     const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
@@ -94,12 +98,14 @@ void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landm
     if (!open.empty()) cover(open, own);
 }
 
-// Returns false if too many triangles of B are near. Pieces not covered by the nearest ones are kept to be covered
-// again, or are undecided.
+// Gathers the triangles of B near the pieces and tries to cover each piece with them. Does nothing and returns false if
+// there are too many. A piece that is not covered goes to `again_` if a larger radius would gather more triangles that
+// may cover it, and otherwise to the undecided ones. `all_near`: use the largest useful radius at once.
 bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near) {
     const CoverBatch batch(pieces, scene_.magnitude);
-    // Gathers all triangles that may cover a part. If tau is so large that they would be most of B, gathers only
-    // those near the surface.
+    // A triangle farther than `all` from the batch is not needed: either it is farther than tau, or every point of
+    // the batch has a nearer triangle. But if tau is large, most of B may be within `all`. So a first try uses only
+    // triangles that are not much farther from the batch than B is from the landmark.
     const double all =
         std::min(tau_, landmark.distance + std::sqrt(squared_length(batch.centre - landmark.at)) + batch.radius);
     const double radius = all_near ? all : std::min(all, 1.5 * landmark.distance + 0.15 * batch.radius);
@@ -141,17 +147,21 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
     const LocalUnits& place = exact_.near.units;
     Vec3 global;
     for (int k = 0; k < 3; ++k) global[k] = place.origin[k] + place.unit * point[k];
-    // The point is within u slack of the piece's corners as moved to the place, which took 2u, both in units of the
-    // place. Rounding the sum takes less than 2uM; a level stands for 2uM. No known input needs the level of the sum:
-    // its rounding is at most sqrt(3) uM, and the slack is rounded up to whole levels. So no test can show that it is
-    // needed, but the proof needs it.
+    // The errors of the point, as levels. A level stands for an error of 2uM, with u and M as in kernel/rounding.h.
+    // - The corners of the piece have level_.
+    // - Local errors: the point is within u * slack of the piece with its corners in local coordinates, and rounding
+    //   those corners cost less than 2u. Together this is u * (slack + 2) local units, or
+    //   (slack + 2) * place.unit / (2M) levels, rounded up.
+    // - The sum above rounds by at most sqrt(3) * uM < 2uM: one level. No test can show that this level is needed,
+    //   because on every known input it fits into the rounding up of the local errors. But the proof needs it.
     const int own = level_ + 1 + static_cast<int>(std::ceil((slack + 2) * place.unit / (2 * scene_.magnitude)));
     return measure(global, near, source_, own).triangle;
 }
 
-// Keeps the threshold so far above the lower bound that the triangle nearest to a measured point is within it as
-// computed; otherwise a cover would not end. The error grows with the size of the nearby triangles, not of the
-// meshes, so distant parts do no harm here.
+// Returns covered_within() in local units, or more if this is too close to the lower bound. The triangle nearest to a
+// measured point must be within the threshold even if the bounds on rounding errors are added to its distance;
+// otherwise the cover would never end. These errors depend on the size of the gathered triangles, not on the size of
+// the meshes, so parts of B far away do no harm. For the question "is h above d?" the threshold is never more.
 double CoverWorker::threshold() const {
     const double covered = covered_within(level_) * exact_.near.units.inverse;
     if (scene_.query.floor >= scene_.query.cutoff) return covered;
@@ -178,22 +188,23 @@ bool CoverWorker::go_on() {
 void CoverWorker::decide(const CoverPiece& piece) {
     ++outcome_.counters.bound_tests;
     if (piece.upper.value <= tau_ || stop_) return settle(piece);
-    // Start with a corner: it may raise the lower bound and tau, and its nearest triangle may be near the whole
-    // piece.
+    // Start with a corner: measuring it may raise the lower bound and tau, and its nearest triangle may be near the
+    // whole piece.
     CoverPiece measured = piece;
     const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source, piece.level);
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
     measured.upper.improve(by_corners(piece, m.triangle).upper);
     if (measured.upper.value <= tau_ || stop_) return settle(measured);
     if (decide_whole(measured)) return;
-    // Too many triangles of B are near.
+    // Too many triangles of B are near, so halve the piece.
     if (piece.level >= most_halvings) return settle(measured);
     for (CoverPiece& half : halve(measured)) {
         if (is_open(half)) decide(half);
     }
 }
 
-// Returns false if so many triangles of B are near that halving the piece is better.
+// Covers and settles a piece. Returns false, without settling it, if so many triangles of B are near that the piece
+// should be halved.
 bool CoverWorker::decide_whole(const CoverPiece& piece) {
     Box box;
     for (const Vec3& corner : piece.corners) box.add(corner);
@@ -210,6 +221,8 @@ bool CoverWorker::decide_whole(const CoverPiece& piece) {
         polygon.add(local[0], local[1], local[2], 0);
     }
     CoverResult result;
+    // Each round gathers the triangles within the present tau. If the cover fails, new triangles found no room; another
+    // round makes sense only if tau has risen since.
     for (double before = -1; !result.covered;) {
         if (tau_ == before) return false;
         before = tau_;
