@@ -16,8 +16,8 @@
 //
 // A solver may rely on the following. Shapes are not empty, and all coordinates are finite. Session scales both shapes
 // by one power of two, so that the largest |coordinate| before posing is in [0.5, 1) or everything is 0. All lengths in
-// the solver's queries and results are in this unit. Two kinds of scenes are not scaled: those with an algebraic
-// surface, and those of a solver that asks for `original_coordinates`.
+// the solver's queries and results are in this unit. Two kinds of scenes are not scaled: a scene with an algebraic
+// surface, and a scene for a solver that asks for `original_coordinates`.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
