@@ -55,7 +55,7 @@ struct StructureKind {
     std::function<BuiltStructure(const PreparedShape&, const Threads&)> build;  // leaves `seconds` at 0
 };
 
-// StructureParameters<Type> is Type::Parameters, or WithoutParameters<Type> if there is no such type.
+// StructureParameters<Type> is Type::Parameters, or WithoutParameters<Type> if Type has no such member.
 template <class Type> struct WithoutParameters {
     std::string text() const { return {}; }
 };
@@ -201,8 +201,7 @@ int scale_exponent(double largest);
 // The structures that one solver declared for the two shapes of a scene.
 class Prepared {
 public:
-    // Builds those of the needed structures that do not exist yet, one after the other. The structures of this library
-    // take O(n log n) time each.
+    // Builds the needed structures that do not exist yet, one after the other. Each takes O(n log n) time.
     Prepared(const Scene& scene, const Needs& needs, const Threads& threads = Threads());
     Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs,
              const Threads& threads = Threads());

@@ -43,7 +43,7 @@ public:
     void record(double lower, double upper) {
         if (!on_) return;
         const double gap = upper - lower;
-        // While there is no upper bound, a sample is kept if its lower bound is more than 3 % larger than the last one.
+        // Until an upper bound is known, a sample is kept if its lower bound is over 3 % larger than the last one.
         if (std::isinf(gap)) {
             if (samples_.empty() || lower > 1.03 * samples_.back().lower) keep(lower, upper);
             return;
