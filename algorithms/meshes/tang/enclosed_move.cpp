@@ -85,11 +85,11 @@ bool is_closed(const TriangleMesh& mesh) {
     return true;
 }
 
-// Error, from Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997,
-// section 4.3: if computed in this order, the determinant errs by at most (7 + 56u) u times the sum of the absolute
-// values of its products. That sum, `permanent`, is itself rounded by a few u, so 8u * permanent is enough. Underflow
-// costs less than 2^-1000 if no product overflows. If one overflows, both comparisons are false, and the sign stays
-// undecided.
+// Error, with u = 2^-53, from Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric
+// predicates, 1997, section 4.3. If computed in this order, the determinant errs by at most (7 + 56u) u times the sum
+// of the absolute values of its products. This sum, `permanent`, is itself rounded by a few u, so 8u * permanent is
+// enough. Underflow costs less than 2^-1000 if no product overflows. If one overflows, both comparisons are false, and
+// the sign stays undecided.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     const Vec3 p = a - d, q = b - d, r = c - d;
     const double qr = q[0] * r[1], rq = r[0] * q[1], rp = r[0] * p[1], pr = p[0] * r[1], pq = p[0] * q[1],
@@ -115,8 +115,8 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
     const double length = distance_at_most(squared_length(move), true), n = magnitude_ + length;
     const double margin = (4 * level + 48) * unit_roundoff * n;
     const Corners moved{corners[0] + move, corners[1] + move, corners[2] + move};
-    // An uneven point of T. Its corners and its barycentre are often exactly above an edge of B, where the number of
-    // crossings cannot be decided.
+    // A point of T that is unlikely to move exactly through an edge of B, where rounding leaves the crossings
+    // undecided. The corners and the barycentre of T often do.
     const Vec3 p = 0.5 * corners[0] + 0.3 * corners[1] + 0.2 * corners[2];
     const std::array<Vec3, 2> segment{p, p + move};
     // Search the ball around `centre` that contains T, T + D and the segments between them. Its radius errs by a few

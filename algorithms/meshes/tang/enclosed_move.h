@@ -17,18 +17,22 @@
 // Condition 3 is proven by such axes and by the signs of determinants. Both proofs hold under rounding; if rounding
 // leaves one of them undecided, no bound is given.
 //
-// Rounding, with u and M as in kernel/rounding.h, and N = M + |D|:
+// Rounding, with u and M as in kernel/rounding.h, and N = M + |D|.
+//
+// The lemma is about exact points, but the axes separate the computed corners of T and of T + D from B:
 // - T stands for an exact piece within 2k uM of it, where k is its level.
 // - Adding D to a corner errs by uN in each coordinate, so by less than 2uN in length.
 // - The computed p is within 7uM of T. Its weights and products err by uM together and the sums by 1.8uM, so each
 //   coordinate errs by less than 3uM, and sqrt(3) * 3uM < 7uM.
-// So all exact points are within (2k + 9) uN of the hull of the computed corners of T or of T + D (2k uM for the piece,
-// 2uN for adding D, 7uM for p), and these two hulls must be farther than this from B.
-// - The coordinates of an axis n are at most 1, so |n| <= sqrt(3), and a length l becomes at most sqrt(3) * l along n.
+// Together, all exact points are within (2k + 2 + 7) uN of the hull of the computed corners of T or of T + D. So each
+// of these hulls must be more than (2k + 9) uN away from each triangle of B.
+//
+// The distance between a hull and a triangle of B along an axis n is computed:
+// - The coordinates of n are at most 1, so |n| <= sqrt(3), and a length l becomes at most sqrt(3) * l along n.
 // - A computed product n.x errs by 3.01u (|n_1| + |n_2| + |n_3|) N <= 9.1uN, two of them by 18.2uN, and the difference
 //   of two products by u of itself.
-// So the hulls must be more than sqrt(3) (2k + 9) uN + 18.2uN apart along n. The margin in upper() is (4k + 48) uN. The
-// rest covers the rounding of that difference and of the margin itself.
+// So the computed distance must exceed sqrt(3) (2k + 9) uN + 18.2uN. The margin in upper() is (4k + 48) uN; the rest
+// of it covers the rounding of the difference and of the margin itself.
 #pragma once
 
 #include "algorithms/meshes/tang/volumes.h"

@@ -1,7 +1,7 @@
 // Culling on A (Tang et al. 2009, section 4.1). Walks down a BVH of A. The upper bound of a node is the largest
-// distance from some point q of B to a point of the node's volume (Eqs. 8, 9): no triangle below the node has a point
-// that is farther from B. If this is at most the lower bound of h(A,B) so far, the node and all triangles below it
-// are culled.
+// distance from some point q of B to a point of the node's volume (Eqs. 8, 9), so no triangle below the node has a
+// point that is farther from B than this. If the upper bound is at most the lower bound of h(A,B) so far, the node and
+// all triangles below it are culled.
 //
 // Ours: of the children of a node, the one with the largest upper bound comes first. The q of the parent is tried
 // first. If it does not cull the node, a query finds the point of B closest to the centre of the volume. A leaf whose
@@ -38,7 +38,7 @@ public:
     // Starts at the root. `points` are the vertices of A, posed. O(n).
     void begin(const Points& points);
 
-    // Returns whether every node is either culled or was returned by step().
+    // Returns whether no node remains: each was culled, or was a leaf that step() returned.
     bool done() const { return branches_.empty(); }
 
     // Returns the largest upper bound of the remaining nodes, 0 if none is left.

@@ -11,10 +11,13 @@
 namespace hausbench {
 namespace {
 
+// Rounding: u and v are the sides of the rectangle here, so eps = 2^-53 denotes the unit roundoff (the u of
+// kernel/rounding.h).
+
 // The foot of a point q is the point of the rectangle that is closest to q.
 struct Foot {
     double squared;  // squared distance from q to the foot, as computed
-    double size;     // at least |q - centre| + |u| + |v|, up to rounding; the unit of the error bounds below
+    double size;     // at least |q - centre| + |u| + |v|, up to rounding; the error bounds below are multiples of it
 };
 
 // Returns the s in [-1, 1] for which s * axis is closest to r; 0 if the axis is 0.
@@ -32,11 +35,11 @@ Foot foot_of(const SweptSphere& volume, const Vec3& q) {
     return {squared_length(rest), sum(r) + sum(volume.u) + sum(volume.v)};
 }
 
-// Returns an upper bound on the distances from the points to the rectangle; it holds under rounding. Rounding, with u
-// as in kernel/rounding.h: in foot_of(), a difference, two products and two sums err by at most 8u * size in each
-// coordinate of `rest`, so by less than 14u * size in length, as sqrt(3) * 8 < 14. The computed length errs by 4u of
-// itself, and it is at most 1.01 * size. Together this is less than 20u * size. next_up covers the rounding of the
-// sum.
+// Returns an upper bound on the distances from the points to the rectangle; it holds under rounding.
+//
+// In foot_of(), a difference, two products and two sums err by at most 8 eps size in each coordinate of `rest`, so by
+// less than sqrt(3) * 8 eps size < 14 eps size in length. The computed length errs by 4 eps of itself, and it is at
+// most 1.01 size. Together this is less than 20 eps size. next_up covers the rounding of the sum.
 double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     double most = 0;
     for (const Vec3& point : points) {
@@ -113,10 +116,10 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
 // The foot minimises f + g up to rounding, and |2 s t u.v| <= 2 |u.v| at the foot and at the closest point. So the
 // least squared distance is at least the squared distance at the foot minus 4 |u.v|.
 //
-// Rounding: s may be off by 8u * size / |u|, which changes f by less than 64u^2 * size^2 near its minimum; t likewise.
-// `rest` is off by 14u * size in length, so its squared length by 40u * size^2. 4 |u.v| is off by less than
-// 4u * size^2, because |u| |v| <= size^2 / 4. Together this is less than 64u * size^2. The code subtracts
-// 100u * size^2, which leaves room for the rounding of the subtractions and of `size`.
+// Rounding: s may be off by 8 eps size / |u|, which changes f by less than 64 eps^2 size^2 near its minimum; t
+// likewise. `rest` is off by 14 eps size in length, so its squared length by 40 eps size^2. 4 |u.v| is off by less than
+// 4 eps size^2, because |u| |v| <= size^2 / 4. Together this is less than 64 eps size^2. The code subtracts
+// 100 eps size^2, which leaves room for the rounding of the subtractions and of `size`.
 //
 // Underflow: each product may be off by 2^-1075. If |u| >= 2^-505, this changes s by less than 2^-62, which is less
 // than the rounding error above. If |u| < 2^-505, a wrong s moves the foot by at most 2^-504. The same holds for v and
@@ -135,14 +138,14 @@ double distance_at_least(const SweptSphere& volume, const Vec3& q) {
 // and let r = q - centre.
 //
 // Rounding: the code takes three differences: r, r - s u, and (r - s u) - t v, where s and t are 1 or -1. Each errs by
-// u times its length, and none is longer than D. For r, this holds because the mean of the four squared distances to
+// eps times its length, and none is longer than D. For r, this holds because the mean of the four squared distances to
 // the corners is |r|^2 + |u|^2 + |v|^2. For r - s u with the s of the farthest corner, it holds because the mean over
-// the two corners with this s is |r - s u|^2 + |v|^2. So the differences err by at most 3uD together. A square, two
-// sums and the root add 2.5uD. So D <= f (1 + 5.5u), up to terms of order u^2.
+// the two corners with this s is |r - s u|^2 + |v|^2. So the differences err by at most 3 eps D together. A square, two
+// sums and the root add 2.5 eps D. So D <= f (1 + 5.5 eps), up to terms of order eps^2.
 //
-// Rounding up covers this. distance_at_most (rounding.h) computes f (1 + 4u), which loses at most half an ulp, and
-// raises it by one ulp twice. As an ulp exceeds uf, the result is at least f (1 + 5.5u). The sum with the radius is
-// rounded by up to half an ulp and then raised by one ulp, which leaves half an ulp to spare. Underflow: as in
+// Rounding up covers this. distance_at_most (rounding.h) computes f (1 + 4 eps), which loses at most half an ulp, and
+// raises it by one ulp twice. As an ulp exceeds eps f, the result is at least f (1 + 5.5 eps). The sum with the radius
+// is rounded by up to half an ulp and then raised by one ulp, which leaves half an ulp to spare. Underflow: as in
 // distance_at_most.
 double distance_at_most(const SweptSphere& volume, const Vec3& q) {
     const Vec3 r = q - volume.centre;

@@ -28,9 +28,9 @@
 // point.
 //
 // Fields: as in guthe.cpp. A triangle of A that was culled with a node has the upper bound of the node.
-// Reports: "culled on A" is the share of A's triangles that needed no culling on B. "culled on B" is the share of pairs
-// that were not measured, among all pairs of another triangle of A and a triangle of B. "depth" is the largest number
-// of cuts that led to one piece.
+// Reports: "culled on A" is the share of A's triangles that needed no culling on B. "culled on B" is the share of B's
+// triangles against which the other triangles of A were not measured, on average. "depth" is the largest number of cuts
+// that led to one piece.
 //
 // Budget: subdivisions. Time: O(n log n + m log m) to prepare, with n triangles of A and m of B. Memory: O(n + m), and
 // for each piece in the queue 184 bytes plus 4 bytes for each triangle in its list.
@@ -190,7 +190,7 @@ template <class Tree> void TangSearch<Tree>::look_into(Index i) {
     pieces_.push(piece);
 }
 
-// Measures the farthest point of the previous pose or direction first, because it is likely to be far again.
+// Measures the farthest point of the previous pose first. It is likely to be far again, so the lower bound starts high.
 template <class Tree> void TangSearch<Tree>::begin_warm() {
     warm_start_->partner.resize(static_cast<std::size_t>(a_.triangles.rows()), -1);
     const WarmStart& last = *warm_start_;

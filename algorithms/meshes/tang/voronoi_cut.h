@@ -7,10 +7,10 @@
 //
 // Measurements: `least_part` is 0.05 by default. With 0.25, pieces stay more compact: six pairs of real meshes took
 // 0.78 to 0.96 times as many subdivisions, at a tolerance of 1e-6 of the diagonal (bunny to its half: 212,807 instead
-// of 248,679; 304,169 with midpoints alone). If neighbouring triangles of B lie in one plane, as in a subdivided
-// mesh, their planes do not tell where their common edge is. If such a B was subdivided at midpoints, split =
-// "midpoint" is better, because its cuts meet the edges of B (elephant to its refinement: 12,448 subdivisions instead
-// of 20,708).
+// of 248,679; 304,169 with midpoints alone). If neighbouring triangles of B lie in one plane, as in a subdivided mesh,
+// their planes do not tell where their common edge is. If such a B was subdivided at midpoints, the choice `midpoint`
+// of the parameter `split` is better, because its cuts meet the edges of B (elephant to its refinement: 12,448
+// subdivisions instead of 20,708).
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -22,8 +22,8 @@ namespace hausbench {
 inline constexpr int voronoi_depth = 16;
 
 // Returns where to cut an edge, as a fraction of its length from `from`: at the point that is equally far from the
-// planes of the triangles `one` and `two`, but at least `least_part` from either end. Returns 0.5 if there is no such
-// point.
+// planes of the triangles `one` and `two`, but at least `least_part` from either end. Returns 0.5 if no such point
+// exists.
 double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, const Triangle& two, double least_part);
 
 // Cuts pieces of A in the way that the parameter `split` says (search/cut_options.h).
