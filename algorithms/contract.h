@@ -22,7 +22,7 @@ std::string declaration_error(const SolverInfo& info);
 void check_contract(const SolverEntry& entry);
 
 // Makes an instance of the solver. Its constructor must read every parameter and may throw only InputError. Pass a
-// fresh Options object: if a value was read before, it is not noticed that the constructor does not read it.
+// fresh Options object, because a value that was read before would count as read by the constructor.
 std::unique_ptr<Solver> make_solver(const SolverEntry& entry, const Options& options);
 
 // Returns solver.needs(scene, queries). Each of these structures must be declared in SolverInfo::may_need.

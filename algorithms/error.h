@@ -16,7 +16,7 @@ public:
 };
 
 // Returns a hint to append to an error about an unknown name: " (did you mean 'x'?)" if a candidate differs from
-// `wrong` in few letters, else " (known: a, b, c)" with the first 20 candidates. Empty if `candidates` is.
+// `wrong` in few letters, else " (known: a, b, c)" with the first 20 of them, or "" if `candidates` is empty.
 std::string nearest_hint(std::string_view wrong, const std::vector<std::string>& candidates);
 
 // Returns text from outside this program as one line that is safe to print (see printable()), cut to 1000 bytes.

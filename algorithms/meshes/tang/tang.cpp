@@ -4,7 +4,7 @@
 // The search has three steps:
 // 1. Culling on A (source_culling.h) skips the nodes of a BVH of A that cannot contain the farthest point.
 // 2. Culling on B (target_culling.h) sends each remaining triangle T of A through a BVH of B. This gives an upper bound
-//    of h(T, B), and the list of the triangles of B that may be the nearest ones to some point of T.
+//    on h(T, B), and the list of the triangles of B that may be the nearest ones to some point of T.
 // 3. Subdivision (listed_subdivision.h, voronoi_cut.h) cuts T into pieces, the piece with the largest upper bound
 //    first. The list of T replaces B for its pieces. A piece is settled, and not cut again, when its upper bound
 //    shows that it cannot change the answer.

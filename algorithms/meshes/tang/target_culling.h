@@ -1,14 +1,14 @@
 // Culling on B (Tang et al. 2009, section 4.2). A triangle T of A goes through a BVH of B, which skips the nodes that
-// are farther from T than the upper bound of h(T, B) so far. The triangles S of B in the other nodes give
+// are farther from T than the upper bound on h(T, B) so far. The triangles S of B in the other nodes give
 //
 // - the distances of T's corners from B,
-// - an upper bound of h(T, B): the least h(T, S) (Eqs. 10, 11),
+// - an upper bound on h(T, B): the least h(T, S) (Eqs. 10, 11),
 // - the list of T: the triangles S that are so near that they may be the nearest ones to some point of T (Lemma 3).
 //
 // When T is cut, its list replaces B for the pieces.
 //
 // Which triangles a list contains: let a piece T have the corners v_i, let e_i be the longest edge at v_i, and let
-// `upper` be the upper bound of h(T, B). S is in the list if d(v_i, S) <= upper + e_i for each i. No triangle that is
+// `upper` be the upper bound on h(T, B). S is in the list if d(v_i, S) <= upper + e_i for each i. No triangle that is
 // nearest to a point p of T is missing: for such an S, d(p, S) <= h(T, B) <= upper and |v_i - p| <= e_i, so
 // d(v_i, S) <= upper + e_i.
 //
@@ -44,12 +44,13 @@ using Lists = ShortLists<most_listed>;
 // A piece: a triangle of A, or a part of one that cuts have made.
 struct ListedPiece {
     PieceCorners corners;
-    double upper = std::numeric_limits<double>::infinity();  // upper bound of the distance of its points from B
+    double upper = std::numeric_limits<double>::infinity();  // upper bound on the distances of its points from B
     Index source = -1;                                       // its triangle of A
-    Index best = -1;                                         // the triangle of B that gave `upper`; -1: none yet
-    int level = 0;                                           // level of rounding of its corners (kernel/rounding.h)
-    int depth = 0;                                           // number of cuts that led to it; 0: a whole triangle
-    Lists::List list;                                        // triangles of B; empty: it has no list
+    Index best = -1;  // the triangle S of B with the least h(T, S) of those tried; -1: none yet
+    // Number of roundings behind its corners, as in kernel/rounding.h: they are within 2 * level * uM of A.
+    int level = 0;
+    int depth = 0;     // number of cuts that led to it; 0: a whole triangle
+    Lists::List list;  // triangles of B; empty: it has no list
     // If it has no list: an estimate of the number of triangles of B near it. While this is above most_near, no list is
     // tried.
     std::uint64_t crowd = 0;
