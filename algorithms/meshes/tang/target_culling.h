@@ -47,7 +47,7 @@ struct ListedPiece {
     double upper = std::numeric_limits<double>::infinity();  // upper bound on the distances of its points from B
     Index source = -1;                                       // its triangle of A
     Index best = -1;  // the triangle S of B with the least h(T, S) of those tried; -1: none yet
-    // Number of roundings behind its corners, as in kernel/rounding.h: they are within 2 * level * uM of A.
+    // Level of rounding (kernel/rounding.h): the corners are within 2 * level * uM of A.
     int level = 0;
     int depth = 0;     // number of cuts that led to it; 0: a whole triangle
     Lists::List list;  // triangles of B; empty: it has no list
