@@ -76,7 +76,8 @@ void check_contract(const SolverEntry& entry) {
         (void)make_solver(entry, Options(info.name, info.parameters, {}));
     } catch (const ContractError&) {
         throw;
-    } catch (const InputError&) {  // a solver may refuse its defaults, such as two texts of which one must be given
+    } catch (const InputError&) {
+        // The constructor may reject the defaults, for example if the user must give one of two strings.
     }
 }
 

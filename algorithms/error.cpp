@@ -26,7 +26,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-// A longer list would be unreadable in a one-line message.
+// Largest number of candidates in a hint. More would make a one-line message unreadable.
 constexpr std::size_t names_shown = 20;
 
 }  // namespace
@@ -42,8 +42,8 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
             nearest = &candidate;
         }
     }
-    // Up to a third of the letters may differ (two in a short word); beyond that it is another word, not a typing
-    // error.
+    // If more than a third of the letters differ, it is probably another word, not a typing error. But short words may
+    // differ in two letters, and words of up to three letters in one.
     const std::size_t length = std::max(wrong.size(), nearest->size());
     const std::size_t allowed = length <= 3 ? 1 : std::max<std::size_t>(2, length / 3);
     if (least <= allowed) return fmt::format(" (did you mean '{}'?)", *nearest);
@@ -58,7 +58,8 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
 std::string one_line(std::string text) {
     text = printable(text);
     std::size_t most = std::min<std::size_t>(text.size(), 1000);
-    while (most < text.size() && (static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;  // inside a character
+    // Do not cut a UTF-8 character in two: its bytes after the first are 10xxxxxx.
+    while (most < text.size() && (static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;
     text.resize(most);
     return text;
 }

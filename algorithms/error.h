@@ -1,4 +1,5 @@
-// Errors that a user can fix: one line that names the file or key, the place in it, and the remedy.
+// Errors that a user can fix. The message is one line: the file or key, the line or value that is wrong, and how to
+// correct it.
 #pragma once
 
 #include <stdexcept>
@@ -14,10 +15,11 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-// Returns " (did you mean 'x'?)" for the candidate nearest to `wrong` by edit distance, else " (known: a, b, c)".
+// Returns a hint to append to an error about an unknown name: " (did you mean 'x'?)" if a candidate differs from
+// `wrong` in few letters, else " (known: a, b, c)" with the first 20 of them, or "" if `candidates` is empty.
 std::string nearest_hint(std::string_view wrong, const std::vector<std::string>& candidates);
 
-// Returns untrusted text as one line of at most 1000 characters; control characters become spaces.
+// Returns text from outside this program as one line that is safe to print (see printable()), cut to 1000 bytes.
 std::string one_line(std::string text);
 
 }  // namespace hausbench

@@ -16,7 +16,8 @@ std::string type_name(const ParameterValue& value) {
     return names[value.index()];
 }
 
-// Returns `value` converted to the type of the parameter's default; an integer is accepted for a real parameter.
+// Checks a value that the user gave. Returns it in the type of the parameter: an integer for a real parameter becomes a
+// double.
 ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const ParameterValue& value) {
     const std::string where = fmt::format("solver '{}', parameter '{}'", solver, spec.name);
     ParameterValue result = value;

@@ -1,12 +1,12 @@
-// Solvers from outside the tree: a MODULE library that is loaded at run time.
+// Plug-ins: shared libraries (CMake's MODULE libraries) with more solvers, which the program loads at run time.
 //
-// A plug-in is any number of solvers (solver.h) and one line at the end of one of its files:
+// A plug-in consists of one or more solvers (solver.h) and one line at the end of one of its files:
 //
 //     HAUSBENCH_PLUGIN(my_solver(), my_other_solver())   // expressions of type SolverEntry
 //
-// It is built against the installed headers and library with find_package(hausbench); tests/outside_plugin/ is an example.
-// C++ objects pass between plug-in and program, so both must agree on the interface, the C++ library and Eigen:
-// `plugin_interface` increases with every change of meaning in the public headers, `plugin_layout()` detects the rest.
+// Build it against the installed headers and library with find_package(hausbench); tests/outside_plugin/ is an example.
+// C++ objects pass between a plug-in and the program, so both must be built with the same interface, C++ library and
+// Eigen. load_plugin() refuses a plug-in in which `plugin_interface` or plugin_layout() differs from the program's.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -18,12 +18,13 @@
 
 namespace hausbench {
 
+// Increase it with every change of meaning in the public headers. plugin_layout() does not notice such a change.
 inline constexpr int plugin_interface = 11;
 
 #define HAUSBENCH_TEXT_OF(x) #x
 #define HAUSBENCH_TEXT(x) HAUSBENCH_TEXT_OF(x)
 
-// Libraries whose objects pass between plug-in and program, and the sizes of these objects.
+// Returns the versions of the libraries whose objects pass between plug-in and program, and the sizes of these objects.
 inline std::string plugin_layout() {
     std::string text =
         "Eigen " HAUSBENCH_TEXT(EIGEN_WORLD_VERSION) "." HAUSBENCH_TEXT(EIGEN_MAJOR_VERSION) ", alignment " +
@@ -36,7 +37,8 @@ inline std::string plugin_layout() {
     return text;
 }
 
-// Flags with which the including file is compiled, as far as the compiler tells (GCC does not reveal -fsanitize=undefined).
+// HAUSBENCH_COMPILED: how the including file is compiled, such as "optimized, no assertions, GCC 12.2.0", as far as
+// predefined macros tell (GCC has none for -fsanitize=undefined).
 #ifdef __OPTIMIZE__
 #define HAUSBENCH_OPTIMIZED "optimized"
 #else
@@ -61,7 +63,7 @@ inline std::string plugin_layout() {
 #endif
 #define HAUSBENCH_COMPILED HAUSBENCH_OPTIMIZED ", " HAUSBENCH_ASSERTIONS ", " HAUSBENCH_COMPILED_BY HAUSBENCH_SANITIZERS
 
-// Functions that a plug-in exports, with C linkage so that their names are known.
+// Defines the functions that a plug-in exports. They have C linkage, so that load_plugin() finds them by name.
 #define HAUSBENCH_PLUGIN(...)                                                                                        \
     extern "C" __attribute__((visibility("default"))) const char* hausbench_plugin_compiled() {                      \
         return HAUSBENCH_COMPILED;                                                                                   \
@@ -77,25 +79,27 @@ inline std::string plugin_layout() {
         to = {__VA_ARGS__};                                                                                          \
     }
 
-// Adds a plug-in's solvers to the registry; it stays loaded. Call it before anything else: see add_solvers() in
-// registry.h.
-// Throws InputError with the file and the remedy if the file is missing, is not a library or not a plug-in, or was
-// built for another interface or with other libraries, if a solver's name is already in use, or if a solver breaks
-// its contract (contract.h). The program should then end.
+// Loads a plug-in and adds its solvers to the registry. The plug-in stays loaded until the program ends. Call it before
+// anything looks up a solver, because it invalidates references to solvers (add_solvers() in registry.h).
+//
+// Throws InputError, which names the file and says what to do, if the file is missing or is not a plug-in; if it was
+// built for another interface or with other libraries; if the name of a solver is already in use; or if a solver breaks
+// its contract (contract.h). The registry may then contain the faulty solvers, so the program should end.
 void load_plugin(const std::filesystem::path& file);
 
+// A loaded plug-in.
 struct Plugin {
-    std::filesystem::path file;  // absolute
-    std::vector<std::string> solvers;
-    // How HAUSBENCH_PLUGIN's file was compiled: "optimized, no assertions, GCC 12.2.0".
-    std::string compiled;
+    std::filesystem::path file;        // absolute
+    std::vector<std::string> solvers;  // names
+    std::string compiled;              // HAUSBENCH_COMPILED of the file with HAUSBENCH_PLUGIN(...)
 };
 const std::vector<Plugin>& plugins();  // in the order of loading
 
-// Returns the plug-in of a solver; null for a built-in one.
+// Returns the plug-in that a solver comes from; null for a built-in solver.
 const Plugin* plugin_of(std::string_view solver);
 
-// Returns one line for each plug-in compiled without optimization if this program has it: their times are not comparable.
+// Returns a warning, one line, for each plug-in that is compiled without optimization while this program is optimized:
+// their times are not comparable.
 std::vector<std::string> slow_plugins();
 
 }  // namespace hausbench

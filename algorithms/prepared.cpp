@@ -14,7 +14,7 @@ namespace hausbench {
 
 namespace {
 
-// Multiplies the points by 2^exponent; returns whether no coordinate was rounded.
+// Multiplies the points by 2^exponent. Returns true if this was exact, false if a coordinate was rounded.
 bool scale(Points& points, int exponent) {
     bool exact = true;
     const auto each = [&](const auto& times, const auto& divided) {
@@ -24,7 +24,7 @@ bool scale(Points& points, int exponent) {
             value = scaled;
         }
     };
-    if (std::abs(exponent) <= 1022) {  // a product by a power of two rounds as ldexp does, and is faster
+    if (std::abs(exponent) <= 1022) {  // a product with a power of two rounds like ldexp but is faster
         const double factor = std::ldexp(1.0, exponent), inverse = std::ldexp(1.0, -exponent);
         each([&](double x) { return x * factor; }, [&](double x) { return x * inverse; });
     } else {
@@ -57,7 +57,7 @@ PreparedShape::PreparedShape(Scaled scaled)
 PreparedShape::Scaled PreparedShape::scaled(Shape shape, int exponent) {
     Points& points = points_of(shape);
     std::optional<Points> original;
-    // Only coordinates that end below the normal numbers can be rounded.
+    // Only a coordinate that becomes subnormal can be rounded. If none does, no copy of the original is needed.
     if (std::ldexp(smallest_nonzero(points), exponent) < std::numeric_limits<double>::min()) original = points;
     const bool exact = scale(points, exponent);
     if (exact) original.reset();

@@ -1,20 +1,22 @@
-// Structures that are built and timed before any query: exactly those that a solver declares in needs().
+// Structures, such as a BVH over the target: data that is built over one shape before any query, and timed separately.
+// Only the structures that a solver returns from needs() are built.
 //
 // A structure is a type with
 //
 //     static constexpr std::string_view structure_name = "BVH";
 //     static constexpr int structure_layout = 1;   // increase it when members change: older plug-ins are then refused
-//     explicit Type(const TriangleMesh&);          // a point set comes as triangles (i, i, i)
-//     std::size_t bytes() const;
+//     explicit Type(const TriangleMesh&);          // for a point set: a mesh with one triangle (i, i, i) per point
+//     std::size_t bytes() const;                   // memory that it uses
 //
-// and may live in a solver's own file. The constructor may take `const Points&` instead (the vertices of a mesh), or
-// `const Shape&`. Optional members:
-// - `struct Parameters` with `std::string text() const`: the constructor takes one too, and structures with different
-//   parameters are kept apart;
-// - `static constexpr bool structure_of_meshes_only = true`: point sets are refused;
-// - a last constructor argument `const Threads&`: several threads may build it (kernel/parallel.h), always to the same bits.
+// and may be defined in a solver's own file. Instead of the mesh, the constructor may take `const Points&` (it then
+// receives the vertices of a mesh) or `const Shape&`. Optional members:
+// - `struct Parameters` with `std::string text() const`: the constructor then has a second argument of this type.
+//   Structures whose parameters have different texts are kept apart.
+// - `static constexpr bool structure_of_meshes_only = true`: the structure cannot be built over a point set.
+// - a last constructor argument `const Threads&`: several threads may build the structure (kernel/parallel.h). It must
+//   have the same bits for any number of threads.
 //
-// A structure belongs to one shape, not to a pair; scenes that share a PreparedShape share its structures.
+// A structure belongs to one shape, not to a pair of shapes. Scenes that share a PreparedShape share its structures.
 #pragma once
 
 #include "algorithms/kernel/parallel.h"
@@ -37,20 +39,23 @@ enum class Side { source, target };
 
 class PreparedShape;
 
+// A structure whose type is erased, with its cost.
 struct BuiltStructure {
-    std::shared_ptr<const void> object;
+    std::shared_ptr<const void> object;  // a Type, see Prepared::get()
     std::size_t bytes = 0;
-    double seconds = 0;
+    double seconds = 0;  // wall time
 };
 
+// How to build a structure of a given type with given parameters; see structure_kind().
 struct StructureKind {
-    std::string name;  // with the values of its parameters, if it has any
-    // Layout number and size; a plug-in and the program must agree on them to share a structure.
+    std::string name;  // structure_name, and the text of the parameters if there are any: "BVH", "samples (n = 3)"
+    // structure_layout and sizeof(Type). A plug-in may share a structure with the program only if both have the same.
     std::string layout;
-    std::function<bool(ShapeKind)> fits;
-    std::function<BuiltStructure(const PreparedShape&, const Threads&)> build;  // untimed
+    std::function<bool(ShapeKind)> fits;  // whether it can be built over such a shape
+    std::function<BuiltStructure(const PreparedShape&, const Threads&)> build;  // leaves `seconds` at 0
 };
 
+// StructureParameters<Type> is Type::Parameters, or WithoutParameters<Type> if Type has no such member.
 template <class Type> struct WithoutParameters {
     std::string text() const { return {}; }
 };
@@ -66,12 +71,14 @@ template <class Type> using StructureParameters = typename ParametersOf<Type>::t
 const Shape& shape_of(const PreparedShape& shape);
 const TriangleMesh& triangles_of(const PreparedShape& shape);
 
-// True if Type can be built from From, with its parameters if it has any, with threads or without.
+// True if the constructor of Type takes a `const From&`, then its parameters if it has any, and perhaps Threads.
 template <class Type, class From> inline constexpr bool structure_from = requires { typename Type::Parameters; }
 ? std::constructible_from<Type, const From&, StructureParameters<Type>> ||
         std::constructible_from<Type, const From&, StructureParameters<Type>, const Threads&>
     : std::constructible_from<Type, const From&> || std::constructible_from<Type, const From&, const Threads&>;
 
+// Returns how to build a Type with these parameters. If the constructor accepts several kinds of shapes, a mesh is
+// preferred to points, and points to a Shape.
 template <class Type> StructureKind structure_kind(const StructureParameters<Type>& parameters = {}) {
     constexpr bool parametric = requires { typename Type::Parameters; };
     const auto construct = [parameters]<class From>(const From& from, const Threads& threads) {
@@ -109,7 +116,7 @@ template <class Type> StructureKind structure_kind(const StructureParameters<Typ
     return kind;
 }
 
-// A structure over one side of the scene.
+// A structure that a solver needs over the source or over the target.
 struct Need {
     StructureKind structure;
     Side side;
@@ -118,48 +125,53 @@ struct Need {
 };
 using Needs = std::vector<Need>;
 
-// Makes a need, for needs() and may_need: need<TriangleBvh>(Side::target).
+// Makes a Need, for Solver::needs() and SolverInfo::may_need: need<TriangleBvh>(Side::target).
 template <class Type> Need need(Side side, const StructureParameters<Type>& parameters = {}) {
     return {structure_kind<Type>(parameters), side};
 }
 
 std::string to_string(const Need& need);  // "target BVH"
 
+// The cost of building one structure, or of Solver::prepare().
 struct PreparationTime {
-    std::string name;  // as to_string(Need), or "solver" for the solver's private data
-    double seconds;
-    std::size_t bytes;
-    bool shared = false;  // built before, for another scene with this shape
+    std::string name;     // as to_string(Need), or "solver" for Solver::prepare()
+    double seconds;       // wall time
+    std::size_t bytes;    // memory that stays in use
+    bool shared = false;  // the structure existed already, built for another scene with this shape
 };
 
-// A shape scaled by a power of two, with the structures built over it so far. Scenes may share it.
+// A shape scaled by a power of two, with the structures built over it so far. Several scenes may share it.
 class PreparedShape {
 public:
-    // Shares the shape as it is.
+    // Takes the shape unscaled (exponent 0), without copying it.
     explicit PreparedShape(SharedShape shape);
 
-    // Multiplies every coordinate by 2^exponent in place. Keeps a copy of the original only if that rounds a coordinate.
+    // Multiplies every coordinate by 2^exponent. Keeps a copy of the original coordinates only if this rounds one of
+    // them.
     PreparedShape(Shape shape, int exponent);
 
     const SharedShape& shape() const { return shape_; }
     int exponent() const { return exponent_; }
 
-    // Returns 2^-1074 if scaling rounded a coordinate (which underflowed and is off by at most half of that), else
-    // 0.
+    // Returns an upper bound on how far the scaling moved any point by rounding, as a scaled length: 0 if it was exact,
+    // else 2^-1074. (Only a coordinate that underflows is rounded, by at most 2^-1075.)
     double lost() const { return lost_; }
 
-    // Return the largest and the smallest nonzero |coordinate|, scaled; 0 and infinity if there is none.
+    // Return the largest |coordinate|, and the smallest one that is not 0, both scaled. If every coordinate is 0, they
+    // are 0 and infinity.
     double largest() const { return largest_; }
     double smallest() const { return smallest_; }
 
-    // Returns the coordinates before scaling.
+    // Returns the coordinates before scaling, to the bit.
     Points original() const;
 
-    // Returns the mesh itself, or for a point set one triangle (i, i, i) per point, made on first use. Not for surfaces.
+    // Returns the mesh itself, or for a point set a mesh with one triangle (i, i, i) per point, made by the first call.
+    // Throws std::logic_error for a surface.
     const TriangleMesh& triangles() const;
 
-    // Returns the structure, built and timed on first use by at most so many threads. Its address does not change. Throws
-    // std::logic_error if it does not fit the shape. Sets `*before`, if given, to whether it existed already.
+    // Returns the structure. The first call builds and times it, with at most `threads`; later calls return the same
+    // object, at the same address. Sets `*before`, if not null, to whether the structure existed before this call.
+    // Throws std::logic_error if the structure does not fit the shape.
     const BuiltStructure& structure(const StructureKind& kind, const Threads& threads = Threads(),
                                     bool* before = nullptr);
 
@@ -168,7 +180,7 @@ private:
         SharedShape shape;
         int exponent;
         double lost;
-        std::optional<Points> original;  // only if scaling was not exact
+        std::optional<Points> original;  // only if the scaling was not exact
     };
     static Scaled scaled(Shape shape, int exponent);
     explicit PreparedShape(Scaled scaled);
@@ -183,37 +195,39 @@ private:
     std::map<std::string, BuiltStructure> built_;
 };
 
-// Returns the exponent that brings the largest |coordinate| into [0.5, 1); 0 if all are zero.
+// Returns the exponent e for which `largest` * 2^e is in [0.5, 1); 0 if `largest` is 0.
 int scale_exponent(double largest);
 
 // The structures that one solver declared for the two shapes of a scene.
 class Prepared {
 public:
-    // Builds the structures that do not exist yet, one after the other, each in O(n log n).
+    // Builds the needed structures that do not exist yet, one after the other. Each takes O(n log n) time.
     Prepared(const Scene& scene, const Needs& needs, const Threads& threads = Threads());
     Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs,
              const Threads& threads = Threads());
 
+    // Returns whether the structure was declared, so that get() returns it.
     template <class Type> bool has(Side side, const StructureParameters<Type>& parameters = {}) const {
         return declared_.contains(to_string(need<Type>(side, parameters)));
     }
 
-    // Returns the structure over the elements or points of that side, unposed. Throws std::logic_error if it was not
-    // declared.
+    // Returns the structure over that side, which is not moved by any pose. Throws std::logic_error if the solver did
+    // not declare it in needs().
     template <class Type> const Type& get(Side side, const StructureParameters<Type>& parameters = {}) const {
         return *static_cast<const Type*>(use(to_string(need<Type>(side, parameters))));
     }
 
-    // Returns the triangles of a mesh, or one for each point of a point set; see PreparedShape.
+    // Returns the mesh of that side, or a triangle for each point of a point set; see PreparedShape::triangles().
     const TriangleMesh& triangles(Side side) const { return shapes_[static_cast<std::size_t>(side)]->triangles(); }
 
-    // Returns the threads to use for private data that a solver builds in prepare().
+    // Returns the threads with which Solver::prepare() may build its private data.
     const Threads& threads() const { return threads_; }
 
-    // Returns the cost of each structure when it was built, for this pair or an earlier one.
+    // Returns the cost of each structure, measured when it was built, be it for this scene or an earlier one.
     const std::vector<PreparationTime>& times() const { return times_; }
 
-    // Returns how often get() has returned each structure, by name. The contract test fails if one is never used.
+    // Returns how often get() has returned each structure, by the name that to_string(Need) gives; structures that were
+    // never used are absent. The contract test fails if a solver declares a structure and never uses it.
     std::map<std::string, int> uses() const;
 
 private:

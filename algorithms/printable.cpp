@@ -7,8 +7,8 @@
 namespace hausbench {
 namespace {
 
-// A character at the beginning of a text: its number and its length in bytes, which is 0 if the text does not begin
-// with a valid character.
+// The first character of a UTF-8 text: its code point and its length in bytes. The length is 0 if the text does not
+// begin with a valid character.
 struct Character {
     char32_t number = 0;
     std::size_t length = 0;
@@ -32,15 +32,15 @@ Character first_character(std::string_view text) {
 
 bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0) || c == 0x2028 || c == 0x2029; }
 
-// Returns whether the character sets the direction of writing or takes no room. Names that differ only in such
-// characters look the same.
+// Returns whether the character is invisible: it sets the direction of writing or has no width. Names that differ only
+// in such characters look the same.
 bool is_hidden(char32_t c) {
     return c == 0x61c || (c >= 0x200b && c <= 0x200f) || (c >= 0x202a && c <= 0x202e) || (c >= 0x2060 && c <= 0x2069) ||
            c == 0xfeff || (c >= 0xe0000 && c <= 0xe007f);
 }
 
-// Returns the length of one of this program's colours at the beginning of a text, else 0. See coloured() in
-// text_table.cpp.
+// Returns the length of the colour code at the beginning of a text, or 0 if there is none. Knows only the codes that
+// coloured() in harness/commands/text_table.cpp writes.
 std::size_t colour_at(std::string_view text) {
     for (const std::string_view colour : {"\033[31m", "\033[33m", "\033[90m", "\033[0m"}) {
         if (text.starts_with(colour)) return colour.size();

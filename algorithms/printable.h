@@ -1,4 +1,5 @@
-// Makes foreign text safe to print: names, reasons and messages from files must not steer a terminal or forge a line.
+// Makes text from outside this program safe to print. A name or message that was read from a file could contain control
+// characters that change the terminal, or a line break that makes a part of it look like output of this program.
 #pragma once
 
 #include <string>
@@ -6,13 +7,13 @@
 
 namespace hausbench {
 
-// Returns the text as one line of valid UTF-8. Control characters (including U+0080 to U+009F) and line separators become
-// spaces; direction marks, zero-width characters and invalid bytes become question marks.
+// Returns the text as one line of valid UTF-8. Control characters (including U+0080 to U+009F) and line separators
+// become spaces; direction marks, zero-width characters and invalid bytes become question marks.
 std::string printable(std::string_view text);
 
-// The same, but keeps line breaks and, with `colours`, the colour codes that this program writes. Everything
-// printed goes through it. Foreign text inside must have been through printable() before, so that a line break in
-// it cannot start a line.
+// Does the same, but keeps line breaks and, if `colours` is set, the colour codes that this program writes. All
+// standard output of the program passes through this function. Text from outside must pass through printable() before
+// it is inserted into the output, because this function cannot tell whose line breaks they are.
 std::string printable_lines(std::string_view text, bool colours);
 
 }  // namespace hausbench

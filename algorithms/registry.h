@@ -1,4 +1,4 @@
-// The list of solvers. CONTRIBUTING.md says how to add one.
+// The list of all solvers that this program can run. CONTRIBUTING.md says how to add one.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -11,8 +11,9 @@ namespace hausbench {
 // Returns the built-in solvers, then the solvers of plug-ins in the order of loading.
 const std::vector<SolverEntry>& solvers();
 
-// Adds the solvers of a plug-in. Call it before looking up any solver, because it invalidates references into solvers().
-// Throws InputError, which begins with `origin`, if a name is already in use; then nothing is added.
+// Adds the solvers of a plug-in. Call it before looking up any solver, because it invalidates references into
+// solvers(). Throws InputError if a solver has no name, no `make` function, or a name that is already in use; then
+// nothing is added. The message begins with `origin`.
 void add_solvers(const std::vector<SolverEntry>& more, const std::string& origin);
 
 // A solver that was left out of this program because its library was missing or switched off.
@@ -21,7 +22,8 @@ struct NotBuilt {
 };
 const std::vector<NotBuilt>& solvers_not_built();
 
-// Returns a solver by name. Throws InputError that suggests the nearest known name.
+// Returns a solver by name. Throws InputError if there is none: the message suggests a similar name or, if the solver
+// was left out of this program, gives the reason.
 const SolverEntry& find_solver(std::string_view name);
 
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// Shapes, and the scene that pairs a source A with a target B.
+// Shapes, and the scene, which pairs a source A with a target B.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -14,7 +14,7 @@ namespace hausbench {
 
 using Shape = std::variant<PointSet, TriangleMesh, AlgebraicSurface>;
 
-enum class ShapeKind { points, mesh, surface };
+enum class ShapeKind { points, mesh, surface };  // in the order of Shape
 
 ShapeKind kind_of(const Shape& shape);
 std::string_view to_string(ShapeKind kind);
@@ -26,25 +26,25 @@ Points& points_of(Shape& shape);
 // Returns the number of points of a point set or of triangles of a mesh; 1 for a surface.
 Index element_count(const Shape& shape);
 
-// Return the shape as its kind. Throw std::bad_variant_access for a shape of another kind.
+// Return the mesh, or the surface, that the shape is. Throw std::bad_variant_access for a shape of another kind.
 inline const TriangleMesh& mesh_of(const Shape& shape) { return std::get<TriangleMesh>(shape); }
 inline const AlgebraicSurface& surface_of(const Shape& shape) { return std::get<AlgebraicSurface>(shape); }
 
-// An immutable shape that several scenes may share; copying it copies no points.
+// A read-only shape that several scenes may share. Copying a SharedShape copies a pointer, not the points.
 class SharedShape {
 public:
     template <class S>
     requires(std::constructible_from<Shape, S&&> && !std::same_as<std::remove_cvref_t<S>, SharedShape>)
-        SharedShape(S&& shape)  // NOLINT(google-explicit-constructor): a scene is made of shapes
+        SharedShape(S&& shape)  // NOLINT(google-explicit-constructor): for Scene{a, b}
         : shape_(std::make_shared<const Shape>(std::forward<S>(shape))) {}
 
-    operator const Shape&() const { return *shape_; }  // NOLINT(google-explicit-constructor): it is read like the shape
+    operator const Shape&() const { return *shape_; }  // NOLINT(google-explicit-constructor): used as a Shape
 
 private:
     std::shared_ptr<const Shape> shape_;
 };
 
-// A source A and a target B; each query moves them by its poses.
+// A source A and a target B before any motion. The poses of a Query move them; the scene itself does not change.
 struct Scene {
     SharedShape source, target;
 };

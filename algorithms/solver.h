@@ -1,14 +1,23 @@
-// THE interface. A solver bounds the directed Hausdorff distance h(A,B) = max over a in A of min over b in B of |a - b|
-// from below and above. One solver is one .cpp file without a header: it defines a class, a SolverInfo and one function
-// that the CMakeLists.txt of its folder names. Read points/naive.cpp next.
+// The interface of all solvers. A solver bounds the directed Hausdorff distance
 //
-// A solver must honour the poses and the tolerance of a query, and `quantity` and `wanted` as far as its SolverInfo offers
-// them. All other fields are optional hints. Session emulates what a solver does not support: H(A,B) = max(h(A,B), h(B,A))
-// from two directed answers, and a moving target from a posed copy.
+//     h(A,B) = max over a in A of min over b in B of |a - b|
 //
-// A solver may rely on the following, which session.h ensures: shapes are non-empty and finite, and unless it asks for
-// `original_coordinates` the scene is scaled by a power of two so that the largest |coordinate| is in [0.5, 1). Scenes
-// with an algebraic surface are never scaled.
+// from below and above. A is the source and B the target. Each query moves both by its poses; "A posed" means A after
+// this motion. One solver is one .cpp file without a header. It defines a class derived from Solver and a function
+// NAME_solver(), which returns the solver's SolverEntry; a line in the CMakeLists.txt of its folder registers it. The
+// shortest example is points/naive.cpp; read it next.
+//
+// Callers use a solver through a Session (session/session.h), which builds the structures, checks every status, and
+// emulates unsupported features: it obtains H(A,B) = max(h(A,B), h(B,A)) from two directed answers, and answers for a
+// moving target with a posed copy of B.
+//
+// A solver must honour `source_pose` and `tolerance` of a query, and `target_pose`, `quantity` and `wanted` as far as
+// its SolverInfo offers them. All other fields of a query are optional hints.
+//
+// A solver may rely on the following. Shapes are not empty, and all coordinates are finite. Session scales both shapes
+// by one power of two, so that the largest |coordinate| before posing is in [0.5, 1) or everything is 0. All lengths in
+// the solver's queries and results are in this unit. Two kinds of scenes are not scaled: a scene with an algebraic
+// surface, and a scene for a solver that asks for `original_coordinates`.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -31,6 +40,7 @@
 
 namespace hausbench {
 
+// The kinds of shapes that a solver accepts on one side.
 struct ShapeSet {
     bool points = false, mesh = false, surface = false;
     bool contains(ShapeKind kind) const {
@@ -38,27 +48,33 @@ struct ShapeSet {
     }
 };
 
-// The largest gap, upper - lower, that ends a search.
+// The largest gap, upper - lower, with which an answer counts as converged.
 struct Tolerance {
-    enum class Of { absolute, lower };  // a length, or a fraction of the lower bound
+    // absolute: `value` is a length.
+    // lower: `value` is a fraction of the lower bound. For a distance of 0, only an upper bound of exactly 0 converges.
+    enum class Of { absolute, lower };
     Of of = Of::absolute;
     double value = 0;
 
-    // Returns the largest gap allowed, given the lower bound so far.
+    // Returns the largest gap allowed, as a length, given the lower bound so far.
     double gap(double lower) const { return of == Of::absolute ? value : value * lower; }
 };
 
+// Why a solver stopped. The bounds hold whatever the status.
 enum class Status {
-    converged,     // the gap is within the tolerance; with a floor it is upper - max(lower, floor)
+    converged,     // the gap, upper - max(lower, floor), is within the tolerance
     below_floor,   // upper <= floor
     above_cutoff,  // lower > cutoff
     time_limit,
-    budget,           // Query::budget subdivisions (or the solver's own unit of work, see its header) were spent
-    precision_floor,  // the tolerance is below what double precision can certify
-    stalled,          // the solver cannot go on; the bounds still hold
+    // The work allowed by Query::budget is done. The unit of work is a subdivision, unless the comment at the top of
+    // the solver's file names another one.
+    budget,
+    precision_floor,  // rounding errors alone keep the gap above the tolerance
+    stalled,          // the solver cannot go on for another reason
 };
 std::string_view to_string(Status status);
 
+// lower <= the distance <= upper. The defaults always hold.
 struct Bounds {
     double lower = 0;
     double upper = std::numeric_limits<double>::infinity();
@@ -66,28 +82,32 @@ struct Bounds {
     double gap() const { return upper - lower; }
 };
 
-// The pair of points that attains the lower bound. In either direction source_point lies on A posed and target_point on B
-// posed. `direction` says which of the two is far from the other shape; the other one is its closest point there. NaN means
-// that a point is not known.
+// The pair of points that attains the lower bound, up to rounding: a far point of one shape, and the point of the other
+// shape that is closest to it. source_point always lies on A posed and target_point on B posed. `direction` says which
+// of them is the far point: source_point for source_to_target (h(A,B)), target_point for target_to_source (h(B,A)).
 struct Witness {
     enum class Direction { source_to_target, target_to_source };
+    // NaN: not known.
     Vec3 source_point = Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), target_point = source_point;
-    Index source_element = -1, target_element = -1;  // -1: not known
+    // The index of the point or triangle on which each point lies; -1: not known.
+    Index source_element = -1, target_element = -1;
     Direction direction = Direction::source_to_target;
 };
 std::string_view to_string(Witness::Direction direction);
 
-// Facts that a solver reports about its run, by name: a number, such as the share of points it culled, or a text, such as the
-// algorithm it chose. Session scales numbers whose name begins with `length_prefix` back to the unit of the input, rounded to
-// nearest, so they are not bounds.
+// Facts that a solver reports about its run, by name. Each is a number, such as the share of points that were culled,
+// or a text, such as the algorithm that was chosen. A number whose name begins with `length_prefix` is a length:
+// Session scales it back to the unit of the input. The scaling rounds to nearest, so the number is not a bound.
 inline constexpr std::string_view length_prefix = "length: ";
 using Reported = std::map<std::string, std::variant<double, std::string>>;
 
-// One value for each vertex or element of A, such as the upper bound of each triangle. Only draw_distance() in
-// harness/record/fields.h makes fields of pieces.
+// One value for each vertex or each element (point or triangle) of A, such as the upper bound of each triangle.
 struct Field {
+    // Pieces are parts of triangles that are cut to draw pictures. A solver makes no fields of pieces; only as_fields()
+    // in harness/record/fields.h does.
     enum class Of { vertices, elements, pieces };
-    enum class Meaning { lower, upper, number };  // bounds are lengths, numbers have no unit
+    // lower, upper: bounds, which are lengths. number: a value without a unit.
+    enum class Meaning { lower, upper, number };
     std::string name;
     Of of = Of::elements;
     Meaning meaning = Meaning::number;
@@ -95,8 +115,8 @@ struct Field {
 };
 using Fields = std::vector<Field>;
 
-// A proof of the upper bound `proven` that can be checked without the solver. `format` says how to read the bytes. The bytes
-// contain no length, so they hold for the shapes in every unit; the only length is `proven`.
+// A proof of the upper bound `proven` that can be checked without the solver. `format` says how to read `bytes`. The
+// bytes contain no length, so the proof stays valid when Session scales `proven` back to the unit of the input.
 struct Certificate {
     std::string format;
     Witness::Direction direction = Witness::Direction::source_to_target;  // target_to_source: proves h(B,A)
@@ -106,57 +126,63 @@ struct Certificate {
 
 struct Result {
     Status status = Status::stalled;
-    Bounds bounds;  // lower <= the quantity of the query <= upper, whatever the status
+    Bounds bounds;  // of the quantity that the query asks for, whatever the status
     Witness witness;
     Counters counters;
     Reported reported = {};
 
-    // One line that says why the status is not `converged`, if the solver knows more than the status tells.
+    // If the status is not `converged`: one line with the reason, such as an error of an outside program. Empty if the
+    // status says enough.
     std::string note = {};
 
     // Set only if the query wants them. H(A,B) has two certificates, one for each direction, or none.
     std::optional<Fields> fields = {};
     std::vector<Certificate> certificates = {};
-    std::string why_no_certificate = {};  // one line, if one was wanted
+    std::string why_no_certificate = {};  // one line, if a certificate was wanted and there is none
 
-    // Set if a program outside this process did the work: the time it reports, and its peak resident set.
+    // Set only if a program outside this process did the work: the seconds that it reports (else NaN), and the peak of
+    // its resident memory in bytes (else -1).
     double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t outside_bytes = -1;
 };
 
-// h(A,B), H(A,B), or the penetration depth of two solids (Tang et al. 2009, section 7.3): the largest H between the two halves
-// of the boundary of a connected part of their common volume, one half from A and one from B. See composed/penetration/.
+// directed: h(A,B). symmetric: H(A,B) = max(h(A,B), h(B,A)).
+// penetration: the penetration depth of two solids (Tang et al. 2009, section 7.3; composed/penetration/). The boundary
+// of each connected part of their common volume consists of a part of A's surface and a part of B's surface. The depth
+// is the largest H between these two, over all connected parts.
 enum class Quantity { directed, symmetric, penetration };
 inline constexpr Quantity quantities[] = {Quantity::directed, Quantity::symmetric, Quantity::penetration};
 std::string_view to_string(Quantity quantity);
 
-// "h(A,B)", "H(A,B)", "the penetration depth".
+// Returns the quantity as messages show it: "h(A,B)", "H(A,B)" or "the penetration depth".
 std::string_view symbol(Quantity quantity);
 
 // Extra output that an answer should contain. Timed runs ask for none.
 struct Wanted {
-    bool fields = false;
-    bool stages = false;  // seconds by stage in `reported`, such as "seconds: subdivide"
-    bool certificate = false;
+    bool fields = false;       // Result::fields
+    bool stages = false;       // seconds spent in each stage, in Result::reported, such as "seconds: subdivide"
+    bool certificate = false;  // Result::certificates
 };
 inline constexpr std::string_view stage_prefix = "seconds: ";
 
+// One question to a solver. The answer is a Result.
 struct Query {
     Quantity quantity = Quantity::directed;
     Pose source_pose, target_pose;
     Tolerance tolerance;
 
-    // Lengths at which a solver may stop early. "Is h above d?" is floor = cutoff = d; the tolerance then ends nothing. The
-    // lower bound stays proven, with its witness: a solver never returns the floor as a bound.
-    double floor = 0;                                             // may stop once upper <= floor
-    double cutoff = std::numeric_limits<double>::infinity();      // may stop once lower > cutoff
-    double time_limit = std::numeric_limits<double>::infinity();  // seconds of wall time
-    std::uint64_t budget = std::numeric_limits<std::uint64_t>::max();
-    int threads = 1;  // the most that may work; the interval must not depend on it
+    // Two lengths at which a solver may stop early, whatever the tolerance. To ask "is the distance above d?", set
+    // floor = cutoff = d; the tolerance is then ignored. A solver never returns the floor as its lower bound: the lower
+    // bound is always proven, and the witness belongs to it.
+    double floor = 0;                                                  // may stop once upper <= floor
+    double cutoff = std::numeric_limits<double>::infinity();           // may stop once lower > cutoff
+    double time_limit = std::numeric_limits<double>::infinity();       // seconds of wall time
+    std::uint64_t budget = std::numeric_limits<std::uint64_t>::max();  // most units of work, see Status::budget
+    int threads = 1;  // most threads to use; the bounds must not depend on the number
     Wanted wanted;
 
-    // Returns the status with which a solver may stop at these bounds, or nothing if they are too far apart. Distances below
-    // the floor do not matter, so the gap is upper - max(lower, floor).
+    // Returns the status with which a solver may stop at these bounds, or nothing if they are too far apart. The gap is
+    // upper - max(lower, floor), because the caller does not care about distances below the floor.
     std::optional<Status> answer(double lower, double upper) const {
         if (lower > cutoff) return Status::above_cutoff;
         const bool asks = floor >= cutoff;
@@ -168,33 +194,39 @@ struct Query {
 
 // Properties shared by all later queries; lets a solver skip preparation that none of them needs.
 struct QuerySet {
-    bool moves = false;  // some pose of A is not the identity
-    std::size_t count = 1;
+    bool moves = false;     // some pose of A is not the identity
+    std::size_t count = 1;  // number of queries
+    // The smallest absolute tolerance, in the unit of the input even if the scene is scaled; 0: not known, or the
+    // tolerance is a fraction of the lower bound.
     double finest_tolerance = 0;
     bool target_moves = false;   // some pose of B is not the identity
     bool target_copied = false;  // some answer needs a posed copy of B, see session/moving_target.h
     bool symmetric = false;      // some query asks for H(A,B)
-    int threads = 1;             // the most that a query or the building of structures may use
+    int threads = 1;             // most threads for a query, and for building structures
 };
 
-// Data that a solver carries from one pose of a chain to the next, such as the last witness. It may speed up an answer but
-// never changes the meaning of a bound. A later pose may be answered by another instance of the solver, prepared on the same
-// shapes.
+// Data that a solver keeps between the queries of a chain, a series of queries about nearby poses. An example is the
+// last witness, which is a good first guess for the next pose. A State may speed up an answer but never changes the
+// meaning of a bound. The next query may go to another instance of the solver that is prepared for the same shapes, so
+// a State must not refer to the instance that made it.
 class State {
 public:
     virtual ~State() = default;
 
-    // Takes hints from the state of the other direction of H(A,B) at the same pose: pairs that were close there are close
-    // here. Called for solvers with Ability::shared_pairs.
+    // Takes hints from the State of the other direction of H(A,B) at the same pose. A point of A and a point of B that
+    // were found close to each other there are close here too. Called only for solvers with Ability::shared_pairs.
     virtual void learn_from(const State& /*opposite*/) {}
 };
 
+// Base class of all solvers. An instance is made for one pair of shapes: the constructor reads the options, prepare()
+// is called once, then solve() any number of times.
 class Solver {
 public:
     virtual ~Solver() = default;
 
-    // Returns whether the bounds hold under rounding with the options given. Asked only if SolverInfo::certified is set, of a
-    // solver made just for this question, so a constructor should only read options.
+    // Returns whether the bounds hold under rounding with the options of this instance. Called only if
+    // SolverInfo::certified is set. The harness makes an instance for this call alone, so a constructor should do no
+    // more than read options.
     virtual bool certified() const { return true; }
 
     // Returns the structures that this scene and these queries require. Keep it cheap.
@@ -206,55 +238,62 @@ public:
     // Returns the memory that prepare() allocated, in bytes; 0 if it is negligible.
     virtual std::size_t prepared_bytes() const { return 0; }
 
-    // Returns the state for a new chain of nearby poses, for solvers with Ability::warm; null if every answer is cold.
+    // Returns the State for a new chain of queries; null if the solver lacks Ability::warm.
     virtual std::unique_ptr<State> begin() const { return nullptr; }
 
-    // Answers a query. Re-entrant: only `state` may change, which is null or comes from begin() and belongs to one chain of
-    // queries, so the order of other queries cannot matter. Hard input never throws: return `stalled` with bounds that hold.
+    // Answers a query. Several threads may call it at the same time, so it must change nothing but `state`, `trace` and
+    // its own local variables. `state` is null or comes from begin() and belongs to one chain of queries; queries
+    // without a state, or of other chains, must not affect each other. Never throws because the input is hard: return
+    // `stalled` with bounds that hold.
     virtual Result solve(const Query& query, State* state, Trace& trace) const = 0;
 };
 
 // Abilities beyond bounding h(A,B) for a moving source.
 enum class Ability {
-    traces,         // offers samples to Trace
+    traces,         // offers its bounds to Trace::record() while it runs
     moving_target,  // honours Query::target_pose
     warm,           // makes use of a State
-    shared_pairs,   // and of the State of the other direction, see State::learn_from
+    shared_pairs,   // also uses the State of the other direction of H(A,B), see State::learn_from
     threads,        // makes use of Query::threads
     fields,         // gives Result::fields if wanted
     certificates,   // gives Result::certificates if wanted and if time allows
 
-    // The tolerance decides only when the solver stops, so its trace contains the answers to coarser tolerances,
-    // bit for bit, and the harness reads them from there.
+    // The tolerance decides only when the solver stops. So the trace of a run with a fine tolerance contains the
+    // answers to coarser ones, bit for bit, and the harness reads them from the trace instead of solving again.
     coarser_answers,
 
-    // Slightly wider bounds are acceptable: if the target is a mesh that moves rigidly, Session may move the
-    // source the other way instead of building structures over a posed copy.
+    // The solver permits slightly wider bounds. If both shapes are meshes and the target moves rigidly, Session may
+    // then move the source the other way, which saves building structures over a posed copy of the target.
     undone_motion,
 };
 std::string_view to_string(Ability ability);
 
+// Declares a solver: its names, the scenes and queries that it accepts, and its parameters. It does not depend on the
+// values of the parameters.
 struct SolverInfo {
     std::string name;   // as in experiment files
     std::string title;  // as in tables and legends
     std::string paper;  // key in papers.bib; empty: our own, and the title ends with "(ours)"
     ShapeSet source, target;
 
-    // The bounds hold under rounding; the solver's file derives the error. See Solver::certified.
+    // The bounds hold under rounding; the solver's file derives the error. Solver::certified() may withdraw this for
+    // some values of the parameters.
     bool certified = false;
 
-    // Describes a published error that is kept on purpose, so bounds may not hold. Excludes `certified`.
+    // If not empty: describes an error of the paper that is kept on purpose, so that bounds may be wrong. Such a solver
+    // cannot be `certified`.
     std::string known_wrong = {};
 
     // The answer does not depend on the tolerance: the exact distance, or bounds of fixed width.
     bool ignores_tolerance = false;
 
-    // Takes the scene unscaled. Meant for outside programs, to show their limits.
+    // The solver receives the scene as it was loaded, unscaled. Meant for libraries and programs by others, so that
+    // their limits show.
     bool original_coordinates = false;
 
     std::vector<Quantity> quantities = {Quantity::directed};
     std::set<Ability> abilities = {};
-    Needs may_need = {};  // every structure that it can ever use
+    Needs may_need = {};  // every structure that needs() may ever return
     std::vector<ParameterSpec> parameters = {};
 
     bool offers(Quantity quantity) const {
@@ -263,12 +302,14 @@ struct SolverInfo {
     bool can(Ability ability) const { return abilities.contains(ability); }
 };
 
+// A solver as it is registered: its declaration, and the function that makes an instance. `make` must read every
+// parameter, may throw only InputError, and must not return null (contract.h).
 struct SolverEntry {
     SolverInfo info;
     std::unique_ptr<Solver> (*make)(const Options&);
 };
 
-// Use it as SolverEntry::make if the solver is constructed from its options.
+// A ready-made SolverEntry::make for a solver whose constructor takes only the options: {info, make_solver<MySolver>}.
 template <class AnySolver> std::unique_ptr<Solver> make_solver(const Options& options) {
     return std::make_unique<AnySolver>(options);
 }

@@ -5,9 +5,10 @@
 namespace hausbench {
 
 Adjacency::Adjacency(const TriangleMesh& mesh) {
+    // A side of a triangle, from corner k to corner k + 1 (mod 3).
     struct Half {
-        Index high;          // the larger of the two vertices
-        std::int32_t place;  // 3 triangle + k
+        Index high;          // the larger one of the two vertex numbers
+        std::int32_t place;  // 3 * triangle + k
     };
     const auto halves_count = static_cast<std::size_t>(mesh.triangles.size());
     const auto vertices = static_cast<std::size_t>(mesh.vertices.rows());
@@ -18,7 +19,8 @@ Adjacency::Adjacency(const TriangleMesh& mesh) {
         return std::pair(std::min(one, two), std::max(one, two));
     };
 
-    // Sort by the lower vertex by counting, then each small group by the higher vertex.
+    // Sort the sides so that the sides on one edge are neighbours: by the lower vertex with a counting sort, then each
+    // group with one lower vertex by the higher vertex.
     std::vector<std::int32_t> first(vertices + 1, 0);
     for (std::size_t place = 0; place < halves_count; ++place) ++first[static_cast<std::size_t>(ends(place).first) + 1];
     for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];

@@ -1,4 +1,4 @@
-// Adjacency of the triangles of a mesh across shared edges.
+// The edges of a mesh, and the triangles at each edge.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -11,21 +11,22 @@
 
 namespace hausbench {
 
-// An edge is a pair of vertex numbers, so vertices at the same place with different numbers are not joined. Any
-// triangle soup is allowed; an edge may belong to one, two or many triangles. A triangle with two equal corners is
-// listed twice at its edge.
+// An edge is a pair of vertex numbers. Vertices with equal coordinates but different numbers count as different, so
+// triangles that only touch there share no edge. Any triangle soup is allowed: an edge may belong to one, two or many
+// triangles, and a triangle with the vertices (i, i, j) is listed twice at the edge ij.
 class Adjacency {
 public:
     static constexpr std::string_view structure_name = "adjacency";
     static constexpr bool structure_of_meshes_only = true;  // points have no neighbours
     static constexpr int structure_layout = 1;
 
-    // O(n) time for bounded degrees, O(n log n) in the worst case; O(n) memory.
+    // O(n) time if each vertex belongs to few triangles, O(n log n) in the worst case; O(n) memory.
     explicit Adjacency(const TriangleMesh& mesh);
 
+    // Returns the number of edges.
     Index edges() const { return static_cast<Index>(begin_.size()) - 1; }
 
-    // Returns the edge from corner k to corner k + 1 (mod 3) of a triangle.
+    // Returns the number of the edge between corners k and k + 1 (mod 3) of a triangle.
     Index edge(Index triangle, int k) const {
         return edge_of_[3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(k)];
     }
@@ -36,7 +37,7 @@ public:
         return {triangles_.data() + begin_[e], static_cast<std::size_t>(begin_[e + 1] - begin_[e])};
     }
 
-    // Returns the other triangle at edge k; -1 at a border, or if there are several.
+    // Returns the other triangle at edge k of a triangle; -1 if there is none (a border) or more than one.
     Index neighbour(Index triangle, int k) const {
         const auto both = triangles(edge(triangle, k));
         if (both.size() != 2 || both[0] == both[1]) return -1;
@@ -46,8 +47,9 @@ public:
     std::size_t bytes() const;
 
 private:
-    std::vector<Index> edge_of_;       // three per triangle
-    std::vector<std::int32_t> begin_;  // start of each edge in triangles_, then the end
+    std::vector<Index> edge_of_;  // the three edges of each triangle
+    // triangles_[begin_[e]] to triangles_[begin_[e + 1] - 1] are the triangles at edge e.
+    std::vector<std::int32_t> begin_;
     std::vector<Index> triangles_;
 };
 

@@ -15,12 +15,13 @@ namespace hausbench {
 
 namespace {
 
-constexpr std::size_t most_near_move = 256;  // triangles of B; with more, the lemma is not tried
+// If more triangles of B than this may be near T or T + D, the lemma is given up, as testing them would cost too much.
+constexpr std::size_t most_near_move = 256;
 
 using Corners = std::array<Vec3, 3>;
 
-// Returns whether the hulls of two sets of points are more than `margin` apart along an axis. Rounding matters only
-// in the test along the axis: a poor axis can only fail to separate them.
+// Returns whether the convex hulls of two sets of points are more than `margin` apart along an axis. The axis itself
+// may be inaccurate: a wrong axis may fail to separate the sets but never separates sets that touch.
 bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two, double margin) {
     const double size = axis.cwiseAbs().maxCoeff();
     if (!(size > 0 && size < infinity)) return false;
@@ -37,8 +38,8 @@ bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two
     return low[0] - high[1] > margin || low[1] - high[0] > margin;
 }
 
-// Returns whether some axis separates two triangles, or a segment and a triangle. Tries normals and cross products of
-// edges.
+// Returns whether an axis is found along which two triangles, or a segment and a triangle, are more than `margin`
+// apart. Tries the normals of the triangles and the cross products of their edges.
 bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
     const auto edge = [](std::span<const Vec3> p, std::size_t k) { return Vec3(p[(k + 1) % p.size()] - p[k]); };
     if (one.size() == 3 && apart_along(edge(one, 0).cross(edge(one, 1)), one, two, margin)) return true;
@@ -48,7 +49,8 @@ bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
             if (apart_along(edge(one, i).cross(edge(two, j)), one, two, margin)) return true;
         }
     }
-    // For coplanar shapes: directions in the plane, normal to each edge.
+    // If both lie in one plane, the cross products above are all normal to it. Try the directions in the plane that are
+    // perpendicular to an edge.
     const Vec3 normal = edge(two, 0).cross(edge(two, 1));
     for (std::size_t i = 0; i < one.size(); ++i) {
         if (apart_along(normal.cross(edge(one, i)), one, two, margin)) return true;
@@ -59,8 +61,8 @@ bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
     return false;
 }
 
-// Returns whether the segment crosses the interior of the triangle; nothing if in doubt. Its ends must not be on the
-// triangle.
+// Returns whether the segment crosses the interior of the triangle, or nothing if rounding leaves this undecided. The
+// ends of the segment must not lie on the triangle.
 std::optional<bool> crosses(const std::array<Vec3, 2>& segment, const Corners& t, double margin) {
     if (apart(segment, t, margin)) return false;
     const Vec3 &p = segment[0], &q = segment[1];
@@ -83,10 +85,11 @@ bool is_closed(const TriangleMesh& mesh) {
     return true;
 }
 
-// Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997, section 4.3:
-// computed in this order, the determinant errs by (7 + 56u) u times the sum of the absolute values of its products.
-// That sum is itself rounded by a few u, so 8u is enough. Underflow costs less than 2^-1000 if no product overflows;
-// if one does, the comparison is false.
+// Error, with u = 2^-53, from Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric
+// predicates, 1997, section 4.3. If computed in this order, the determinant errs by at most (7 + 56u) u times the sum
+// of the absolute values of its products. This sum, `permanent`, is itself rounded by a few u, so 8u * permanent is
+// enough. Underflow costs less than 2^-1000 if no product overflows. If one overflows, both comparisons are false, and
+// the sign stays undecided.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     const Vec3 p = a - d, q = b - d, r = c - d;
     const double qr = q[0] * r[1], rq = r[0] * q[1], rp = r[0] * p[1], pr = p[0] * r[1], pq = p[0] * q[1],
@@ -112,10 +115,12 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
     const double length = distance_at_most(squared_length(move), true), n = magnitude_ + length;
     const double margin = (4 * level + 48) * unit_roundoff * n;
     const Corners moved{corners[0] + move, corners[1] + move, corners[2] + move};
-    // Avoids the corners and the barycentre, which are often exactly above an edge.
+    // A point of T that is unlikely to move exactly through an edge of B, where rounding leaves the crossings
+    // undecided. The corners and the barycentre of T often do.
     const Vec3 p = 0.5 * corners[0] + 0.3 * corners[1] + 0.2 * corners[2];
     const std::array<Vec3, 2> segment{p, p + move};
-    // Contains both triangles and all segments. Each length errs by a few uN.
+    // Search the ball around `centre` that contains T, T + D and the segments between them. Its radius errs by a few
+    // uN, and triangles of B within `margin` of T or T + D must be found too: 2 * margin covers both.
     const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     double radius = 0;
     for (const Vec3& corner : corners) radius = std::max(radius, squared_length(corner - middle));

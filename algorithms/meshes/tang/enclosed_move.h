@@ -1,23 +1,38 @@
-// Lemma 4 of Tang et al. 2009, corrected: bounds a piece T of A by a translation D of T, if B is closed.
+// Lemma 4 of Tang et al. 2009, corrected. If B is closed and a translation D moves a piece T of A through the surface
+// of B, then no point of T is farther from B than |D|.
 //
-// As printed: if B encloses T + D, then no point of T is farther from B than |D|. This is wrong if part of T is
-// inside B, because a point inside may stay inside without meeting B.
-// Here: let every edge of B belong to an even number of its triangles, and let neither T nor T + D touch B. If the
-// segment from one point p of T to p + D crosses B an odd number of times, then so does the segment of every other
-// point of T: when p moves to that point, neither end of the segment meets B, so the number of crossings changes by
-// two at a time, because B is closed modulo 2. So each segment meets B, and no point of T is farther from B than |D|.
-// T may also be inside and T + D outside.
+// The lemma as printed requires only that B encloses T + D. This is wrong if a part of T is inside B already: a point
+// there may stay inside and never meet B. Here, three conditions are required instead:
 //
-// Certified: an axis separates T and T + D from each triangle of B, and orientations count the crossings. Both are
-// proven under rounding; if either is in doubt, there is no bound.
+// 1. B is closed: every edge of B belongs to an even number of its triangles.
+// 2. Neither T nor T + D touches B.
+// 3. For one point p of T, the segment from p to p + D crosses B an odd number of times.
 //
-// Rounding: T stands for an exact piece within 2k uM of it, where k is its level (kernel/rounding.h). Adding D to a
-// corner errs by u N in each coordinate, less than 2u N in length, where N = M + |D|. p is within 7uM of T: weights
-// and products err by u M together, the sums by 1.8uM, so each coordinate errs by less than 3uM. So the exact points
-// are within (2k + 9) uN of the computed corners, which must be that far from B. An axis n has coordinates of at most
-// 1, so lengths along it are at most sqrt(3) times as long; a computed product n.x errs by 3.01u (|n_1| + |n_2| +
-// |n_3|) N <= 9.1uN, two of them by 18.2uN, and their difference by u of itself. (4k + 48) uN exceeds sqrt(3) (2k +
-// 9) uN + 18.2uN plus the rounding of that difference and of this product.
+// Proof: let p move continuously to any other point of T. By 2, neither end of its segment ever meets B. So, because
+// B is closed, crossings appear and vanish two at a time, and the number of crossings stays odd. So the segment from
+// every point of T meets B, and its length is |D|. It does not matter whether T + D is inside B and T outside, or the
+// reverse.
+//
+// Certified: condition 2 is proven by an axis that separates T, and one that separates T + D, from each triangle of B.
+// Condition 3 is proven by such axes and by the signs of determinants. Both proofs hold under rounding; if rounding
+// leaves one of them undecided, no bound is given.
+//
+// Rounding, with u and M as in kernel/rounding.h, and N = M + |D|.
+//
+// The lemma is about exact points, but the axes separate the computed corners of T and of T + D from B:
+// - T stands for an exact piece within 2k uM of it, where k is its level.
+// - Adding D to a corner errs by uN in each coordinate, so by less than 2uN in length.
+// - The computed p is within 7uM of T. Its weights and products err by uM together and the sums by 1.8uM, so each
+//   coordinate errs by less than 3uM, and sqrt(3) * 3uM < 7uM.
+// Together, all exact points are within (2k + 2 + 7) uN of the hull of the computed corners of T or of T + D. So each
+// of these hulls must be more than (2k + 9) uN away from each triangle of B.
+//
+// The distance between a hull and a triangle of B along an axis n is computed:
+// - The coordinates of n are at most 1, so |n| <= sqrt(3), and a length l becomes at most sqrt(3) * l along n.
+// - A computed product n.x errs by 3.01u (|n_1| + |n_2| + |n_3|) N <= 9.1uN, two of them by 18.2uN, and the difference
+//   of two products by u of itself.
+// So the computed distance must exceed sqrt(3) (2k + 9) uN + 18.2uN. The margin in upper() is (4k + 48) uN; the rest
+// of it covers the rounding of the difference and of the margin itself.
 #pragma once
 
 #include "algorithms/meshes/tang/volumes.h"
@@ -25,23 +40,27 @@
 
 namespace hausbench {
 
-// Returns whether every edge, as a pair of vertex numbers, belongs to an even number of triangles. O(n).
+// Returns whether every edge belongs to an even number of triangles; see Adjacency for the edges. O(n) time if each
+// vertex belongs to few triangles.
 bool is_closed(const TriangleMesh& mesh);
 
-// Returns the sign of det(a - d, b - d, c - d); 0 if rounding leaves it undecided.
+// Returns the sign of det(a - d, b - d, c - d), which says on which side of the plane abc the point d lies; 0 if
+// rounding leaves the sign undecided.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
+// Bounds pieces of A by the lemma above.
 template <class Tree> class EnclosedMove {
 public:
-    // Keeps references. `tree` is over B, which must be closed.
+    // Keeps references. `tree` is over B, which must be closed. `magnitude` is M of kernel/rounding.h.
     EnclosedMove(const Tree& tree, const Target& target, double magnitude, Counters& counters)
         : tree_(tree), target_(target), magnitude_(magnitude), counters_(counters) {}
 
-    // Returns an upper bound of h(T, B) by moving T by `length` from its corner farthest from B towards that corner's
-    // closest point on B; infinity if the lemma does not apply.
+    // Returns an upper bound on h(T, B). Translates T by `length` in the direction from its corner that is farthest
+    // from B to the closest point of B. Returns infinity if `length` is less than that corner's distance, so that the
+    // corner would not reach B, or if the conditions of the lemma are not proven.
     double upper(const PieceCorners& corners, int level, double length);
 
-    // Does the same for a given move.
+    // Does the same for the translation `move`, the D of the lemma.
     double upper(const std::array<Vec3, 3>& corners, int level, const Vec3& move);
 
 private:

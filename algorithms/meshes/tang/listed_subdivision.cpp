@@ -21,8 +21,8 @@ template <class Tree> Status ListedSubdivision<Tree>::run() {
     return split_until_done(queue_, bounds_, counters_, settled, [&](const ListedPiece& piece) { split(piece); });
 }
 
-// Tries to lower the upper bound of a piece by moving it, so that the search may end or the piece may wait. Returns
-// whether it did.
+// Tries to lower the upper bound of a piece with Lemma 4 (enclosed_move.h), to the value at which the search could end.
+// Returns whether the bound is lower now. The piece then goes back into the queue, as it may never have to be cut.
 template <class Tree> bool ListedSubdivision<Tree>::moves(ListedPiece& piece) {
     if (!by_moving_) return false;
     const double sought = bounds_.sought();

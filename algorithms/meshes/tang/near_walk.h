@@ -1,4 +1,4 @@
-// Walks those leaves of either kind of BVH (volumes.h) that may contain something near a point, nearest first.
+// Visits the leaves of a BVH that may contain a triangle near a given point. The BVH is of either kind in volumes.h.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -6,7 +6,9 @@
 
 namespace hausbench {
 
-// Calls leaf(number) for every leaf whose volume may be within `radius` of `centre`; `leaf` may make `radius` smaller.
+// Calls leaf(number) for every leaf whose volume may be within `radius` of `centre`. Walks depth first; of the children
+// of a node, the nearest comes first. `leaf` may make the variable behind `radius` smaller, which shortens the rest of
+// the walk; a negative value ends it.
 template <class Tree, class Leaf>
 void visit_near_leaves(const Tree& tree, const Vec3& centre, const double& radius, Counters& counters,
                        const Leaf& leaf) {
@@ -14,6 +16,7 @@ void visit_near_leaves(const Tree& tree, const Vec3& centre, const double& radiu
         double distance;
         std::int32_t child;
     };
+    // Each level of the tree leaves at most tree_width - 1 siblings on the stack.
     std::array<Entry, (tree_width - 1) * most_tree_levels + 1> stack;
     std::size_t size = 0;
     stack[size++] = {0, 0};

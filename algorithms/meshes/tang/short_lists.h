@@ -11,15 +11,17 @@
 
 namespace hausbench {
 
-// Each list has at most `most` numbers. Released space is reused for lists of about the same length, so memory is
-// bounded by the peak number of lists of each length.
+// Each list has at most `most` numbers. A list occupies its length rounded up to a multiple of 4, and the space of a
+// released list is reused for the next list of the same rounded length. So memory is bounded by the peak number of
+// lists of each rounded length. All lists together must occupy less than 2^32 numbers.
 template <std::size_t most> class ShortLists {
 public:
+    // A handle of a stored list: the numbers lie at numbers_[begin] to numbers_[begin + count - 1].
     struct List {
         std::uint32_t begin = 0, count = 0;
     };
 
-    // Copies a list; an empty one takes no space.
+    // Stores a copy of the numbers. Returns the handle of the list; an empty list occupies no space.
     List store(std::span<const Index> numbers) {
         if (numbers.empty()) return {};
         std::vector<std::uint32_t>& free = free_[kind(numbers.size())];
@@ -34,9 +36,10 @@ public:
         return list;
     }
 
-    // Returns the numbers of a list; valid until the next store().
+    // Returns the numbers of a list. The span is valid until the next store().
     std::span<const Index> numbers(const List& list) const { return {numbers_.data() + list.begin, list.count}; }
 
+    // Releases a list, so that its space can be reused. Its handle is then invalid.
     void give_back(const List& list) {
         if (list.count > 0) free_[kind(list.count)].push_back(list.begin);
     }
@@ -46,7 +49,8 @@ private:
     static std::size_t kind(std::size_t count) { return (count - 1) / step; }
 
     std::vector<Index> numbers_;
-    std::array<std::vector<std::uint32_t>, (most + step - 1) / step> free_;  // places in numbers_
+    // free_[k]: where the released lists of up to step * (k + 1) numbers begin in numbers_.
+    std::array<std::vector<std::uint32_t>, (most + step - 1) / step> free_;
 };
 
 }  // namespace hausbench

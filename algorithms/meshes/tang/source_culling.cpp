@@ -6,6 +6,7 @@
 
 namespace hausbench {
 
+// Bounds the root by the largest distance of a vertex of A from the point q of B that is closest to the first vertex.
 template <class Tree> void SourceCulling<Tree>::begin(const Points& points) {
     const ClosestPoint first = target_.closest(points.row(0), -1, counters_);
     double most = 0;
@@ -28,8 +29,8 @@ template <class Tree> std::span<const Index> SourceCulling<Tree>::step() {
     return {};
 }
 
-// Returns a child with an upper bound of its distance to B: the largest distance of its volume from q. q is within
-// 7uM of B (kernel/point_triangle.h), so 8uM is added; next_up covers the rounding of the sum.
+// Returns a child with its upper bound. The computed q is only within 7uM of B (kernel/point_triangle.h; u and M as in
+// kernel/rounding.h), so 8uM is added to its distance from the volume; next_up covers the rounding of this sum.
 template <class Tree>
 typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Branch& branch, std::size_t node,
                                                                         int child) {
@@ -40,7 +41,9 @@ typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Br
     };
     Branch result{std::min(branch.upper, bound(branch.near.point)), 0, branch.near,
                   tree_.tree().nodes[node].child[child]};
-    // For any q the bound is at least half the size of the volume.
+    // For any q, the bound is at least half the diagonal of the corners' hull plus the radius of the volume. If this
+    // is too much to cull a leaf, another q is useless. An inner node gets a q nevertheless, because its children
+    // inherit q.
     const double purged = bounds_.purged_at_most(0);
     const double size = 0.5 * std::sqrt(squared_length(volume.corner[0] - volume.corner[volume.count - 1]));
     const auto may_cull = [&] { return result.upper > purged && (result.child >= 0 || size + volume.radius < purged); };
@@ -66,7 +69,7 @@ template <class Tree> Index* SourceCulling<Tree>::near_of(std::int32_t child) co
     return &(*near_node_)[i];
 }
 
-// Pushes the children, the one with the largest bound last.
+// Pushes the children of a node, the child with the largest upper bound last.
 template <class Tree> void SourceCulling<Tree>::expand(const Branch& branch) {
     const auto node = static_cast<std::size_t>(branch.child);
     const int count = tree_.tree().nodes[node].count;

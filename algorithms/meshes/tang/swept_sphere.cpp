@@ -11,12 +11,16 @@
 namespace hausbench {
 namespace {
 
-// Data of the point of the rectangle nearest to q from which bounds are computed.
+// Rounding: u and v are the sides of the rectangle here, so eps = 2^-53 denotes the unit roundoff (the u of
+// kernel/rounding.h).
+
+// The foot of a point q is the point of the rectangle that is closest to q.
 struct Foot {
-    double squared;  // computed squared distance from q
-    double size;     // at least |q - centre| + |u| + |v|, up to rounding
+    double squared;  // squared distance from q to the foot, as computed
+    double size;     // at least |q - centre| + |u| + |v|, up to rounding; the error bounds below are multiples of it
 };
 
+// Returns the s in [-1, 1] for which s * axis is closest to r; 0 if the axis is 0.
 double along(const Vec3& r, const Vec3& axis) {
     const double length = squared_length(axis);
     return length > 0 ? std::clamp(dot(r, axis) / length, -1.0, 1.0) : 0.0;
@@ -24,15 +28,18 @@ double along(const Vec3& r, const Vec3& axis) {
 
 double sum(const Vec3& x) { return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]); }
 
+// Finds the foot as if u and v were exactly orthogonal: `along` gives s and t independently of each other.
 Foot foot_of(const SweptSphere& volume, const Vec3& q) {
     const Vec3 r = q - volume.centre;
     const Vec3 rest = (r - along(r, volume.u) * volume.u) - along(r, volume.v) * volume.v;
     return {squared_length(rest), sum(r) + sum(volume.u) + sum(volume.v)};
 }
 
-// Returns an upper bound of the distance from any of the points to the rectangle. In foot_of() a difference, two
-// products and two sums err by at most 8u(size) in each coordinate of `rest`, so by less than 14u(size) in length;
-// the length itself errs by 4u of it and is at most 1.01 size.
+// Returns an upper bound on the distances from the points to the rectangle; it holds under rounding.
+//
+// In foot_of(), a difference, two products and two sums err by at most 8 eps size in each coordinate of `rest`, so by
+// less than sqrt(3) * 8 eps size < 14 eps size in length. The computed length errs by 4 eps of itself, and it is at
+// most 1.01 size. Together this is less than 20 eps size. next_up covers the rounding of the sum.
 double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     double most = 0;
     for (const Vec3& point : points) {
@@ -42,8 +49,8 @@ double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     return next_up(most);
 }
 
-// Returns the principal axes of the points, the largest moment first. The points are taken relative to `middle` in
-// units of `extent`.
+// Returns the principal axes of the points, the axis of the largest moment first. Computes with (point - middle) /
+// extent, so that the moments neither overflow nor underflow.
 std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& middle, double extent) {
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     Vec3 mean = Vec3::Zero();
@@ -57,7 +64,7 @@ std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& mid
     return {solver.eigenvectors().col(2), solver.eigenvectors().col(1), solver.eigenvectors().col(0)};
 }
 
-// Returns the box of the points along the axes, relative to `middle`.
+// Returns the box around the points in coordinates along the axes, with the origin at `middle`.
 Box box_along(const std::array<Vec3, 3>& axes, std::span<const Vec3> points, const Vec3& middle) {
     Box box;
     for (const Vec3& point : points) {
@@ -96,22 +103,29 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
         swept.radius = farthest_foot(swept, points);
         if (volume_of(swept) < volume_of(best)) best = swept;
     };
-    offer(0, 0);  // a sphere, a sphere along a segment, and one along a rectangle
+    // A sphere, a segment, and a rectangle. The sides are shortened by the half width of the first direction that is
+    // left out, because the radius will be about as large and cover this part.
+    offer(0, 0);
     offer(half[0] - half[1], 0);
     offer(half[0] - half[2], half[1] - half[2]);
     return best;
 }
 
-// The foot is found as if u and v were orthogonal. |r - s u - t v|^2 = f(s) + g(t) + 2 s t u.v + |r|^2, and the foot
-// minimises f + g up to rounding, so the least squared distance is at least the squared distance at the foot less 4
-// |u.v|. Rounding: s and t may be off by 8u(size)/|u|, which costs less than 64u^2(size)^2 in f; `rest` by 14u(size)
-// in length, its squared length by 40u(size)^2, and u.v by 4u(size)^2. Together this is less than 64u(size)^2.
+// The foot is found as if u and v were orthogonal. Let r = q - centre. Then
+//     |r - s u - t v|^2 = f(s) + g(t) + 2 s t u.v + |r|^2, with f(s) = s^2 |u|^2 - 2 s r.u, and g likewise for t and v.
+// The foot minimises f + g up to rounding, and |2 s t u.v| <= 2 |u.v| at the foot and at the closest point. So the
+// least squared distance is at least the squared distance at the foot minus 4 |u.v|.
+//
+// Rounding: s may be off by 8 eps size / |u|, which changes f by less than 64 eps^2 size^2 near its minimum; t
+// likewise. `rest` is off by 14 eps size in length, so its squared length by 40 eps size^2. 4 |u.v| is off by less than
+// 4 eps size^2, because |u| |v| <= size^2 / 4. Together this is less than 64 eps size^2. The code subtracts
+// 100 eps size^2, which leaves room for the rounding of the subtractions and of `size`.
 //
 // Underflow: each product may be off by 2^-1075. If |u| >= 2^-505, this changes s by less than 2^-62, which is less
-// than the rounding error above. If |u| < 2^-505, a wrong s moves the foot by 2^-504 at most. The same holds for v
-// and t. The squared length and 4 |u.v| are off by 2^-1070, and so their root by 2^-535. Together this is less than
-// 2^-502 in length, because sqrt(x + y) <= sqrt(x) + sqrt(y); distance_at_least (rounding.h) subtracts 2^-500, which
-// covers it.
+// than the rounding error above. If |u| < 2^-505, a wrong s moves the foot by at most 2^-504. The same holds for v and
+// t. The squared length and 4 |u.v| are off by 2^-1070, and so the root by at most 2^-535, because
+// sqrt(x + y) <= sqrt(x) + sqrt(y). Together this is less than 2^-502 in length. distance_at_least (rounding.h)
+// subtracts 2^-500, which covers it.
 double distance_at_least(const SweptSphere& volume, const Vec3& q) {
     const Foot foot = foot_of(volume, q);
     const double squared =
@@ -120,12 +134,18 @@ double distance_at_least(const SweptSphere& volume, const Vec3& q) {
     return std::max(0.0, next_down(distance_at_least(squared, true) - volume.radius));
 }
 
-// The distance to a point of the rectangle is largest at a corner; call it D. The mean of the four squared distances
-// to the corners is |r|^2 + |u|^2 + |v|^2, so |r| <= D; likewise |r - s u| <= D for the s of the farthest corner. The
-// three differences err by u times their lengths, together at most 3uD; a square, two sums and the root add 2.5u. So
-// D <= f (1 + 5.5u) up to terms of order u^2, where f is the computed distance. Rounding up covers this:
-// distance_at_most gives f (1 + 4u), rounded and then raised by one ulp twice, so at least f (1 + 5.5u), as an ulp
-// exceeds uf. The last sum is rounded and then raised by one ulp, which leaves half an ulp to spare. Underflow: as in
+// The distance from q to a point of the rectangle is largest at a corner. Call this distance D, its computed value f,
+// and let r = q - centre.
+//
+// Rounding: the code takes three differences: r, r - s u, and (r - s u) - t v, where s and t are 1 or -1. Each errs by
+// eps times its length, and none is longer than D. For r, this holds because the mean of the four squared distances to
+// the corners is |r|^2 + |u|^2 + |v|^2. For r - s u with the s of the farthest corner, it holds because the mean over
+// the two corners with this s is |r - s u|^2 + |v|^2. So the differences err by at most 3 eps D together. A square, two
+// sums and the root add 2.5 eps D. So D <= f (1 + 5.5 eps), up to terms of order eps^2.
+//
+// Rounding up covers this. distance_at_most (rounding.h) computes f (1 + 4 eps), which loses at most half an ulp, and
+// raises it by one ulp twice. As an ulp exceeds eps f, the result is at least f (1 + 5.5 eps). The sum with the radius
+// is rounded by up to half an ulp and then raised by one ulp, which leaves half an ulp to spare. Underflow: as in
 // distance_at_most.
 double distance_at_most(const SweptSphere& volume, const Vec3& q) {
     const Vec3 r = q - volume.centre;
@@ -142,7 +162,8 @@ SweptSphereBvh::SweptSphereBvh(const TriangleMesh& mesh)
     fill(0, below);
 }
 
-// Appends the corners below a node to `below`.
+// Computes the volumes of the children of a node, and of all nodes below it. Appends the corners of their triangles to
+// `below`.
 void SweptSphereBvh::fill(std::size_t node, std::vector<Vec3>& below) {
     const WideNode& wide = tree().nodes[node];
     for (int c = 0; c < wide.count; ++c) {

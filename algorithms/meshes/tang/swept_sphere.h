@@ -1,5 +1,5 @@
-// Swept sphere volumes: all points within a radius of a point, a segment or a rectangle. They fit surface patches
-// more tightly than boxes do. Also a BVH with one such volume per child.
+// Swept sphere volumes, and a BVH with such a volume around each child. A swept sphere volume consists of all points
+// within a given radius of a point, a segment or a rectangle. It fits a surface patch more tightly than a box does.
 //
 // After Larsen, Gottschalk, Lin, Manocha: Fast proximity queries with swept sphere volumes, 1999; used by Tang et al.
 // 2009.
@@ -12,23 +12,24 @@
 
 namespace hausbench {
 
-// Every point of the content is within `radius` of some point centre + s u + t v, |s| <= 1, |t| <= 1. u and v are
-// orthogonal up to rounding. If v = 0 this is a segment, if also u = 0 a point.
+// All points within `radius` of the rectangle centre + s u + t v, where |s| <= 1 and |t| <= 1. u and v are orthogonal
+// up to rounding. If v = 0, the rectangle is a segment; if also u = 0, it is a point.
 struct SweptSphere {
     Vec3 centre = Vec3::Zero(), u = Vec3::Zero(), v = Vec3::Zero();
     double radius = 0;
 };
 
-// Returns a volume that contains the points, and so their convex hull: a sphere, or a segment or a rectangle along
-// the principal axes with its radius, whichever has the least volume. The radius is rounded up. O(n). Requires at
-// least one point and coordinates up to 2^400.
+// Returns a volume that contains the points, and so their convex hull. Tries spheres, and a segment and a rectangle
+// along the principal axes of the points, and takes the one with the least volume. The radius is rounded up, so that
+// the volume contains the points exactly. O(n). Requires at least one point and coordinates up to 2^400.
 SweptSphere swept_sphere_around(std::span<const Vec3> points);
 
-// Return a lower and an upper bound of the distance from q to any point inside; valid under rounding
-// (swept_sphere.cpp).
+// Return a lower and an upper bound on the distance from q to each point inside the volume. They hold under rounding,
+// as swept_sphere.cpp derives.
 double distance_at_least(const SweptSphere& volume, const Vec3& q);
 double distance_at_most(const SweptSphere& volume, const Vec3& q);
 
+// A TriangleBvh with a swept sphere volume around each child, besides the child's box.
 class SweptSphereBvh : public TriangleBvh {
 public:
     static constexpr std::string_view structure_name = "swept sphere BVH";

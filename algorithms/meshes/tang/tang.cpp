@@ -1,33 +1,39 @@
 // Cross-culling and Voronoi subdivision: Tang, Lee, Kim: Interactive Hausdorff distance computation for general
 // polygonal models, ACM Transactions on Graphics 28(3), 2009.
 //
-// There are three steps. Culling on A (source_culling.h) skips nodes of a BVH of A that cannot contain the farthest
-// point. Culling on B (target_culling.h) sends each remaining triangle T of A through a BVH of B, which gives T's
-// upper bound u and the list L of the triangles of B that its parts may be near. Subdivision (listed_subdivision.h,
-// voronoi_cut.h) cuts T until it is settled, the piece with the largest upper bound first; L replaces B for the parts
-// of T.
+// The search has three steps:
+// 1. Culling on A (source_culling.h) skips the nodes of a BVH of A that cannot contain the farthest point.
+// 2. Culling on B (target_culling.h) sends each remaining triangle T of A through a BVH of B. This gives an upper bound
+//    on h(T, B), and the list of the triangles of B that may be the nearest ones to some point of T.
+// 3. Subdivision (listed_subdivision.h, voronoi_cut.h) cuts T into pieces, the piece with the largest upper bound
+//    first. The list of T replaces B for its pieces. A piece is settled, and not cut again, when its upper bound
+//    shows that it cannot change the answer.
 //
-// From the paper: these steps, swept sphere volumes, group traversal (the three corners go through B together),
-// Voronoi subdivision, and the end of work on a piece whose corners share a nearest triangle: then for some S in L,
-// h(T, S) equals the largest distance of a corner, and u settles the piece. Ties are harmless, because L contains
-// every tied triangle.
-// Ours: changes named in the headers of the parts, and leaves of up to eight triangles instead of four, for the vector
-// kernels, because all solvers share the trees. Penetration depth is a separate solver.
-// The paper's option for closed B, Lemma 4, is `lemma4`: corrected, certified (enclosed_move.h), and off by default.
+// From the paper: these steps, swept sphere volumes, group traversal (the three corners go through B together), Voronoi
+// subdivision, and the rule that a piece is not cut if its corners share a nearest triangle S. The rule needs no code:
+// the upper bound h(T, S) is then the largest distance of a corner, which the lower bound has reached, so the piece is
+// settled. If a corner has several nearest triangles, the rule still works, because the list contains all of them.
 //
-// Certified: upper bounds are widened as in kernel/rounding.h, volumes as in volumes.cpp; the lower bound is computed
-// as in search/bounds.h. If A moves, its volumes move with it.
+// Ours: the changes named in the headers of these files, and leaves of up to eight triangles instead of four, because
+// all solvers share the trees and such leaves suit the vector kernels. Lemma 4, the paper's option for closed B, is the
+// parameter `lemma4`: corrected and certified (enclosed_move.h), and off by default. Penetration depth (section 7.3) is
+// a separate solver.
 //
-// Both directions (section 6): the triangle of B that bounded a triangle of A is tried first with it in the second
-// direction. In a chain of poses (if the caller gives a State), hints come from the previous pose: these triangles,
-// the triangles near the nodes of A, and the farthest point (ours).
+// Certified: upper bounds are widened as kernel/rounding.h derives, and volumes as volumes.cpp derives. The lower bound
+// is computed as search/bounds.h says. If A moves, the volumes of its BVH move with it.
 //
-// Fields: as in guthe.cpp; triangles that were culled with a node have the bound of this node.
-// Reports: "culled on A", the share of A's triangles settled before culling on B; "culled on B", the share of B's
-// triangles that were not measured against any remaining triangle of A; "depth", the largest number of subdivisions.
+// Hints (search/warm_start.h): for H(A,B) (section 6), the first direction notes for each triangle of A the triangle
+// of B that gave the least bound, and the second direction tries these pairs first. In a chain of poses (ours, if the
+// caller gives a State), the previous pose provides such pairs, a triangle of B near each node of A, and the farthest
+// point.
 //
-// Budget: subdivisions. Time: O(n log n + m log m) to prepare. Memory: O(n + m), and per piece in the queue 184 bytes
-// plus 4 bytes for each triangle in its list.
+// Fields: as in guthe.cpp. A triangle of A that was culled with a node has the upper bound of the node.
+// Reports: "culled on A" is the share of A's triangles that needed no culling on B. "culled on B" is the share of B's
+// triangles against which the other triangles of A were not measured, on average. "depth" is the largest number of cuts
+// that led to one piece.
+//
+// Budget: subdivisions. Time: O(n log n + m log m) to prepare, with n triangles of A and m of B. Memory: O(n + m), and
+// for each piece in the queue 184 bytes plus 4 bytes for each triangle in its list.
 #include "algorithms/meshes/tang/enclosed_move.h"
 #include "algorithms/meshes/tang/listed_subdivision.h"
 #include "algorithms/meshes/tang/source_culling.h"
@@ -47,6 +53,7 @@
 namespace hausbench {
 namespace {
 
+// The values of the solver's parameters; see tang_solver().
 struct TangChoices {
     Cutting cutting = Cutting::voronoi;
     bool group = true;
@@ -95,6 +102,7 @@ private:
     std::optional<Status> cull_on_a();
     void look_into(Index i);
     ListedPiece whole(Index i) const;
+    // Returns the triangle of B to try first for triangle i of A; -1: not known.
     Index partner(Index i) const { return warm_start_ ? warm_start_->partner[static_cast<std::size_t>(i)] : -1; }
     Triangle posed_triangle(Index i) const {
         const auto v = a_.triangles.row(i);
@@ -114,9 +122,9 @@ private:
     TargetCulling<Tree> on_b_;
     EnclosedMove<Tree> move_;
     ListedSubdivision<Tree> pieces_;
-    std::vector<MeasuredPoint> vertices_;  // of A
-    Index last_ = -1;                      // triangle of B, best for the last triangle of A
-    std::uint64_t left_ = 0;               // triangles of A that were not culled
+    std::vector<MeasuredPoint> vertices_;  // the vertices of A; `point` is set once the distance to B is known
+    Index last_ = -1;         // the triangle of B with the least bound for the previous triangle of A; -1: none yet
+    std::uint64_t left_ = 0;  // number of triangles of A that were left for culling on B
 };
 
 template <class Tree> void TangSearch<Tree>::report(Result& result) const {
@@ -128,7 +136,8 @@ template <class Tree> void TangSearch<Tree>::report(Result& result) const {
     result.reported["depth"] = static_cast<double>(pieces_.deepest());
 }
 
-// Returns a status if the search ends, or nothing once all of A is culled or queued.
+// Bounds every triangle of A: culls it on A or on B, or puts it into the queue. Returns a status if the search ends
+// before this is done.
 template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     on_a_.begin(points_);
     while (!on_a_.done()) {
@@ -144,6 +153,7 @@ template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     return std::nullopt;
 }
 
+// Returns triangle i of A as a piece, with those corner distances that are known already.
 template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
     ListedPiece piece;
     piece.source = i;
@@ -155,6 +165,7 @@ template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
     return piece;
 }
 
+// Bounds triangle i of A: by triangles of B that are likely to be near, then by culling on B. Queues it unless settled.
 template <class Tree> void TangSearch<Tree>::look_into(Index i) {
     ListedPiece piece = whole(i);
     if (const Index near = partner(i); near >= 0) on_b_.bound_by(piece, near);
@@ -179,6 +190,7 @@ template <class Tree> void TangSearch<Tree>::look_into(Index i) {
     pieces_.push(piece);
 }
 
+// Measures the farthest point of the previous pose first. It is likely to be far again, so the lower bound starts high.
 template <class Tree> void TangSearch<Tree>::begin_warm() {
     warm_start_->partner.resize(static_cast<std::size_t>(a_.triangles.rows()), -1);
     const WarmStart& last = *warm_start_;
@@ -206,7 +218,7 @@ template <class Tree> class Tang final : public MeshSolver<Tree> {
 public:
     explicit Tang(const TangChoices& choices) : choices_(choices) {}
 
-    // The trees are needed even for small shapes, because culling works on nodes.
+    // Needs both trees even for small shapes, unlike other mesh solvers, because culling works on nodes.
     Needs needs(const Scene&, const QuerySet&) const override {
         return {need<Tree>(Side::source), need<Tree>(Side::target)};
     }

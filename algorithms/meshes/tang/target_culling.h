@@ -1,19 +1,27 @@
-// Culling on B (Tang et al. 2009, section 4.2). Sends a triangle T of A through a BVH of B and skips nodes farther
-// from T than T's upper bound u. The remaining triangles give the distances of T's corners, u = the least h(T, S)
-// over the triangles S of B (Eqs. 10, 11), and the list L of the triangles S near enough to bound the parts of T as
-// well (Lemma 3).
+// Culling on B (Tang et al. 2009, section 4.2). A triangle T of A goes through a BVH of B, which skips the nodes that
+// are farther from T than the upper bound on h(T, B) so far. The triangles S of B in the other nodes give
 //
-// L: a piece T with corners v_i keeps S only if d(v_i, S) <= u + e_i for all i, where e_i is the longest edge at v_i.
-// Let S be nearest to some p of T. Then d(p, S) <= h(T, B) <= u and |v_i - p| <= e_i, so S stays.
+// - the distances of T's corners from B,
+// - an upper bound on h(T, B): the least h(T, S) (Eqs. 10, 11),
+// - the list of T: the triangles S that are so near that they may be the nearest ones to some point of T (Lemma 3).
 //
-// Rounding: T stands for an exact piece within 2k uM of it, where k is its level (kernel/rounding.h), so e_i may be
-// 6k uM too small; a computed distance may be too large by 10uM, as measured, and by 4u of itself. So (32 + 8k) uM is
-// added, and 8u of the sum. No bound rests on this: h(T, S) is an upper bound for any S, and the farthest point is
-// measured again against all of B. If S were missing, the search might end with `precision_floor`.
+// When T is cut, its list replaces B for the pieces.
 //
-// A list of more than `most_listed` triangles is not kept: such a piece is measured by closest point queries, and its
-// parts get another chance once they are so small that a list is likely. So the memory per piece does not depend on
-// B, even if B has duplicates or a corner is at the centre of a sphere.
+// Which triangles a list contains: let a piece T have the corners v_i, let e_i be the longest edge at v_i, and let
+// `upper` be the upper bound on h(T, B). S is in the list if d(v_i, S) <= upper + e_i for each i. No triangle that is
+// nearest to a point p of T is missing: for such an S, d(p, S) <= h(T, B) <= upper and |v_i - p| <= e_i, so
+// d(v_i, S) <= upper + e_i.
+//
+// Rounding, with u and M as in kernel/rounding.h: T stands for an exact piece within 2k uM of it, where k is its level,
+// so e_i may be too small by 6k uM. A computed distance may be too large by 10uM, as measured in tests
+// (kernel/point_triangle.h), and by 4u of itself. So (32 + 8k) uM is added to upper + e_i, and 8u of the sum. No bound
+// depends on this: h(T, S) is an upper bound for any S, and the farthest point is measured again against all of B. If a
+// triangle were missing from a list, the search might end with `precision_floor`, but its bounds would hold.
+//
+// If more than `most_listed` triangles qualify, the piece has no list, and its new vertices are measured by closest
+// point queries. Its parts try again to get a list once they are so small that success is likely
+// (ListedPiece::crowd). So the memory for a piece does not depend on B, even if B has many equal triangles, or if B
+// is a sphere and a corner is at its centre.
 #pragma once
 
 #include "algorithms/meshes/tang/short_lists.h"
@@ -28,65 +36,72 @@
 
 namespace hausbench {
 
-// Largest number of triangles of B in a list, and before filtering.
+// Largest number of triangles of B in a list, and of the triangles from which a list is chosen.
 inline constexpr std::size_t most_listed = 32, most_near = 128;
 
 using Lists = ShortLists<most_listed>;
 
-// A triangle of A or a part of one.
+// A piece: a triangle of A, or a part of one that cuts have made.
 struct ListedPiece {
     PieceCorners corners;
-    double upper = std::numeric_limits<double>::infinity();
-    Index source = -1;        // triangle of A
-    Index best = -1;          // triangle of B whose bound was least
-    int level = 0;            // of rounding
-    int depth = 0;            // number of subdivisions of its triangle
-    Lists::List list;         // empty: none
-    std::uint64_t crowd = 0;  // if it has no list: the number of triangles of B that seem to be near
+    double upper = std::numeric_limits<double>::infinity();  // upper bound on the distances of its points from B
+    Index source = -1;                                       // its triangle of A
+    Index best = -1;  // the triangle S of B with the least h(T, S) of those tried; -1: none yet
+    // Level of rounding (kernel/rounding.h): the corners are within 2 * level * uM of A.
+    int level = 0;
+    int depth = 0;     // number of cuts that led to it; 0: a whole triangle
+    Lists::List list;  // triangles of B; empty: it has no list
+    // If it has no list: an estimate of the number of triangles of B near it. While this is above most_near, no list is
+    // tried.
+    std::uint64_t crowd = 0;
 };
 
-// A triangle of B with its squared distance to each corner of a piece.
+// A triangle of B with its squared distances from the corners of a piece.
 struct NearTriangle {
     Index triangle;
     std::array<double, 3> squared;
 };
 
+// Measures pieces against B, and stores their lists.
 template <class Tree> class TargetCulling {
 public:
     // Keeps references. `tree` is over B.
     TargetCulling(const Tree& tree, const Target& target, double magnitude, SearchBounds& bounds, Counters& counters)
         : tree_(tree), target_(target), magnitude_(magnitude), bounds_(bounds), counters_(counters) {}
 
-    // Lowers the upper bound by h(T, S) of one triangle S of B.
+    // Lowers the upper bound of a piece T to h(T, S), where S is the given triangle of B, if this is less.
     void bound_by(ListedPiece& piece, Index triangle);
 
-    // Computes the unknown corner distances of a piece, its upper bound, and the candidates for its list by group
-    // traversal: the three corners go through B together, and each leaf is measured against all of them.
+    // Lowers the upper bound of a piece, and finds those corner distances that are not known yet and the candidates for
+    // its list. Group traversal: the three corners go through B together, and each leaf is measured against all three.
     void cull(ListedPiece& piece);
 
-    // Computes the corner distances and the upper bound of a piece by closest point queries, one for each corner.
-    // `warm`: a triangle of B to try first, or -1.
+    // Computes the corner distances and the upper bound of a piece by a closest point query for each corner. `warm`
+    // is a triangle of B to try first, or -1.
     void measure_corners(ListedPiece& piece, Index warm);
 
-    // Gives the piece the list of the triangles that may be nearest to one of its points, or none if there are too
-    // many. Call it after cull() or part() of the piece.
+    // Chooses the list of a piece from the candidates that cull() or part() found; call it directly after one of these,
+    // with the same piece. The piece gets no list if too many triangles qualify.
     void list(ListedPiece& piece);
 
-    // Measures the vertices of a cut of the piece against its list, which is released, or without a list against the
-    // triangles nearest to the vertices. Unmeasured new vertices get their nearest triangle from the list.
+    // Computes the distances from the vertices of a cut to each triangle in the list of the piece. New vertices without
+    // a distance to B get the least of these. Releases the list. If the piece has no list, all vertices must have their
+    // distances, and the triangles nearest to them take the place of the list.
     void measure(const ListedPiece& piece, Cut<MeasuredPoint>& cut);
 
-    // Returns part c of the piece measured last, bounded by the same triangles.
+    // Returns part c of the cut. Bounds it by the distances that measure() computed; call it after measure() with the
+    // same piece and cut. `level` is the level of rounding of the part.
     ListedPiece part(const ListedPiece& piece, const Cut<MeasuredPoint>& cut, std::size_t c, int level);
 
     // Releases the list of a piece that is settled without a cut.
     void give_back(const ListedPiece& piece) { lists_.give_back(piece.list); }
 
-    // Returns the number of triangles of B that whole triangles of A were measured against.
+    // Returns how many triangles of B were measured against whole triangles of A, summed over the triangles of A.
+    // measure_corners() counts each distance from a corner to a triangle of B.
     std::uint64_t measured() const { return measured_; }
 
 private:
-    // Triangles of B and their squared distances to the vertices of a cut.
+    // Triangles of B with their squared distances from the vertices of a cut.
     struct Candidates {
         std::array<Index, most_listed> triangle;
         std::array<BlockFeet, most_listed> feet;
@@ -107,9 +122,9 @@ private:
     SearchBounds& bounds_;
     Counters& counters_;
     Lists lists_;
-    std::vector<NearTriangle> near_;  // triangles that may be nearest to a point of a piece
-    Candidates candidates_;
-    std::uint64_t measured_ = 0;
+    std::vector<NearTriangle> near_;  // candidates for the list of the piece given to cull() or returned by part()
+    Candidates candidates_;           // of the cut given to measure()
+    std::uint64_t measured_ = 0;      // see measured()
 };
 
 }  // namespace hausbench

@@ -7,16 +7,19 @@
 
 namespace hausbench {
 
-// The distance to q is convex, so over the hull it is largest at a corner; these distances are bounded as point to
-// point in rounding.h. Rounding the sum costs half an ulp, which next_up makes up for.
+// The distance from q is a convex function, so over the hull of the corners it is largest at a corner. The
+// distance_at_most() of kernel/rounding.h bounds it there. Rounding the sum costs half an ulp, which next_up makes up
+// for.
 double distance_at_most(const CornerVolume& volume, const Vec3& q) {
     double most = 0;
     for (std::size_t i = 0; i < volume.count; ++i) most = std::max(most, squared_length(volume.corner[i] - q));
     return next_up(distance_at_most(most, true) + volume.radius);
 }
 
-// A corner (c + s u) + t v errs by 2.01u m in each coordinate, where m is the largest |coordinate| of |c| + |u| +
-// |v|, so by less than 4u m in length. The product and the sums that compute m lose a few u of it.
+// Rounding, where u and v are vectors and eps = 2^-53: a corner (c + s u) + t v, with s and t = 1 or -1, errs by
+// 2.01 eps m in each coordinate, where m is the largest coordinate of |c| + |u| + |v|, taken coordinate by coordinate.
+// In length, this is less than sqrt(3) * 2.01 eps m < 4 eps m. The code adds 5 eps m, because computing m and the
+// product loses a few eps of it.
 CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child) {
     const SweptSphere& swept = tree.volume(node, child);
     CornerVolume volume;
@@ -28,7 +31,8 @@ CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child)
     return volume;
 }
 
-// The computed planes never cut off content (structures/quantised_boxes.h).
+// Returns the box around the child as the tree stores it. Its sides, as plane() computes them, are never inside the
+// exact box of the triangles (structures/quantised_boxes.h), so the radius is 0.
 CornerVolume corners_of(const TriangleBvh& tree, std::size_t node, int child) {
     const QuantisedBoxes& boxes = tree.tree().nodes[node].boxes;
     CornerVolume volume;
@@ -48,7 +52,8 @@ double distance_at_least(const SweptSphereBvh& tree, std::size_t node, int child
     return distance_at_least(tree.volume(node, child), q);
 }
 
-// Computed squared distances to points of the box are never smaller (box.h).
+// Computes the squared distance to the box. It is at most the computed squared distance to any point of the box
+// (box.h), so distance_at_least() (kernel/rounding.h) turns its root into a lower bound that holds under rounding.
 double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, const Vec3& q) {
     const QuantisedBoxes& boxes = tree.tree().nodes[node].boxes;
     const auto lane = static_cast<std::size_t>(child);
@@ -62,12 +67,18 @@ double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, c
     return distance_at_least(squared_distance_to_box(q, box), true);
 }
 
-// |R x|^2 = x.R^T R x is at most |x|^2 times the largest row sum of |R^T R| (Gershgorin). A computed entry errs by
-// 3.01u |column i||column j|, at most 3.01u times the square of the largest column, which is part of one of the sums.
-// So a sum errs by 9.1u of the largest sum, and by 2u more when it is added up. The root needs 5.6u of the 8u, and
-// next_up covers the product. R is first scaled by a power of two, which is exact, so that no square underflows next
-// to the largest. If the stretch itself is subnormal, it stretches no radius to 2^-600, which is far below the uM
-// that a bound is widened by (kernel/rounding.h).
+// Computes stretch_, an upper bound on |R x| / |x|. |R x|^2 = x.(R^T R x) is at most |x|^2 times the largest row sum of
+// |R^T R| (Gershgorin).
+//
+// Rounding, with u = 2^-53: entry (i, j) of R^T R errs by 3.01u |column i||column j|, which is at most 3.01u times
+// the square of the longest column. This square is an entry of R^T R, so it is part of one of the row sums. So the
+// three entries of a row err by 9.1u of the largest row sum together, and adding them up errs by 2u more. The root
+// halves this relative error: 5.6u. The code takes 8u, which leaves room for the rounding of the root; next_up covers
+// the rounding of the product.
+//
+// Underflow: R is first scaled by a power of two, so that its largest entry is in [1, 2). Then only products that are
+// negligible beside the largest square underflow. If stretch_ itself is subnormal after scaling back, a stretched
+// radius is less than 2^-600, so its error is far below the uM by which a bound is widened (kernel/rounding.h).
 VolumePose::VolumePose(const Pose& pose) : pose_(pose), identity_(pose.is_identity()) {
     if (identity_) return;
     const double largest = pose.rotation.cwiseAbs().maxCoeff();
@@ -79,11 +90,13 @@ VolumePose::VolumePose(const Pose& pose) : pose_(pose), identity_(pose.is_identi
     rows_ = pose.rotation.cwiseAbs().rowwise().sum().maxCoeff();
 }
 
-// A point inside is sum w_i c_i + e with |e| <= radius and weights w_i >= 0 that add up to 1, and R e is at most
-// `stretch` times as long as e. The rest is rounding. Let m be the largest |coordinate| of a corner, plus radius, and
-// G = rows m + |t|, which bounds every |coordinate| that occurs. fl(R x + t) errs by 4.01u G in each coordinate, less
-// than 7u G in length, both for a corner and for the point inside: together 14u G. G as computed is at most 4u of
-// itself too small. If G overflows, the radius is infinite.
+// The pose maps x to R x + t. A point of the volume is sum w_i c_i + e, with corners c_i, weights w_i >= 0 that add
+// up to 1, and |e| <= radius. Exactly, it moves to sum w_i (R c_i + t) + R e, and |R e| <= stretch_ * radius.
+//
+// Rounding, with u = 2^-53: let m be the largest |coordinate| of a corner plus the radius, and G = rows_ * m + max
+// |t_k|. G bounds every |coordinate| that occurs. fl(R x + t) errs by 4.01u * G in each coordinate, so by less than
+// 7u * G in length. This happens twice, for the corner and for the point of the volume: 14u * G. The code adds 15u *
+// G, because G as computed (`most`) may be too small by 4u of itself. If G overflows, the radius is infinite.
 CornerVolume VolumePose::operator()(const CornerVolume& volume) const {
     if (identity_) return volume;
     CornerVolume result;

@@ -1,5 +1,5 @@
-// Volumes of two kinds of BVH, swept spheres (meshes/tang/swept_sphere.h) and boxes, with one interface for searches
-// that take either.
+// One interface to the bounding volumes of two kinds of BVH, so that a search template works with either: swept spheres
+// (SweptSphereBvh in swept_sphere.h) and boxes (TriangleBvh).
 #pragma once
 
 #include "algorithms/meshes/tang/swept_sphere.h"
@@ -9,40 +9,41 @@
 
 namespace hausbench {
 
-// A volume whose points are within `radius` of the convex hull of its corners: four for a swept sphere, eight for a
-// box.
+// A volume of either kind: all points within `radius` of the convex hull of its corners. A swept sphere has four
+// corners, a box eight.
 struct CornerVolume {
     std::array<Vec3, 8> corner;
     std::size_t count = 0;
     double radius = 0;
 
-    Vec3 centre() const { return 0.5 * (corner[0] + corner[count - 1]); }  // these two are opposite
+    Vec3 centre() const { return 0.5 * (corner[0] + corner[count - 1]); }  // these two corners are opposite
 };
 
-// Returns an upper bound of the distance from q to any point inside; valid under rounding.
+// Returns an upper bound on the distances from q to the points inside the volume; valid under rounding.
 double distance_at_most(const CornerVolume& volume, const Vec3& q);
 
-// Return the volume of a child of a node of tree().
+// Return the volume around a child of a node of tree.tree(), before any pose.
 CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child);
 CornerVolume corners_of(const TriangleBvh& tree, std::size_t node, int child);
 
-// Return a lower bound of the exact distance from q to any triangle below that child.
+// Return a lower bound on the exact distances from q to the triangles below that child, before any pose.
 double distance_at_least(const SweptSphereBvh& tree, std::size_t node, int child, const Vec3& q);
 double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, const Vec3& q);
 
-// Moves volumes that were built over the unposed shape.
+// Moves volumes, which a tree stores for the unposed shape, to the posed shape.
 class VolumePose {
 public:
     explicit VolumePose(const Pose& pose);
 
-    // Returns a volume that contains posed(p) (geometry.h) for every p inside. O(1).
+    // Returns a volume that contains posed(p), the rounded point that geometry.h defines, for every p in `volume`.
+    // O(1).
     CornerVolume operator()(const CornerVolume& volume) const;
 
 private:
     Pose pose_;
     bool identity_;
-    double stretch_ = 1;  // upper bound of the factor by which a vector gets longer
-    double rows_ = 1;     // the largest sum of absolute values in a row of the rotation
+    double stretch_ = 1;  // upper bound on |R x| / |x|, where R is pose_.rotation
+    double rows_ = 1;     // the largest sum of absolute values in a row of R
 };
 
 }  // namespace hausbench
