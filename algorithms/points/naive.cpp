@@ -3,7 +3,7 @@
 // A small solver is one .cpp file: a comment such as this one, which names the source, the time and memory, and the
 // unit of Query::budget; a class derived from Solver, in an unnamed namespace; and a function that returns its
 // SolverEntry. The line hausbench_solver(naive naive.cpp) in CMakeLists.txt compiles the file and registers
-// naive_solver(). algorithms/solver.h says what a solver must do.
+// naive_solver(). algorithms/solver.h has the full contract.
 //
 // Source: Zhang et al.: An efficient approach to directly compute the exact Hausdorff distance for 3D point sets, 2017,
 // Algorithm 1, with a correction: line 3 must read cmin <- infinity, where cmin is the smallest distance found for

@@ -178,7 +178,7 @@ void NearGrid::fill_empty_cells() {
             }
         }
     };
-    // The third sweep passes on what the cells got from the second one.
+    // The third sweep passes on the cells that the second one found.
     sweep(true);
     sweep(false);
     sweep(true);
