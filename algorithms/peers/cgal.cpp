@@ -1,18 +1,20 @@
-// CGAL's bounded-error one-sided Hausdorff distance between triangle meshes, called as its users do.
+// CGAL's one-sided Hausdorff distance of triangle meshes with bounded error, called as its users do.
 //
 // Source: CGAL 5.5, Polygon_mesh_processing::bounded_error_Hausdorff_distance (after Tang, Lee, Kim 2009, midpoint
-// subdivision). Every call builds its own structures, so they are part of solve, not of prepare. It returns one
-// number v with |v - h| <= error_bound and starts its search at error_bound: if v equals error_bound, only h in [0, 2
-// error_bound] is known; otherwise h lies in [v, v + error_bound]. It ignores rounding errors, so it is not
-// certified. It returns no witness (NaN, elements -1).
+// subdivision). CGAL's function returns a single number v with |v - h| <= error_bound. It starts with error_bound as
+// its lower bound, so v is never smaller, except that it is 0 if each face of A is a face of B. Hence, if v is equal to
+// error_bound, h may be anywhere in [0, 2 * error_bound]; if v is larger, h is in [v, v + error_bound]. This ignores
+// rounding errors, so the solver is not certified. CGAL's function gives no witness, so the points are NaN and the
+// elements are -1. It builds its structures in every call, so their time counts in solve(), not in prepare().
 //
-// Each tolerance takes one run with error_bound = tolerance. If h is so small that v equals error_bound, a second run
-// with half of it gives [0, tolerance], which is narrow enough. For a tolerance relative to the lower bound,
-// error_bound decreases until the tolerance is met. Limits of time and work are ignored.
+// For an absolute tolerance, error_bound is set to the tolerance. If v is then equal to error_bound, the interval is
+// twice as wide as the tolerance, and a second call with half the error_bound gives [0, tolerance] or a narrower one.
+// For a tolerance relative to the lower bound, error_bound decreases until the tolerance is met. Limits of time and
+// work are ignored.
 //
-// The triangle soup becomes a Surface_mesh with shared vertices if it is a polygon mesh; otherwise each triangle gets
-// three vertices of its own. This is valid for CGAL's function: it uses faces one by one; only its matching of equal
-// faces of A and B compares positions, and it sorts them for this purpose.
+// A triangle soup that is a polygon mesh (as CGAL defines it) becomes a Surface_mesh with shared vertices. For any
+// other soup, each triangle gets three vertices of its own. CGAL's function accepts both, because it uses the faces one
+// by one. Only its search for faces that A and B share compares vertices, and it compares their sorted positions.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/solver.h"
 
@@ -27,9 +29,9 @@
 namespace hausbench {
 namespace {
 
-// With Exact_predicates_inexact_constructions_kernel, as in CGAL's example, answers and times are the same, but
-// scenes of scale 1e150 and 1e-160 crash in GMP with SIGFPE. With this kernel their answers are wrong, which the
-// harness can report.
+// CGAL's example uses Exact_predicates_inexact_constructions_kernel instead. Its answers and times are the same, but
+// scenes with coordinates near 1e150 or 1e-160 end the process with SIGFPE in the library GMP. With this kernel such
+// scenes get wrong answers, which the harness can report.
 using Kernel = CGAL::Simple_cartesian<double>;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
@@ -89,7 +91,8 @@ public:
                 if (result.bounds.gap() > query.tolerance.value)
                     result.bounds = bounds(source, query.tolerance.value / 2);
             } else {
-                // The search for the scale of h starts at the diagonal of the source.
+                // h is not known, so error_bound starts at a fraction of the diagonal of A's box and decreases until
+                // the tolerance is met or error_bound is as small as the rounding errors of the coordinates.
                 double bound = std::max(diagonal(source_->vertices), std::numeric_limits<double>::min());
                 do {
                     bound *= query.tolerance.value < 0.5 ? query.tolerance.value : 0.5;
@@ -97,7 +100,7 @@ public:
                 } while (result.bounds.gap() > query.tolerance.gap(result.bounds.lower) &&
                          bound > 16 * unit_roundoff * magnitude(source_->vertices));
             }
-        } catch (const std::exception&) {  // a failed assertion of CGAL, if assertions are compiled in
+        } catch (const std::exception&) {  // an assertion of CGAL that failed, in a build with assertions
             return result;
         }
         result.status = query.answer(result.bounds.lower, result.bounds.upper).value_or(Status::stalled);
@@ -105,14 +108,17 @@ public:
     }
 
 private:
+    // Calls CGAL's function once, and returns the interval that its answer means.
     Bounds bounds(const SurfaceMesh& source, double error_bound) const {
         namespace pmp = CGAL::Polygon_mesh_processing;
         const auto matched = CGAL::parameters::match_faces(match_faces_);
         const double value =
             pmp::bounded_error_Hausdorff_distance<CGAL::Sequential_tag>(source, target_, error_bound, matched, matched);
         if (value == 0) return {0, 0};  // every face of A is a face of B
-        if (value == std::sqrt(error_bound * error_bound)) return {0, 2 * error_bound};  // as CGAL computes it
+        // CGAL rounds error_bound in this way.
+        if (value == std::sqrt(error_bound * error_bound)) return {0, 2 * error_bound};
         Bounds result{value, value + error_bound};
+        // Rounding the sum may have made the interval too wide.
         while (result.gap() > error_bound) result.upper = next_down(result.upper);
         return result;
     }

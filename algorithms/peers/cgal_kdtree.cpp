@@ -1,17 +1,18 @@
-// CGAL's k-d tree over B, called as its users do: finds the nearest point of B for each point of A, and takes the
+// CGAL's k-d tree over B, called as its users do: finds the nearest point of B for each point of A and returns the
 // largest distance.
 //
-// Source: CGAL 5.5, Spatial_searching, as in its example of points with an index: Kd_tree with the default splitter
-// and 10 points per leaf, Orthogonal_k_neighbor_search with K = 1. No search stops early, and the points of A keep
-// their order; `kdtree`, with another library, stops early and asks for far points first.
+// Source: CGAL 5.5, package Spatial_searching, as in its example of points with an index: Kd_tree with the default
+// splitter and 10 points per leaf, and Orthogonal_k_neighbor_search with K = 1. Searches do not stop early, and the
+// points of A keep their order. (The solver `kdtree` uses nanoflann instead, stops searches early, and begins with the
+// points that are probably farthest.)
 //
-// Certified although CGAL gives no guarantee: each search returns a point of B, whose distance is recomputed here, so
-// the largest distance is an upper bound of h; checked_result.h proves the lower bound. O(|A| log |B| + |B|) time on
-// tame data, O(|A| + |B|) memory. Budget: points of A.
+// Certified although CGAL gives no guarantee. Each search returns some point of B, and its distance is computed again
+// here, so the largest distance is an upper bound on h. checked_result.h explains the lower bound.
+// Time: O(|A| log |B| + |B|) on typical data. Memory: O(|A| + |B|). The unit of Query::budget is one point of A.
 //
-// If n points of B coincide, CGAL makes a chain of n nodes: O(n^2) time to build, and its recursion may overflow the
-// stack and crash the process, as in any program that uses it. A stack of 8 MB suffices for n = 20,000 but not for
-// 50,000.
+// If n points of B coincide, CGAL builds a chain of n nodes. This takes O(n^2) time, and the recursion may overflow the
+// stack and crash the process, as in any program that uses CGAL's tree. A stack of 8 MB is enough for n = 20,000 but
+// not for 50,000.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/peers/checked_result.h"
 #include "algorithms/points/point_solver.h"
@@ -26,7 +27,7 @@ namespace hausbench {
 namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
-using Entry = std::pair<Kernel::Point_3, Index>;  // the index is for the witness
+using Entry = std::pair<Kernel::Point_3, Index>;  // a point and its row in B, which the witness needs
 using Traits =
     CGAL::Search_traits_adapter<Entry, CGAL::First_of_pair_property_map<Entry>, CGAL::Search_traits_3<Kernel>>;
 using Search = CGAL::Orthogonal_k_neighbor_search<Traits>;
@@ -38,7 +39,7 @@ class CgalKdTree final : public Solver {
 public:
     explicit CgalKdTree(const Options&) {}
 
-    // Calls build(), because otherwise the first search would build the tree, within solve().
+    // Calls build(), because otherwise the first search would build the tree, and solve() would take the time for it.
     void prepare(const Scene& scene, const Prepared&) override {
         scene_ = &scene;
         const Points& b = points_of(scene.target);
@@ -47,9 +48,9 @@ public:
         tree_.build();
     }
 
-    // Counts the points, a pointer to each that stays reserved after building, and the nodes: num_nodes() of CGAL 5.5
-    // counts only leaves, and a binary tree has one inner node fewer. The spare capacity of the deques of nodes, a
-    // few percent, is not counted.
+    // Returns the memory of the points, of the nodes, and of one pointer per point, which CGAL keeps after building.
+    // num_nodes() of CGAL 5.5 counts only the leaves; a binary tree has one inner node fewer than leaves. The unused
+    // capacity of CGAL's arrays of nodes, a few percent, is not counted.
     std::size_t prepared_bytes() const override {
         const std::size_t leaves = tree_.root()->num_nodes();
         return tree_.size() * (sizeof(Entry) + sizeof(const Entry*)) + leaves * sizeof(Tree::Leaf_node) +
@@ -92,7 +93,7 @@ private:
 SolverEntry cgal_kdtree_solver() {
     SolverInfo info = point_solver_info("cgal_kdtree", "k-d tree (CGAL)", "cgal_searching");
     info.certified = true;
-    info.abilities.erase(Ability::traces);  // checked_result() makes the only bound that holds, at the end
+    info.abilities.erase(Ability::traces);  // no lower bound is proven before checked_result(), at the end
     return {info, make_solver<CgalKdTree>};
 }
 

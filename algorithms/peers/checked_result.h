@@ -1,13 +1,16 @@
-// Certifies the result of nearest point searches by a library that gives no guarantee.
+// Certified bounds from nearest point searches by a library that gives no guarantee.
 #pragma once
 
 #include "algorithms/points/exact.h"
 
 namespace hausbench {
 
-// Returns the result for `farthest`, the largest distance that the searches found. Each search returned a point of B,
-// so this bounds h from above even if a search missed a nearer point. The point of A that attains it is compared with
-// all of B again, which gives the lower bound. O(|B|).
+// Returns the result, given the largest distance that the searches found and its two points (`farthest`). `rest` and
+// `stopped` are as for exact_result().
+//
+// The largest distance is an upper bound on h even if a search missed the nearest point, because each search returned
+// some point of B, and the nearest one cannot be farther. For the lower bound, the point of A in `farthest` is compared
+// with all of B again, which gives its true distance to B. O(|B|).
 inline Result checked_result(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
                              Counters counters, double rest = -1, Status stopped = Status::converged) {
     if (farthest.source >= 0) {

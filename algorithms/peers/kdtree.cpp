@@ -1,9 +1,9 @@
-// A simple baseline: a k-d tree over B (nanoflann). A nearest neighbour search for each point of A stops at the first
-// point within the largest distance so far. The points of A that are probably farthest come first.
+// A simple baseline: searches a k-d tree over B (library nanoflann) for the nearest point of B to each point of A. A
+// search stops at the first point of B within the largest distance so far, because the point of A then cannot raise
+// that distance. The points of A that are probably farthest come first, so that most searches stop early.
 //
-// Certified although nanoflann gives no guarantee, as checked_result.h explains. O(|A| log |B| + |B|) time on tame
-// data,
-// O(|A| + |B|) memory. Budget: points of A.
+// Certified although nanoflann gives no guarantee; checked_result.h explains why. Time: O(|A| log |B| + |B|) on typical
+// data. Memory: O(|A| + |B|). The unit of Query::budget is one point of A.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/peers/checked_result.h"
 
@@ -14,18 +14,20 @@
 namespace hausbench {
 namespace {
 
+// The interface through which nanoflann reads the points; it does not copy them.
 struct PointsAdaptor {
     const Points* points = nullptr;
     std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points->rows()); }
     double kdtree_get_pt(std::size_t i, std::size_t k) const {
         return (*points)(static_cast<Index>(i), static_cast<Index>(k));
     }
-    template <class BoundingBox> bool kdtree_get_bbox(BoundingBox&) const { return false; }
+    template <class BoundingBox> bool kdtree_get_bbox(BoundingBox&) const { return false; }  // computed by nanoflann
 };
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsAdaptor>, PointsAdaptor, 3>;
 
-// Keeps the nearest point and stops the search at the first point that is near enough.
+// A result set, as nanoflann calls it: receives the points that a search finds. Keeps the nearest one, and ends the
+// search at the first point with a squared distance of at most `enough`.
 struct NearestOrEnough {
     double enough;
     Counters& counters;
@@ -41,7 +43,7 @@ struct NearestOrEnough {
             squared = candidate;
             at = static_cast<Index>(index);
         }
-        return squared > enough;
+        return squared > enough;  // false ends the search
     }
 };
 
@@ -86,7 +88,8 @@ public:
     }
 
 private:
-    // Returns first the 64th of A that is farthest from a few points of B, then the other points in their order.
+    // Returns the rows of A in the order of search. First come those 1/64 of them that are farthest from the nearest of
+    // `samples_` points of B, the farthest first. The others follow in ascending order.
     std::vector<Index> likely_farthest_first(const Points& a, const Points& b, Counters& counters) const {
         const auto count = static_cast<std::size_t>(a.rows());
         const Index samples = std::min<Index>(samples_, static_cast<Index>(b.rows()));

@@ -1,4 +1,4 @@
-// The inner loop of EARLYBREAK; OHD also uses it for its first lower bound.
+// The inner loop of EARLYBREAK (earlybreak.cpp). OHD (zhang2017/ohd.cpp) also uses it, to get a first lower bound.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -11,7 +11,7 @@
 
 namespace hausbench {
 
-// The points of B in random order.
+// The points of B in random order, or in their own order if `shuffle` is false.
 struct ShuffledTarget {
     ShuffledTarget() = default;
     ShuffledTarget(const Points& b, bool shuffle, Generator& random)
@@ -19,7 +19,7 @@ struct ShuffledTarget {
         for (std::size_t j = 0; j < order.size(); ++j) points.row(static_cast<Index>(j)) = b.row(order[j]);
     }
 
-    std::vector<Index> order;
+    std::vector<Index> order;  // row j of `points` is row order[j] of B
     Points points;
 
     std::size_t bytes() const {
@@ -27,9 +27,11 @@ struct ShuffledTarget {
     }
 };
 
-// Measures point i of A against B until some distance is below the largest so far. If none is, updates `farthest`.
-// Returns false if time runs out first; the point then counts as not examined. A separate function, so that its loop
-// has all registers.
+// Compares point i of A with the points of B one by one. Stops at the first point of B that is closer than
+// `farthest.squared`, because point i then cannot be the farthest point of A. If B has no such point, the nearest
+// distance is known, and `farthest` is set to point i if that distance is larger.
+// Returns false if time runs out first; the caller must then treat point i as not examined. Not inlined, so that the
+// compiler can use all registers for the loop.
 [[gnu::noinline]] inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const Deadline& deadline,
                                           FarthestPoint& farthest, Counters& counters) {
     constexpr Index block = 4096;  // points of B between two checks of the clock

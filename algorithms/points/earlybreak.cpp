@@ -1,9 +1,11 @@
 // EARLYBREAK: discards a point of A as soon as some point of B is closer than the largest distance so far.
 //
 // Source: Taha, Hanbury: An efficient algorithm for calculating the exact Hausdorff distance, IEEE TPAMI 37, 2015, as
-// given by Zhang et al. 2017, Algorithm 2, with cmin <- 0 before the break (the first print omits it and may return a
-// stale minimum). Common points are excluded from A only: h(A, B) = h(A \ B, B).
-// O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. Budget: points of A.
+// given by Zhang et al. 2017, Algorithm 2. That version sets cmin, the smallest distance of the current point of A, to
+// 0 before the break, so that a discarded point cannot raise the result; the first print omits this and may return the
+// smallest distance found before the break. The option `exclude_common` skips points of A that are also in B, because
+// their distance is 0; no point of B is left out.
+// O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. The unit of Query::budget is one point of A.
 #include "algorithms/points/early_break.h"
 #include "algorithms/points/point_solver.h"
 
@@ -13,7 +15,7 @@
 namespace hausbench {
 namespace {
 
-// Returns a key that is equal for equal points; -0 and +0 are equal.
+// Returns the coordinates as a key that can be sorted. Adding 0.0 turns -0 into +0, which are equal coordinates.
 std::array<double, 3> key_of(const Points& points, Index i) {
     return {points(i, 0) + 0.0, points(i, 1) + 0.0, points(i, 2) + 0.0};
 }
@@ -69,7 +71,8 @@ public:
     }
 
 private:
-    // Returns whether point i is also in B. Its distance, zero, still counts if nothing was measured before.
+    // Returns whether point i of A is also in B, so that it need not be compared. If no point was examined before, sets
+    // `farthest` to point i and its copy in B, at distance 0, so that there is a witness even if h = 0.
     bool excluded(const Points& a, Index i, FarthestPoint& farthest) const {
         if (!exclude_common_) return false;
         const std::array<double, 3> key = key_of(a, i);
@@ -84,7 +87,7 @@ private:
     const Scene* scene_ = nullptr;
     std::vector<Index> source_order_;
     ShuffledTarget target_;
-    std::vector<std::pair<std::array<double, 3>, Index>> sorted_target_;
+    std::vector<std::pair<std::array<double, 3>, Index>> sorted_target_;  // key and row; only for exclude_common
 };
 
 }  // namespace

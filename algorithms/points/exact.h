@@ -1,4 +1,7 @@
-// Turns squared distances into certified results (rounding.h), for the exact solvers of point sets.
+// Functions shared by the exact solvers for point sets.
+//
+// These solvers compare squared distances and take a root only at the end. exact_result() turns the largest squared
+// distance into an interval that contains h in spite of rounding (see rounding.h, "point to point").
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -6,26 +9,34 @@
 
 namespace hausbench {
 
+// Returns |a - b|^2. All solvers for point sets compute it by these operations in this order, so their answers have
+// the same bits.
 inline double squared_distance(const double* a, const double* b) {
     const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
     return (x * x + y * y) + z * z;
 }
 
-// The point of A farthest from B so far, and its nearest point of B.
+// The point of A that is farthest from B among the points examined so far, and the point of B nearest to it.
 struct FarthestPoint {
-    double squared = -1;
-    Index source = -1, target = -1;
+    double squared = -1;             // squared distance; -1 if no point was examined
+    Index source = -1, target = -1;  // rows of A and B
 };
 
-// Returns whether coordinates are beyond the range that rounding.h covers; a solver then returns Result{}: stalled,
-// in [0, infinity].
+// Returns whether some |coordinate| exceeds largest_safe_coordinate, so that squares might overflow. A solver then
+// returns Result{}, which means status `stalled` and bounds [0, infinity].
 inline bool out_of_range(const Points& a, const Points& b) {
     return !(magnitude(a) <= largest_safe_coordinate && magnitude(b) <= largest_safe_coordinate);
 }
 
-// Returns the result of a search. `rest` bounds the squared distances of the points of A that were not examined, -1
-// if there are none; `stopped` is the reason for stopping. `tiny`: some nonzero coordinate is smaller than
-// smallest_safe_coordinate.
+// Returns the result of a search: bounds, witness and status.
+//
+// `rest` is an upper bound on the squared distances of the points of A that were not examined, or -1 if all were.
+// `stopped` is the reason why the search ended, or `converged` if it ran to its end. `tiny` says whether some nonzero
+// |coordinate| is below smallest_safe_coordinate; the bounds are then widened for underflow.
+//
+// The status depends on the bounds first: if they already answer the query, it does not matter why the search
+// stopped. If they do not, although the search ran to its end, the query asks for more than doubles can give
+// (`precision_floor`).
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, bool tiny, double rest, Status stopped) {
     Result result;
@@ -40,28 +51,29 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
     return result;
 }
 
-// Does the same for solvers that did not look for tiny coordinates. O(n).
+// Does the same, but finds out first whether there are tiny coordinates, in O(|A| + |B|).
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, double rest = -1, Status stopped = Status::converged) {
     const bool tiny = std::min(smallest_nonzero(a), smallest_nonzero(b)) < smallest_safe_coordinate;
     return exact_result(query, a, b, farthest, counters, tiny, rest, stopped);
 }
 
-// A separate function, so that the loops that call record() stay small.
+// The part of record() that runs only if tracing is on. Not inlined, so that the loops that call record() stay small.
 [[gnu::noinline, gnu::cold]] inline void record_sample(Trace& trace, double squared_lower, double squared_upper) {
     trace.record(distance_at_least(std::max(squared_lower, 0.0), true),
                  distance_at_most(std::max({squared_lower, squared_upper, 0.0}), true));
 }
 
-// Adds a sample to the trace from bounds of the squared distance, rounded as if coordinates were tiny. Infinity means
-// that there is no upper bound yet.
+// Adds a sample to the trace, given bounds on the squared distance. The default upper bound means that none is known
+// yet. The bounds are widened for underflow in any case, because to look for tiny coordinates would take O(n).
 inline void record(Trace& trace, double squared_lower, double squared_upper = std::numeric_limits<double>::infinity()) {
     if (trace.on()) [[unlikely]]
         record_sample(trace, squared_lower, squared_upper);
 }
 
-// Returns an upper bound for the points order[first..] of A (first.. if `order` is null): their largest squared
-// distance to the first point of B; -1 if there are none. O(n).
+// Returns an upper bound on the squared distances to B of the points of A that come at position `first` or later in
+// `order` (if `order` is null: of the rows from `first` on): the largest squared distance of such a point to the first
+// point of B. Returns -1 if A has no such points. O(|A|).
 inline double squared_distances_at_most(const Points& a, const Points& b, const Index* order, Index first) {
     double most = -1;
     for (Index i = first; i < a.rows(); ++i) {

@@ -1,7 +1,13 @@
-// NAIVEHDD: measures every point of A against every point of B.
+// NAIVEHDD: compares every point of A with every point of B. This is the shortest solver and an example for new ones.
+//
+// A small solver is one .cpp file: a comment such as this one, which names the source, the time and memory, and the
+// unit of Query::budget; a class derived from Solver, in an unnamed namespace; and a function that returns its
+// SolverEntry. The line hausbench_solver(naive naive.cpp) in CMakeLists.txt compiles the file and registers
+// naive_solver(). algorithms/solver.h has the full contract.
 //
 // Source: Zhang et al.: An efficient approach to directly compute the exact Hausdorff distance for 3D point sets, 2017,
-// Algorithm 1 (whose line 3 must read cmin <- infinity). O(|A| |B|) time, O(|A|) memory. Budget: points of A.
+// Algorithm 1, with a correction: line 3 must read cmin <- infinity, where cmin is the smallest distance found for
+// the current point of A. O(|A| |B|) time, O(|A|) memory. The unit of Query::budget is one point of A.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/point_solver.h"
@@ -9,7 +15,9 @@
 namespace hausbench {
 namespace {
 
-// Finds the nearest point of B in [begin, end). A separate function, so that the loop has all registers.
+// Compares one point of A with the rows [begin, end) of B. If a row is nearer than the squared distance `nearest`,
+// stores the squared distance and the number of the nearest row in `nearest` and `at`. Not inlined, so that the
+// compiler can use all registers for the loop.
 [[gnu::noinline]] void compare(const double* point, const Points& b, Index begin, Index end, double& nearest,
                                Index& at) {
     double least = nearest;
@@ -27,14 +35,17 @@ namespace {
 
 class Naive final : public Solver {
 public:
-    explicit Naive(const Options&) {}
+    explicit Naive(const Options&) {}  // a solver with parameters reads them here
 
+    // There is nothing to build. The scene outlives this solver's last solve().
     void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
 
+    // Examines the points of A in order. If the search stops at point i, squared_distances_at_most() bounds the points
+    // from i on in O(|A|) time, so the upper bound of the result holds although they were not examined.
     Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
-        if (out_of_range(a, b)) return {};
+        if (out_of_range(a, b)) return {};  // status `stalled`, bounds [0, infinity]
 
         const Deadline deadline(query.time_limit);
         constexpr Index block = 4096;  // points of B between two checks of the clock
@@ -42,9 +53,9 @@ public:
         FarthestPoint farthest;
         for (Index i = 0; i < a.rows(); ++i) {
             const double* point = a.row(i).data();
-            double nearest = std::numeric_limits<double>::infinity();
-            Index at = -1;
-            std::optional<Status> stopped;
+            double nearest = std::numeric_limits<double>::infinity();  // squared, as all distances here
+            Index at = -1;                                             // the row of B at this distance
+            std::optional<Status> stopped;                             // the reason to stop, if there is one
             if (static_cast<std::uint64_t>(i) >= query.budget) stopped = Status::budget;
             for (Index begin = 0; begin < b.rows() && !stopped; begin += block) {
                 if (deadline.passed()) stopped = Status::time_limit;
@@ -73,7 +84,7 @@ private:
 
 SolverEntry naive_solver() {
     SolverInfo info = point_solver_info("naive", "NAIVEHDD", "zhang2017");
-    info.certified = true;
+    info.certified = true;  // because exact_result() widens the bounds by the rounding errors that rounding.h derives
     return {info, make_solver<Naive>};
 }
 

@@ -1,4 +1,4 @@
-// The SolverInfo common to all solvers for point sets.
+// The part of SolverInfo that is the same for all exact solvers of point sets.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -7,7 +7,8 @@
 
 namespace hausbench {
 
-// Returns the info of an exact solver, which ignores the tolerance. The caller sets `certified`.
+// Returns the info of a solver that takes two point sets, computes the exact distance whatever the tolerance, and
+// records a trace. The caller sets `certified` and the parameters.
 inline SolverInfo point_solver_info(std::string name, std::string title, std::string paper) {
     SolverInfo info;
     info.name = std::move(name);

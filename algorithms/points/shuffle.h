@@ -1,4 +1,4 @@
-// Seeded random orders, the same on every machine.
+// Random orders that depend only on a seed, so they are the same on every machine.
 #pragma once
 
 #include "algorithms/kernel/splitmix.h"
@@ -21,7 +21,7 @@ private:
     std::uint64_t state_;
 };
 
-// Returns 0 .. count - 1, shuffled or in order.
+// Returns the numbers 0 to count - 1, shuffled if `shuffle` is set, otherwise in ascending order.
 inline std::vector<Index> order_of(Index count, bool shuffle, Generator& random) {
     std::vector<Index> order(static_cast<std::size_t>(count));
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<Index>(i);

@@ -1,15 +1,19 @@
-// INC: refines two R-trees in turn, with a queue over A ordered by upper bound. Each entry has its own queue over B.
+// INC: searches an R-tree over A and an R-tree over B at the same time, from the roots down.
 //
-// Source: Nutanong, Jacox, Samet: An incremental Hausdorff distance calculation algorithm, PVLDB 4(8), 2011. An entry
-// pairs a node or point x of A with an upper bound and with all nodes and points of B that may be nearest, ordered by
-// least distance. The search takes the entry with the largest upper bound. If x and the nearest item of B are points,
-// their distance is h. Otherwise it splits the larger of the two: each child of x gets a copy of the queue, or a node
-// of B is replaced by its children. Nodes and points farther from x than its upper bound are dropped.
+// Source: Nutanong, Jacox, Samet: An incremental Hausdorff distance calculation algorithm, PVLDB 4(8), 2011.
 //
-// Bounds are kept squared and rounded like the distances themselves (posed_box.h), so the answer has the same bits as
-// NAIVEHDD's. The trees are built once; under motion a node of A becomes the box around the posed node. Memory is the
-// weak point: the queues hold many copies, O(|A| |B|) in the worst case (`queue_bytes` reports the peak). Budget:
-// entries taken.
+// The main queue has entries for nodes and points of A, ordered by upper bound. The entry of x, a node or a point,
+// consists of x, an upper bound on the distance to B of every point in x, and a queue of its own: the nodes and points
+// of B that may contain the nearest neighbour of a point in x, ordered by their least distance to x. Each step takes
+// the entry with the largest upper bound and looks at y, the first in its queue. If x and y are points, their distance
+// is h. Otherwise the step splits the one with the larger box: if it is x, each child of x becomes an entry with a copy
+// of the queue; if it is y, the children of y replace y in the queue. Nodes and points of B that are farther from x
+// than the upper bound of x are dropped from its queue.
+//
+// Bounds are squared, and each is rounded like the distance that it bounds (posed_box.h), so the answer has the same
+// bits as the answer of NAIVEHDD. The trees are built once; if A moves, the box of a node of A is replaced with a box
+// around the moved box. The drawback is memory: the copied queues take O(|A| |B|) in the worst case (`queue_bytes`
+// reports the peak). The unit of Query::budget is one entry taken from the main queue.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
@@ -21,29 +25,33 @@
 namespace hausbench {
 namespace {
 
-// A node (>= 0), or the complement ~i of position i in the tree's order, for a point; of either set.
+// A node or a point of an R-tree: a node is its index in RTree::nodes(), a point is ~i (so it is negative), where i is
+// its position in RTree::order().
 using Id = std::int32_t;
 bool is_point(Id id) { return id < 0; }
 
+// A node or point of B in the queue of an entry, with its least squared distance to the node or point of A.
 struct Near {
     double squared_lower;
     Id id;
 
-    bool operator<(const Near& other) const {  // for heaps with the nearest on top
+    bool operator<(const Near& other) const {  // puts the nearest on top of a heap
         return squared_lower != other.squared_lower ? squared_lower > other.squared_lower : id > other.id;
     }
 };
 
+// An entry of the main queue. The one with the largest upper bound is on top.
 struct Entry {
     double squared_upper;
-    Id id;
-    std::vector<Near> near;  // a heap
+    Id id;                   // a node or point of A
+    std::vector<Near> near;  // its queue over B, a heap
 
     bool operator<(const Entry& other) const {
         return squared_upper != other.squared_upper ? squared_upper < other.squared_upper : id < other.id;
     }
 };
 
+// The search of one query.
 class IncSearch {
 public:
     IncSearch(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query,
@@ -93,6 +101,7 @@ public:
     }
 
 private:
+    // Returns the position of a point in RTree::order().
     static std::size_t row(Id point) { return static_cast<std::size_t>(~point); }
 
     static Box point_box(const Vec3& p) { return {p, p}; }
@@ -123,7 +132,8 @@ private:
     }
     static std::size_t held(const Entry& entry) { return entry.near.capacity() * sizeof(Near); }
 
-    // Bounds the squared distance of one pair; for two points both bounds are the squared distance.
+    // Sets `lower` and `upper` to bounds on the squared distance between any point in x and any point in `near`. If
+    // both are points, the bounds are equal.
     void bound(const Box& x, Id near, double& lower, double& upper) {
         const Box y = target_box(near);
         ++(is_point(near) ? counters_.bound_tests : counters_.node_visits);
@@ -131,6 +141,7 @@ private:
         upper = squared_distance_at_most(x, y);
     }
 
+    // Pushes an entry for each child of a node of A.
     void split_source(const Entry& parent) {
         ++counters_.subdivisions;
         for_each_child(source_, parent.id, [&](Id child) {
@@ -152,6 +163,7 @@ private:
         bytes_ -= held(parent);
     }
 
+    // Replaces the first node in the queue of an entry with its children. `x` is the box of the entry.
     void split_target(Entry entry, const Box& x) {
         bytes_ -= held(entry);
         const Id node = entry.near.front().id;
@@ -167,7 +179,8 @@ private:
         push(std::move(entry));
     }
 
-    // Keeps the entries no farther than the final upper bound, without spare capacity.
+    // Puts the items that are not farther than the upper bound of the entry into its queue, once this bound is final.
+    // Allocates no spare capacity, because these queues take most of the memory.
     static void keep(Entry& entry, const std::vector<Near>& all) {
         const auto kept = [&](const Near& near) { return near.squared_lower <= entry.squared_upper; };
         entry.near.reserve(static_cast<std::size_t>(std::count_if(all.begin(), all.end(), kept)));
@@ -185,11 +198,11 @@ private:
     const Points &a_, &b_;
     const Query& query_;
     Trace& trace_;
-    Box a_box_;
+    Box a_box_;  // the box of A as moved by its pose; not set, and not needed, for the identity
     Deadline deadline_;
     Counters counters_;
-    std::vector<Entry> heap_;
-    std::size_t bytes_ = 0, most_bytes_ = 0;
+    std::vector<Entry> heap_;                 // the main queue
+    std::size_t bytes_ = 0, most_bytes_ = 0;  // of all queues over B: now, and at the peak with the main queue
 };
 
 class Inc final : public Solver {

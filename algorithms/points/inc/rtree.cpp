@@ -6,8 +6,9 @@
 namespace hausbench {
 namespace {
 
-// Orders items so that each run of `capacity` items is a tile: slabs along x, rows along y within a slab, then along
-// z within a row. Breaks ties by number, so that the order depends only on the points.
+// Sorts items so that each group of `capacity` successive items, called a tile, is close together in space and can
+// become one node. Sorts by x and cuts the sequence into slabs, sorts each slab by y and cuts it into rows, and sorts
+// each row by z. Items with equal coordinates are sorted by number, so the order depends only on the points.
 void tile(std::vector<Index>& items, const Points& centres) {
     const auto sort = [&](std::size_t from, std::size_t to, int axis) {
         const auto at = [&](std::size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
@@ -17,8 +18,8 @@ void tile(std::vector<Index>& items, const Points& centres) {
     };
     const std::size_t capacity = RTree::capacity, n = items.size();
     const auto groups = [&](std::size_t count) { return (count + capacity - 1) / capacity; };
-    // Returns the length of a run of whole tiles such that the number of runs is about the k-th root of the number of
-    // tiles.
+    // Returns the number of items in a slab (k = 3) or in a row (k = 2) if `count` items are cut into slabs or rows of
+    // whole tiles. There are then about as many slabs or rows as the k-th root of the number of tiles.
     const auto run = [&](std::size_t count, int k) {
         const std::size_t tiles = groups(count);
         std::size_t runs = 1;

@@ -1,4 +1,4 @@
-// R-tree over a point set, packed by sorting and tiling.
+// An R-tree over a point set, built by sorting the points so that every node but the last of each level is full.
 //
 // Source: Leutenegger, Lopez, Edgington: STR: a simple and efficient algorithm for R-tree packing, ICDE 1997.
 #pragma once
@@ -18,8 +18,8 @@ public:
     static constexpr int structure_layout = 1;
 
     struct Node {
-        Box box;  // tight
-        // Range of its children: nodes, or positions in order() if this is a leaf.
+        Box box;  // the smallest box around its points
+        // The range of its children: indices in nodes() or, if this is a leaf, of points, positions in order().
         std::int32_t first, count;
         bool leaf;
     };
@@ -27,13 +27,13 @@ public:
     // Copies the points. O(n log n) time, O(n) memory.
     explicit RTree(const Points& points);
 
-    const std::vector<Node>& nodes() const { return nodes_; }  // the root is the last
-    const std::vector<Index>& order() const { return order_; }
-    const Points& points() const { return points_; }  // sorted by order()
+    const std::vector<Node>& nodes() const { return nodes_; }   // the root is the last
+    const std::vector<Index>& order() const { return order_; }  // the rows of the input, neighbours in space together
+    const Points& points() const { return points_; }            // row i is row order()[i] of the input
 
     std::size_t bytes() const;
 
-    static constexpr std::int32_t capacity = 16;  // children of a node
+    static constexpr std::int32_t capacity = 16;  // most children of a node, or points of a leaf
 
 private:
     std::vector<Node> nodes_;

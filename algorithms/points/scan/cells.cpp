@@ -8,13 +8,14 @@ namespace {
 
 using Cell = PointCells::Cell;
 
+// Searches the cells for one point of A after the other.
 class Searcher {
 public:
     Searcher(const PointCells& cells, const NearGrid& grid, const Points& a, const Points& b, CellFindings& findings)
         : cells_(cells), grid_(grid), a_(a), b_(b), findings_(findings) {}
 
-    // Searches for each row. The points of A are unordered, so the cells of later rows are prefetched while earlier
-    // rows are searched.
+    // Searches for each of the rows row_of(0) to row_of(count - 1). Their cells may be anywhere in memory, so the lists
+    // and the first two points of 32 cells are prefetched before the first of them is searched.
     template <class RowOf> void search(std::size_t count, const RowOf& row_of) {
         constexpr std::size_t ahead = 32;
         Cell at[ahead];
@@ -38,8 +39,8 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most = 128;  // points examined per point of A; beyond this a tree examines fewer
-    static constexpr int widest = 16;           // cells along an axis
+    static constexpr std::uint64_t most = 128;  // points of B examined per point of A; a tree would examine fewer
+    static constexpr int widest = 16;           // cells along an axis; a search in more of them is given up
 
     void fetch(Index row) const {
         __builtin_prefetch(b_.row(row).data());
@@ -54,6 +55,8 @@ private:
         findings_.counters.point_distances += looked_;
     }
 
+    // Examines the list that starts at row `first` and updates the nearest point. Returns true as soon as a point is
+    // within the largest distance so far. Sets `crowded_` and returns false if `most` points were examined before that.
     bool near_enough_in(Index first) {
         const double squared_early_out = findings_.farthest.squared;
         for (Index j = first; j >= 0; j = cells_.next(j)) {
@@ -72,8 +75,10 @@ private:
         return false;
     }
 
-    // Searches the cells that share a face; then all cells that may contain a point near enough; then, if there is
-    // none, the cells that may contain a point closer than the nearest so far.
+    // Continues the search outside the point's own cell, until a point of B within the largest distance decides the
+    // point of A: in the six cells that share a face with it; at the candidate of the grid; in all cells that may
+    // contain a point closer than the largest distance. If none decides it, finds the closest point in the cells that
+    // may contain a point closer than the nearest so far; its distance becomes the largest.
     void search_around(Index row, const Cell& cell) {
         constexpr std::int32_t faces[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
         for (const auto& [x, y, z] : faces) {
@@ -97,16 +102,24 @@ private:
             findings_.farthest = {squared_, row, nearest_};
     }
 
-    // Examines all points at less than this squared distance. Sets `crowded_` if there are too many. Returns whether
-    // a point is near enough.
+    // Examines the cells that may contain a point at less than this squared distance. Returns true as soon as a point
+    // is within the largest distance so far. Sets `crowded_` and returns false if there are too many cells or points.
     //
-    // Let x be the distance of such a point along an axis, s its computed squared distance, and t the given squared
-    // distance; s < t as computed. Then x is at most distance_at_most(t) (kernel/rounding.h), by the relative errors
-    // of s and of the root. If squares underflow, no slack is needed: s >= x^2 - (least double) / 2 and s <= t -
-    // (least double), so x^2 < t.
+    // The range of cells contains every such point in spite of rounding, because its distance along each axis is at
+    // most distance_at_most(t, false), where t is the given squared distance. Proof:
+    // Let fl(z) be z rounded, u = 2^-53 the unit roundoff, and m = 2^-1074 the least positive double. Let s < t be the
+    // computed squared distance of such a point, x >= 0 its exact distance along an axis, and y its computed distance
+    // along this axis, so y >= (1 - u) x. Adding the squares of the other two axes to fl(y^2) does not make it smaller,
+    // so s >= fl(y^2).
+    //   - If y^2 does not underflow, (1 - u) y^2 <= fl(y^2) <= s < t.
+    //   - If y^2 underflows, rounding changes it by at most m / 2, so y^2 <= s + m / 2. Both s and t are multiples of
+    //     m, so s <= t - m. Together, y^2 <= t - m / 2 < t. So no slack for underflow is needed: the second argument is
+    //     false.
+    // In both cases (1 - u) y^2 < t, so x < sqrt(t) / (1 - u)^1.5 < sqrt(t) (1 - u) (1 + 4u). The function
+    // distance_at_most() multiplies fl(sqrt(t)) >= sqrt(t) (1 - u) by 1 + 4u and rounds up, so its value exceeds x.
     bool near_enough_within(double squared) {
         const PointCells::Range range = cells_.range_of(point_, distance_at_most(squared, false));
-        Cell to;  // cells beyond this share the lists of earlier cells
+        Cell to;  // the last cells to search; cells beyond them have the same lists as earlier cells of the range
         for (std::size_t k = 0; k < 3; ++k) {
             crowded_ = crowded_ || range.to[k] - range.from[k] >= widest;
             to[k] =
@@ -126,12 +139,12 @@ private:
     const NearGrid& grid_;
     const Points &a_, &b_;
     CellFindings& findings_;
-    // The point of A whose nearest point is sought.
+    // The search for one point of A.
     const double* point_ = nullptr;
-    double squared_ = 0;
-    Index nearest_ = -1;
-    std::uint64_t looked_ = 0;
-    bool crowded_ = false;
+    double squared_ = 0;        // squared distance to the nearest point of B so far
+    Index nearest_ = -1;        // row of that point
+    std::uint64_t looked_ = 0;  // number of points of B examined
+    bool crowded_ = false;      // whether the search was given up because of too many points or cells
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Searches the cells of B for points near those of A.
+// Searches small cells with the points of B (point_cells.h) for points near the points of A: step 5 of scan.cpp.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -11,16 +11,21 @@
 
 namespace hausbench {
 
-// Findings about some points of A. Each block of points has its own, so that blocks can be searched at the same time.
+// The results for some points of A. Each block of points has results of its own, so that several threads can search
+// blocks at the same time.
 struct CellFindings {
-    FarthestPoint farthest;  // among rows with a known closest point; starts as given
+    // The largest distance so far. The caller sets it to the largest distance known before the search.
+    FarthestPoint farthest;
     Counters counters;
-    // Rows of A that stay undecided because too many points or cells are near them.
+    // Rows of A that stay undecided because too many points or cells are near them. The caller must search for these in
+    // another way.
     std::vector<Index> open;
 };
 
-// Finds for each row of A a point of B within the largest squared distance so far or, if there is none, the closest
-// point. The cells must contain every point of B that may be closest. The grid gives one near point. O(1) per row.
+// Decides each of the given rows of A: finds a point of B within the largest distance so far or, if B has no such
+// point, finds the closest point, whose distance then becomes the largest. Rows for which this takes too long are added
+// to findings.open instead, so the search takes O(1) time per row. `cells` must contain every point of B that may be
+// closest to one of the rows. `grid` is over B, and gives one near point of B for each row.
 void search_cells(const PointCells& cells, const NearGrid& grid, const Points& a, std::span<const Index> rows,
                   const Points& b, CellFindings& findings);
 

@@ -8,19 +8,21 @@
 namespace hausbench {
 namespace {
 
-// Coordinates of the nearest occupied cell; empty if none is known yet.
+// The positions of an occupied cell along the three axes, or `empty` if no such cell is known yet.
 struct Place {
     std::int16_t x = -1, y = -1, z = -1;
     bool empty() const { return x < 0; }
 };
 
+// Returns the squared distance from an occupied cell to the cell (x, y, z), in cells.
 int squared(const Place& p, int x, int y, int z) {
     return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + (p.z - z) * (p.z - z);
 }
 
-// Returns up to 1024 distinct points, one from each of as many parts of equal length. The position within a part
-// follows the golden ratio, so that a regular order of the points cannot bias the sample. Duplicates are removed,
-// because they say nothing about the extent.
+// Returns a sample of up to 1024 points: one from each of up to 1024 parts of the set, of equal size. The position
+// within its part is different for each point (multiples of the golden ratio), so that points that are regularly
+// ordered in the input do not bias the sample. Duplicates are removed, because they say nothing about the extent of the
+// set.
 std::vector<std::array<double, 3>> sample_of(const Points& points) {
     const Eigen::Index count = std::min<Eigen::Index>(points.rows(), 1024);
     std::vector<std::array<double, 3>> sample;
@@ -35,9 +37,12 @@ std::vector<std::array<double, 3>> sample_of(const Points& points) {
     return sample;
 }
 
-// Returns the box without outliers: an axis that is more than eight times as long as the span between the quantiles
-// 1/16 and 15/16 (of a sample of distinct points) is cut down to three times that span. If nearly all points
-// coincide, the sample is small; an outlier among fewer than 16 distinct points keeps the whole box.
+// Returns the part of the box that contains most points, without outliers.
+//
+// Along each axis, let w be the width of the interval between the quantiles 1/16 and 15/16 of a sample of different
+// points. If the box is longer than 8 * w, it is cut down to this interval and w on either side, 3 * w in total. If
+// there are fewer than 16 different points in the sample, the quantiles are its least and largest coordinates, so that
+// one outlier in the sample keeps the box whole. If the part would be a single point, returns the whole box.
 Box dense_part(const Points& points, const Box& box) {
     const std::vector<std::array<double, 3>> sample = sample_of(points);
     std::vector<double> along(sample.size());
@@ -72,16 +77,18 @@ NearGrid::NearGrid(const Points& points, const Box& box, const Threads& threads)
     fill_empty_cells();
 }
 
-// Stores the last point of each cell. Prefers any point inside `inside`, because a point outside the grid may be far
-// from its cell.
+// Makes the last of the points in each cell its candidate. Points outside the grid also count as in a cell but may be
+// far from it, so they are taken only if the cell contains no point inside `inside`, the box of the grid (null: all
+// points are inside).
 //
-// A few threads each take a part of the points and note the last row of each cell; the later part wins.
+// Each thread takes a part of the points and notes the last row in each cell; of several parts, the last one that has a
+// point in the cell gives the candidate, so the result does not depend on the number of threads.
 void NearGrid::take_last_of_each(const Points& points, const Box* inside, const Threads& threads) {
     constexpr std::size_t chunk = 1024;
     const auto count = static_cast<std::size_t>(points.rows());
     const std::size_t parts = std::min(static_cast<std::size_t>(threads.most()), blocks_of(count, 16 * chunk));
     struct Last {
-        std::vector<Index> any, within;  // by cell; -1: none
+        std::vector<Index> any, within;  // by cell: the last row, and the last row inside `inside`; -1: none
     };
     std::vector<Last> last(parts);
     threads.for_each(parts, [&](std::size_t p) {
@@ -120,7 +127,8 @@ std::size_t NearGrid::squared_to_candidates(const double* points, std::size_t co
     return squared_to_cells(layout_, candidates_.front().point, points, count, squared);
 }
 
-// Puts as many cells along the longest axis as the total allows.
+// Chooses the size of the cubic cells: tries 1/1024 of the longest axis as their edge, then ever longer edges, until
+// the grid has at most `most` cells or the edge is the whole axis. A box without extent gets a single cell.
 void NearGrid::lay_cells(const Box& box, double most) {
     const Vec3 width = box.high - box.low;
     const double longest = width.maxCoeff();
@@ -137,6 +145,9 @@ void NearGrid::lay_cells(const Box& box, double most) {
     for (int k = 0; k < 3; ++k) layout_.last[k] = layout_.size[k] - 1;
 }
 
+// Gives each empty cell the candidate of an occupied cell nearby. Each sweep visits all cells, and an empty cell takes
+// over the nearest occupied cell known to the three neighbours that the sweep visited before. The result need not be
+// the nearest occupied cell of all.
 void NearGrid::fill_empty_cells() {
     std::vector<Place> places(candidates_.size());
     const std::int32_t(&size_)[3] = layout_.size;
@@ -167,11 +178,11 @@ void NearGrid::fill_empty_cells() {
             }
         }
     };
-    // A third sweep reaches cells that only the second one could update.
+    // The third sweep passes on the cells that the second one found.
     sweep(true);
     sweep(false);
     sweep(true);
-    Candidate any{};
+    Candidate any{};  // only a fallback: the first two sweeps reach every cell
     for (const Candidate& candidate : candidates_) {
         if (candidate.row >= 0) any = candidate;
     }
@@ -192,8 +203,9 @@ Points NearGrid::spread() const {
 }
 
 std::size_t NearGrid::mark(const double* point, double radius, std::vector<std::uint8_t>& flags) const {
-    // Rounding to nearest is monotone and leaves doubles unchanged: if point - radius <= x <= point + radius in exact
-    // arithmetic, the same holds for the rounded ends and any double x. So the ends need no slack.
+    // The range need not be widened for rounding. Rounding to nearest is monotone and leaves doubles unchanged. So if
+    // point - radius <= x <= point + radius holds exactly and x is a double, it also holds with both ends rounded. And
+    // along() is monotone, too.
     const std::int32_t(&size_)[3] = layout_.size;
     int from[3], to[3];
     for (int k = 0; k < 3; ++k) {

@@ -1,8 +1,9 @@
-// A coarse grid over a point set that stores one point in or near each cell: a cheap first candidate for the closest
-// point.
+// A coarse grid over a point set that stores one point of the set for each cell, the *candidate* of the cell. It is a
+// quick guess at the closest point for a query point in the cell: it need not be the closest, but as it belongs to the
+// set, its distance is an upper bound.
 //
-// It takes one pass over the points, and three sweeps that carry the nearest occupied cell into empty ones.
-// Candidates need not be the closest points, but they belong to the set, so their distances are upper bounds.
+// The candidate of an occupied cell is a point in the cell. An empty cell takes the candidate of an occupied cell
+// nearby.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -19,38 +20,40 @@ class NearGrid {
 public:
     struct Candidate {
         double point[3];
-        Index row;
+        Index row;  // of this point in the set
     };
 
     NearGrid() = default;
 
-    // `box` is the box of `points`. The grid covers the part of it that contains most points, so that a few outliers
-    // do not make its cells large. It has about an eighth as many cells as points, at most 2^16. O(n + cells).
+    // `box` is the bounding box of `points`. The grid covers only the part of the box that contains most points, so
+    // that a few outliers do not make its cells large. It has about n / 8 cells, at most 2^16. O(n) time.
     NearGrid(const Points& points, const Box& box, const Threads& threads = Threads());
 
-    // Returns the cell of a point. A point outside belongs to the nearest cell along each axis. Monotone in each
-    // coordinate.
+    // Returns the number of the cell of a point. A point outside the grid counts as in the nearest cell.
     std::size_t cell_of(const double* point) const { return static_cast<std::size_t>(layout_.cell_of(point)); }
+    // Returns the candidate of the cell that contains a point.
     const Candidate& candidate(const double* point) const { return candidates_[cell_of(point)]; }
 
-    // Writes the squared distance, as squared_distance() computes it, from each of many points (three coordinates
-    // each) to its candidate. Returns the number of the farthest point, the first of equals.
+    // Computes the squared distance of each of `count` > 0 points (three coordinates each) to its candidate, and writes
+    // it to squared[0..], with the same bits as squared_distance(). Returns the number of the point with the largest
+    // distance; if there are several, the first.
     std::size_t squared_to_candidates(const double* points, std::size_t count, double* squared) const;
 
-    // Sets the flag of every cell that may contain a point x with |x - point| <= radius along each axis. Returns
-    // their number.
+    // Sets flags[cell] to 1 for each cell that may contain a point x with |x - point| <= radius along each axis.
+    // Returns the number of these cells.
     std::size_t mark(const double* point, double radius, std::vector<std::uint8_t>& flags) const;
 
     // Cells per unit of length, the same along each axis; 0 if there is only one cell.
     double cells_per_length() const { return layout_.cells_per_length; }
 
-    // Return the number of occupied cells and one point of each. The points are spread evenly, however the density
-    // varies.
+    // Return the number of occupied cells, and one point from each of them. These points are spread evenly over the set
+    // even if the density of the set varies.
     std::size_t occupied() const { return occupied_; }
     Points spread() const;
 
-    // Does the same for every cell that may contain a point whose computed squared distance is at most `squared`.
-    // Along each axis its exact distance is at most distance_at_most(squared) (kernel/rounding.h).
+    // Does the same as mark() for each cell that may contain a point whose computed squared distance to `point` is at
+    // most `squared`. The exact distance of such a point is at most the value of distance_at_most()
+    // (kernel/rounding.h), and so is its distance along each axis.
     std::size_t mark_within(const double* point, double squared, std::vector<std::uint8_t>& flags) const {
         return mark(point, distance_at_most(squared, true), flags);
     }
@@ -59,13 +62,13 @@ public:
     std::size_t bytes() const { return candidates_.capacity() * sizeof(Candidate); }
 
 private:
-    void lay_cells(const Box& box, double most);
+    void lay_cells(const Box& box, double most);  // sets layout_
     void take_last_of_each(const Points& points, const Box* inside, const Threads& threads);
     void fill_empty_cells();
 
     CellLayout layout_;
-    std::size_t occupied_ = 0;
-    std::vector<Candidate> candidates_;
+    std::size_t occupied_ = 0;           // number of cells that contain points
+    std::vector<Candidate> candidates_;  // by cell
 };
 
 }  // namespace hausbench

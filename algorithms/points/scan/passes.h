@@ -1,5 +1,5 @@
-// Passes of points/scan/scan.cpp over all points, with vector instructions chosen at run time. The results are the
-// same on every target and for any number of threads.
+// The parts of scan.cpp that read all points of a set, with vector instructions that are chosen at run time. The
+// results are the same whichever instructions run, and for any number of threads.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -12,21 +12,22 @@
 
 namespace hausbench {
 
-// The extent of a point set.
+// The bounding box of a point set, and whether the set has tiny coordinates.
 struct Extent {
     Box box;
-    bool tiny = false;  // some nonzero coordinate is smaller than smallest_safe_coordinate
+    bool tiny = false;  // whether some nonzero |coordinate| is smaller than smallest_safe_coordinate
 
+    // Returns the largest |coordinate|.
     double magnitude() const { return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff()); }
 };
 Extent extent_of(const Points& points, const Threads& threads = Threads());
 
-// Finds the nearest point of B to each of a few rows of A by comparing them with all of B; updates `farthest`. O(rows
-// |B|).
+// Finds the nearest point of B for each of a few rows of A, and updates `farthest` if one of them is farther from B.
+// O(|rows| * |B|).
 void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, const Threads& threads,
                       FarthestPoint& farthest, Counters& counters);
 
-// Returns the squared distance of each of a few rows of A to the nearest point of B. O(rows |B|).
+// Returns the squared distance to the nearest point of B for each of a few rows of A. O(|rows| * |B|).
 std::vector<double> squared_to_nearest(const Points& a, std::span<const Index> rows, const Points& b,
                                        const Threads& threads);
 

@@ -71,7 +71,7 @@ PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen,
     std::size_t total = 0;
     for (std::size_t n = leaves.size(); total == 0 || n > 1;) total += n = (n + block_children - 1) / block_children;
     nodes.reserve(total);
-    std::size_t below = leaves.size();  // nodes on the level below
+    std::size_t below = leaves.size();  // number of nodes or leaves on the level below
     do {
         const std::size_t begin = nodes.size();
         const std::size_t count = (below + block_children - 1) / block_children;
@@ -93,8 +93,8 @@ PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen,
 }
 
 std::size_t PointBlocks::leaf_at(const double* point) const {
-    // A cluster that the frame does not resolve has many leaves with the same key; frame.before() tells them apart by
-    // further halvings.
+    // If many points lie in one cell of the frame, several leaves have the same key. frame.before() orders them by
+    // smaller cells.
     const auto [from, to] = std::equal_range(keys.begin(), keys.end(), frame.key(point));
     const auto begin = leaves.begin() + (from - keys.begin()), end = leaves.begin() + (to - keys.begin());
     const auto after = std::upper_bound(begin, end, point, [&](const double* p, const PointLeaf& leaf) {

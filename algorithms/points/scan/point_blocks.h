@@ -1,6 +1,8 @@
-// Points in Morton order, sixteen per leaf, under an implicit tree of boxes with eight children per node.
+// A tree over the points of a set: the points are sorted in Morton order and cut into leaves of 16, with a tree of
+// boxes above that has eight children per node. The tree has no pointers, because the position of a node tells its
+// children.
 //
-// Quick to build (a radix sort, then one pass), and quick to search with vector instructions (points/scan/search.h).
+// It is quick to build (a radix sort, then one pass) and quick to search with vector instructions (search.h).
 #pragma once
 
 #include "algorithms/kernel/morton.h"
@@ -15,39 +17,44 @@ namespace hausbench {
 inline constexpr std::size_t block_points = 16;
 inline constexpr std::size_t block_children = 8;
 
-// A leaf with fewer points repeats the last one.
+// 16 points and their rows in the set. If there are fewer, which only the last leaf may have, the last point is
+// repeated.
 struct alignas(64) PointLeaf {
     double x[block_points], y[block_points], z[block_points];
     Index row[block_points];
 };
 
-// Missing children have low = infinity, high = -infinity, so they are infinitely far from everything.
+// The boxes of the eight children of a node. A missing child has low = infinity and high = -infinity, so its distance
+// from every point is infinite.
 struct alignas(64) BlockNode {
     double low[3][block_children], high[3][block_children];
 };
 
-// Returns the chosen rows of `points` (all if null), at least one, in the Morton order of the frame.
+// Returns leaves with the chosen rows of `points` (all if null), in the Morton order of the frame. There must be at
+// least one row.
 std::vector<PointLeaf> leaves_of(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame);
 
-// Builds in O(n) for tame data (see morton.h); O(n) memory, about 37 bytes per point.
+// The tree. Building takes O(n) time on typical data (see morton_order() in kernel/morton.h), and about 32 bytes per
+// point.
 struct PointBlocks {
     static constexpr std::string_view structure_name = "point blocks";
     static constexpr int structure_layout = 1;
 
-    // `box` contains the chosen points.
+    // Builds the tree over the chosen rows of `points` (all if null). `box` must contain them.
     PointBlocks(const Points& points, const std::vector<Index>* chosen, const Box& box);
     explicit PointBlocks(const Points& points);
 
-    // Returns the leaf at the position of this point in the order; it is probably near the point. O(log n).
+    // Returns the number of the leaf where this point would be in Morton order. The points of this leaf are probably
+    // near it. O(log n).
     std::size_t leaf_at(const double* point) const;
 
     MortonFrame frame;
     std::vector<PointLeaf> leaves;
-    std::vector<std::uint32_t> keys;  // of the first point of each leaf
-    // Level 1 has the boxes of leaves, the last level is a single node; node i of a level has children 8i to 8i + 7
-    // on the level below.
+    std::vector<std::uint32_t> keys;  // by leaf: the Morton key of its first point
+    // All levels of nodes, from the bottom up. The children of level 1 are leaves, the last level is the root alone.
+    // Node i of a level has the children 8 * i to 8 * i + 7 on the level below.
     std::vector<BlockNode> nodes;
-    std::vector<std::size_t> level_begin;  // start in `nodes` of level 1 and up
+    std::vector<std::size_t> level_begin;  // level_begin[l - 1] is the index in `nodes` of the first node of level l
 
     std::size_t levels() const { return level_begin.size(); }
     std::size_t bytes() const {

@@ -5,7 +5,8 @@
 
 namespace hausbench {
 
-// Gives each axis as many entries as it has cells, then halves the longest axis until the table is small enough.
+// Chooses the size of the table. Each axis gets at least as many entries as the box has cells along it, rounded up to a
+// power of two; then the axis with most entries is halved until the table has fewer than four entries per point.
 void PointCells::lay_table(std::size_t count, const Box& box) {
     const int most = std::bit_width(2 * count - 1);
     int bits[3];
@@ -38,7 +39,8 @@ PointCells::PointCells(const Points& points, const std::vector<Index>* chosen, c
         for (std::size_t i = 0; i < count; ++i) add(row_of(i), place_of(row_of(i)));
         return;
     }
-    // Each worker owns a part of the table and adds the points of that part in order.
+    // First computes the entry of each point. Then each thread fills one part of the table: it looks at all points in
+    // order and adds those with an entry in its part.
     const auto places = std::make_unique_for_overwrite<std::uint32_t[]>(count);
     const std::size_t blocks = blocks_of(count, 1 << 13);
     threads.for_each(blocks, [&](std::size_t block) {

@@ -1,10 +1,10 @@
-// Points in small cubes, for sets that lie close together: a near point is then in the same cube or in a neighbouring
-// one.
+// Points of a set in small cubes, the cells of an unbounded grid. If two sets lie close together, a near point is
+// usually in the same cell or in a neighbouring one.
 //
-// This is a table of lists, small and quick to build, because fresh memory costs more than the work. Cell (x, y, z)
-// of the grid uses entry (x mod 2^i, y mod 2^j, z mod 2^k) of the table, so points of any extent need one to two
-// entries per point. Distant cells may share an entry: the list of a cell contains all its points, and possibly
-// others.
+// The cells are stored in a table, each entry of which is a list of points. The table is kept small, because the first
+// access to newly allocated memory costs more than the rest of the work. It has 2^i * 2^j * 2^k entries, fewer than
+// four per point; cell (x, y, z) of the grid uses the entry (x mod 2^i, y mod 2^j, z mod 2^k). So cells far from each
+// other may share an entry: the list of a cell contains all points in the cell, and possibly points of other cells.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -19,21 +19,23 @@ namespace hausbench {
 
 class PointCells {
 public:
-    using Cell = std::array<std::int32_t, 3>;
+    using Cell = std::array<std::int32_t, 3>;  // numbers of the cell along x, y and z; may be negative
 
-    // Puts the chosen rows of `points` (all if null), which lie in `box`, into cubes of edge 1 / cells_per_length, a
-    // positive number. O(n) time, 12 bytes per point. Rows fall along each list, so the lists do not depend on the
+    // Puts the chosen rows of `points` (all if null), which lie in `box`, into cubes with the edge 1 /
+    // cells_per_length. cells_per_length must be positive. Takes O(n) time, and memory of 4 bytes for each row of
+    // `points` and up to 16 bytes for each chosen row. Each list has the chosen rows in reverse order, whatever the
     // number of threads.
     PointCells(const Points& points, const std::vector<Index>* chosen, const Box& box, double cells_per_length,
                const Threads& threads);
 
-    // Returns the cell of any point. Monotone in each coordinate.
+    // Returns the cell of any point, also outside the box. Its numbers never decrease as the coordinates increase.
     Cell cell_of(const double* point) const { return {cell(point[0], 0), cell(point[1], 1), cell(point[2], 2)}; }
 
-    // Returns the range of cell_of(x) for all x with |x - point| <= radius along each axis.
+    // Returns a range of cells that contains cell_of(x) for all x with |x - point| <= radius along each axis.
     //
-    // Rounding to nearest is monotone and leaves doubles unchanged: if point - radius <= x <= point + radius in exact
-    // arithmetic, the same holds for the rounded ends and any double x. So the ends need no slack.
+    // The range need not be widened for rounding. Rounding to nearest is monotone and leaves doubles unchanged. So if
+    // point - radius <= x <= point + radius holds exactly and x is a double, it also holds with both ends rounded. And
+    // cell_of() is monotone, too.
     struct Range {
         Cell from, to;
     };
@@ -46,22 +48,24 @@ public:
         return range;
     }
 
-    // Iterate over the list of a cell: row = first(cell); then row = next(row), until it is negative.
+    // The list of a cell: starts at row = first(cell), goes on with row = next(row), and ends at a negative row.
     Index first(const Cell& cell) const { return first_[place(cell)]; }
     Index next(Index row) const { return next_[static_cast<std::size_t>(row)]; }
 
-    // Addresses to prefetch.
+    // Return the addresses that first() and next() read, for prefetching.
     const Index* first_at(const Cell& cell) const { return &first_[place(cell)]; }
     const Index* next_at(Index row) const { return &next_[static_cast<std::size_t>(row)]; }
 
-    // Returns the number of entries along an axis; that many neighbouring cells have lists of their own.
+    // Returns the number of entries of the table along an axis. Up to this many successive cells have different
+    // entries.
     std::int64_t entries(std::size_t axis) const { return std::int64_t{masks_[axis]} + 1; }
 
 private:
     std::int32_t cell(double x, std::size_t k) const {
-        constexpr double most = 0x1p29;
+        constexpr double most = 0x1p29;  // differences of cell numbers fit into 32 bits
         return static_cast<std::int32_t>(std::min(std::max((x - low_[k]) * cells_per_length_, -most), most));
     }
+    // Returns the index in first_ of the entry that a cell uses.
     std::size_t place(const Cell& cell) const {
         const auto part = [&](std::size_t k) {
             return static_cast<std::size_t>(static_cast<std::uint32_t>(cell[k]) & masks_[k]);
@@ -74,8 +78,8 @@ private:
     double cells_per_length_;
     std::uint32_t masks_[3] = {};
     int shift_y_ = 0, shift_z_ = 0;
-    std::vector<Index> first_;
-    std::unique_ptr<Index[]> next_;  // by row; not set for rows that were not chosen
+    std::vector<Index> first_;       // the table: the first row of each list, or -1
+    std::unique_ptr<Index[]> next_;  // by row: the next row in its list, or -1; not set for rows that were not chosen
 };
 
 }  // namespace hausbench

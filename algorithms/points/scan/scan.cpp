@@ -1,32 +1,41 @@
 // scan: exact distances of point sets, fast both if a single outlier decides and if the sets are nearly the same.
 //
-// A point of A is discarded as soon as some point of B is within the largest distance found so far (early breaking,
-// Taha and Hanbury 2015). The steps that find such a point go from cheap to expensive; each runs only if the previous
-// steps leave points of A undecided:
-//   1. A coarse grid over B gives a near point of B, the candidate, for each point of A.
-//   2. The points of A with the farthest candidates are compared with all of B, which gives a first largest distance.
-//   3. Points of A whose candidate is within this distance are decided.
-//   4. Points of B that cannot be nearest to an undecided point are dropped: a grid cell is kept if its distance from
-//      such a point is at most the distance of the point's candidate.
-//   5. The kept points go into cells about as large as the distance between neighbours. A near point is usually in
-//      the cell of the point of A or in an adjacent one; otherwise all cells that may contain one are searched.
-//   6. If cells are crowded, their points and the undecided points of A are sorted in Morton order, the former under
-//      a tree of boxes. A near leaf of B decides a leaf of A as a whole or point by point; the tree is searched for
-//      the remaining points.
-// If a sample shows that step 3 would decide few points, step 5 takes all points. Only the grid is built beforehand:
-// the structures of steps 5 and 6 depend on the distance and cost less than searching.
+// A point of A is *decided* once it is known that it cannot raise the largest distance found so far: either some point
+// of B is within that distance of it (early breaking, Taha and Hanbury 2015), or its closest point of B is known and
+// its distance counted. The steps go from cheap to expensive; each runs only if the steps before leave points of A
+// undecided:
+//   1. A coarse grid over B stores one point of B for each of its cells. The point stored for the cell of a point of A,
+//      its *candidate*, is near it, so its distance is an upper bound.
+//   2. The 8 points of A that are farthest from their candidates are compared with all of B. The largest of their
+//      distances to B is the first value of the largest distance.
+//   3. Points of A whose candidate is within the largest distance are decided.
+//   4. For each undecided point of A, the grid cells within the distance to its candidate are marked. Points of B in
+//      other cells cannot be closest to an undecided point and are left out.
+//   5. The other points of B are put into cubes about as large as the distance between neighbours. A point of B near
+//      enough is usually in the cube of the point of A or in one that shares a face with it; otherwise all cubes that
+//      may contain the closest point are searched.
+//   6. If many points of B share a cube, these points and the undecided points of A are sorted in Morton order and cut
+//      into leaves of 16, with a tree of boxes over the leaves of B. A leaf of A is compared with one or two near
+//      leaves of B, first as a whole, then point by point; for the points still undecided the tree is searched.
+// If a sample shows that step 3 would decide fewer than half of the points, steps 3 and 4 are skipped. Only the grid is
+// built in advance: the structures of steps 5 and 6 depend on the largest distance, and building them costs less than
+// searching.
 //
-// Threads take the points of A in blocks (steps 1, 3 and 5). Each block starts from the distance known before the
-// round, so the work, the answer and its witness do not depend on the number of threads.
+// Threads share the points of A in steps 1 and 5, and the points of B in steps 2 and 3. In step 5 each block of points
+// of A starts from the largest distance known before its round of 64 blocks, so the work, the answer and its witness do
+// not depend on the number of threads.
 //
-// Outliers and clusters: the grid covers the part of B that contains most points, and both sorts refine every crowded
-// cell in the frame of its own box (kernel/morton.h), so no step takes its scale from the farthest points.
+// Outliers and clusters do not slow it down: the grid covers only the part of B that contains most points, and the
+// sorts in Morton order sort the points of a crowded cell again in a smaller frame (kernel/morton.h). So a few far
+// points do not make the cells of the others large.
 //
-// Exact and certified: only computed squared distances to points of B decide, in the order of operations of
-// squared_distance. Boxes are compared with the same monotone operations (kernel/box.h), and cells are rounded
-// outward. So the answer has the same bits as the answer of `naive`.
-// Time: O(|A| + |B|) if an outlier decides, otherwise about O(|A| log |B| + |B|). Memory: O(|A| + |B|). Budget:
-// searches for closest points, checked between batches.
+// The answer is exact and certified, and it has the same bits as the answer of `naive`: only squared distances to
+// points of B decide, computed with the operations of squared_distance() in the same order. Distances to boxes are
+// computed with the same monotone operations, so a box is never farther than a point in it (kernel/box.h). The radii in
+// which cells are searched are rounded up.
+//
+// Time: O(|A| + |B|) if an outlier decides, otherwise about O(|A| log |B| + |B|). Memory: O(|A| + |B|). The unit of
+// Query::budget is one search for a closest point; the budget is checked only between batches of searches.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/scan/near.h"
@@ -67,12 +76,12 @@ public:
         ScanState state;
         const ScanWork work{query, deadline, threads, a, b, grid_, target_.box, cells_from_, tree_from_};
         Status stopped = work.stop(state);
-        double left = -1;  // bounds the squared distances of undecided points of A
+        double left = -1;  // upper bound on the squared distances of the undecided points of A; -1: all are decided
         if (stopped != Status::converged) {
             left = squared_distances_at_most(a, b, nullptr, 0);
         } else {
             const std::vector<Undecided> farthest = farthest_of_blocks(work);
-            std::vector<Undecided> first = farthest;
+            std::vector<Undecided> first = farthest;  // a copy, because compare_farthest() erases points
             record(trace, -1, most_of(farthest));
             compare_farthest(work, first, state);
             record(trace, state.farthest.squared, most_of(farthest));
@@ -93,6 +102,7 @@ private:
     static constexpr std::size_t batch = 8;  // points compared with all of B in one pass
     static constexpr std::size_t block_rows = ScanWork::block_rows;
 
+    // Returns the largest squared distance, or -1 if there is none.
     static double most_of(const std::vector<Undecided>& undecided) {
         double most = -1;
         for (const Undecided& one : undecided) most = std::max(most, one.squared);
@@ -103,7 +113,8 @@ private:
         return squared_distance(point, grid_.candidate(point).point);
     }
 
-    // Compares the points with the farthest candidates with all of B, which decides them.
+    // Compares up to `batch` points, those farthest from their candidates, with all of B. Removes them from
+    // `undecided`, and all other points that the new largest distance decides.
     static void compare_farthest(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) {
         const std::size_t count = std::min(batch, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
@@ -118,8 +129,9 @@ private:
         drop_decided(undecided, state);
     }
 
-    // Replaces candidates by the nearest of some evenly spread points of B: far from B, such a point is about as near
-    // as the closest one.
+    // Compares the undecided points with one point of B from each occupied cell of the grid, which may be nearer than
+    // the candidate. For points of A far from B, the nearest of these is about as near as the closest point. Does
+    // nothing if this takes more than 8 * |B| comparisons.
     void compare_with_spread(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) const {
         const std::size_t pairs = undecided.size() * grid_.occupied();
         if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
@@ -131,7 +143,7 @@ private:
         drop_decided(undecided, state);
     }
 
-    // Returns the point of each block of A whose candidate is farthest.
+    // Returns, for each block of block_rows points of A, the point that is farthest from its candidate.
     std::vector<Undecided> farthest_of_blocks(const ScanWork& work) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
         std::vector<Undecided> farthest((count + block_rows - 1) / block_rows);
@@ -144,7 +156,7 @@ private:
         return farthest;
     }
 
-    // Returns whether most candidates are farther than the largest distance so far.
+    // Returns whether candidates would decide fewer than half of the points in a sample of A.
     bool candidates_decide_few(const Points& a, ScanState& state) const {
         const std::vector<Index> some = sample_of(a, nullptr);
         std::size_t left = 0;
@@ -153,7 +165,7 @@ private:
         return left > some.size() / 2;
     }
 
-    // Returns the points of A that are not decided by their candidates.
+    // Performs step 3: returns the points of A that remain undecided. `farthest` comes from farthest_of_blocks().
     std::vector<Undecided> keep_undecided(const ScanWork& work, const std::vector<Undecided>& farthest,
                                           ScanState& state) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
@@ -170,8 +182,8 @@ private:
             }
         }
         compare_with_spread(work, undecided, state);
-        // One pass over B for the farthest candidates, then more passes as long as each decides half of the rest or
-        // two more would finish, because this is cheaper than cells.
+        // Compares the farthest points with all of B once, and again as long as the last pass decided at least half of
+        // the points or two more passes would decide all others. Then these passes are cheaper than step 5.
         for (std::size_t before = 2 * undecided.size();
              !undecided.empty() && undecided.size() <= std::max(before / 2, 2 * batch);) {
             before = undecided.size();
@@ -180,14 +192,15 @@ private:
         return undecided;
     }
 
+    // Removes the points that have a known point of B within the largest distance.
     static void drop_decided(std::vector<Undecided>& undecided, const ScanState& state) {
         std::erase_if(undecided, [&](const Undecided& one) { return one.squared <= state.farthest.squared; });
     }
 
     double cells_from_, tree_from_;
     const Scene* scene_ = nullptr;
-    Extent target_;
-    NearGrid grid_;
+    Extent target_;  // of B
+    NearGrid grid_;  // over B
 };
 
 }  // namespace

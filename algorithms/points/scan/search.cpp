@@ -17,16 +17,19 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;  // 8 divides 16, the number of points in a leaf
 
+// Returns x^2 + y^2 + z^2, by the operations of squared_distance() in the same order.
 HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::Vec<Doubles> z) {
-    return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));  // in the order of squared_distance
+    return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
 }
 
+// The nearest point of B so far for one point of A.
 struct Nearest {
     double squared = infinity;
     std::size_t leaf = 0;
     Index row = -1;
 };
 
+// Updates `nearest` with the points of a leaf of B.
 HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (&p)[3], Nearest& nearest) {
     const Doubles d;
     const PointLeaf& points = b.leaves[leaf];
@@ -46,14 +49,14 @@ HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (
     nearest = {squared, leaf, points.row[i]};
 }
 
-// A node or a leaf (level 0) of the tree.
+// A node of the tree, or a leaf, that is still to be searched.
 struct OpenBlock {
-    double squared;  // distance to its box
-    std::size_t level, index;
+    double squared;            // squared distance from the point of A to its box
+    std::size_t level, index;  // level 0: leaves
 };
 
-// Pushes the children of a node that may contain a point nearer than `squared`, the farthest first, so that the
-// nearest (the first of equals) is popped first. Returns the new size of the stack.
+// Pushes the children of a node whose boxes are nearer than `squared`. They are sorted by distance, the farthest at the
+// bottom, so that the nearest child is popped first (of several, the first). Returns the new size of the stack.
 HWY_INLINE std::size_t push_children(const PointBlocks& b, const OpenBlock& at, const double (&p)[3], double squared,
                                      OpenBlock* stack, std::size_t size) {
     const Doubles d;
@@ -82,12 +85,15 @@ HWY_INLINE std::size_t push_children(const PointBlocks& b, const OpenBlock& at, 
     return size;
 }
 
-// Finds the nearest point of B, or any point within the squared early-out radius. `nearest` is the best known point
-// and already includes leaf `scanned`. Distances to boxes are rounded like distances to points (kernel/box.h), so a
-// box farther than the nearest point, or as far, contains no nearer point.
+// Finds the nearest point of B, or stops at a point within the early-out radius, whichever comes first. The *early-out
+// radius* is the largest distance so far: one point of B within it decides the point of A. `nearest` is the nearest
+// point known before, and leaf `scanned` need not be searched again. Distances to boxes are rounded like distances to
+// points (kernel/box.h), so a box that is at least as far as the nearest point contains no nearer point.
 HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double squared_early_out, std::size_t scanned,
                             Nearest& nearest, Counters& counters) {
-    OpenBlock stack[(block_children - 1) * 12 + 1];  // 8^12 leaves exceed an Index
+    // At each level one node is popped and up to 8 are pushed. There are at most 12 levels: 8^12 leaves exceed an
+    // Index.
+    OpenBlock stack[(block_children - 1) * 12 + 1];
     std::size_t size = 0;
     OpenBlock at{0, b.levels(), 0};
     while (true) {
@@ -106,6 +112,8 @@ HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double s
     }
 }
 
+// Searches for point i of a leaf of A, and updates the state: first in the leaf of B found last, then in its home
+// leaf (see home_of()), then in the tree.
 void search_point(const PointBlocks& b, const PointLeaf& leaf, std::size_t i, std::size_t home, ScanState& state) {
     const double p[3] = {leaf.x[i], leaf.y[i], leaf.z[i]};
     const double squared_early_out = state.farthest.squared;
@@ -125,7 +133,7 @@ void search_point(const PointBlocks& b, const PointLeaf& leaf, std::size_t i, st
     if (nearest.squared > squared_early_out) state.farthest = {nearest.squared, leaf.row[i], nearest.row};
 }
 
-// Returns the leaf of B at the position of this leaf of A in the order.
+// Returns the *home* of a leaf of A: the leaf of B at the same position in Morton order, which is probably near it.
 std::size_t home_of(const PointBlocks& b, const PointLeaf& leaf) {
     const double first[3] = {leaf.x[0], leaf.y[0], leaf.z[0]};
     return b.leaf_at(first);
@@ -135,6 +143,7 @@ void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanStat
     for (std::size_t l = 0; l < a.size(); l += 4) search_point(b, a[l], 0, home_of(b, a[l]), state);
 }
 
+// The bounding box of a leaf; all lanes of a vector are equal.
 struct LeafBox {
     hn::Vec<Doubles> low[3], high[3];
 };
@@ -155,8 +164,9 @@ HWY_INLINE LeafBox box_of(const PointLeaf& leaf) {
     return box;
 }
 
-// Returns whether some point of the leaf is within the squared early-out radius of the whole box. Testing the
-// farthest corner is enough, because every operation of squared_distance is monotone in |a - b|.
+// Returns whether some point of a leaf of B is within the early-out radius of every point in the box of a leaf of A.
+// All points of that leaf are then decided. It is enough to test the corner of the box that is farthest from the point
+// of B, because every operation of squared_distance() is monotone in |a - b|.
 HWY_INLINE bool covers(const PointLeaf& points, const LeafBox& box, double squared_early_out) {
     const Doubles d;
     auto least = hn::Set(d, infinity);
@@ -181,7 +191,7 @@ void search_leaves(const PointBlocks& b, std::span<const PointLeaf> a, ScanState
             if (covers(b.leaves[state.last_leaf], box, state.farthest.squared)) continue;
         }
         for (std::size_t i = 0; i < block_points; ++i) {
-            if (i > 0 && leaf.row[i] == leaf.row[i - 1]) break;  // a repeated row: end of the last leaf
+            if (i > 0 && leaf.row[i] == leaf.row[i - 1]) break;  // the repeated point that fills up the last leaf
             search_point(b, leaf, i, home, state);
         }
     }

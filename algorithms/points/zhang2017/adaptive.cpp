@@ -1,13 +1,17 @@
-// The framework of Zhang et al.: chooses NOHD, EARLYBREAK or OHD by how far the boxes of A and B overlap.
+// The framework of Zhang et al.: for each query, chooses NOHD, EARLYBREAK or OHD, depending on how much the bounding
+// boxes of A and B overlap.
 //
-// Source: Zhang et al. 2017, Algorithm 8: NOHD if the boxes are disjoint; EARLYBREAK if alpha <= theta, contact
-// included; else OHD. The paper defines alpha only at its ends (0 in contact, 1 at full overlap); here alpha =
-// vol(boxA cap boxB) / min(vol boxA, vol boxB), and an axis along which a box is flat is left out of all three
-// volumes. Nested boxes have alpha = 1 however large h is, so the volume of the intersection over the volume of the
-// union (`iou`) is reported, too.
+// Source: Zhang et al. 2017, Algorithm 8. The overlap of two boxes that meet is a number alpha from 0 to 1. The choice
+// is NOHD if the boxes are disjoint, EARLYBREAK if alpha <= theta, and OHD otherwise. The paper says only that alpha is
+// 0 if the boxes touch and 1 at full overlap. Here it is
+//     alpha = volume(boxA intersected with boxB) / min(volume(boxA), volume(boxB)).
+// If a box is flat along an axis, that axis is left out of all three volumes. If one box contains the other, alpha is 1
+// however large h is; therefore the volume of the intersection divided by the volume of the union (`iou`) is reported
+// too.
 //
-// Reports: `chosen` (the solver), `alpha` (-1: disjoint) and `iou`. Time, memory and budget are as for the chosen
-// solver, plus O(|A|) for the box. For a static scene the choice is made before anything is built.
+// Reports `chosen` (the name of the solver), `alpha` (-1 if the boxes are disjoint) and `iou`. Time, memory and the
+// unit of Query::budget are as for the chosen solver; the box of A takes O(|A|) time more. If A does not move, the
+// choice is made before anything is built, so only the structures of the chosen solver are built.
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/point_solver.h"
@@ -27,14 +31,17 @@ namespace {
 
 enum Choice : std::size_t { nohd = 0, earlybreak = 1, ohd = 2 };
 constexpr const char* names[] = {"nohd", "earlybreak", "ohd"};
-constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};  // parameters passed on
+// Parameters of the three solvers that this one offers too, and passes on to them.
+constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};
 
+// How much two boxes overlap.
 struct Overlap {
-    bool meet = true;
+    bool meet = true;  // they have a point in common
     double alpha = -1, iou = 0;
 };
 
-// Multiplies ratios of lengths axis by axis, so that no volume under- or overflows.
+// Multiplies the fractions that the intersection takes of the boxes along each axis, because volumes could overflow or
+// underflow.
 Overlap overlap_of(const Box& a, const Box& b) {
     double of_a = 1, of_b = 1;  // the intersection as a fraction of each box
     for (int k = 0; k < 3; ++k) {
@@ -70,8 +77,9 @@ public:
         return needs;
     }
 
-    // If there is one octree, the scene is static and the solver is chosen. With none it is EARLYBREAK. With both,
-    // any of the three may be chosen later.
+    // The octrees that needs() asked for tell which solvers may be chosen. If A moves, there are both octrees, and each
+    // query may choose any solver. Otherwise the choice is made: only the octree of A means NOHD, only the octree of B
+    // means OHD, and none means EARLYBREAK.
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         target_box_ = box_of(points_of(scene.target));
@@ -94,7 +102,8 @@ public:
         if (out_of_range(a, points_of(scene_->target))) return {};
         const Overlap overlap = overlap_of(box_of(a), target_box_);
         std::size_t chosen = choose(overlap);
-        // The pose was not announced: use any solver that is ready, because all are exact.
+        // The chosen solver is not ready if the query moves A although QuerySet::moves was false. Any solver that is
+        // ready will do then, because all are exact.
         while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
         Result result = solvers_[chosen]->solve(query, state, trace);
         result.reported["chosen"] = names[chosen];
@@ -111,7 +120,7 @@ private:
 
     double theta_;
     std::array<std::unique_ptr<Solver>, 3> solvers_;
-    std::array<bool, 3> ready_{};
+    std::array<bool, 3> ready_{};  // whether prepare() of the solver was called
     const Scene* scene_ = nullptr;
     Box target_box_;
 };

@@ -1,21 +1,23 @@
-// NOHD: branch and bound over an octree of A that compares every cell and point with the points of B, with early
-// breaking.
+// NOHD: branch and bound over an octree of A. Compares each cell with all points of B to bound the distances of its
+// points, and at the largest depth compares the points of the cell one by one. A comparison ends early if a point of B
+// shows that the cell, or the point of A, cannot raise the lower bound.
 //
 // Source: Zhang et al. 2017, Algorithms 3 to 5, with three changes:
-//   - Algorithm 5 breaks without setting cmin to 0, as the first print of EARLYBREAK did, and then returns a stale
-//     minimum or infinity. Here it returns "no farther". nohd_as_printed.cpp implements it as printed.
-//   - The search stops once the upper bound at the head of the queue is at most the lower bound. The paper drains the
+//   - Algorithm 5 computes cmin, the smallest distance of one point of A to B. If it finds a point of B closer than the
+//     lower bound, it breaks off without setting cmin to 0 and so returns the minimum of the points before, which may
+//     be too large or infinite. Here the point of A is then discarded. nohd_as_printed.cpp keeps the error.
+//   - The search stops once the upper bound at the head of the queue is at most the lower bound. The paper empties the
 //     queue, which cannot change the answer.
-//   - Bounds of a cell are kept squared and rounded like the distances themselves (posed_box.h), so the answer has
-//     the same bits as NAIVEHDD's.
+//   - The bounds of a cell are squared, and each is rounded like the distance that it bounds (posed_box.h), so the
+//     answer has the same bits as the answer of NAIVEHDD.
 // `early_break = false` is the paper's variant without early breaking: Algorithm 4 without lines 5 to 8, so that
-// every child is inserted, and Algorithm 5 without lines 4 to 6.
+// every child of a cell is inserted into the queue, and Algorithm 5 without lines 4 to 6.
 //
-// The octree is built once in A's frame, down to single points, so that solvers can share it; `depth` cuts through
-// it. With `build = "to_depth"` it is built only to `depth`, as in the paper: cells and bounds are the same, but the
-// points of a cell are in another order. Under motion a cell becomes the box around the posed cell. O(|A| |B|) time
-// in the worst case; O(cells |B|), far fewer, if A and B are apart. O(|A| + |B|) memory.
-// Budget: cells taken from the queue.
+// The octree of the unmoved A is built once, down to single points, so that solvers can share it; the search treats
+// cells at `depth` as leaves. With `build = "to_depth"` it is built only to `depth`, as in the paper: cells and bounds
+// are the same, but the points of a cell are in another order. If A moves, a cell is replaced with a box around the
+// moved cell. Time: O(|A| |B|) in the worst case, O(cells * |B|), with far fewer cells than points, if A and B are
+// far apart. Memory: O(|A| + |B|). The unit of Query::budget is one cell taken from the queue.
 #include "algorithms/points/zhang2017/nohd.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
@@ -88,6 +90,7 @@ private:
         return true;
     }
 
+    // Algorithm 5: compares point i of A with the points of B.
     void look_at(Index i) {
         const double* point = a_.row(i).data();
         double nearest = std::numeric_limits<double>::infinity();
@@ -95,7 +98,7 @@ private:
         for (Index j = 0; j < b_.rows(); ++j) {
             ++counters_.point_distances;
             const double squared = squared_distance(point, b_.row(j).data());
-            if (early_break_ && squared < squared_lower_) return;  // no farther: cmin <- 0
+            if (early_break_ && squared < squared_lower_) return;  // point i is discarded
             if (squared < nearest) {
                 nearest = squared;
                 at = j;
@@ -105,10 +108,12 @@ private:
         squared_lower_ = std::max(squared_lower_, nearest);
     }
 
-    // Makes the result. `rest` bounds the squared distances of the points not examined. If the lower bound comes from
-    // a cell, any of its points is a witness.
+    // Makes the result. `rest` is an upper bound on the squared distances of the points that were not examined. If the
+    // lower bound comes from a cell, every point of the cell is at least as far from B, so any of them is a witness;
+    // the first one is compared with all of B to find its nearest point.
     Result finish(double rest, Status stopped) {
         if (std::isinf(rest)) rest = squared_distances_at_most(a_, b_, nullptr, 0);
+        // A search that stopped early need not show a witness.
         const bool shown = farthest_.source >= 0 || stopped != Status::converged;
         if (!shown || squared_lower_ > std::max(farthest_.squared, 0.0)) {
             const Index i = first_point(tree_, witness_cell_);
@@ -131,12 +136,12 @@ private:
     int depth_;
     bool early_break_;
     Trace& trace_;
-    Box a_box_;
+    Box a_box_;  // the box of A as moved by its pose; not set, and not needed, for the identity
     Deadline deadline_;
     Counters counters_;
-    double squared_lower_ = 0;  // MaxLB
-    FarthestPoint farthest_;
-    Cursor witness_cell_;
+    double squared_lower_ = 0;  // the lower bound so far, the paper's MaxLB
+    FarthestPoint farthest_;    // among the points of A that were compared one by one
+    Cursor witness_cell_;       // the last cell that raised the lower bound
 };
 
 class Nohd final : public Solver {
@@ -170,8 +175,8 @@ private:
     int depth_;
     bool early_break_, to_depth_;
     const Scene* scene_ = nullptr;
-    std::optional<PointOctree> own_;
-    const PointOctree* tree_ = nullptr;
+    std::optional<PointOctree> own_;     // only for build = "to_depth"
+    const PointOctree* tree_ = nullptr;  // own_ or the shared octree
 };
 
 }  // namespace

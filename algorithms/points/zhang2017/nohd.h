@@ -1,5 +1,5 @@
-// Algorithm 4 of Zhang et al. 2017, which is correct as printed, and the queue entries, shared by nohd.cpp and
-// nohd_as_printed.cpp. Each of these files has its own Algorithms 3 and 5.
+// Code shared by nohd.cpp and nohd_as_printed.cpp: the queue entries, and Algorithm 4 of Zhang et al. 2017, which is
+// correct as printed. The two files differ in Algorithms 3 and 5.
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -10,8 +10,9 @@
 
 namespace hausbench {
 
+// A cell of A in the queue. The cell with the largest upper bound comes first.
 struct NohdEntry {
-    double squared_upper;  // MinUB
+    double squared_upper;  // upper bound on the distance of every point in the cell to B, squared; the paper's MinUB
     std::uint64_t number;  // breaks ties: the lower number comes first
     Cursor cell;
 
@@ -20,12 +21,16 @@ struct NohdEntry {
     }
 };
 
+// The result of Algorithm 4 for a cell of A.
 struct CellToPoints {
-    double squared_upper, squared_lower;  // bounds for the distances of the points of a cell
-    bool undecided;                       // flag: a point of the cell may be farther than MaxLB
+    double squared_upper, squared_lower;  // every point of the cell is at a squared distance to B between these
+    // Whether a point of the cell may be farther from B than MaxLB, the largest lower bound so far (`flag` in the
+    // paper). If false, the cell can be dropped, and squared_lower is not valid.
+    bool undecided;
 };
 
-// Algorithm 4. If `early_break` is false, omits lines 5 to 8: every cell is undecided.
+// Algorithm 4: compares a cell of A with the points of B, until a point of B shows that no point of the cell is farther
+// than MaxLB. If `early_break` is false, omits lines 5 to 8, so that it never stops early and the cell stays undecided.
 inline CellToPoints cell_to_points(const Box& cell, const Points& b, double squared_max_lb, bool early_break,
                                    Counters& counters) {
     ++counters.node_visits;
@@ -42,6 +47,7 @@ inline CellToPoints cell_to_points(const Box& cell, const Points& b, double squa
     return bounds;
 }
 
+// Returns the row of one point of A in the cell.
 inline Index first_point(const PointOctree& tree, const Cursor& cell) {
     return tree.order()[static_cast<std::size_t>(tree.nodes()[static_cast<std::size_t>(cell.node)].first)];
 }

@@ -1,9 +1,12 @@
 // NOHD as printed, to show the effect of its error: Zhang et al. 2017, Algorithms 3 and 5; Algorithm 4 is in nohd.h.
 //
-// The error: Algorithm 5 breaks without cmin <- 0, and then returns the minimum of the points examined before, which
-// may be infinity. nohd.cpp has the correction. As there, the search stops once the upper bound at the head of the
-// queue is at most the lower bound; with the queue drained, as printed, more answers would be infinite. O(|A| |B|)
-// time. Budget: cells taken from the queue.
+// The error: Algorithm 5 computes cmin, the smallest distance of one point of A to B. If it finds a point of B closer
+// than the lower bound, it breaks off without setting cmin to 0. It then returns the minimum of the points before,
+// which may be infinity, and the lower bound becomes too large. nohd.cpp has the correction.
+//
+// One thing is not as printed: the search stops once the upper bound at the head of the queue is at most the lower
+// bound, as in nohd.cpp. If the queue were emptied, even more answers would be infinite. O(|A| |B|) time. The unit of
+// Query::budget is one cell taken from the queue.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
 #include "algorithms/points/zhang2017/nohd.h"
@@ -35,7 +38,7 @@ public:
         const Deadline deadline(query.time_limit);
         Counters counters;
         FarthestPoint farthest;
-        double max_lb = 0;                        // MaxLB, squared
+        double max_lb = 0;                        // the lower bound so far, squared; the paper's MaxLB
         Index shows_it = tree_->order().front();  // a point of the cell that gave MaxLB
         std::priority_queue<NohdEntry> queue;
         queue.push({infinity, 0, root_of(*tree_)});
@@ -69,7 +72,8 @@ public:
                 max_lb = std::max(max_lb, found.squared);
             }
         }
-        // If MaxLB came from a cell, each of its points is at exactly this distance.
+        // If MaxLB comes from a cell, no point is farther from B than MaxLB, and no point of the cell is nearer, so
+        // each point of the cell is at exactly this distance. One is compared with all of B to find its nearest point.
         if (farthest.squared < max_lb || farthest.source < 0) farthest = point_to_points(a, shows_it, b, -1, counters);
         return exact_result(query, a, b, farthest, counters);
     }
@@ -81,14 +85,14 @@ private:
         return std::nullopt;
     }
 
-    // Algorithm 5; also returns the point of B that it found.
+    // Algorithm 5: returns cmin, squared, for point i of A, and the point of B at this distance.
     static FarthestPoint point_to_points(const Points& a, Index i, const Points& b, double squared_max_lb,
                                          Counters& counters) {
         FarthestPoint cmin{infinity, i, 0};
         for (Index j = 0; j < b.rows(); ++j) {
             ++counters.point_distances;
             const double squared = squared_distance(a.row(i).data(), b.row(j).data());
-            if (squared < squared_max_lb) break;  // cmin <- 0 is missing
+            if (squared < squared_max_lb) break;  // the error: cmin <- 0 is missing
             if (squared < cmin.squared) {
                 cmin.squared = squared;
                 cmin.target = j;

@@ -1,21 +1,24 @@
-// A cursor over the full octree of points, including the levels that PointOctree skips.
+// A cursor that walks the full octree, in which every cell is halved along all three axes at each level.
+//
+// PointOctree skips the levels at which all points of a cell are in one octant; the cursor visits them too. So a solver
+// can stop at any depth or cell size, whatever levels PointOctree stores.
 #pragma once
 
 #include "algorithms/points/zhang2017/point_octree.h"
 
 namespace hausbench {
 
-// A cell of the full octree.
+// A cell of the full octree that contains points.
 struct Cursor {
-    std::int32_t node = 0;
-    std::int32_t depth = 0;
+    std::int32_t node = 0;   // the node of PointOctree with exactly the points of this cell
+    std::int32_t depth = 0;  // of the cell; at most the depth of the node, unless the node is a leaf
     Box cell;
 };
 
 inline Cursor root_of(const PointOctree& tree) { return {0, 0, tree.root_cell()}; }
 
-// Calls f(Cursor) for the occupied parts of a cell, by ascending octant. Parts of a leaf never end: the caller
-// decides when to stop halving.
+// Calls f(Cursor) for each octant of a cell that contains points, in ascending order. A leaf, too, has one such octant,
+// which is again a cell with the points of the leaf, and so on without end: the caller must decide when to stop.
 template <class F> void for_each_part(const PointOctree& tree, const Cursor& at, F&& f) {
     const PointOctree::Node& node = tree.nodes()[static_cast<std::size_t>(at.node)];
     const auto below = [&](std::int32_t child, const PointOctree::Node& of) {

@@ -1,18 +1,20 @@
-// OHD: searches an octree of B for the nearest neighbour of each point of A, and culls points of A near a point of B.
+// OHD: finds the nearest point of B for each point of A in an octree of B. A point of A in a small cell that also
+// contains a point of B is so near to B that it cannot raise the lower bound; it is culled, that is, skipped.
 //
-// Source: Zhang et al. 2017, Algorithms 6 and 7 (Algorithm 6, line 6 forgets the argument Maxlb) and sections 4.4.1
-// and 4.4.2. The first lower bound, AHD, comes from the first ceil(lambda |A|) outer loops of EARLYBREAK; then every
-// point of A is culled or searched for, in the given order. There are two changes:
-//   - As printed, the octree has cells of side AHD, and a point of A in an occupied cell is culled. This is wrong:
-//     two points of such a cell may be sqrt(3) AHD apart. Here a point is culled if an occupied cell that contains it
-//     has a diagonal of at most the lower bound so far (`culling = exact`), and cells are split until their diagonal
-//     is at most AHD. `culling = as_printed` selects ohd_as_printed.cpp, which is not certified.
-//   - A search stops when the lower bound at the head of the queue reaches the nearest distance found; the paper
-//     drains the queue.
+// Source: Zhang et al. 2017, Algorithms 6 and 7 (line 6 of Algorithm 6 lacks the argument Maxlb) and sections 4.4.1
+// and 4.4.2. The first lower bound, called AHD, comes from EARLYBREAK on a sample of ceil(lambda * |A|) points of A.
+// Then all points of A are culled or searched for, in the given order. There are two changes:
+//   - As printed, the octree has cells of side AHD, and a point of A is culled if its cell contains a point of B. This
+//     is wrong: the two points may be sqrt(3) * AHD apart, the diagonal of the cell. Here a point of A is culled if
+//     some cell contains it and a point of B and has a diagonal of at most the lower bound so far (`culling = exact`).
+//     Searches treat cells with a diagonal of at most AHD as leaves. `culling = as_printed` selects ohd_as_printed.cpp,
+//     which is not certified.
+//   - A search stops when the lower bound at the head of its queue reaches the nearest distance found. The paper
+//     empties the queue.
 //
-// The octree is built once, down to single points, and cut at the cell size that the lower bound requires. B does not
-// move, so motion does not affect it. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) in the worst case for
-// AHD; O(|A| + |B|) memory. Budget: points of A, including those for the first lower bound.
+// The octree is built once, down to single points; each query uses it down to the size of cells that its AHD requires.
+// Time: O(lambda |A| |B|) in the worst case for AHD, then O(|A| log |B|) on typical data. Memory: O(|A| + |B|). The
+// unit of Query::budget is one point of A; the points of the sample count, too.
 #include "algorithms/points/zhang2017/ohd.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
@@ -26,11 +28,13 @@
 namespace hausbench {
 namespace {
 
+// The search of one query.
 class OhdSearch {
 public:
     OhdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, Trace& trace)
         : tree_(tree), a_(a), b_(b), query_(query), trace_(trace), deadline_(query.time_limit) {}
 
+    // Algorithm 6: gets the first lower bound from the sample, then examines all points of A.
     Result run(std::span<const Index> sample, const ShuffledTarget& target, bool culling) {
         std::uint64_t taken = 0, culled = 0;
         for (const Index i : sample) {
@@ -52,6 +56,7 @@ public:
     }
 
 private:
+    // Returns the reason to stop, or `converged` to go on.
     Status stop(std::uint64_t taken, bool look_at_clock) const {
         record(trace_, farthest_.squared);
         if (distance_at_least(std::max(farthest_.squared, 0.0), true) > query_.cutoff) return Status::above_cutoff;
@@ -59,8 +64,9 @@ private:
         return taken >= query_.budget ? Status::budget : Status::converged;
     }
 
-    // Returns whether some cell contains both the point and a point of B, and its diagonal, rounded like the
-    // distances themselves, is at most the lower bound. Then the point cannot raise the lower bound.
+    // Returns whether some cell contains this point of A and a point of B and has a diagonal of at most the lower
+    // bound. Then the point of A cannot raise the lower bound. The diagonal is rounded like a distance, so this holds
+    // for the computed distances, too.
     bool lies_near(const Vec3& point) {
         if (farthest_.squared <= 0) return false;
         Cursor at = root_of(tree_);
@@ -79,7 +85,8 @@ private:
         }
     }
 
-    // Algorithm 7, best first. Discards a point at the first distance within the lower bound.
+    // Algorithm 7: finds the nearest point of B for point i of A, nearest cells first, and updates `farthest_`. Stops
+    // at the first point of B within the lower bound, because point i then cannot raise it.
     void look_at(Index i, const Vec3& point) {
         ++counters_.closest_point_queries;
         double nearest = std::numeric_limits<double>::infinity();
@@ -115,7 +122,7 @@ private:
         if (nearest > farthest_.squared) farthest_ = {nearest, i, at};
     }
 
-    // Makes the result; the points of A from `first` on were not examined.
+    // Makes the result if the points of A from row `first` on were not examined.
     Result finish(std::uint64_t culled, Index first, Status stopped) {
         const double rest = squared_distances_at_most(a_, b_, nullptr, first);
         Result result = exact_result(query_, a_, b_, farthest_, counters_, rest, stopped);
@@ -125,10 +132,11 @@ private:
 
     const PointOctree::Node& node(std::int32_t i) const { return tree_.nodes()[static_cast<std::size_t>(i)]; }
 
+    // A node in the queue of look_at(), with its least squared distance to the point of A.
     struct Near {
         double squared_lower;
         std::int32_t node;
-        bool operator<(const Near& other) const {  // the nearest on top
+        bool operator<(const Near& other) const {  // puts the nearest on top of a heap
             return squared_lower != other.squared_lower ? squared_lower > other.squared_lower : node > other.node;
         }
     };
@@ -139,9 +147,9 @@ private:
     Trace& trace_;
     Deadline deadline_;
     Counters counters_;
-    FarthestPoint farthest_;
-    double squared_resolution_ = -1;  // square of AHD, once known
-    std::vector<Near> queue_;
+    FarthestPoint farthest_;          // its distance is the lower bound so far
+    double squared_resolution_ = -1;  // the square of AHD, once it is known: cells with this diagonal are leaves
+    std::vector<Near> queue_;         // a heap, kept here so that its memory is reused
 };
 
 class Ohd final : public Solver {
@@ -176,7 +184,7 @@ private:
     std::uint64_t seed_;
     const Scene* scene_ = nullptr;
     const PointOctree* tree_ = nullptr;
-    std::vector<Index> sample_;
+    std::vector<Index> sample_;  // rows of A that give AHD
     ShuffledTarget target_;
 };
 

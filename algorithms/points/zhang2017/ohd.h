@@ -7,7 +7,7 @@
 
 namespace hausbench {
 
-// Returns the first ceil(lambda |A|) points of a random order.
+// Returns a random sample of ceil(lambda * count) of the numbers 0 to count - 1, in random order.
 inline std::vector<Index> first_of_order(Index count, double lambda, Generator& random) {
     std::vector<Index> order = order_of(count, true, random);
     order.resize(static_cast<std::size_t>(std::ceil(lambda * count)));

@@ -1,11 +1,13 @@
 // OHD as printed, to show the effect of its error: Zhang et al. 2017, Algorithms 6 and 7, sections 4.4.1 and 4.4.2.
 //
-// The error: a point of A in a cell of side AHD that contains a point of B is culled, though the two may be sqrt(3)
-// AHD apart. ohd.cpp has the correction. Cells have exactly the side AHD. The octree is built for each query, once
-// AHD is known, as printed, and its leaves are the cells for both culling and searching. If AHD = 0, or if this side
-// needs more than 2^40 cells along an axis, there is no such octree: then cells are split down to single points, and
-// nothing is culled. O(|A| log |B|) time on tame data, after O(lambda |A| |B|) in the worst case for AHD. Budget:
-// points of A.
+// AHD is the first lower bound, from a sample of A. The error: a point of A is culled, that is, skipped, if its cell of
+// side AHD contains a point of B, although the two points may be sqrt(3) * AHD apart. ohd.cpp has the correction.
+//
+// As printed, the octree is built for each query, once AHD is known. Its leaves have exactly the side AHD and are used
+// for culling and for searching. An octree with such leaves is impossible if AHD = 0, and is not built if it has more
+// than 2^40 cells along an axis. Then cells are split down to single points, and no point is culled.
+// Time: O(lambda |A| |B|) in the worst case for AHD, then O(|A| log |B|) on typical data. The unit of Query::budget is
+// one point of A; the points of the sample count, too.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/point_solver.h"
@@ -18,18 +20,18 @@
 namespace hausbench {
 namespace {
 
-// Octree_B with the given resolution: cells of this side, starting at the low corner of B.
+// The paper's Octree_B: cubic cells of the given side, the first at the low corner of B's box.
 struct CellsOfB {
     CellsOfB(const Points& b, double side) : tree(b, root_of_side(b, side, levels)) {}
 
-    int levels = -1;  // from the root to the cells of this side; -1: no such cells
+    int levels = -1;  // number of halvings from the root to cells of the given side; -1: such cells do not exist
     PointOctree tree;
 
     bool leaf(const PointOctree::Node& node) const {
         return node.child_count == 0 || (levels >= 0 && node.depth >= levels);
     }
 
-    // Returns whether the cell of this side that contains the point also contains a point of B.
+    // Returns whether the cell of the given side around this point of A contains a point of B.
     bool occupied_at(const Vec3& point) const {
         Cursor at = root_of(tree);
         if ((point.array() < at.cell.low.array()).any() || (point.array() >= at.cell.high.array()).any()) return false;
@@ -47,6 +49,8 @@ struct CellsOfB {
     }
 
 private:
+    // Returns the root, whose side is 2^levels times the given side and longer than B's box; sets `levels`. If that
+    // takes more than 40 levels, returns a cube around B.
     static Box root_of_side(const Points& b, double side, int& levels) {
         const Box box = box_of(b);
         const double width = (box.high - box.low).maxCoeff();
@@ -91,15 +95,17 @@ private:
     ShuffledTarget target_;
 };
 
+// A cell of B in the queue of nn_dist(), with its least squared distance to the point of A.
 struct NearCell {
     double squared_lower;
     std::int32_t node;
-    bool operator<(const NearCell& other) const {  // the nearest on top
+    bool operator<(const NearCell& other) const {  // puts the nearest on top of a heap
         return squared_lower != other.squared_lower ? squared_lower > other.squared_lower : node > other.node;
     }
 };
 
-// Algorithm 7.
+// Algorithm 7: finds the nearest point of B for point i of A and updates `farthest`. Stops at the first point of B
+// within the lower bound, because point i then cannot raise it.
 void nn_dist(const CellsOfB& cells, const Points& a, Index i, FarthestPoint& farthest, Counters& counters) {
     ++counters.closest_point_queries;
     const Vec3 point = a.row(i);

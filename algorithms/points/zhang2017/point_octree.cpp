@@ -12,7 +12,8 @@ namespace {
 
 double middle_of(double low, double high) { return low + 0.5 * (high - low); }
 
-// Returns a cube that contains the box: the low corner stays, and the high corner is never below the box's.
+// Returns a cube with the low corner of the box. Rounding might leave the cube too small, so its high corner is raised
+// to the high corner of the box if necessary.
 Box cube_around(const Box& box) {
     const double side = (box.high - box.low).maxCoeff();
     return {box.low, (box.low + Vec3::Constant(side)).cwiseMax(box.high)};
@@ -68,7 +69,7 @@ void PointOctree::build(std::int32_t at, std::int32_t first, std::int32_t count,
 
     std::partial_sum(starts.begin(), starts.end(), starts.begin());
     auto next = starts;
-    for (auto i = begin; i != end; ++i) {  // stable, so that the order depends only on the points
+    for (auto i = begin; i != end; ++i) {  // keeps the order of the points within an octant
         const auto octant = static_cast<std::size_t>(octant_of(cell, point(*i)));
         scratch_[static_cast<std::size_t>(first + next[octant]++)] = *i;
     }

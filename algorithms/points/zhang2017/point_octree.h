@@ -1,4 +1,5 @@
-// Octree over a point set: the cells that Zhang et al. 2017 use for bounding and culling.
+// An octree over a point set, as Zhang et al. 2017 use it: NOHD bounds the distances of all points in a cell of A at
+// once, and OHD searches the cells of B.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -10,14 +11,16 @@
 
 namespace hausbench {
 
-// Returns an octant of `cell`; bit k of `octant` is set for the upper half on axis k. Points are sorted into octants
-// by comparing them with the same middle, so an octant contains its points exactly, in spite of rounding.
+// Octants are numbered from 0 to 7: bit k is set for the upper half of the cell along axis k. part_of() returns the box
+// of an octant, octant_of() the number of the octant that a point of the cell belongs to. Both use the same rounded
+// middle of the cell, so the box of an octant contains its points in spite of rounding.
 Box part_of(const Box& cell, int octant);
 int octant_of(const Box& cell, const Vec3& point);
 
-// Cells are cubes; the root is a cube around the points, and cells are split down to single points. A cell whose
-// points all lie in one octant would have a single child, so it is skipped; `depth` still counts its level. So a tree
-// of n points has fewer than 2n nodes, and any coarser octree is a cut through it (octree_cursor.h).
+// An octree over a copy of the points. The root is a cube around them, and each cell with different points is split
+// into its octants. A cell whose points are all in one octant would have a single child, so no node is stored for it;
+// its level still counts in Node::depth. So a tree of n points has fewer than 2n nodes. A coarser octree need not be
+// built: a search can walk this one and stop earlier (octree_cursor.h).
 class PointOctree {
 public:
     static constexpr std::string_view structure_name = "point octree";
@@ -25,23 +28,27 @@ public:
 
     struct Node {
         Box cell;
-        std::int32_t depth;  // halvings of the root's cube
-        // No children: a leaf, with one point or several that coincide.
+        std::int32_t depth;  // how often the cube of the root was halved
+        // The range of its children in nodes(). A node without children is a leaf: its points coincide, or it is at the
+        // largest depth.
         std::int32_t first_child, child_count;
-        std::int32_t first, count;  // range of its points in order()
+        std::int32_t first, count;  // the range of its points in order() and points()
     };
 
-    // Copies the points. O(n depth) time, O(n) memory; coincident points share a leaf.
+    // Takes O(n * depth) time and O(n) memory.
     explicit PointOctree(const Points& points);
-    // The same with a given root, a cube that contains the points. Cells at depth `deepest` are not split, so these
-    // leaves may have many points.
+    // Builds the octree with a given root, a cube that contains the points. Cells at depth `deepest` are not split, so
+    // they are leaves that may have many different points.
     PointOctree(const Points& points, const Box& root_cell, int deepest = max_depth);
+
+    // Returns the root that the first constructor uses: a cube around the points, with the low corner of their box.
     static Box root_around(const Points& points);
 
-    const std::vector<Node>& nodes() const { return nodes_; }  // the root comes first
-    const std::vector<Index>& order() const { return order_; }
-    const Points& points() const { return points_; }     // sorted by order()
-    const Box& root_cell() const { return root_cell_; }  // cube before any level is skipped
+    const std::vector<Node>& nodes() const { return nodes_; }   // the root comes first
+    const std::vector<Index>& order() const { return order_; }  // rows of the input; each node has a range of them
+    const Points& points() const { return points_; }            // row i is row order()[i] of the input
+    // Returns the cell of depth 0. It may be larger than the cell of the root node, for which levels may be skipped.
+    const Box& root_cell() const { return root_cell_; }
 
     std::size_t bytes() const;
 
