@@ -8,39 +8,49 @@
 namespace hausbench {
 namespace {
 
-// How to undo the motion g of a target: measure the source in another pose against the target at rest.
+// How to undo the motion g of a target: leave the target as it is, and measure the source in another pose against it.
+// The distance changes by rounding only, by at most `stretch` times the distance plus `wider`.
 struct Undone {
-    Pose source, back;   // the other pose, and g, which moves a witness back
-    double stretch = 0;  // g changes a distance by at most this fraction of it
-    double wider = 0;    // everything else changes it by at most this length
-    double slack = 0;    // bound of both for every distance that can occur
+    Pose source, back;   // the other pose of the source; g, which moves the points of a witness back
+    double stretch = 0;  // more than 0 because g may not be perfectly rigid
+    double wider = 0;    // all other rounding
+    double slack = 0;    // upper bound on the total change, over all distances that can occur
 };
 
 double largest(const auto& entries) { return entries.cwiseAbs().maxCoeff(); }
 
-// A is posed by p(x) = P x + s and B by g(x) = R x + t; the distance is between their points as rounded. The solver
-// measures B at rest against A posed by q(x) = Q x + w, where Q = fl(R^T P) and w = fl(R^T (s - t)), so q is about
-// p followed by the inverse of g.
+// Returns how to undo the motion g; nothing if g is not rigid, or if coordinates become too large or too small.
 //
-// Stretch. |g(x) - g(y)|^2 = (x - y)^T R^T R (x - y), so g changes no distance by more than a factor of
-// 1 -+ |R^T R - I|, in the Frobenius norm.
-// Wider. g(q(x)) - p(x) = (R Q - P) x + (R w + t - s). With M_A the largest |coordinate| of A, this is at most
-// 3 max|R Q - P| M_A + max|R w + t - s| in each coordinate, and sqrt 3 < 1.74 times that in length. Faces move no
-// farther than their corners.
-// Rounding. S_p, S_q, S_g are the largest |coordinate| in any step of posing A by p, A by q, B by g. In each
-// coordinate, with u = 2^-53:
-//   - The two residuals as computed err by 4u (3.01 S_q + S_p) and 5u (3.01 S_q + S_p + S_g).
-//   - Posing errs by 4.1u S each, and the error of posing by q is then turned by g: 4.1u (1.01 S_q + S_p + S_g).
-//   - Points of the witness are moved by g and rounded, 4.1u (3.01 S_q + S_g) and 4.1u S_g. The lower bound must
-//     hold for the witness as shown, which is off A by as much, so this counts twice.
-// Together this is at most 56u S_q + 14u S_p + 22u S_g, and in length 100u (S_p + S_q + S_g).
+// The query is about A posed by p(x) = P * x + s and B posed by g(x) = R * x + t, and about their points as rounded.
+// The solver measures B without a motion against A posed by q(x) = Q * x + w, where Q = fl(R^T * P) and
+// w = fl(R^T * (s - t)). So q is p followed by the inverse of g, up to rounding.
+//
+// `stretch`: |g(x) - g(y)|^2 = (x - y)^T * R^T * R * (x - y), so g multiplies any distance by a factor between 1 - e
+// and 1 + e, where e is the Frobenius norm |R^T * R - I|.
+//
+// `wider`, first part, in exact arithmetic: g(q(x)) - p(x) = (R * Q - P) * x + (R * w + t - s). Let M_A be the largest
+// |coordinate| of A. In each coordinate, the difference is at most 3 * max|R * Q - P| * M_A + max|R * w + t - s|,
+// where max|.| is the largest |entry|; its length is at most sqrt(3) < 1.74 times this. This covers corners, and
+// points of faces move no farther than corners.
+//
+// `wider`, second part, for rounding: let S_p, S_q and S_g be the largest |coordinate| in any step of posing A by p, A
+// by q and B by g, and u = 2^-53. In each coordinate:
+//   - The residuals R * Q - P (times x) and R * w + t - s, as computed, err by 4u * (3.01 * S_q + S_p) and
+//     5u * (3.01 * S_q + S_p + S_g).
+//   - Each of the three posings errs by 4.1u times its S. The error of posing by q is then turned by g. Together
+//     4.1u * (1.01 * S_q + S_p + S_g).
+//   - The two points of the witness are moved by g and rounded. The source point is then off by
+//     4.1u * (3.01 * S_q + S_g), the target point by 4.1u * S_g. The error of the source point counts twice, because
+//     the lower bound must hold for the witness as shown, whose source point is off A by as much.
+// The sum is at most 56u * S_q + 14u * S_p + 22u * S_g in each coordinate, and sqrt(3) times this in length, which is
+// less than 100u * (S_p + S_q + S_g).
 std::optional<Undone> undo(double source_largest, const Pose& p, double target_largest, const Pose& g) {
     Undone undone;
     undone.back = g;
     const Eigen::Matrix3d& r = g.rotation;
     const double stretch = (r.transpose() * r - Eigen::Matrix3d::Identity()).norm();
     if (!(stretch <= 0x1p-40)) return std::nullopt;
-    undone.stretch = stretch + 32 * unit_roundoff;  // for its own rounding: entries of R are hardly more than 1
+    undone.stretch = stretch + 32 * unit_roundoff;  // 32u: the norm itself is rounded; entries of R are about 1 at most
     undone.source.rotation = r.transpose() * p.rotation;
     undone.source.translation = r.transpose() * (p.translation - g.translation);
     const Pose& q = undone.source;
@@ -59,7 +69,9 @@ std::optional<Undone> undo(double source_largest, const Pose& p, double target_l
     return undone;
 }
 
-// Point sets are excluded because their witness must be one of their points, to the bit.
+// Returns how to undo the motion of the target of a query; nothing if this is not possible or not allowed (see
+// MovingTarget). Point sets are excluded because a witness must be exactly one of their points, and moving it back
+// rounds it.
 std::optional<Undone> undo(const SolverInfo& info, const Query& query, const ShapeExtent& source,
                            const ShapeExtent& target) {
     if (!info.can(Ability::undone_motion) || info.can(Ability::moving_target) || source.kind != ShapeKind::mesh ||
@@ -83,6 +95,7 @@ Query undone_query(const Query& query, const Undone& undone) {
     return asked;
 }
 
+// Turns an answer to undone_query() into an answer to the query: widens the bounds and moves the witness.
 void move_back(Result& result, Trace& trace, const Undone& undone) {
     const auto down = [&](double& lower) {
         lower = std::max(0.0, next_down(lower * (1 - undone.stretch) - undone.wider));
@@ -108,10 +121,11 @@ bool copies_targets(const SolverInfo& info, const Query& query, const ShapeExten
     return copied(query, source, target) || (both && copied(back, target, source));
 }
 
-// The solver's state. The first answer makes it, because a solver over a copy does not exist before.
+// The state of a chain of poses. It holds the state of the wrapped solver, which the first answer makes, because a
+// solver over a copy of the target does not exist before.
 struct MovingTarget::Chain final : State {
     std::unique_ptr<State> of_solver;
-    const Chain* opposite = nullptr;  // for the next answer
+    const Chain* opposite = nullptr;  // from learn_from(); the next answer passes it on to the solver
 
     void learn_from(const State& other) override { opposite = static_cast<const Chain*>(&other); }
 };
@@ -136,8 +150,10 @@ Books MovingTarget::keep() {
 
 std::unique_ptr<State> MovingTarget::begin() const { return std::make_unique<Chain>(); }
 
-// Makes a solver for one answer, with its own structures over the target, so every pose pays for them and concurrent answers share
-// nothing unfinished. Changes the query to one about a target at rest.
+// Makes a solver for one answer, with structures over the target that are built for this solver alone. If the query
+// moves the target and the solver cannot handle that, builds them over a moved copy, and removes the pose of the
+// target from `query`. So the time of every answer includes these structures, and concurrent answers never share a
+// structure that is still being built.
 std::unique_ptr<PreparedSolver> MovingTarget::prepared_over_a_copy(Query& query) const {
     SharedShape still = target_->shape();
     if (!query.target_pose.is_identity() && !maker_->info().can(Ability::moving_target)) {

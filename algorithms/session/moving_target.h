@@ -5,28 +5,33 @@
 
 namespace hausbench {
 
+// The properties of a shape that decide how its motion is handled.
 struct ShapeExtent {
     ShapeKind kind;
-    double largest;  // |coordinate|
+    double largest;  // the largest |coordinate| before any motion
 };
 
-// One direction of a session. It answers a query with a moving target in one of three ways:
-// - The solver does it, if it has Ability::moving_target.
-// - The motion is undone: the source moves the other way, nothing is built, and bounds widen by about 1e-13 of the
-//   coordinates. This requires Ability::undone_motion, two meshes, a rigid motion and an absolute tolerance above about 1e-11
-//   of the coordinates. It is not done for a yes/no question, nor if a certificate is wanted, because the certificate would
-//   be about other poses.
-// - The target is copied: structures are built over the posed copy, which counts as solving.
+// A solver for one direction of a session, h(A,B) or h(B,A). It answers a query with a moving target in one of three
+// ways:
+// - If the solver has Ability::moving_target, it gets the query as it is.
+// - If possible, the motion of the target is undone: the target stays where it is, and the source is moved by the
+//   inverse motion instead. No structure is built, but bounds widen by about 1e-13 times the largest coordinates. This
+//   requires Ability::undone_motion, two meshes, a rigid motion, and an absolute tolerance above about 1e-11 times the
+//   largest coordinates. It is not done for a yes/no question (floor >= cutoff), nor if a certificate is wanted,
+//   because the certificate would be about other poses.
+// - Otherwise the target is copied and the copy is moved. The structures over the copy are built for this answer
+//   alone, and the time for this counts as time of the answer.
 class MovingTarget final : public Adapter {
 public:
-    // Prepares nothing: unless keep() is called, each answer prepares a solver of its own.
+    // Prepares nothing. Unless keep() is called afterwards, each answer prepares a solver of its own.
     MovingTarget(std::shared_ptr<const SolverMaker> maker, SharedPreparedShape source, SharedPreparedShape target,
                  const QuerySet& queries);
 
-    // Prepares for all later answers. If every answer needs a copy, builds only the structures over the source.
+    // Prepares one solver for all later answers; returns the structures that it needed, with their cost. If every
+    // answer needs a copy of the target, it prepares none, and builds only the structures over the source.
     Books keep();
 
-    // Null if every answer needs a copy.
+    // Returns the structures of the solver from keep(); null if there is none.
     const Prepared* prepared() const { return kept_ ? &kept_->prepared() : nullptr; }
 
     std::unique_ptr<State> begin() const override;
@@ -43,7 +48,8 @@ private:
     std::unique_ptr<PreparedSolver> kept_;
 };
 
-// Returns whether the answer to this query builds structures over a copy of a target. All lengths must share one unit.
+// Returns whether answering this query builds structures over a moved copy of a shape: of the target or, if H(A,B) is
+// emulated from two directions, of either shape. The lengths in the query and the extents must be in the same unit.
 bool copies_targets(const SolverInfo& info, const Query& query, const ShapeExtent& source, const ShapeExtent& target);
 
 }  // namespace hausbench

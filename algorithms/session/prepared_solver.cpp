@@ -10,7 +10,8 @@
 namespace hausbench {
 namespace {
 
-// Lengths are scaled by 2^exponent; the note gives them in the unit of the input.
+// Corrects a status that the bounds do not justify, and explains this in the note. The lengths in `query` and `result`
+// are scaled by 2^exponent; the note gives them in the unit of the input.
 void hold_to_its_status(const Query& query, int exponent, Result& result) {
     if (!claims_an_answer(result.status)) return;
     const auto [lower, upper] = result.bounds;
@@ -50,7 +51,7 @@ std::unique_ptr<Solver> SolverMaker::make() const {
 
 Needs SolverMaker::needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const {
     if (build_ == Prepare::needed_only) return checked_needs(entry_, solver, scene, queries);
-    // Structures that do not fit these shapes are left out all the same.
+    // All structures that the solver may ever need, except those that cannot be built over shapes of these kinds.
     Needs needs = entry_.info.may_need;
     std::erase_if(needs, [&](const Need& need) {
         const Shape& shape = need.side == Side::source ? scene.source : scene.target;

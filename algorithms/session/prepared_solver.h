@@ -9,8 +9,8 @@
 
 namespace hausbench {
 
-// Which structures to build: those that the solver says this scene needs, or all it could ever use (to test that the extra
-// ones change no bit of an answer).
+// Which structures to build: only those that the solver requires for this scene, or all it could ever use. The latter
+// is for tests that the extra structures change no bit of an answer.
 enum class Prepare { needed_only, everything };
 
 using SharedPreparedShape = std::shared_ptr<PreparedShape>;
@@ -32,6 +32,7 @@ public:
     // parameter is read.
     std::unique_ptr<Solver> make() const;
 
+    // Returns the structures to build for `solver`, which must come from make().
     Needs needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const;
 
     // Returns the threads that build structures: one for a solver without threads, so that its times are single-threaded.
@@ -46,8 +47,8 @@ private:
 // Limits a number of threads to the cores of this machine.
 int usable_threads(int threads);
 
-// Checks the solver's status against its bounds: `converged`, `below_floor` and `above_cutoff` stay only if they follow from the
-// bounds. Otherwise the status becomes `stalled`, and a note says why.
+// A prepared solver whose status is checked against its bounds: `converged`, `below_floor` and `above_cutoff` stay
+// only if they follow from the bounds. Otherwise the status becomes `stalled`, and a note says why.
 class PreparedSolver final : public Adapter {
 public:
     PreparedSolver(const SolverMaker& maker, const SharedPreparedShape& source, const SharedPreparedShape& target,
@@ -68,7 +69,8 @@ private:
     double solver_seconds_ = 0;
 };
 
-// Returns false if a bound is NaN, the lower one infinite or the upper one negative.
+// Returns whether each bound, taken alone, can be a bound on a distance: false if one of them is NaN, the lower bound
+// is infinite or the upper bound is negative.
 inline bool may_bound_a_distance(const Bounds& bounds) {
     return bounds.lower < std::numeric_limits<double>::infinity() && bounds.upper >= 0;
 }

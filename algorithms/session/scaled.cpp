@@ -10,12 +10,15 @@
 namespace hausbench {
 namespace {
 
+// Scales a bound back to the unit of the input. If this rounds, widens the result with `outward`, which is next_down
+// for a lower bound and next_up for an upper bound.
 double scaled_back(double value, int exponent, double (*outward)(double)) {
     const double original = std::ldexp(value, -exponent);
     return std::ldexp(original, exponent) == value || std::isinf(value) ? original : outward(original);
 }
 
-// Returns whether a coordinate of the point was rounded, by at most half of the least double, 2^-1075.
+// Scales a point back to the unit of the input. Returns whether this rounded a coordinate; the rounding error is at
+// most 2^-1075, half of the least positive double.
 bool scaled_back(Vec3& point, int exponent) {
     bool rounded = false;
     for (double& value : point) {
@@ -32,7 +35,8 @@ double scaled_tolerance(double value, int exponent) {
                       std::numeric_limits<double>::max());
 }
 
-// Returns a bound of the largest |coordinate| in any step of posing the shape, scaled: S below.
+// Returns an upper bound, in scaled units, on every |coordinate| that occurs while the shape is posed, in products and
+// partial sums, too. This is S in the derivation of widening().
 double posed_extent(const PreparedShape& shape, const Pose& pose) {
     double translation = 0;
     for (const double t : pose.translation)
@@ -40,20 +44,31 @@ double posed_extent(const PreparedShape& shape, const Pose& pose) {
     return 3 * (pose.rotation.cwiseAbs().maxCoeff() * shape.largest()) + translation;
 }
 
-// Returns how far the points of a shape, as the solver sees them, may be from the points of the definition, in scaled units. The
-// distance changes by at most the sum for A and B.
+// Returns how far the points of a shape, as the solver sees them, may be from the points that the query is about, in
+// scaled units. The query is about points that are posed and rounded in the unit of the input; the solver scales
+// first, and poses and rounds in scaled units. The distance between the shapes changes by at most the sum of the
+// results for A and B.
 //
-// Scaling: a rounded coordinate is off by 2^-1075, so a point by less than 2^-1074, which is `lost`.
+// Without a pose, only scaling counts. A rounded coordinate is off by at most 2^-1075, so a point by less than
+// 2^-1074, which is shape.lost().
 //
-// Posing: in each coordinate the definition says D = s fl(R v + t), and the solver measures C = fl(R v' + t'), where s is the
-// power of two 2^e, and v' and t' are the scaled v and t. If v' = s v, t' = s t and no product underflows in either unit,
-// both are the same bits: scaling by s commutes with each rounding, and a sum that underflows is exact. Otherwise both are
-// compared with the exact value s (R v + t). With r = max |R_ij| and S = 3 r max |v'| + max |t'|, the roundings of products and
-// sums are 4u(1 + 4u) S on either side, each of the three products may lose 2^-1075 in its own unit, t' may lose 2^-1075, and
-// the products carry what v' has lost, 3 r 2^-1075. With q = 2^(max(e, 0) - 1074), the coarser of the two units of underflow,
-//   |C - D| <= 8.01 u S + (3 + 3 + 1) q / 2 + 1.5 r lost,
-// and in length, with sqrt 3 < 1.733, 13.9 u S + 6.1 q + 2.6 r lost. The computation below rounds by less than 8u of its result
-// and underflows by less than q; 8 q covers both.
+// With a pose, the query is about the point fl(R * v + t), and the solver measures fl(R * v' + t'). Let e be the
+// exponent, and s = 2^e the factor by which shapes are scaled; v' and t' are s * v and s * t as rounded. Let C be a
+// coordinate of the second point, and D the same coordinate of the first point times s.
+//
+// If v' = s * v and t' = s * t, and no product underflows in either unit, then C = D: scaling by s commutes with each
+// rounding, and a sum that underflows is exact.
+//
+// Otherwise both are compared with the exact value s * (R * v + t). Let r = max|R_ij| and
+// S = 3 * r * max|v'| + max|t'|. Let q = 2^(max(e, 0) - 1074), so that an underflow in either unit loses at most q / 2
+// in scaled units.
+//   - Rounding products and sums costs 4u * (1 + 4u) * S for each of C and D: 8.01u * S.
+//   - Three products for C and three for D may underflow, and so may t': (3 + 3 + 1) * q / 2.
+//   - The products for C contain the error of v': 3 * r * 2^-1075 = 1.5 * r * lost.
+// So |C - D| <= 8.01u * S + 3.5 * q + 1.5 * r * lost and, in length, with sqrt(3) < 1.733, at most
+//     13.9u * S + 6.1 * q + 2.6 * r * lost.
+// The code uses 14, 8 and 3 instead of 13.9, 6.1 and 2.6. The rest covers its own rounding, which is less than 8u of
+// the result, and its own underflow, which is less than q.
 double widening(const PreparedShape& shape, const Pose& pose) {
     const int exponent = shape.exponent();
     if (pose.is_identity()) return shape.lost();
@@ -65,7 +80,8 @@ double widening(const PreparedShape& shape, const Pose& pose) {
     const bool exact_translation = pose.translation.unaryExpr([&](double t) {
         return std::ldexp(std::ldexp(t, exponent), -exponent);
     }) == pose.translation;
-    // Adds exponents, because the product itself may underflow.
+    // A lower bound on the exponents of all products that are not 0. It adds exponents, because a product may
+    // underflow.
     const auto exponent_of = [](double x) { return std::isfinite(x) ? std::ilogb(x) : 0; };
     const int product = exponent_of(least) + exponent_of(shape.smallest());
     const bool same_bits = shape.lost() == 0 && exact_translation && product >= -1022 && product - exponent >= -1022;
@@ -91,6 +107,7 @@ Query scaled(const Query& query, int exponent) {
     return out;
 }
 
+// Scales an answer back to the unit of the input, after widening its bounds by `wider`, a length in scaled units.
 void scale_back(Result& result, Trace& trace, int exponent, double wider) {
     const bool source_rounded = scaled_back(result.witness.source_point, exponent);
     const bool target_rounded = scaled_back(result.witness.target_point, exponent);
@@ -99,7 +116,8 @@ void scale_back(Result& result, Trace& trace, int exponent, double wider) {
     const auto down = [&](double& lower) {
         if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
         if (exponent != 0) lower = std::max(scaled_back(lower, exponent, next_down), 0.0);
-        // The bound has to hold for the witness as shown, which is off by less than 2^-1074; next_down() subtracts at least that.
+        // The bound has to hold for the witness as shown, whose point was moved by less than 2^-1074 when it was
+        // rounded; next_down() subtracts at least as much.
         if (point_rounded) lower = std::max(next_down(lower), 0.0);
     };
     const auto up = [&](double& upper) {
@@ -125,7 +143,7 @@ PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target) {
 }
 
 bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target) {
-    // The coefficients of a surface belong to its coordinates.
+    // A surface is given by the coefficients of a polynomial, which belong to the coordinates of the input.
     return !info.original_coordinates && source != ShapeKind::surface && target != ShapeKind::surface;
 }
 
@@ -136,7 +154,8 @@ Scaled::Scaled(const SolverInfo& info, PreparedPair pair, std::unique_ptr<Solver
       solver_(std::move(solver)),
       make_(std::move(make)) {}
 
-// Returns whether the pose needs another scale.
+// Returns whether the pose makes coordinates of the shape so large that the shapes must be scaled anew. Throws
+// InputError for poses that are not allowed; `name` is the name of the shape in the message.
 bool Scaled::leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const {
     if (pose.is_identity()) return false;
     if (kind_of(shape.shape()) == ShapeKind::surface) {
@@ -156,8 +175,9 @@ bool Scaled::leaves_range(const PreparedShape& shape, const Pose& pose, const ch
     return scalable_ && std::ldexp(magnitude(there), shape.exponent()) > largest_safe_coordinate;
 }
 
-// Returns whether the poses make both shapes so small that products of coordinates would underflow. Looks at a few points, and at
-// all of them only if those are small. Zeros count as small, because they may have underflowed in scaled units alone.
+// Returns whether the poses make both shapes so small that products of coordinates would underflow. Looks at 64 points
+// at a time, until one is not small. Coordinates that are 0 count as small, because they may have underflowed in
+// scaled units, but be positive in the unit of the input.
 bool Scaled::shrinks(const Query& query) const {
     if (!scalable_ || (query.source_pose.is_identity() && query.target_pose.is_identity())) return false;
     double most = 0;
@@ -172,7 +192,7 @@ bool Scaled::shrinks(const Query& query) const {
     return most < smallest_safe_magnitude;
 }
 
-// Poses both shapes in the unit of the input, then scales them anew.
+// Poses both shapes in the unit of the input, then scales them by a new power of two.
 PreparedPair Scaled::at_rest(const Query& query) const {
     const auto shape_there = [](const PreparedShape& prepared, const Pose& pose) {
         Shape shape = prepared.shape();
@@ -184,7 +204,7 @@ PreparedPair Scaled::at_rest(const Query& query) const {
 }
 
 Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
-    // Evaluate both, so that an invalid pose is always refused.
+    // Check both shapes before any decision, so that an invalid pose of either is always refused.
     const bool source_far = leaves_range(*pair_.source, query.source_pose, "A");
     const bool target_far = leaves_range(*pair_.target, query.target_pose, "B");
     if (!source_far && !target_far && !shrinks(query)) return answer(*solver_, pair_, query, state, trace);
@@ -206,7 +226,7 @@ Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Quer
     const double wider = widening(*pair.source, query.source_pose) + widening(*pair.target, query.target_pose);
     scale_back(result, trace, exponent, wider);
     if (info_.can(Ability::traces)) trace.finish(result.bounds.lower, result.bounds.upper);
-    // Widened bounds may no longer justify the status.
+    // If the widened bounds no longer justify the status, the tolerance is below the precision of doubles.
     if (claims_an_answer(result.status))
         result.status = query.answer(result.bounds.lower, result.bounds.upper).value_or(Status::precision_floor);
     return result;

@@ -39,7 +39,7 @@ std::string refusal_of_shapes(const SolverInfo& info, ShapeKind source, ShapeKin
     return {};
 }
 
-// Copies the shapes only if they are scaled.
+// Returns the shapes of the scene, scaled as the solver wants them. Copies them only if they are scaled.
 PreparedPair pair_of(const SolverInfo& info, const Scene& scene) {
     if (scalable(info, kind_of(scene.source), kind_of(scene.target)))
         return prepare_pair(info, scene.source, scene.target);
@@ -56,7 +56,7 @@ std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, 
                            symbol(quantity));
     if (quantity == Quantity::penetration)
         return fmt::format("solver '{}' computes no penetration depth: solver 'penetration' does", info.name);
-    const std::string no = refusal_of_shapes(info, target, source);  // of two directions
+    const std::string no = refusal_of_shapes(info, target, source);  // in the second direction, h(B,A)
     return no.empty() ? no : no + ", as H(A,B) asks for";
 }
 
@@ -64,7 +64,7 @@ Session::Session(const SolverEntry& entry, const Options& options, const Scene& 
                  Prepare build)
     : Session(entry, options, pair_of(entry.info, scene), queries, build) {}
 
-// The solver of one pair in scaled units, with the cost of preparing it.
+// The solver of one pair, without the adapter Scaled around it, and the cost of preparing both of its directions.
 struct Session::Direct {
     std::unique_ptr<Symmetric> solver;
     const Prepared* prepared;
@@ -121,13 +121,14 @@ void Session::keep_books(Books books, const std::string& suffix) {
     }
 }
 
-// Returns whether h(A,B) has built this structure of h(B,A), whose source is the target of h(A,B).
+// Returns whether a structure for h(B,A) was already built for h(A,B). The source of h(B,A) is the target of h(A,B),
+// so the "source BVH" of h(B,A) is the "target BVH" of h(A,B).
 bool Session::built_for_the_first_direction(const std::string& name) const {
     const bool source = name.starts_with("source "), target = name.starts_with("target ");
     if (!source && !target) return false;
     const std::string other = (source ? "target " : "source ") + name.substr(7);
     return std::any_of(preparation_.begin(), preparation_.end(), [&](const auto& time) {
-        return time.name == other || (pair_.source == pair_.target && time.name == name);  // one shape on both sides
+        return time.name == other || (pair_.source == pair_.target && time.name == name);  // A and B are one shape
     });
 }
 

@@ -31,24 +31,26 @@ public:
     Session(Session&&) noexcept;
 
     // Answers a query. All lengths (tolerance, floor, cutoff, translations, bounds, trace) are in the unit of the input. The status
-    // `converged`, `below_floor` or `above_cutoff` is returned only if the bounds justify it. symmetric.h says how H(A,B) is
-    // emulated, moving_target.h how a moving target is, and scaled.h how extreme coordinates are handled.
+    // `converged`, `below_floor` or `above_cutoff` is returned only if the bounds justify it. See symmetric.h for how
+    // H(A,B) is emulated, moving_target.h for moving targets, and scaled.h for extreme coordinates.
     //
     // Throws InputError for a tolerance that is not a positive number, a limit that is NaN or negative, fewer than one thread, a
     // pose that is not finite or makes a point that is not finite, and a moved algebraic surface.
     //
-    // `state` is null or comes from begin() of this session, one for each chain of poses.
+    // `state` is null or comes from begin() of this session. Use one state for each chain of poses.
     Result solve(const Query& query, State* state, Trace& trace) const;
     Result solve(const Query& query, Trace& trace) const { return solve(query, nullptr, trace); }
 
     // Starts a chain of nearby poses; null if the solver has no Ability::warm.
     std::unique_ptr<State> begin() const;
 
-    // The structures for h(A,B). Throws std::logic_error if each answer builds its own.
+    // Returns the structures for h(A,B). Throws std::logic_error if there are none, because each answer builds its
+    // own.
     const Prepared& prepared() const;
     const Needs& needs() const { return needs_; }
 
-    // The cost of preparing both directions; entries for h(B,A) end in " (B to A)". Shared structures are listed once.
+    // The cost of preparing both directions, one entry per structure and one for each solver. The names of entries for
+    // h(B,A) end in " (B to A)"; structures that both directions use are listed once, for h(A,B).
     const std::vector<PreparationTime>& preparation() const { return preparation_; }
     double prepare_seconds() const;
     std::size_t prepare_bytes() const;
@@ -56,7 +58,7 @@ public:
 private:
     struct Direct;
 
-    void expect(Quantity quantity) const;  // throws if neither supported nor emulated
+    void expect(Quantity quantity) const;  // throws InputError if the quantity is neither supported nor emulated
     static Direct wired(const std::shared_ptr<const SolverMaker>& maker, const PreparedPair& pair,
                         const QuerySet& queries);
     void keep_books(Books books, const std::string& suffix);
@@ -70,8 +72,8 @@ private:
     std::vector<PreparationTime> preparation_;
 };
 
-// Returns an error message if the solver does not accept these shapes, or neither supports the quantity nor lets Session emulate
-// it; empty if all is well.
+// Returns an error message if the solver does not accept these shapes, or if it does not support the quantity and
+// Session cannot emulate it. Returns an empty string if the solver can be used.
 std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, Quantity quantity = Quantity::directed);
 
 }  // namespace hausbench

@@ -14,13 +14,14 @@ void turn_around(Result& result) {
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
     result.witness.direction = Witness::Direction::target_to_source;
-    result.fields.reset();  // they would belong to B
+    result.fields.reset();  // they have values for B, but the fields of H are for A
     Reported reported;
     for (auto& [name, value] : result.reported) reported[name + " (B to A)"] = value;
     result.reported = std::move(reported);
 }
 
-// Adds the answer of the other direction; `backward` if that is h(B,A).
+// Adds the answer of the second direction to the answer of the first, `whole`. The second direction is h(B,A) if
+// `backward` is set, else h(A,B).
 void join(Result& whole, const Result& other, bool backward) {
     keep_larger(whole, other);
     if (!whole.fields) whole.fields = other.fields;
@@ -36,7 +37,7 @@ void join(Result& whole, const Result& other, bool backward) {
     whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
 }
 
-// The first direction is above the cutoff: the other one is not measured.
+// Completes the answer if the first direction is above the cutoff, so that the second one is not measured.
 void stop_above_cutoff(Result& whole) {
     whole.bounds.upper = infinity;
     whole.status = Status::above_cutoff;
@@ -62,18 +63,19 @@ void keep_larger(Result& whole, const Result& other) {
     whole.counters += other.counters;
 }
 
+// The states of the two directions.
 struct Symmetric::Chain final : State {
     std::unique_ptr<State> forward, backward;
 
     State* of(bool back) const { return (back ? backward : forward).get(); }
 };
 
-// The outcome of the trial that picks the first direction.
+// The result of open(), which decides which direction comes first.
 struct Symmetric::Opening {
     bool backward = false;          // h(B,A) comes first
-    std::optional<Result> forward;  // h(A,B), if the trial answered it
-    double begin = 0;               // when that answer began, in seconds
-    Counters spent;                 // work that belongs to no answer
+    std::optional<Result> forward;  // the answer for h(A,B), if a small budget was enough for it
+    double begin = 0;               // when the work on this answer began, in seconds since the query
+    Counters spent;                 // work on answers that were thrown away
 };
 
 Symmetric::Symmetric(const SolverInfo& info, std::unique_ptr<Solver> forward, std::unique_ptr<Solver> backward)
@@ -104,9 +106,11 @@ Result Symmetric::directed(Query query, bool backward, Chain* chain, Trace& trac
     return result;
 }
 
-// With a tolerance relative to the lower bound, a direction whose distance is 0 (A is a part of B) never converges. So both
-// directions get a little work, and the one that seems larger comes first; its lower bound is the floor of the other.
-// If the little work already answers h(A,B), that answer is kept.
+// With a tolerance relative to the lower bound, a direction whose distance is 0 never converges; h(A,B) is 0 if A is a
+// part of B. So both directions are tried with a small budget, and the one with the larger lower bound comes first:
+// its lower bound is then the floor of the other. As long as both lower bounds are 0, the budget is multiplied by 16.
+// If a small budget is enough to answer h(A,B), that answer is kept; if it is enough to answer h(B,A), then h(B,A)
+// comes first.
 Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& trace) const {
     Opening opening;
     const std::uint64_t most = query.budget;
@@ -136,7 +140,7 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     const WallClock clock;
     Trace one(trace.on() ? Trace::Mode::on : Trace::Mode::off), two = one;
     Query asked = query;
-    std::unique_ptr<State> alone;  // for this query
+    std::unique_ptr<State> alone;  // states for this query alone, so that the second direction can learn from the first
     if (!chain && info_.can(Ability::shared_pairs)) {
         alone = begin();
         chain = static_cast<Chain*>(alone.get());

@@ -5,10 +5,16 @@
 
 namespace hausbench {
 
-// Asks for h(A,B), then for h(B,A) with the first lower bound as its floor. With a tolerance relative to the lower bound, the
-// direction that seems larger comes first, because the other one may be 0; finding out which one costs some extra work.
-// Counters add up everything that was tried. The budget applies to each direction. If the first lower bound is above the cutoff,
-// the second direction is not measured and the upper bound is infinite. Other queries are passed on to `forward`.
+// Answers a query for H(A,B) by a query for h(A,B) and a second one for h(B,A). The lower bound of the first answer is
+// the floor of the second query: only a distance above it matters, so the solver may stop once it knows that h(B,A) is
+// not above it.
+//
+// If the tolerance is relative to the lower bound, the direction that seems to have the larger distance comes first.
+// The other distance may be 0, and then a tolerance relative to it would allow no gap at all. Finding out which
+// direction is larger costs some extra work, which is included in the counters. The budget applies to each direction.
+//
+// If the first lower bound is above the cutoff, the second direction is not measured, and the upper bound is infinite.
+// All other queries are passed on to the `forward` solver.
 class Symmetric final : public Adapter {
 public:
     Symmetric(const SolverInfo& info, std::unique_ptr<Solver> forward, std::unique_ptr<Solver> backward);
@@ -28,8 +34,9 @@ private:
     std::unique_ptr<Solver> forward_, backward_;
 };
 
-// Turns `whole` into bounds of the larger of two distances, such as the two directions of H. Takes the witness from the larger
-// lower bound, status and note from the larger upper bound, and adds counters.
+// Turns `whole`, the bounds on one distance, into bounds on the larger of this distance and another one, such as the
+// two directions of H. The witness comes from the result with the larger lower bound, status and note from the result
+// with the larger upper bound; counters are added.
 void keep_larger(Result& whole, const Result& other);
 
 }  // namespace hausbench

@@ -8,26 +8,31 @@ namespace {
 using namespace builder;
 
 constexpr int most_bins = 16;
-constexpr int most_levels_by_area = 40;            // from this depth on, parts of equal size
-constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut along their longest axis
+constexpr int most_levels_by_area = 40;            // from this depth on, ranges are divided into parts of equal size
+constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut only along their longest axis
 
+// The elements whose centres lie in one of the slices into which a range is cut along an axis.
 struct Bin {
     FloatBox box;
     std::int32_t count = 0;
 };
 
+// A way to cut a range in two, between two bins of an axis; no cut if `axis` is -1.
 struct Cut {
     int axis = -1;
     int bin = 0;  // the first bin of the right side
     float cost = std::numeric_limits<float>::infinity();
 };
 
+// Returns the number of leaves that `count` elements fill. The cost of one side of a cut is its area times this
+// number.
 float blocks(std::int32_t count) {
     const std::int32_t filled = (count + leaf_capacity - 1) / leaf_capacity;
     return static_cast<float>(filled);
 }
 
-// Maps the centre of an element to its bin along each axis.
+// Maps the centre of an element to its bin along each axis. The factor is slightly below bins / extent, so that the
+// largest centre falls into the last bin; it is 0 for an axis along which the centres (almost) coincide.
 struct Binning {
     Float4 least, factor;
     int bins;
@@ -45,6 +50,8 @@ struct Binning {
     }
 };
 
+// Divides the range of a node: cuts its part of largest area in two, again and again, until there are eight parts or
+// none that may be cut.
 class BvhSplit {
 public:
     explicit BvhSplit(Builder& builder) : builder_(builder), scratch_(builder.elements.size()) {}
@@ -74,7 +81,8 @@ private:
         const Binning binning(range, std::clamp(range.size() / 2, 4, most_bins));
         const Cut cut = best_cut(range, binning);
         if (cut.axis < 0) return halves_by_number(range);
-        // Without branches on elements, because the side of an element cannot be predicted.
+        // Copies each element to both sides and moves on only on the side where it belongs. This needs no branch,
+        // which the processor could not predict.
         FloatBox* const elements = builder_.elements.data();
         std::int32_t left = range.begin, right = 0;
         for (std::int32_t i = range.begin; i < range.end; ++i) {
@@ -89,7 +97,7 @@ private:
         return {builder_.range(range.begin, left), builder_.range(left, range.end)};
     }
 
-    // Splits by number, for ranges without a cut, such as those whose centres all coincide.
+    // Cuts a range at its middle index. For ranges that no plane divides, for example because all centres coincide.
     std::pair<Range, Range> halves_by_number(const Range& range) const {
         const std::int32_t middle = range.begin + (range.size() + 1) / 2;
         return {builder_.range(range.begin, middle), builder_.range(middle, range.end)};

@@ -1,7 +1,7 @@
 // A bounding volume hierarchy over triangles (triangle_tree.h), for closest point queries.
 //
-// It has up to eight children per node and eight triangles per leaf, and is built by the surface area heuristic
-// (build_bvh in wide_tree.h).
+// It has up to eight children per node and up to eight triangles per leaf, and is built with the surface area
+// heuristic (build_bvh in wide_tree.h).
 #pragma once
 
 #include "algorithms/structures/triangle_tree.h"
@@ -15,7 +15,7 @@ public:
     static constexpr std::string_view structure_name = "BVH";
     static constexpr int structure_layout = 1;
 
-    // `mesh` must outlive this. O(n log n) time, O(n) memory.
+    // `mesh` must outlive the tree. O(n log n) time, O(n) memory.
     explicit TriangleBvh(const TriangleMesh& mesh) : TriangleTree(mesh, build_bvh(mesh)) {}
 };
 

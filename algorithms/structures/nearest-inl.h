@@ -1,5 +1,6 @@
-// Finds the triangle with the smallest computed distance among several, as many at once as fit in a vector of
-// doubles. Compiled once for every target: include it after hwy/foreach_target.h.
+// Finds the triangle with the smallest computed distance to a point among several triangles. Measures as many at once
+// as there are lanes in a vector of doubles. Compiled once for each instruction set: include it after
+// hwy/foreach_target.h.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/kernel/point_triangle-inl.h"
 
@@ -18,7 +19,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// Loads one corner of several triangles, side by side. place[k] points to the three coordinates of lane k.
+// Loads one corner of each of several triangles, one triangle per lane. place[k] points to the three coordinates of
+// the corner for lane k.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE V3 gather(const double* const (&place)[4]) {
     const Doubles d;
@@ -45,8 +47,9 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 }
 #endif
 
-// Offers the nearest of some lanes; triangle[k] is the triangle of lane k. Seldom more than one lane is offered, so
-// the branches are predictable.
+// Finds the smallest distance among the lanes that are set in the mask `lanes`, and offers the closest points at this
+// distance to `best`. triangle[k] is the index of the triangle in lane k. Ties are rare, so the loop mostly runs once,
+// and its branches are predictable.
 HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
     const Doubles d;
     const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};
@@ -63,7 +66,8 @@ HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* tr
     }
 }
 
-// Offers some triangles of a mesh. Not inlined, so that the code exists only once.
+// Measures `count` triangles of a mesh and offers them to `best`; triangle[i] are their indices. Not inlined, so that
+// the code exists only once.
 inline HWY_NOINLINE void offer_triangles(const Vec3& point, const TriangleMesh& mesh, const Index* triangle,
                                          std::size_t count, ClosestPoint& best) {
     const Doubles d;

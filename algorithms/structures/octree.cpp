@@ -7,19 +7,20 @@ namespace {
 
 using namespace builder;
 
-constexpr int most_depth = 48;   // of the tree
-constexpr int most_levels = 24;  // of cells in one frame; single precision resolves fewer
+constexpr int most_depth = 48;   // from this depth of the tree on, ranges are divided into parts of equal size
+constexpr int most_levels = 24;  // how often a cell is halved within one frame; single precision resolves fewer
 
-// A cell is given by its lower corner. In twice the local frame the root has side 4, and every level halves the
-// side.
+// Divides the range of a node at the middle of the smallest cell that contains all its centres. A cell is given by its
+// lower corner and its side. Centres are doubled (centre_of), so the root cell is [-2, 2]^3, and its side is 4; each
+// level of cells halves the side.
 class OctreeSplit {
 public:
     explicit OctreeSplit(Builder& builder) : builder_(builder), scratch_(builder.elements.size()) {}
 
     int operator()(const Range& whole, int depth, std::array<Range, tree_width>& parts) {
         if (whole.size() <= tree_width * leaf_capacity) return split_into_leaves(whole, parts);
-        // Find the smallest cell that contains all centres, starting at the root; this skips cells with a single
-        // child.
+        // Find the smallest cell that contains all centres, starting at the root. This skips the cells that have
+        // centres in only one octant.
         Float4 corner = Float4{} - 2;
         float side = 4;
         for (int level = 0; level < most_levels && depth < most_depth; ++level) {
@@ -37,8 +38,9 @@ private:
         return (centre[0] >= middle[0] ? 1 : 0) | (centre[1] >= middle[1] ? 2 : 0) | (centre[2] >= middle[2] ? 4 : 0);
     }
 
-    // Splits into as many leaves as the elements fill, by repeated cuts across the longest axis. A part that is far
-    // smaller than the whole becomes a child of its own, as in a BVH.
+    // Divides a range of at most 64 elements into as few leaves as can hold them, by repeated cuts across the longest
+    // axis. A part that is far smaller than the whole (finest_part) is not cut here but one level below, as in the
+    // BVH.
     int split_into_leaves(const Range& whole, std::array<Range, tree_width>& parts) {
         int count = 1;
         for (int i = 0; i < count;) {
@@ -56,7 +58,8 @@ private:
         return count;
     }
 
-    // Makes one part for each occupied octant, but octants with at most eight elements together share a leaf.
+    // Makes one part for each octant that has elements, except that small octants share a part, up to eight elements,
+    // which becomes a leaf. The octants meet at the point `middle`.
     int split_at(Float4 middle, const Range& whole, std::array<Range, tree_width>& parts) {
         std::array<std::int32_t, 8> sizes{};
         FloatBox* elements = builder_.elements.data();

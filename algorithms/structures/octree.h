@@ -7,15 +7,16 @@
 
 namespace hausbench {
 
-// Each triangle belongs to the cell that contains the centre of its box. Cells with one child are skipped. A cell
-// of up to eight triangles is a leaf, or shares one with small cells beside it; a cell of up to 64 is cut into as
-// many leaves as it fills. Every cell stores the tight box of the triangles below it.
+// Each triangle belongs to the cell that contains the centre of its box. A cell that has triangles in only one of its
+// eight octants is skipped: that octant takes its place in the tree. Small octants of the same cell share a leaf, up
+// to eight triangles. A cell of up to 64 triangles is not cut into octants, but into as few leaves as can hold its
+// triangles. Queries do not look at cells: each node stores the boxes around the triangles of its children.
 class TriangleOctree : public TriangleTree {
 public:
     static constexpr std::string_view structure_name = "octree";
     static constexpr int structure_layout = 1;
 
-    // `mesh` must outlive this. O(n log n) time, O(n) memory; at most 100 levels, wherever the triangles lie.
+    // `mesh` must outlive the tree. O(n log n) time, O(n) memory; at most 100 levels, wherever the triangles lie.
     explicit TriangleOctree(const TriangleMesh& mesh) : TriangleTree(mesh, build_octree(mesh)) {}
 };
 

@@ -5,15 +5,24 @@
 
 namespace hausbench {
 
-// Let d be the exact x - origin >= 0 and r the rounded one. q step is a double for every q here, and rounding is
-// monotone: r < q step implies d < q step, and r > q step implies d > q step. So the largest q with q step <= r has
-// (q - 1) step < d < (q + 1) step. If a sum is at most (at least) a double, so is the rounded sum. Hence plane(q)
-// is on the right side of x or, if not, plane(q - 1) is for a lower and plane(q + 1) for an upper coordinate. In
-// real numbers: a lower q has q step <= r, an upper one has r <= q step, and |r - d| <= u r < 2^-45 step.
+// Proof that set() keeps its promise. Let x be a coordinate of a box, d = x - origin >= 0 its exact distance from the
+// origin, r = fl(d) the rounded one, and u = 2^-53.
 //
-// No q exceeds 255: `step` is a power of two above the rounded quotient of the longest rounded extent by 255. If
-// 255 step were not more than the rounded extent, the quotient would be at least `step`, because rounding is
-// monotone. If the product with the inverse underflows, the largest q is 0, as it should be.
+// Computed planes. Let q be the largest integer with q * step <= r. Products of step and small integers are doubles,
+// and rounding is monotone, so r < (q + 1) * step implies d < (q + 1) * step, and r > (q - 1) * step implies
+// d > (q - 1) * step. If an exact sum is at most (at least) some double, so is the rounded sum: hence
+// plane(q - 1) <= x <= plane(q + 1). The lower plane is plane(q), or plane(q - 1) if plane(q) > x. The upper plane is
+// plane(q), or plane(q + 1) if q * step < r or plane(q) < x.
+//
+// Real numbers. The byte p of a lower plane has p * step <= r, and the byte p of an upper plane has p * step >= r. The
+// rounding error is |r - d| <= u * r < 2^-45 * step, because r < 255 * step.
+//
+// No byte exceeds 255. Let E be the longest extent, as rounded. `step` is a power of two greater than fl(E / 255).
+// Suppose that 255 * step <= E. Then E / 255 >= step and, because rounding is monotone, fl(E / 255) >= step: a
+// contradiction. So r <= E < 255 * step, and q + 1 <= 255.
+//
+// The code computes q as the integer part of r * inverse. This product is exact unless it underflows; then q is 0, as
+// it should be.
 Box QuantisedBoxes::set(std::span<const Box> boxes) {
     Box whole = boxes.front();
     for (const Box& box : boxes.subspan(1)) whole.add(box);

@@ -1,14 +1,18 @@
-// The boxes of a node's children, with one byte per plane.
+// The boxes of a node's children, with six bytes per box.
 //
-// A node stores its lower corner in double precision, and each plane of its children's boxes as one byte: the
-// number of steps from that corner, rounded outward, where the step is a power of two. So every level has its own
-// precision: a stray triangle far away makes the boxes beside it coarse, but none of the boxes below them.
+// A box has six sides, each in a *plane* orthogonal to an axis. A node stores its lower corner, `origin`, in double
+// precision, and each plane of its children's boxes as one byte q: the plane lies at origin + q * step along its axis,
+// where `step` is a power of two. Planes are rounded outward. Each node has its own step, so a stray triangle far away
+// makes the other boxes in the same node coarse, but not the boxes in the nodes below them.
 //
-// The distance to a box never exceeds the computed squared distance to a point of its content, so no slack is
-// needed elsewhere. Near a node, distances are integers in parts of its step, rounded down (measure_near_boxes in
-// wide_walk-inl.h). Far from it (measure_far_boxes), they are computed by the operations of squared_distance_to_box
-// (box.h), which are monotone, to the planes origin + q step as computed. These planes are no farther inside than
-// any coordinate of the content (QuantisedBoxes::set).
+// The *content* of a box is everything that it was made to contain: the triangles below that child. The squared
+// distance from a point to a box, as computed, never exceeds the squared distance to a point of the content, as
+// computed. So a search may skip every box that seems farther than its best result; it needs no slack for rounding.
+// There are two ways to compute the distance:
+//   - Near the node, in integers: sixteenths of a step, rounded down (measure_near_boxes in wide_walk-inl.h).
+//   - Far from the node, in double precision (measure_far_boxes): by the same operations as squared_distance_to_box
+//     (box.h), which are monotone, applied to the planes as computed, fl(origin + q * step). QuantisedBoxes::set makes
+//     sure that the content does not reach beyond these planes either.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -20,30 +24,36 @@ namespace hausbench {
 
 inline constexpr int tree_width = 8;  // children of a node
 
-// Boxes around up to eight boxes, with one byte per plane.
+// Up to eight boxes inside one common box.
 struct QuantisedBoxes {
     double origin[3];  // the lower corner of the box around all of them
     double step;       // a power of two from 2^-440 to 2^394
     double inverse;    // 1 / step
-    // The planes of x and y are side by side, as wide_walk-inl.h multiplies them.
+    // The bytes q of the planes. The bytes for x and y are adjacent, because wide_walk-inl.h adds their squares in
+    // pairs.
     std::uint8_t low_xy[tree_width][2], low_z[tree_width], high_xy[tree_width][2], high_z[tree_width];
 
     std::uint8_t& low(int k, std::size_t i) { return k < 2 ? low_xy[i][k] : low_z[i]; }
     std::uint8_t& high(int k, std::size_t i) { return k < 2 ? high_xy[i][k] : high_z[i]; }
 
-    // Returns a plane as computed: q step is exact, the sum is rounded.
+    // Returns the coordinate, along axis k, of the plane with byte q. The product q * step is exact, because step is a
+    // power of two; only the sum is rounded.
     double plane(int k, std::uint8_t q) const { return origin[k] + q * step; }
 
-    // Returns the box of child i from its computed planes; it contains the content of the child.
+    // Returns the box of child i, made from its planes as computed; it contains the content of the child.
     Box box(int i) const {
         return {{plane(0, low_xy[i][0]), plane(1, low_xy[i][1]), plane(2, low_z[i])},
                 {plane(0, high_xy[i][0]), plane(1, high_xy[i][1]), plane(2, high_z[i])}};
     }
 
-    // Sets the boxes so that plane(k, low(k, i)) <= boxes[i].low[k] and boxes[i].high[k] <= plane(k, high(k, i)).
-    // These are computed planes; in real numbers, origin + (q -+ 2^-45) step is no farther inside either. Unused
-    // entries repeat the first. Takes one to eight boxes with coordinates up to 2^400. Returns the exact box around
-    // all of them.
+    // Sets the boxes to one to eight given boxes, rounded outward, and returns the exact box around all of them. Their
+    // coordinates may be up to 2^400. Unused entries repeat the first box.
+    //
+    // The result contains the given boxes in two senses. With planes as computed:
+    //     plane(k, low(k, i)) <= boxes[i].low[k]  and  boxes[i].high[k] <= plane(k, high(k, i)).
+    // In real numbers, up to 2^-45 of a step:
+    //     origin[k] + (low(k, i) - 2^-45) * step <= boxes[i].low[k]  and
+    //     boxes[i].high[k] <= origin[k] + (high(k, i) + 2^-45) * step.
     Box set(std::span<const Box> boxes);
 };
 

@@ -8,7 +8,9 @@
 namespace hausbench::builder {
 namespace {
 
-constexpr float least_spread = 0x1p-12F;  // of the centres in a frame of size 1: 2^12 different places are left
+// A range with a smaller spread than this needs a finer frame. Floats just below 1 are 2^-24 apart, so within 2^-12
+// there are only 2^12 different coordinates left.
+constexpr float least_spread = 0x1p-12F;
 
 Vec3 middle_of(const Box& box) { return 0.5 * box.low + 0.5 * box.high; }
 
@@ -60,7 +62,9 @@ void Builder::localise(Range& whole) {
     whole = range(whole.begin, whole.end);
 }
 
-// Compares each element with every other one. This needs no branch on an element, whose side cannot be predicted.
+// Counts for each element how many others have a smaller centre; those with a count below middle - begin go to the
+// left. This compares all pairs, but without a branch on the side of an element, which the processor could not
+// predict.
 void Builder::put_in_order(const Range& range, std::int32_t middle) {
     using Int4 [[gnu::vector_size(16)]] = std::int32_t;
     constexpr std::int32_t most = tree_width * leaf_capacity;
@@ -68,7 +72,8 @@ void Builder::put_in_order(const Range& range, std::int32_t middle) {
     int axis = 0;
     for (int k = 1; k < 3; ++k) axis = extent[k] > extent[axis] ? k : axis;
 
-    // Integers in the order of the coordinates; the last bits hold the index, so that no two are equal.
+    // Keys are integers that have the same order as the coordinates. Their last six bits hold the index of the element
+    // within the range, so that no two keys are equal.
     std::array<Int4, most / 4> keys;
     FloatBox* const first = elements.data() + range.begin;
     const std::int32_t size = range.size(), fours = (size + 3) / 4;
@@ -81,7 +86,7 @@ void Builder::put_in_order(const Range& range, std::int32_t middle) {
     }
     std::int32_t left = 0, right = 0;
     for (std::int32_t i = 0; i < size; ++i) {
-        Int4 less{};  // minus the number of smaller keys
+        Int4 less{};  // minus the number of smaller keys, because a comparison that is true gives -1
         const Int4 own = Int4{} + key(i)[i % 4];
         for (std::int32_t j = 0; j < fours; ++j) less += keys[static_cast<std::size_t>(j)] < own;
         const bool is_left = -(less[0] + less[1] + less[2] + less[3]) < middle - range.begin;

@@ -1,8 +1,13 @@
-// The common part of the tree builders: elements with their boxes, ranges of elements, and nodes made of ranges.
-// Not for use elsewhere.
+// The common part of the BVH builder (bvh.cpp) and the octree builder (octree.cpp). Not for use elsewhere.
 //
-// Builders decide by boxes in single precision, in a frame that becomes finer on the way down (Builder::localise).
-// These boxes may be inexact, because the boxes of the tree are set afterwards, from exact ones.
+// An *element* is a triangle, represented by its box. All elements are in one array, and every node of the tree is
+// built over a *range* of it: the range is divided into parts, one for each child. The two builders differ only in how
+// they divide a range.
+//
+// They decide by boxes in single precision, because four floats fit into one register. If the elements of a range are
+// so close together that single precision hardly tells them apart, their boxes are computed again, in coordinates
+// relative to this range (Builder::localise). All these boxes may be inexact: they decide only the shape of the tree.
+// The boxes that the tree stores are set afterwards, from exact ones (WideTree::fit).
 #pragma once
 
 #include "algorithms/structures/wide_tree.h"
@@ -14,10 +19,12 @@
 
 namespace hausbench::builder {
 
-// Four floats at once, on every x86-64 processor, and on machines without vectors, too.
+// Four floats with one operation, as on every x86-64 processor. On machines without vector registers, the compiler
+// turns it into scalar code.
 using Float4 [[gnu::vector_size(16)]] = float;
 
-// A box in single precision; the fourth numbers are free for the builder.
+// A box in single precision. The first three components of `low` and `high` are coordinates; the fourth is free for
+// the builder (see set_number).
 struct FloatBox {
     Float4 low = Float4{} + std::numeric_limits<float>::infinity(),
            high = Float4{} - std::numeric_limits<float>::infinity();
@@ -32,14 +39,15 @@ struct FloatBox {
     }
 };
 
-// Single precision coordinates (x - centre) scale: a box becomes [-1, 1] or smaller.
+// Maps points to single precision, as (x - centre) * scale, so that the box given to of() lands inside [-1, 1]^3.
 struct LocalFrame {
     Vec3 centre = Vec3::Zero();
     double scale = 1;  // a power of two
 
     static LocalFrame of(const Box& box);
 
-    // Coordinates far outside are clamped to 2^40, so that areas do not overflow.
+    // Returns the mapped point. Clamps coordinates to [-2^40, 2^40], so that areas do not overflow: a triangle may be
+    // far larger than the box of the frame, if that box holds only centres of triangles.
     Float4 local(const Vec3& p) const {
         Float4 result{};
         for (int k = 0; k < 3; ++k) {
@@ -55,31 +63,36 @@ inline float area(const FloatBox& box) {
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
-// While a tree is built, the bits of the fourth number of `low` store the number of the element. Read as floats
-// they are 2 or more, so never subnormal, which would be slow.
+// Stores the index of the triangle of an element in the bits of low[3]. Adding 0x40000000 makes these bits a float of
+// 2 or more: not a subnormal number, which would slow down operations on the whole vector.
 inline void set_number(FloatBox& element, Index number) { element.low[3] = std::bit_cast<float>(number + 0x40000000); }
 inline Index number_of(const FloatBox& element) {
     return std::bit_cast<Index>(static_cast<float>(element.low[3])) - 0x40000000;
 }
-inline Float4 centre_of(const FloatBox& element) { return element.low + element.high; }  // twice the centre
+// Returns twice the centre of a box; the factor does not matter for comparisons.
+inline Float4 centre_of(const FloatBox& element) { return element.low + element.high; }
 
-// A part that is smaller than the node by this factor becomes a child of its own, so that it is cut further down,
-// where the frame and the planes of the children's boxes are fine enough.
+// A part whose spread is below this fraction of the spread of its node is not divided further within this node. It
+// becomes one child, and is divided one level below, where coordinates are finer: the local frame of the larger node,
+// and the quantised boxes that it stores for its children, would be too coarse for such small parts.
 inline constexpr float finest_part = 0x1p-5F;
 
+// The elements from index `begin` to `end` - 1, the box around them, and the box around their centres (as centre_of()
+// returns them: doubled).
 struct Range {
     std::int32_t begin = 0, end = 0;
     FloatBox box, centres;
 
     std::int32_t size() const { return end - begin; }
 
-    // Returns the extent of the centres along the longest axis.
+    // Returns the largest extent of the centres along an axis (not doubled).
     float spread() const {
         const Float4 d = centres.high - centres.low;
         return 0.5F * std::max(std::max(d[0], d[1]), d[2]);
     }
 };
 
+// Builds the shape of a tree: its nodes, its leaves and the order of the triangles, but no boxes.
 struct Builder {
     const TriangleMesh& mesh;
     std::vector<FloatBox> elements;
@@ -98,18 +111,18 @@ struct Builder {
         return result;
     }
 
-    // If the centres lie so close together that single precision can hardly tell them apart, gives the elements
-    // coordinates in a frame around their centres. O(size); the frame shrinks by a factor of 2^12 or more each
-    // time.
+    // Computes the boxes of the elements anew, in a frame around their centres, if the centres lie so close together
+    // that single precision can hardly tell them apart in the present frame. O(size) when it does so; the new frame is
+    // smaller than the one before by a factor of 2^12 or more.
     void localise(Range& range);
 
-    // Partitions a range at `middle` along its longest axis: elements with smaller centres come first. The range
-    // has at most 64 elements.
+    // Reorders a range of at most 64 elements, so that along its longest axis the elements before index `middle` have
+    // smaller centres than the elements from `middle` on. Neither side is sorted.
     void put_in_order(const Range& range, std::int32_t middle);
 
-    // Appends a leaf; returns its reference as stored in nodes.
+    // Appends a leaf. Returns ~(leaf number), as it is stored in WideNode::child.
     std::int32_t add_leaf(const Range& range) {
-        // The triangles of a leaf are measured four at a time, so neighbours should be in the same half.
+        // Queries measure the triangles of a leaf four at a time, so neighbours should be in the same half.
         constexpr std::int32_t half = leaf_capacity / 2;
         if (range.size() > half) put_in_order(range, range.begin + half);
         for (std::int32_t i = range.begin; i < range.end; ++i) {
@@ -119,7 +132,8 @@ struct Builder {
         return ~static_cast<std::int32_t>(tree.leaves() - 1);
     }
 
-    // Builds the tree. split(range, depth, children) fills in at most eight parts and returns their number.
+    // Builds the tree. split(range, depth, parts) divides the range of a node at this depth into two to eight parts,
+    // writes them to `parts` and returns their number; parts[0] is the whole range before the call.
     template <class Split> WideTree build(Split&& split) {
         add_node(range(0, static_cast<std::int32_t>(elements.size())), 0, split);
         tree.nodes.shrink_to_fit();
@@ -150,8 +164,8 @@ struct Builder {
     }
 };
 
-// Splits a range in its present order into up to eight parts of about equal size; if there are few elements, into
-// one part per leaf.
+// Divides a range, in its present order, into eight parts of about equal size, or into fewer if fewer leaves can hold
+// all its elements.
 inline int split_evenly(const Builder& builder, const Range& whole, std::array<Range, tree_width>& parts) {
     const std::int32_t leaves = (whole.size() + leaf_capacity - 1) / leaf_capacity;
     const std::int32_t count = std::min<std::int32_t>(leaves, tree_width);

@@ -13,7 +13,7 @@ namespace {
 // No unit is smaller than this fraction of the largest |coordinate| of the mesh.
 constexpr double least_unit_of_magnitude = 0x1p-100;
 
-constexpr std::size_t least_of_block = 4096;  // triangles that a thread takes at a time
+constexpr std::size_t least_of_block = 4096;  // a thread processes at least so many triangles at a time
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void LocalUnits::set(const Box& box, double least) {
         origin[k] = 0.5 * (box.low[k] + box.high[k]);
         half = std::max({half, box.high[k] - origin[k], origin[k] - box.low[k]});
     }
-    // The next larger power of two: the exponent plus one.
+    // The next larger power of two has the exponent of `half` plus one.
     const std::uint64_t exponent = (std::bit_cast<std::uint64_t>(half) >> 52) + 1;
     unit = std::bit_cast<double>(exponent << 52);
     inverse = std::bit_cast<double>((2046 - exponent) << 52);
@@ -52,9 +52,9 @@ TriangleOrder::TriangleOrder(const TriangleMesh& mesh, const Threads& threads) {
 
 namespace {
 
-// Leaves out each triangle that copies the one before it (the same corners in the same order). Distances to a copy
-// have the same bits, and ties go to the lowest index, which comes first. Without this, too many triangles would be
-// near a point in a stack of copies.
+// Removes each triangle that is a copy of its predecessor: the same corners in the same order. No answer depends on
+// copies, because distances to them have the same bits, ties go to the lowest index, and among copies the lowest index
+// comes first. A large stack of copies would put more triangles near a point than NearTriangles can hold.
 std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> order) {
     const auto is_copy = [&](Index i, Index j) {
         for (Index k = 0; k < 3; ++k)
@@ -65,7 +65,7 @@ std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> o
     return order;
 }
 
-// A run of triangles in the order that becomes one leaf.
+// Consecutive triangles of the order that become one leaf, and the box around them.
 struct Run {
     std::size_t begin, end;
     Box box;
@@ -73,7 +73,8 @@ struct Run {
 
 double longest_side(const Box& box) { return (box.high - box.low).maxCoeff(); }
 
-// A run is cut only where one side is at most this fraction of the whole in size.
+// A run is cut in two only if one part is at most this fraction of the whole in size. The size of triangles is the
+// longest side of the box around them.
 constexpr double small_part = 0x1p-6;
 
 Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
@@ -82,9 +83,10 @@ Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_
     return box;
 }
 
-// Returns where to cut a run that has triangles far away from the others, so that they do not share coordinates:
-// after the triangles that lie close together at its beginning, or else before those at its end. Returns `end` if
-// there is nothing to cut.
+// Returns the index at which to cut a run in which some triangles lie close together and others far away, so that the
+// two parts get local coordinates of their own: behind the triangles that lie close together at the beginning of the
+// run or, if there are none, before the triangles that lie close together at its end. Close together means a size of
+// at most small_part of the run. Returns `end` if there is nothing to cut.
 std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
     const double small = small_part * longest_side(box_of(mesh, order, begin, end));
     if (!(small > 0)) return end;
@@ -103,10 +105,10 @@ std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, st
     return end;
 }
 
-// Sixteen triangles, before it is known whether they form one leaf.
+// Sixteen consecutive triangles of the order (fewer at its end). They become one leaf, or several if `mixed` is set.
 struct Sixteen {
     Box box;
-    bool mixed;  // one quarter of them is small beside the whole
+    bool mixed;  // the size of one quarter of them is at most small_part of the size of all
 };
 
 Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
@@ -122,8 +124,8 @@ Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::
     return all;
 }
 
-// Cuts the order into runs of sixteen. A run that mixes scales is cut into one run per scale, as long as this adds
-// no more than a sixteenth to the number of runs.
+// Cuts the order into runs of sixteen triangles. A run that mixes scales is cut further by cut_of(), into one run for
+// each scale. At most 4 + n / 256 runs are added in this way, so the number of leaves stays near n / 16.
 std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& order, const Threads& threads) {
     std::vector<Sixteen> all((order.size() + frames_width - 1) / frames_width);
     const std::size_t blocks = blocks_of(all.size(), least_of_block / frames_width);
@@ -216,8 +218,8 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
 
 namespace {
 
-// Makes the frames of triangles begin to end - 1 of the list, in the coordinates of the place. Unused lanes repeat
-// the last triangle.
+// Makes the frames of triangles `begin` to `end` - 1 of the list, in the local coordinates near.units. Unused lanes
+// repeat the last triangle.
 void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, std::size_t begin, std::size_t end,
                NearTriangles<double>& near) {
     CornerRows corners;
@@ -233,7 +235,7 @@ void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, st
             }
             size = std::max(size, local.norm());
         }
-        near.row(frame_row::count)[begin + i] = size * (1 + 0x1p-20);
+        near.row(frame_row::count)[begin + i] = size * (1 + 0x1p-20);  // R of near_error, rounded up
     }
     TriangleFrames<double> frames;
     make_frames(corners, frames);

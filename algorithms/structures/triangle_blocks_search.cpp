@@ -19,9 +19,10 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// The search for one closest point. It never skips a triangle whose computed distance is within the radius. It
-// measures triangles in double precision late, when it knows most of those that frames cannot tell from the nearest
-// one.
+// The search for one closest point. It visits leaves, nearest first, and lowers the search radius by the distances
+// that frames give. It measures triangles in double precision late, for several leaves at once: then the radius is
+// short, and only those triangles remain that frames cannot tell from the nearest one. It never skips a triangle whose
+// computed distance is within the radius.
 class ClosestSearch {
 public:
     HWY_INLINE ClosestSearch(const TriangleBlocks::Tree& tree, const Vec3& point, double early_out, ClosestPoint& best,
@@ -33,10 +34,12 @@ public:
           counters_(counters),
           radius_(std::sqrt(best.squared_distance), point) {}
 
-    // Frames shorten the radius by bounds of exact distances. If a mesh is small beside its coordinates, the
-    // computed distance of the nearest triangle may be larger; then the leaves left out are searched, too. The
-    // proof needs this, but no test can: on every known input the second walk finds no other triangle, because
-    // computed distances are closer to exact ones than is proven.
+    // The first walk lowers the radius with frames, to an upper bound on the exact distance. If the mesh is far from
+    // the origin compared with its size, rounding may make the computed distance of the nearest triangle larger than
+    // this bound. Triangles whose computed distance lies between the two may have been skipped, so a second walk looks
+    // for them, with the computed distance as the radius and without frames lowering it. The proof needs the second
+    // walk, but no test can show that: on every known input it finds no other triangle, because computed distances are
+    // closer to exact ones than is proven.
     HWY_INLINE void run() {
         walk<true>();
         if (done_) return;
@@ -47,12 +50,13 @@ public:
     }
 
 private:
-    // A visited leaf. Which of its triangles matter is decided only once the radius is short; until then, no branch
-    // depends on them.
+    // A visited leaf whose triangles are not yet measured in double precision. They are compared with the radius only
+    // once it is short (in measure()); until then no branch depends on a single triangle, because it would be
+    // unpredictable.
     struct Seen {
-        alignas(64) float squared[frames_width];
+        alignas(64) float squared[frames_width];  // squared distances by frames, in units of the leaf
         const TriangleFramesLeaf* leaf;
-        double error;
+        double error;  // of these distances, see leaf_error()
     };
     static constexpr std::size_t most_seen = 24;
 
@@ -86,7 +90,8 @@ private:
         if (!by_frames || leaves_ == most_seen || radius_.distance * radius_.distance <= early_out_) measure();
     }
 
-    // Measures those triangles of the seen leaves that are still within the radius.
+    // Measures, in double precision, the triangles in `seen_` that may still be within the radius; then clears
+    // `seen_`.
     void measure() {
         std::size_t count = 0;
         for (const Seen& seen : std::span(seen_, leaves_)) {
@@ -119,11 +124,11 @@ void blocks_closest(const TriangleBlocks::Tree& tree, const Vec3& point, double 
     ClosestSearch(tree, point, early_out, best, counters).run();
 }
 
-// Sixteen lanes if the target has them, because gathering does not wait for the result of one leaf before it goes
-// on.
+// Sixteen lanes, if the instruction set has them. ClosestSearch uses at most eight, because it has to wait for the
+// result of one leaf before it chooses the next. Functions that visit leaves in any order need not wait.
 using Wide = FrameLanes<float>;
 
-// Returns the triangles of a leaf that may be within `radius`, as bits.
+// Returns, as bits, the triangles of a leaf that may be within `radius`.
 HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& point, const SearchRadius& radius) {
     const LocalPoint local(leaf.units, point);
     if (HWY_UNLIKELY(!local.is_near())) return local.beyond(leaf.units, radius.at(leaf.units)) ? 0 : in_use(leaf.count);
@@ -149,7 +154,8 @@ void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double 
     });
 }
 
-// Copies the triangles of a leaf that are set in `mask`, moved to the place of `near`.
+// Appends to `near` the triangles of a leaf that are set in `mask`, and converts their frames to the local coordinates
+// near.units.
 HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, NearTriangles<float>& near) {
     const Wide d;
     const auto ratio_of = static_cast<float>(leaf.units.unit * near.units.inverse);
@@ -181,7 +187,8 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
             put(frame_row::shift + axis, shift);
             squares = hn::Add(squares, hn::Mul(shift, shift));
         }
-        // 0.8 R, enlarged to make up for rounding here (near_error).
+        // The last row, 0.8 * R + 0.15 * W (near_error). `corner` is |a| + L >= R, `moved` is 0.15 * W, and 0.8001
+        // instead of 0.8 makes up for rounding here.
         const auto corner = hn::Add(hn::Sqrt(squares), hn::Mul(load(frame_row::length), ratio));
         put(frame_row::count, hn::Add(hn::Mul(corner, hn::Set(d, 0.8001F)), moved));
         for (const std::size_t i : {frame_row::length, frame_row::ac_length, frame_row::bc_length})

@@ -1,5 +1,5 @@
-// Walks over triangle blocks that visit the leaves near a point, nearest first or in any order. Compiled once for
-// every target: include it after hwy/foreach_target.h.
+// Functions that visit the leaves of TriangleBlocks near a point, nearest first or in any order. Compiled once for
+// each instruction set: include it after hwy/foreach_target.h.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/triangle_frames-inl.h"
 #include "algorithms/structures/triangle_blocks.h"
@@ -21,23 +21,27 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// Eight lanes: a search must finish one step before it knows the next, and wider vectors take longer.
+// Eight lanes at most. A search must finish one step before it knows the next one, and operations on wider vectors
+// take longer to finish.
 using F = hn::CappedTag<float, 8>;
 using VF = hn::Vec<F>;
 using Keys = hn::RebindToSigned<F>;
 
-// Distances from the origin of a leaf or node, in its units. Up to farthest_in_float, single precision tells what
-// is near: it errs by 2^-9 units for boxes and by 2^-4 for triangles. Beyond it, boxes are measured in double
-// precision, and so are all triangles of a leaf. Beyond farthest_filtered, double precision tells nothing either,
-// and nothing is filtered.
+// Limits for the largest |coordinate| of a point, in the local coordinates of a leaf or node. They decide how the
+// node's boxes and the leaf's triangles are filtered.
+//   - Below farthest_in_float, in single precision. There it errs by at most 2^-9 units for the distance to a box and
+//     by 2^-4 units for the distance to a triangle.
+//   - Between the two limits, boxes are measured in double precision. The triangles of a leaf are not filtered.
+//   - From farthest_filtered on, double precision cannot tell the children of a node apart either. A node is then
+//     visited with all its children or, if LocalPoint::beyond() holds, skipped.
 constexpr double farthest_in_float = 0x1p13, farthest_filtered = 0x1p60;
 constexpr std::size_t most_levels = 9;  // 16^9 leaves exceed the range of Index
 
-// A point in the coordinates of a leaf or node.
+// A point in the local coordinates of a leaf or node.
 struct LocalPoint {
     float at[3];
-    double exactly[3];
-    double most;  // the largest |coordinate|
+    double exactly[3];  // the same in double precision
+    double most;        // the largest |coordinate|
 
     HWY_INLINE LocalPoint(const LocalUnits& units, const Vec3& point) : most(0) {
         for (int k = 0; k < 3; ++k) {
@@ -49,25 +53,31 @@ struct LocalPoint {
     HWY_INLINE bool is_near() const { return most < farthest_in_float; }
     HWY_INLINE bool is_filtered() const { return most < farthest_filtered; }
 
-    // Returns a distance, in units, that all content exceeds: the content is within sqrt(3) units of the origin.
+    // Returns a lower bound, in units, on the distance to the content: the distance to the origin minus 2, because the
+    // content is within sqrt(3) units of the origin.
     double base() const {
         double squared = 0;
         for (const double x : exactly) squared += x * x;
         return std::sqrt(squared) * (1 - 0x1p-50) - 2;
     }
 
-    // Returns whether all content is beyond `radius`, for a point that is too far away for a filter.
+    // Returns true only if the content is certainly farther away than `radius`. A coarse test, for points that are too
+    // far away for the filters. Returns false if coordinates are so large that they may have overflowed.
     HWY_INLINE bool beyond(const LocalUnits& units, double radius) const {
         return most < 0x1p900 && (most - 2) * units.unit > radius;
     }
 };
 
-// The largest distance that still matters. Rounding adds far less to a distance than the errors of single
-// precision, except where a place is small beside its coordinates. Let M be the largest |coordinate| of the point
-// and the place, and u = 2^-53. A triangle at computed distance f is within f (1 + 4u) + 8uM (kernel/rounding.h),
-// and f < 4M: 24uM. A coordinate of the point in units of the place errs by u of at most 2M: sqrt(3) 2uM < 4uM. A
-// distance to a box from far away, computed in double precision, errs by 4u of at most 4M: 16uM. Together this is
-// less than the 64uM that are used.
+// The radius of a search: a triangle matters only if its computed distance is at most `distance`. The filters compare
+// exact distances, up to the errors of single precision; so at() adds a bound on the errors of double precision. They
+// matter only if a leaf or node is far from the origin compared with its size. Let M be the largest |coordinate| of
+// the point and of the leaf or node (in the units of the mesh), and u = 2^-53:
+//   - A triangle at computed distance f has an exact distance of at most f * (1 + 4u) + 8uM (kernel/rounding.h). Two
+//     points are less than 4M apart, so f < 4M, and this is at most f + 24uM.
+//   - The local coordinates of the point are computed from differences of at most 2M, each with an error of u * 2M. In
+//     length, this is sqrt(3) * 2uM < 4uM.
+//   - The distance to a box far away, computed in double precision, errs by 4u * 4M = 16uM.
+// Together this is 44uM. The code adds 64uM; the rest is slack.
 class SearchRadius {
 public:
     double distance;
@@ -85,13 +95,15 @@ private:
     double point_magnitude_;
 };
 
-// Rounds to the nearest float: every float that is at most x is at most the result. Never infinite.
+// Rounds x to the nearest float, to compare floats with it: rounding is monotone, so every float that is at most x is
+// at most the result. Never infinite, so the infinite distances of unused lanes are above every limit.
 HWY_INLINE float limit_of(double x) { return x < 0x1p126 ? static_cast<float>(x) : std::numeric_limits<float>::max(); }
 
+// Returns the mask of the first `count` lanes.
 HWY_INLINE unsigned in_use(std::int32_t count) { return (1U << count) - 1; }
 
-// Calls use(lane, squares) with the computed squared distances to the boxes of the children. Unused lanes are
-// infinite.
+// Computes the squared distances to the boxes of the children, in units of the node, and calls use(lane, squares) for
+// each vector of them; its first child is `lane`. Unused lanes are infinite.
 template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const LocalPoint& point, const Use& use) {
     const F d;
     const VF at[3] = {hn::Set(d, point.at[0]), hn::Set(d, point.at[1]), hn::Set(d, point.at[2])};
@@ -106,9 +118,11 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
     }
 }
 
-// The same for a point so far away that single precision would tell nothing: calls use() with the distances to the
-// boxes minus `base`. Rounding is monotone, so a larger number is never rounded below the rounded far_limit; errors
-// of the distance itself are covered by SearchRadius.
+// The same for a point so far away that distances in single precision would tell nothing. Computes the distances in
+// double precision and calls use(lane, distances) with the distances minus `base`, rounded to single precision; base()
+// is a bound that they all exceed, so these numbers are small. far_limit() is the limit to compare them with, rounded
+// in the same way; rounding is monotone, so a number below the limit is not above it after rounding. SearchRadius
+// covers the errors of the distances themselves.
 template <class Use>
 HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& point, double base, const Use& use) {
     alignas(64) float above[frames_width];
@@ -125,20 +139,20 @@ HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& poin
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) use(lane, hn::Load(d, above + lane));
 }
 
-// Returns the largest such value for anything within `radius`.
+// Returns the largest number that measure_far_children() gives for a box with content within `radius`.
 inline float far_limit(const BoxNode& node, double base, const SearchRadius& radius) {
     return limit_of(radius.at(node.units) * node.units.inverse - base);
 }
 
-// Returns the largest square in measure_children for anything within `radius`.
+// Returns the largest square that measure_children() gives for a box with content within `radius`.
 HWY_INLINE float box_limit(const BoxNode& node, const SearchRadius& radius) {
     const double in_units = radius.at(node.units) * node.units.inverse;
     return limit_of(in_units * in_units * (1 + box_error));
 }
 
-// The children of a node in the order of their distance. Keys are squares in units of the node, or distances minus
-// a base, rounded down to a multiple of 16 in the last place. They are compared as integers, which have the same
-// order as the floats; the last four bits are the number of the child.
+// The children of a node, to be visited in the order of their distance: least() gives the key of the nearest child,
+// and remove() removes it. A key is the float that measure_children() or measure_far_children() gives, with the number
+// of the child in its last four bits. Keys are compared as integers, which have the same order as non-negative floats.
 struct alignas(64) OrderedChildren {
     std::int32_t key[frames_width];
 
@@ -158,7 +172,7 @@ struct alignas(64) OrderedChildren {
             hn::Store(hn::IfThenElse(hn::Eq(keys, hn::Set(d, taken)), hn::Set(d, none), keys), d, key + lane);
         }
     }
-    // Sets the keys; returns the least.
+    // Sets the keys, to squared distances or, for set_far(), to distances minus `base`; returns the least key.
     HWY_INLINE std::int32_t set(const BoxNode& node, const LocalPoint& point) {
         return set_by([&](const auto& use) HWY_ATTR { measure_children(node, point, use); });
     }
@@ -176,7 +190,8 @@ struct alignas(64) OrderedChildren {
         });
         return hn::GetLane(hn::MinOfLanes(d, all));
     }
-    // Returns, as bits, the children whose key is at most `most`. `none` is NaN as a float, so it never counts.
+    // Returns, as bits, the children whose distance, as stored in the key, is at most `most`. The key `none` is NaN as
+    // a float, so it never counts.
     HWY_INLINE unsigned within(float most) const {
         const F d;
         const Keys di;
@@ -187,14 +202,15 @@ struct alignas(64) OrderedChildren {
         }
         return mask;
     }
-    // Sets the keys if nothing is known about distances.
+    // Sets the keys if the distances are not known: all of them are 0, in the order of the children. Returns the least
+    // key.
     HWY_INLINE std::int32_t set_unknown(std::int32_t count) {
         for (std::int32_t c = 0; c <= child_bits; ++c) key[c] = c < count ? c : none;
         return 0;
     }
 };
 
-// Computes the squared distances to the triangles of a leaf.
+// Computes the squared distances to the triangles of a leaf by their frames, in units of the leaf.
 HWY_INLINE void leaf_squares(const TriangleFramesLeaf& leaf, const LocalPoint& point, float (&squared)[frames_width]) {
     const F d;
     const VF x = hn::Set(d, point.at[0]), y = hn::Set(d, point.at[1]), z = hn::Set(d, point.at[2]);
@@ -225,13 +241,14 @@ HWY_INLINE double leaf_error(const LocalPoint& point) {
     return frame_error<float> * frame_roundoff<float> * (2 * point.most + 2);
 }
 
-// Returns the largest square, in units of the leaf, for a triangle within `radius`.
+// Returns the largest square that leaf_squares() gives for a triangle within `radius`; `error` is leaf_error().
 HWY_INLINE float leaf_limit(const TriangleFramesLeaf& leaf, double error, const SearchRadius& radius) {
     const double in_units = radius.at(leaf.units) * leaf.units.inverse + error;
     return limit_of(in_units * in_units);
 }
 
-// Calls leaf(number) for each leaf that may have something within `radius`, in any order, until it returns false.
+// Calls leaf(number) for each leaf that may have something within `radius`, in any order. Stops when a call returns
+// false.
 template <class Leaf>
 HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point, const SearchRadius& radius,
                              std::uint64_t& visits, const Leaf& leaf) {
@@ -273,14 +290,14 @@ HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point
     }
 }
 
-// A node on the way to the nearest leaf, and its remaining children.
+// A node on the path from the root to the current node, and its children that are still to be visited.
 struct WalkStep {
     OrderedChildren children;
     const BoxNode* node;
-    double base;                 // negative: the keys are squares
-    std::uint32_t level, first;  // of the children
+    double base;                 // the keys are distances minus this; negative: the keys are squared distances
+    std::uint32_t level, first;  // the level of the children, and the index of child 0 in that level
 
-    // Sets the step to a node; returns the least key.
+    // Sets the step to a node. Returns the least key, or `none` if the content of the node is beyond the radius.
     HWY_INLINE std::int32_t set(const BoxNode& at, const Vec3& point, const SearchRadius& radius) {
         const LocalPoint local(at.units, point);
         node = &at;
@@ -295,6 +312,7 @@ struct WalkStep {
     HWY_INLINE float limit(const SearchRadius& radius) const {
         return HWY_LIKELY(base < 0) ? box_limit(*node, radius) : far_limit(*node, base, radius);
     }
+    // Returns whether the child with this key, and so every child with a larger key, is beyond the radius.
     HWY_INLINE bool beyond(std::int32_t key, const SearchRadius& radius) const {
         return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(radius));
     }
@@ -302,8 +320,9 @@ struct WalkStep {
         return first + static_cast<std::uint32_t>(key & OrderedChildren::child_bits);
     }
 
-    // Visits the nearest leaf, and then the others in any order, so that none of them waits for another. Returns
-    // false if leaf() wants no more.
+    // For a node of level 1: calls leaf(number) for the nearest leaf, which has the key `least`, and then for all
+    // others within the radius, in any order: so the processor can begin with one before it has finished another.
+    // Returns false if a call did.
     template <class Leaf>
     HWY_INLINE bool visit_leaves(std::int32_t least, const SearchRadius& radius, const Leaf& leaf) const {
         if (beyond(least, radius)) return true;
@@ -317,8 +336,8 @@ struct WalkStep {
     }
 };
 
-// Calls leaf(number) for leaves that may have something within `radius`, nearest child first, until it returns
-// false. leaf() may lower the radius.
+// Calls leaf(number) for leaves that may have something within `radius`. At every node, the nearest child comes first.
+// Stops when a call returns false. leaf() may lower the radius.
 template <class Leaf>
 HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& point, const SearchRadius& radius,
                               std::uint64_t& visits, const Leaf& leaf) {

@@ -20,8 +20,10 @@ int TriangleGrid::Axis::cell(double x) const {
     return static_cast<int>(std::min(std::max(scaled, 0.0), static_cast<double>(cells - 1)));
 }
 
-// Lays the grid over a box, with cells of side `edge`. A flat box has one cell across. Planes are moved outward
-// until the cell number changes.
+// Lays the grid over a box. The sides of cells are at most `edge` long, unless that takes more than
+// most_cells_of_an_axis cells along an axis; an axis along which the box has no extent gets one cell. The planes
+// `before` and `after` start at the border between two cells and are moved outward until cell() says that they lie
+// beyond it.
 void TriangleGrid::lay(const Box& box, double edge) {
     for (int k = 0; k < 3; ++k) {
         Axis& axis = axes_[k];
@@ -64,6 +66,7 @@ std::size_t TriangleGrid::number(int x, int y, int z) const {
            static_cast<std::size_t>(x);
 }
 
+// Returns the sum over all triangles of the number of cells that the triangle belongs to.
 std::size_t TriangleGrid::entries() const {
     std::size_t count = 0;
     for (Index i = 0; i < mesh_->triangles.rows(); ++i) {
@@ -79,8 +82,8 @@ TriangleGrid::TriangleGrid(const TriangleMesh& mesh) : mesh_(&mesh) {
     const auto count = static_cast<std::size_t>(mesh.triangles.rows());
     for (Index i = 0; i < mesh.triangles.rows(); ++i) box_.add(box_of(triangle_of(mesh, i)));
     const Vec3 extent = box_.high - box_.low;
-    // The volume counts each side as at least a hundredth of the longest, so that a flat box gets cells of the size
-    // of its triangles.
+    // Each side counts as at least a hundredth of the longest one, so that a flat box does not have volume 0 and gets
+    // cells of about the size of its triangles.
     const double longest = extent.maxCoeff();
     const double volume = (extent.cwiseMax(0.01 * longest) / (longest > 0 ? longest : 1)).prod();
     double edge = longest * std::cbrt(volume / (cells_per_triangle * static_cast<double>(count)));
@@ -106,8 +109,8 @@ void TriangleGrid::fill() {
     for_each_cell([&](std::size_t cell, Index i) { order_[static_cast<std::size_t>(next[cell]++)] = i; });
 }
 
-// Returns a lower bound of the computed squared distance to everything in cells outside the block, or infinity if
-// there are no such cells.
+// Returns a lower bound on the computed squared distance from the point to anything in cells outside the block, or
+// infinity if the block covers the grid.
 double TriangleGrid::beyond(const Vec3& point, const Block& block) const {
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) {
@@ -125,8 +128,8 @@ double TriangleGrid::beyond(const Vec3& point, const Block& block) const {
     return least;
 }
 
-// Calls `look` for the triangles of each cell that may hold a point at squared distance <= `squared`; `look` may
-// lower `squared`.
+// Calls look(triangle) for the triangles of each cell that may hold a point at squared distance <= `squared`.
+// `squared` refers to a variable of the caller, which `look` may lower.
 template <class Look>
 void TriangleGrid::search(const Vec3& point, const double& squared, Counters& counters, const Look& look) const {
     int at[3];

@@ -1,14 +1,16 @@
 // A uniform grid over the triangles of a mesh, for closest point queries near its surface, as in Kang et al. 2018.
 //
-// A triangle belongs to every cell that its box touches. A query looks into the cells around the point, shell by
-// shell, until a shell is farther than the nearest triangle found. The grid works well if triangles have similar
-// sizes and the point is near. From far away a query looks into most cells, and if sizes differ much, a few cells
-// hold most triangles. Trees (triangle_tree.h) have neither weakness.
+// A triangle belongs to every cell that its box touches. A query looks into the cell of the point and then, shell by
+// shell, into the cells around it, until everything outside the last shell is farther away than the nearest triangle
+// found. The grid works well if triangles have similar sizes and the point is near. From far away a query looks into
+// most cells, and if sizes differ much, a few cells hold most triangles. Trees (triangle_tree.h) have neither
+// weakness.
 //
-// There is no slack for rounding: cells are numbered by a function that is monotone in each coordinate, as
-// computed, and distances to cells are distances to planes beyond which the number changes. So a cell is left out
-// only if no computed distance to a point in it could win, and the closest point of a triangle, which is clamped to
-// its box, lies in a cell that the triangle belongs to.
+// Queries need no slack for rounding. Along each axis, the cell number is a monotone function of the coordinate, as
+// computed, and the distance to a cell is the distance to planes that lie outside it, as this function confirms
+// (Axis::before and Axis::after). So a cell is skipped only if no point in it has a computed distance that could win.
+// The closest point of a triangle is always in a cell that the triangle belongs to, because closest_point() returns a
+// point inside the triangle's box.
 #pragma once
 
 #include "algorithms/kernel/closest.h"
@@ -24,8 +26,8 @@ public:
     static constexpr std::string_view structure_name = "uniform grid";
     static constexpr int structure_layout = 1;
 
-    // `mesh` must outlive this. Cells are cubes, about as many as triangles, but fewer if triangles would belong to
-    // more than 8 cells each on average. O(n) time and memory.
+    // `mesh` must outlive the grid. Cells are nearly cubes. There are about as many cells as triangles, but fewer if
+    // triangles would otherwise belong to more than 8 cells on average. O(n) time and memory.
     explicit TriangleGrid(const TriangleMesh& mesh);
 
     // Returns the same bits as closest_by_scan (kernel/closest.h), with the same hints. O(1) near a surface of
@@ -45,8 +47,10 @@ private:
         // Coordinates in cells i and later are >= before[i]; coordinates in cells up to i are <= after[i].
         std::vector<double> before, after;
 
+        // Returns the number of the cell that contains the coordinate x, clamped to the grid.
         int cell(double x) const;
     };
+    // A box of cells.
     struct Block {
         int low[3], high[3];  // cell numbers, both inclusive
     };
@@ -63,7 +67,7 @@ private:
     const TriangleMesh* mesh_;
     Box box_;
     Axis axes_[3];
-    // Cell i: order_[cell_begin_[i]] to [cell_begin_[i + 1] - 1].
+    // The triangles of cell i are order_[j] for cell_begin_[i] <= j < cell_begin_[i + 1].
     std::vector<std::int32_t> cell_begin_;
     std::vector<Index> order_;
 };

@@ -7,12 +7,13 @@ namespace hausbench {
 
 namespace {
 
-// The distinct vertices of a leaf: a small hash table from a vertex number in the mesh to a place in the leaf.
+// The distinct vertices of a leaf: a small hash table that maps the index of a vertex in the mesh to its index in the
+// leaf.
 class VertexTable {
 public:
     VertexTable() { place_.fill(-1); }
 
-    // Returns the place of a vertex; a new vertex gets the next place.
+    // Returns the index of a vertex in the leaf; a new vertex gets the next free index.
     int place_of(Index vertex) {
         for (auto at = static_cast<std::size_t>(vertex);; ++at) {
             std::int8_t& place = place_[at % place_.size()];

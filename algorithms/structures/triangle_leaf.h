@@ -1,4 +1,5 @@
-// The triangles of one leaf of a tree: their boxes with one byte per plane, and corners that they share.
+// One leaf of a TriangleTree: up to eight triangles, with quantised boxes. Their corners refer to a table of vertices,
+// because most vertices belong to several triangles.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -11,17 +12,19 @@ namespace hausbench {
 
 struct alignas(64) TriangleLeaf {
     QuantisedBoxes boxes;  // of the triangles
-    // Three times the number of the corner in the leaf's own table of vertices, with the longest edge first. Unused
-    // lanes repeat triangle 0.
+    // corner[v][i] is three times the index, in the leaf's own table of vertices, of corner v of triangle i: the
+    // offset of its first coordinate. Corners 0 and 1 are the ends of the longest edge. Unused lanes repeat triangle
+    // 0.
     std::uint8_t corner[3][leaf_capacity];
-    std::uint32_t first_vertex;  // where that table begins
-    std::int32_t first;          // where its triangles begin in the order of the tree
+    std::uint32_t first_vertex;  // index, among the vertices of all leaves, at which the leaf's own table begins
+    std::int32_t first;          // index in WideTree::order of triangle 0
     std::int32_t count;          // number of triangles
 
-    // Sets the leaf to one to eight triangles. Appends their vertices at vertices[3 * next], each once, and moves
-    // `next` behind them. Returns the exact box around the triangles.
+    // Sets the leaf to one to eight triangles of a mesh. Writes their vertices to `vertices`, each vertex once, from
+    // index 3 * next on, and increases `next` by the number of vertices. Returns the exact box around the triangles.
     Box set(const TriangleMesh& mesh, std::span<const Index> triangles, double* vertices, std::uint32_t& next);
 
+    // Returns triangle `lane`, with the longest edge first; `vertices` are the vertices of all leaves.
     Triangle at(int lane, const double* vertices) const {
         const auto vertex = [&](int v) {
             const double* place = vertices + 3 * std::size_t{first_vertex} + corner[v][lane];

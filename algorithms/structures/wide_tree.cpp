@@ -6,7 +6,7 @@ namespace hausbench {
 
 void WideTree::fit(std::span<const Box> leaf_boxes) {
     std::vector<Box> node_boxes(nodes.size());
-    // Children come after their parents, so nodes are set in reverse.
+    // Parents come before their children, so in reverse order the boxes of the children are known first.
     for (std::size_t n = nodes.size(); n-- > 0;) {
         WideNode& node = nodes[n];
         std::array<Box, tree_width> boxes;

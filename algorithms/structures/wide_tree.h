@@ -1,5 +1,5 @@
-// A tree of boxes with up to eight children per node: the common part of the BVH and the octree. Nodes store the
-// boxes of their children quantised (quantised_boxes.h).
+// A tree of boxes with up to eight children per node: the common part of the BVH and the octree. Nodes store the boxes
+// of their children quantised (quantised_boxes.h). The elements of the tree are the triangles of a mesh.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -23,9 +23,9 @@ static_assert(sizeof(WideNode) == 128);
 
 struct WideTree {
     std::vector<WideNode> nodes;  // parents before children; the root is node 0
-    // Leaf i: order[leaf_begin[i]] to [leaf_begin[i + 1] - 1].
+    // The elements of leaf i are order[j] for leaf_begin[i] <= j < leaf_begin[i + 1].
     std::vector<std::int32_t> leaf_begin;
-    std::vector<Index> order;  // each element once
+    std::vector<Index> order;  // the index of each element, once
 
     std::size_t leaves() const { return leaf_begin.size() - 1; }
     std::span<const Index> leaf(std::size_t i) const {
@@ -36,24 +36,28 @@ struct WideTree {
                order.capacity() * sizeof(Index);
     }
 
-    // Sets the boxes of all nodes from the exact boxes of the leaves. Also used after elements have moved; the
-    // shape of the tree stays. O(n).
+    // Sets the boxes of all nodes from the exact boxes of the leaves, after the shape of the tree was built or after
+    // elements have moved. O(n).
     void fit(std::span<const Box> leaf_boxes);
 };
 
-// Builds the shape of a tree over at least one element; fit() sets its boxes.
+// Builds a BVH over at least one triangle, but only its shape; fit() sets its boxes.
 //
-// Top-down, by the surface area heuristic over 16 bins along each axis (Wald, On fast construction of SAH-based
-// bounding volume hierarchies, 2007), where the cost of a side counts the blocks that it fills. The tree is
-// collapsed to eight children by always opening the child of largest area that is not far smaller than the node.
-// O(n log n) time, O(n) memory.
+// Built top-down. A set of triangles is cut in two by the surface area heuristic with up to 16 bins along an axis
+// (Wald, On fast construction of SAH-based bounding volume hierarchies, 2007). The cost of each side of a cut is the
+// area of its box times the number of leaves that its triangles fill. Sets of more than 1024 triangles are cut only
+// along their longest axis. The up to eight children of a node come from repeated cuts, each of the part with the
+// largest box; parts far smaller than the node are not cut further. O(n log n) time, O(n) memory.
 WideTree build_bvh(const TriangleMesh& mesh);
 
-// Builds the shape of an octree: each element belongs to the cell that contains the centre of its box. Cells with
-// one child are skipped. A cell of up to eight elements is a leaf, or shares one with small cells beside it. A cell
-// of up to 64 is cut into as many leaves as it fills, in halves across the longest axis. If all centres of a cell
-// lie within a 2^-12th of the root's cube, another octree begins, in the cube around them. Elements whose centres
-// cannot be told apart, and elements at level 48 of the tree, are cut into as many leaves as they fill.
+// Builds an octree over at least one triangle, but only its shape; fit() sets its boxes.
+//
+// Each element belongs to the cell that contains the centre of its box. A cell that has elements in only one of its
+// octants is skipped: that octant takes its place. Small octants of the same cell share a leaf, up to eight elements.
+// A cell of up to 64 elements is not cut into octants, but halved repeatedly, across the longest axis, into as few
+// leaves as can hold them. If the centres in a cell spread over less than 2^-13 of the side of the root cell, a new
+// octree begins with a root cell around these centres. Elements whose centres cannot be told apart, and all elements
+// from level 48 of the tree on, are divided into parts of equal size instead.
 WideTree build_octree(const TriangleMesh& mesh);
 
 }  // namespace hausbench

@@ -1,4 +1,5 @@
-// The walk over a WideTree: visits the leaves near a point, nearest first. Compiled once for every target.
+// The walk over a WideTree: visits the leaves near a point, nearest first. Compiled once for each instruction set:
+// include it after hwy/foreach_target.h.
 #include "algorithms/structures/wide_tree.h"
 
 #include <hwy/cache_control.h>
@@ -22,18 +23,18 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using BoxLanes = hn::CappedTag<double, tree_width>;
 
-// Squared distances to the boxes of a node. None of them exceeds the computed squared distance to a point of the
-// box's content. Seen from near the node they are integers, in a unit that is a power of two; from far away they
-// are doubles.
+// The squared distances from a point to the boxes of a node. None of them exceeds the computed squared distance to a
+// point of the box's content (quantised_boxes.h). If the point is near the node, they are the integers `squares`, in
+// multiples of `unit`; if it is far away, they are the doubles `from_far`.
 struct BoxDistances {
     alignas(64) double from_far[tree_width];
     alignas(32) std::int32_t squares[tree_width];
-    double unit;  // 0: from far away
+    double unit;  // a power of two; 0: the point is far away
 
     HWY_INLINE double operator[](std::size_t i) const { return unit > 0 ? unit * squares[i] : from_far[i]; }
 };
 
-// Loads the planes of axis k, from `lane` on, as numbers.
+// Loads the bytes of the planes of axis k, for the boxes from `lane` on, and converts them to doubles.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE hn::Vec<BoxLanes> load_planes(const std::uint8_t (&xy)[tree_width][2], const std::uint8_t (&z)[tree_width],
                                          std::size_t lane, int k) {
@@ -47,12 +48,13 @@ HWY_INLINE hn::Vec<BoxLanes> load_planes(const std::uint8_t (&xy)[tree_width][2]
     const hn::Rebind<std::uint16_t, BoxLanes> pairs;
     const hn::Repartition<std::uint8_t, decltype(pairs)> bytes;
     if (k == 2) return hn::PromoteTo(d, hn::PromoteTo(d32, hn::LoadU(hn::Rebind<std::uint8_t, BoxLanes>(), z + lane)));
-    const auto both = hn::BitCast(pairs, hn::LoadU(bytes, xy[lane]));  // x below y
+    const auto both = hn::BitCast(pairs, hn::LoadU(bytes, xy[lane]));  // x in the lower byte, y in the upper
     return hn::PromoteTo(d, hn::PromoteTo(d32, k == 0 ? hn::And(both, hn::Set(pairs, 0xff)) : hn::ShiftRight<8>(both)));
 }
 #endif
 
-// For a point far away: computes the squared distances to the boxes as squared_distance_to_box (box.h) does.
+// For a point far away: computes the squared distances to the boxes by the operations of squared_distance_to_box
+// (box.h).
 inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
     const BoxLanes d;
     const auto step = hn::Set(d, boxes.step);
@@ -69,17 +71,27 @@ inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Ve
     distances.unit = 0;
 }
 
-// For a point near the boxes: calls use(lane, squares) with squared distances to some of them, in units of the
-// square of a sixteenth of a step, until all boxes are done. Returns false, with nothing done, if the point is far
-// away.
+// For a point near the boxes: calls use(lane, squares) for each vector of boxes; the first of them is box `lane`. The
+// squares are lower bounds on the squared distances, in units of (step / 16)^2. If the point is far away, more than
+// 2^10 steps from the origin along some axis, returns false without a call.
 //
-// All values are integers, in sixteenths of a step from the origin. Along an axis, let q be the coordinate of the
-// point in steps, |q| <= 2^10; the double difference errs by at most 2^-42, planes by 2^-45. The last bits of
-// q + 1.5 2^48 are n, which is 16 q rounded to nearest, so n + 1 is 16 q + 1/2 or more and n - 1 is 16 q - 1/2 or
-// less. Hence a positive low - 1 - n or n - (high + 1), at most 20463, is less than the exact distance to the
-// content by 1/4 or more, which is a factor of 1 + 2^-17 or more. This is far more than double precision loses
-// (rounding.h; underflow is negligible beside a step of 2^-440). All these numbers have 16 bits. Three squares sum
-// up to less than 2^31, and the product with the square of a sixteenth of a step, a power of two, is exact.
+// Along one axis, let q = (p - origin) / step be the coordinate of the point in steps, with |q| <= 2^10. As computed,
+// it errs by at most 2^-42, because the difference is rounded. A plane may be inside the content by 2^-45 steps
+// (QuantisedBoxes::set).
+//
+// The sum q + 1.5 * 2^48 leaves four bits of q after the binary point. So its last 16 bits are the integer n nearest
+// to 16 * q, with n + 1 >= 16 * q + 1/2 and n - 1 <= 16 * q - 1/2. Let low and high be the bytes of the two planes of
+// a box. If 16 * low - 1 - n is positive, it is less than the exact distance to the content along this axis, in
+// sixteenths of a step, by at least 1/4: the 1/2 from above, minus the errors of q and of the plane. The same is true
+// for n - (16 * high + 1) on the other side.
+//
+// Both numbers are at most 16 * 255 - 1 + 2^14 = 20463. So 1/4 is a relative difference of at least 2^-17: far more
+// than double precision loses in computing the distance to a point of the content (rounding.h; underflow is negligible
+// compared with a step of at least 2^-440). Hence the squares do not exceed the computed squared distances to the
+// content.
+//
+// All these integers fit into 16 bits, and the sum of three squares is below 2^31. The product of this sum and
+// (step / 16)^2 is exact, because step is a power of two.
 #if HWY_TARGET == HWY_SCALAR
 template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& boxes, const Vec3& p, Use&& use) {
     std::int32_t squares[tree_width] = {};
@@ -109,7 +121,8 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
     const auto z = hn::Mul(hn::Sub(hn::Set(d, p[2]), hn::Set(d, boxes.origin[2])), inverse);
     const auto near = hn::And(hn::Le(hn::Abs(xy), most), hn::Le(hn::Abs(z), most));
     if (HWY_UNLIKELY(!hn::AllTrue(d, near))) return false;
-    // Byte patterns: the last 16 bits of x and y, repeated, and the last 16 bits of z with zeros between.
+    // Byte patterns that select n: the last 16 bits of x and of y, repeated, and the last 16 bits of z with zeros
+    // between.
     alignas(16) static constexpr std::uint8_t from_xy[16] = {0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9};
     alignas(16) static constexpr std::uint8_t from_z[16] = {0, 1, 255, 255, 0, 1, 255, 255,
                                                             0, 1, 255, 255, 0, 1, 255, 255};
@@ -144,7 +157,7 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
 
 using BoxSquares = hn::Vec<hn::CappedTag<std::int32_t, tree_width>>;
 
-// Returns a bit for each lane: whether its square is at most `most`.
+// Returns, as bits, the lanes whose square is at most `most`.
 HWY_INLINE unsigned at_most(BoxSquares squares, std::int32_t most) {
     const hn::CappedTag<std::int32_t, tree_width> d;
     std::uint8_t bits[8] = {};
@@ -152,16 +165,17 @@ HWY_INLINE unsigned at_most(BoxSquares squares, std::int32_t most) {
     return ~static_cast<unsigned>(bits[0]) & ((1U << hn::Lanes(d)) - 1);
 }
 
-// Returns the square of a sixteenth of a step.
+// Returns (step / 16)^2, the unit in which measure_near_boxes() gives squares.
 HWY_INLINE double square_unit(const QuantisedBoxes& boxes) { return boxes.step * boxes.step * 0x1p-8; }
 
-// Returns the largest number of units that is at most `squared`. The product is exact, or less than 1 if it
-// underflows.
+// Returns the largest integer n with n * square_unit() <= `squared`, but at most 2^31 - 1. The scale is a power of
+// two, so the product is exact unless it underflows; then it is less than 1, so n is 0.
 HWY_INLINE std::int32_t whole_units(const QuantisedBoxes& boxes, double squared) {
     const double scale = boxes.inverse * 16;
     return static_cast<std::int32_t>(std::min(squared * (scale * scale), 0x1p31 - 1));
 }
 
+// Returns, as bits, the boxes whose `from_far` is at most `squared`.
 inline unsigned near_from_far(const BoxDistances& distances, double squared) {
     const BoxLanes d;
     unsigned mask = 0;
@@ -173,8 +187,8 @@ inline unsigned near_from_far(const BoxDistances& distances, double squared) {
     return mask;
 }
 
-// Computes the distances to all boxes. Returns, as bits, which of the first `count` boxes are at most
-// `squared` >= 0 away.
+// Computes the distances to all boxes. Returns, as bits, which of the first `count` boxes are at a squared distance of
+// at most `squared` >= 0.
 HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, const Vec3& p, double squared,
                                BoxDistances& distances) {
     const hn::CappedTag<std::int32_t, tree_width> d;
@@ -192,7 +206,8 @@ HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, 
     return mask & ((1U << count) - 1);
 }
 
-// Returns the same bits for distances that are already known.
+// Does the same with distances that have been computed before, for another value of `squared`. Bits of unused boxes
+// may be set, too.
 HWY_INLINE unsigned near_again(const QuantisedBoxes& boxes, const BoxDistances& distances, double squared) {
     const hn::CappedTag<std::int32_t, tree_width> d;
     if (HWY_UNLIKELY(!(distances.unit > 0))) return near_from_far(distances, squared);
@@ -204,11 +219,12 @@ HWY_INLINE unsigned near_again(const QuantisedBoxes& boxes, const BoxDistances& 
     return mask;
 }
 
-// Computes the distances to all boxes; returns the nearest box, or one that is hardly farther. Unused boxes repeat
-// the first and never win.
+// Computes the distances to all boxes. Returns the index of the nearest box, or of one that is hardly farther, because
+// the last three bits of squares are ignored. Unused boxes repeat the first one and have a higher index, so they never
+// win.
 HWY_INLINE std::uint32_t nearest_box(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
     const hn::CappedTag<std::int32_t, tree_width> d;
-    // The last three bits of a distance are replaced by the lane.
+    // The last three bits of a square are replaced with the index of the box, so that the minimum tells the index.
     auto nearest = hn::Set(d, std::numeric_limits<std::int32_t>::max());
     const bool near = measure_near_boxes(boxes, p, [&](std::size_t lane, BoxSquares squares) HWY_ATTR {
         hn::Store(squares, d, distances.squares + lane);
@@ -225,7 +241,8 @@ HWY_INLINE std::uint32_t nearest_box(const QuantisedBoxes& boxes, const Vec3& p,
 // A walk over the leaves near one point.
 class Walk {
 public:
-    // `leaves` is the caller's data for each leaf, to be prefetched.
+    // `leaves` is the caller's array with one entry per leaf. The walk only prefetches entries of leaves to be
+    // visited.
     template <class Leaf>
     HWY_INLINE Walk(const WideTree& tree, const Leaf* leaves, const Vec3& point, std::uint64_t& visits)
         : tree_(tree),
@@ -234,8 +251,9 @@ public:
           point_(point),
           visits_(visits) {}
 
-    // Descends to the nearest child again and again and returns the leaf it reaches: a cheap way to a small radius.
-    // Call it at most once, before visit_leaves(), which then leaves that leaf out.
+    // Goes from the root to the nearest child again and again, and returns the leaf that it reaches: a cheap way to
+    // find a near triangle, and so a small radius. Call it at most once, before visit_leaves(), which then skips that
+    // leaf.
     HWY_INLINE std::size_t greedy_descent() {
         std::int32_t child = 0;
         while (child >= 0) {
@@ -246,17 +264,17 @@ public:
             step.taken = nearest_box(node.boxes, point_, step.distances);
             child = node.child[step.taken];
         }
-        // Most of the other leaves that will be visited are beside this one.
+        // Most of the other leaves that will be visited have the same parent.
         const WideNode& last = *path_[depth_ - 1].node;
         for (std::int32_t c = 0; c < last.count; ++c) prefetch(last.child[c]);
         return static_cast<std::size_t>(~child);
     }
 
-    // Calls leaf(i, squared) for leaves whose box may hold something at computed squared distance <= squared, near
-    // ones first, until it returns false. leaf() may lower `squared`.
+    // Calls leaf(i, squared) for each leaf i whose box may hold something at computed squared distance <= squared,
+    // near ones first. Stops when a call returns false. leaf() may lower `squared`.
     template <class Leaf> HWY_INLINE void visit_leaves(double squared, Leaf&& leaf) {
         std::int32_t child = 0;
-        // Start with the children that the descent passed by; without a descent, start at the root.
+        // Start with the children that greedy_descent() did not take; if it was not called, start at the root.
         for (std::size_t i = 0; i < depth_; ++i) {
             const Step& step = path_[i];
             const unsigned mask = near_again(step.node->boxes, step.distances, squared);
@@ -286,6 +304,7 @@ private:
         double distance;
         std::int32_t child;
     };
+    // A node on the path of greedy_descent(); `taken` is the child with which the path goes on.
     struct Step {
         BoxDistances distances;
         const WideNode* node;
@@ -299,7 +318,7 @@ private:
         hwy::Prefetch(place + 64);
     }
 
-    // Sorts children onto the stack, farthest first, so that the nearest is popped first.
+    // Pushes the children that are set in `mask` onto the stack, farthest first, so that the nearest is popped first.
     HWY_INLINE void push(const WideNode& node, unsigned mask, const BoxDistances& distances) {
         const std::size_t base = size_;
         for (; mask != 0; mask &= mask - 1) {
@@ -312,7 +331,8 @@ private:
         }
     }
 
-    // Returns false if nothing left is near enough.
+    // Pops entries until one is at squared distance <= `squared`, and sets `child` to it; returns false if there is
+    // none.
     HWY_INLINE bool pop(double squared, std::int32_t& child) {
         while (size_ > 0) {
             const Entry& next = stack_[--size_];
