@@ -7,10 +7,11 @@
 //
 // The gap is at least the sum of the deviations. This sum is of the order of the size of a cell of the grid, or of its
 // square if the surface is smooth and does not meet the sides of its box. If the tolerance is smaller, the status is
-// `stalled`. If a deviation cannot be bounded, the upper bound is the largest distance between points of the boxes.
+// `stalled`. If a deviation cannot be bounded, the upper bound is the largest distance between a point of A's box and
+// a point of B's box.
 //
 // If a polynomial does not change its sign on the grid, its surface has no mesh: `stalled`. The upper bound is then the
-// largest distance between points of the boxes, or infinity if the target has no mesh, because the target may be empty.
+// same largest distance, or infinity if the target has no mesh, because the target may be empty.
 // Budget, counters and witness: as in the mesh solver. O(cells^3) to triangulate, O(cells^2 4^levels)
 // for the deviations.
 #include "algorithms/error.h"
@@ -63,7 +64,7 @@ public:
     Result solve(const Query& query, State*, Trace& trace) const override {
         if (!meshes_) return without_meshes(query);
         Query inner = query;
-        inner.floor = 0;  // the floor refers to the distance of the surfaces, not of the meshes
+        inner.floor = 0;  // the query's floor and cutoff refer to the surfaces, not to the meshes
         inner.cutoff = std::numeric_limits<double>::infinity();
         Trace unused;
         Result result = meshes_->solve(inner, unused);

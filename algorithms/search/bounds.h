@@ -1,13 +1,13 @@
-// The bounds of h(A, B) in a branch-and-bound search over pieces of A: the farthest point so far, the
-// interval, and when to stop.
+// The bounds of h(A, B) in a branch-and-bound search over pieces of A: the farthest point so far, the lower and the
+// upper bound, and when to stop.
 //
 // A *piece* is a triangle of A or a part cut from one. To *settle* (or purge) a piece is to take it out of the search
 // without cutting it further, because its upper bound is small enough; this bound is kept.
 //
-// Lower bound: the largest distance to B of a point of A met so far. The computed distance may be too large by
-// rounding, so support planes certify a lower bound on it (kernel/point_triangle.h). This costs a query, so it is done
-// only when the search seems to be over. Until then, pieces are settled by comparing them with the uncertified
-// distance. This is safe, because the upper bounds of settled pieces are kept.
+// Lower bound: the largest distance to B among the points of A that were measured so far. The computed distance may be
+// too large by rounding, so support planes certify a lower bound on it (kernel/point_triangle.h). This costs a query,
+// so it is done only when the search seems to be over. Until then, pieces are settled by comparing them with the
+// uncertified distance. This is safe, because the upper bounds of settled pieces are kept.
 // Upper bound: the largest of the kept bounds of settled pieces and of the bounds in the queue. The queue belongs to
 // the caller, which passes its largest bound as `queued`.
 #pragma once
@@ -67,8 +67,9 @@ public:
     // its points to B: takes the square root and adds what rounding may have lost.
     double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
 
-    // Returns an upper bound that is small enough: the search ends once every piece has it, provided that the lower
-    // bound can be certified. Half of the tolerance is left for what the certified lower bound loses.
+    // Returns an upper bound that is small enough: the search ends once every piece has it, provided that the
+    // lower bound can be certified. Uses only half of the tolerance, because certification may lower the
+    // lower bound a little.
     double sought() const {
         const double low = std::sqrt(farthest_squared());
         return low + 0.5 * query_.tolerance.gap(low);

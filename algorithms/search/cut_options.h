@@ -12,8 +12,8 @@ namespace hausbench {
 ParameterSpec split_parameter();
 Split split_of(const Options& options);
 
-// Where a triangle of A is cut: at the points of its edges that are equally far from two triangles of B, at the
-// midpoints of all its edges, or at the midpoint of the longest edge only.
+// The points where a triangle of A is cut: the points of its edges that are equally far from two triangles of B, the
+// midpoints of all its edges, or only the midpoint of the longest edge.
 enum class Cutting { voronoi, midpoint, longest_edge };
 
 // The parameters `split` and `least_part` of solvers whose papers describe Voronoi subdivision

@@ -15,8 +15,8 @@ std::array<double, 3> squared_edges(const std::array<Vec3, 3>& v) {
 
 std::array<Vec3, 3> points_of(const PieceCorners& v) { return {v[0].point, v[1].point, v[2].point}; }
 
-// Returns the point of the edge ab at which a linear function with these values at a and b is zero. The values must
-// have different signs; then t is in [0, 1] even after rounding.
+// Returns the point of the edge ab at which a linear function with these values at a and b is zero. One value must be
+// positive and the other one not; then t is in [0, 1] even after rounding.
 Vec3 zero_on_edge(const Vec3& a, const Vec3& b, double at_a, double at_b) {
     const double t = at_a / (at_a - at_b);
     return (1 - t) * a + t * b;
@@ -83,9 +83,9 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
 
 }  // namespace
 
-// Let x >= y >= z be the edges and X the angle opposite to x, so cos X = (y^2 + z^2 - x^2) / (2yz). T is acute if cos X
-// > 0. Its circumradius is then x / (2 sin X), which is well conditioned, because X, the largest angle of an acute
-// triangle, is in [60, 90] degrees.
+// Let x >= y >= z be the edges and X the angle opposite to x, so cos X = (y^2 + z^2 - x^2) / (2yz). T is acute if
+// cos X > 0. Its circumradius is then x / (2 sin X), which is well conditioned, because X, the largest angle of an
+// acute triangle, is in [60, 90] degrees.
 //
 // Rounding, with u = 2^-53. Write s_x for the computed x^2, and s_y, s_z likewise. s_x is within 5.01u x^2 of x^2. The
 // computed (s_y + s_z) - s_x errs by

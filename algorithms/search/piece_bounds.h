@@ -76,8 +76,8 @@ public:
     // are equally near, but only one of them is named S.
     double tied_triangle(const PieceCorners& corners, int level);
 
-    // Returns the distance of a corner to B plus the longer of the two edges at this corner, for the
-    // best corner (Eq. 9).
+    // Returns the distance of a corner to B plus the longer of the two edges at this corner, for the corner where this
+    // sum is least (Eq. 9).
     double u1(const PieceCorners& corners, int level);
     // Returns the largest distance of a corner to B plus the covering radius of T (Eq. 11).
     double u2(const PieceCorners& corners, int level);

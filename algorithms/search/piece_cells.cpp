@@ -110,11 +110,11 @@ void write_corner_cut_off(CertificateTree& tree, const PieceArgument& argument, 
 void write_three(CertificateTree& tree, const PieceCorners& v, PieceTurn turn) {
     constexpr double third = 1.0 / 3;
     tree.cut(CutPoint::along(turn.place(0), 0.5), CutPoint::corner(turn.place(2)));
-    // The first child, with the corners: the middle of 01, corner 1, corner 2.
+    // Cuts the first child, whose corners are the middle of 01, corner 1 and corner 2.
     tree.cut(CutPoint::along(1, 0.5), CutPoint::back(2, third));
     tree.one(v[2].triangle);
     tree.one(v[1].triangle);
-    // The second child, with the corners: corner 2, corner 0, the middle of 01.
+    // Cuts the second child, whose corners are corner 2, corner 0 and the middle of 01.
     tree.cut(CutPoint::along(0, 0.5), CutPoint::along(2, third));
     tree.one(v[0].triangle);
     tree.one(v[2].triangle);

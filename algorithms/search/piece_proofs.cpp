@@ -12,10 +12,10 @@ using Corners = std::array<Vec3, 3>;
 constexpr std::uint64_t most_more_cuts = 1'000'000;
 
 // The certificate claims a bound, `proven`, that exceeds the upper bound of the search, so that a checker, which
-// rounds outward itself, can confirm it. With u = 2^-53 and D, the diagonal of the box around both meshes, the
+// rounds outward itself, can confirm it. Let u = 2^-53, and let D be the diagonal of the box around both meshes. The
 // excess is the sum of
-// - (14 L + 100) u D, what a checker loses below L cuts (cover_certificate.h). L <= 156: three cuts for each of 50
-//   levels, or one for each of 102, and at most six for the cells;
+// - (14 L + 100) u D for the checker's own rounding below L cuts (cover_certificate.h). L <= 156: three cuts for each
+//   of 50 levels, or one for each of 102, and at most six for the cells;
 // - 100 u D for the rounding of the corners of cells, which is less (piece_cells.h);
 // - `slack` u D if some piece was bounded again.
 // The two terms of 100 are `loss_of_check`. The sum is at most (14 * 156 + 200 + 4096) u D = 6480 u D, less than

@@ -1,8 +1,9 @@
 // The certificate of a search that cuts triangles of A into pieces at midpoints (subdivision.h) and bounds each piece:
-// guthe and the cascades. It consists of the search's own pieces and arguments, which the search reports while it runs:
+// guthe and the solvers of meshes/cascade. It consists of the search's own pieces and arguments, which the search
+// reports while it runs:
 //
-// - The cuts. In the format, a cut into four pieces is three cuts: each cuts off a corner, and the piece in
-//   the middle remains.
+// - The cuts. The format only has cuts into two, so a cut into four pieces takes three of them: each cuts off a
+//   corner, and the piece in the middle remains.
 // - For each piece, the least bound found for it, and the reason why it holds: one triangle of B, or further cuts into
 //   cells with one triangle of B each (piece_cells.h). A bound by one triangle also holds for every part of the piece,
 //   so the parts inherit it. A bound by cells is not inherited, because the cells of a piece do not fit its parts.

@@ -1,8 +1,8 @@
 // Hints that a mesh solver may carry from one pose of A to the next: nearest triangles and the farthest point.
 //
-// They only decide what is tried first. Every bound is proven anew at each pose, so hints from any other pose
-// give correct bounds, too, only more slowly. The papers do not describe this, so a solver uses it only if the
-// caller passes a state.
+// They only decide which triangles and points are tried first. Every bound is proven anew at each pose, so hints from
+// any other pose give correct bounds, too, only more slowly. The papers do not describe this, so a solver uses it only
+// if the caller passes a state.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -21,9 +21,9 @@ struct WarmStart final : State {
     int corner = -1;               // the corner of `source` that is the farthest point; -1: none is
     double second = 0, third = 0;  // if corner is -1: weights of the second and third corner, in [0, 1]
     Index target = -1;             // triangle of B nearest to the farthest point
-    // For each triangle of A, a triangle of B that was near it; -1, or an index beyond the end: unknown. In
-    // the other direction of H(A, B), these pairs tell B's triangles which triangles of A to try first (Tang
-    // et al. 2009, section 6).
+    // For each triangle of A, a triangle of B that was near it; -1, or an index beyond the end: unknown. In the
+    // other direction of H(A, B), these pairs say which triangle of A to try first for a triangle of B (Tang et
+    // al. 2009, section 6).
     std::vector<Index> partner;
     // A triangle of B near each node of a tree over A, then one near each leaf; -1: unknown.
     std::vector<Index> near_node;

@@ -18,8 +18,8 @@ public:
     // Newton's method finds one.
     Vec3 onto(Vec3 y) const;
 
-    // Returns a point of the surface that is about the nearest one to p, at least among its neighbours. Starts from y,
-    // a point of the surface, and moves along the surface as long as the distance to p decreases.
+    // Returns a point of the surface that is about nearest to p, at least locally. Starts from y, a point of the
+    // surface, and moves along the surface as long as the distance to p decreases.
     Vec3 descend(const Vec3& p, Vec3 y) const;
 
 private:

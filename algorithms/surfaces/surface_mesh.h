@@ -23,7 +23,7 @@ struct MeshDeviation {
 // Bounds the distances between a surface f = 0 and its mesh.
 // - Mesh to surface: let |f| <= M over a triangle. Widen the box of the triangle along axis k by M / m, and let
 //   |df/dx_k| >= m there. Then each point of the triangle has a zero of f within M / m along this axis, which is of the
-//   order of the square of a cell. If there is no such m, or if the widened box leaves the box of the surface, the
+//   order of the square of a cell. If no such m is found, or if the widened box leaves the box of the surface, the
 //   bound is the distance from a vertex to a proven point of the surface plus the longest edge from this vertex.
 // - Surface to mesh: covers the surface with boxes of the size of a cell over 2^levels. The bound for a box is the
 //   distance from its middle to the triangles in the cells around it, plus half its diagonal. Infinity if a box has no

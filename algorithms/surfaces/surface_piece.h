@@ -21,9 +21,9 @@ Vec3 seed_on(const SurfacePiece& piece, const Vec3& p);
 // its farthest point. The box may be of any size. The error of the upper bound is of second order in the size of the
 // box, or of first order if p sees the piece at a slant, not head-on.
 //
-// Proof. Let c, r, slope and e be as in LinearForm: a point of the box is y = c + r u with |u| <= 1, componentwise, and
-// on the surface slope.u + e = 0. Take any vector n (the code divides by its length at the end) and any number l. With
-// q = n r, componentwise,
+// Proof. Let c, r and slope be as in LinearForm: for a point y = c + r u of the box, with |u| <= 1 (componentwise), f
+// is slope.u + e with some e in `rest`. So on the surface, slope.u = -e. Take any vector n (the code divides by its
+// length at the end) and any number l. With q = n r, componentwise,
 //     n.(y - c) = q.u = (q - l slope).u + l slope.u = (q - l slope).u - l e <= sum_k |q_k - l slope_k| + sup(-l e).
 // This bounds how far the piece extends from c in the direction n.
 double distance_at_least(const SurfacePiece& piece, const Vec3& p);

@@ -49,8 +49,8 @@ struct CommonVolume {
     std::string failure;            // why cutting failed, or empty
 };
 
-// Intersects two solids, neither of which may have a flaw. Where the two only touch, the common volume is zero; such
-// places are not parts.
+// Intersects two solids, neither of which may have a flaw. Points and faces at which the two only touch have no
+// volume and are not parts.
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose);
 
 }  // namespace hausbench

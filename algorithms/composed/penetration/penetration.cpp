@@ -146,7 +146,7 @@ private:
         return result;
     }
 
-    SolverEntry inner_;  // a copy, because plug-ins grow the registry's list
+    SolverEntry inner_;  // a copy, because entries may move when a plug-in makes the registry grow
     bool each_part_;
     std::optional<Solid> source_, target_;
     const Scene* scene_ = nullptr;

@@ -1,8 +1,8 @@
 // An upper bound on the distance from a piece of A (the part of A in a box) to B. The *foot* of a point of A is the
 // point of B closest to it. This bound follows the feet: it moves each point y of the piece by its own vector t(y),
-// about to its foot, whereas beside.h moves all points by the same vector. The error falls with the ninth power of the
-// size of the piece. So boxes need not shrink to the square root of the tolerance if the distance is nearly constant
-// over A (concentric spheres, tori around one circle, cylinders around one axis).
+// approximately to its foot, whereas beside.h moves all points by the same vector. The error falls with the ninth power
+// of the size of the piece. So boxes need not shrink to the square root of the tolerance if the distance is nearly
+// constant over A (concentric spheres, tori around one circle, cylinders around one axis).
 //
 // Proof. Let y be a point of the piece X, so f_A(y) = 0.
 // 1. A is a graph over X. Let x_k be one coordinate, and (u, v) the other two, scaled so that X lies over [-1, 1]^2.
@@ -16,8 +16,8 @@
 // does not reach past B, t is made slightly longer.
 // A component of t that is only rounding noise is set to 0. Otherwise Y + t might leave a box that Y touches from
 // inside, as with two cylinders around one axis that end at the same sides of the box.
-// If f_B has both signs on Y, A and B meet or nearly meet there. The bound is then within() of beside.h, with M >=
-// |f_B| on Y; X and the segments along that axis must lie in B's box.
+// If f_B has both signs on Y, A and B meet or nearly meet there. The bound is then within() of beside.h, with
+// M >= |f_B| on Y; X and the segments along that axis must lie in B's box.
 //
 // TaylorModel::at_most() bounds the maximum of |t|^2. Its error is of third order if the distance has a maximum on A.
 // The solver's lower bound does not depend on this: it is the distance of one proven point.

@@ -57,8 +57,8 @@ void ProvenFeet::descend_from(const Vec3& seed, const Vec3& p, Best& best) {
 double ProvenFeet::at_least(const Vec3& p, const FootSearch& search, Best& best) {
     std::priority_queue<OpenBox> queue;
     queue.push({0, 0});
-    // The most that is returned. It gives away half of the precision, so that a program that checks the bound needs no
-    // more boxes than this search.
+    // The largest value that is returned. Half of the precision is given away, so that a program that checks the bound
+    // needs no more boxes than this search.
     const auto given_away = [&] { return best.at_most - 0.5 * search.precision; };
     for (int opened = 1; !queue.empty(); ++opened) {
         const OpenBox top = queue.top();

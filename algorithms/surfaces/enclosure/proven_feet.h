@@ -45,7 +45,8 @@ public:
     // Returns an upper bound on the distance from every point of the piece to B: its distance to this foot.
     double at_most(const SurfaceTree::Node& piece, std::int32_t foot);
 
-    // Finds a foot about nearest to p, and may add it. `known` are feet of points near p, from which the search starts.
+    // Finds a proven point of B about nearest to p, which may become a new foot. `known` are feet of points near p,
+    // from which the search starts.
     NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search);
 
 private:

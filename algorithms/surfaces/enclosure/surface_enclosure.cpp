@@ -214,8 +214,8 @@ private:
         cell.remember(near.foot);
     }
 
-    // Returns whether next_to() may help. If B is far away, compared with the size of the cell, it is no better than
-    // the distance to one foot.
+    // Returns whether next_to() may help. If B is far away, compared with the size of the cell, the distance to a
+    // single foot is just as good.
     bool may_run_beside(double upper, double size) const {
         return upper < near_sizes * size || upper < near_coordinates * a_.box().high.cwiseAbs().maxCoeff();
     }
@@ -237,8 +237,8 @@ private:
             {wanted / parts_of_tolerance, (cell.upper - result_.bounds.lower) / parts_of_gap, resolution()});
     }
 
-    // Makes a proven point of A the witness, and its distance to B the lower bound, if that raises the lower bound.
-    // Returns whether it did so.
+    // Makes a proven point of A the witness, and its proven distance to B the lower bound, if this is the first proven
+    // point or raises the lower bound. Returns whether it did so.
     bool show(const SurfacePoint& point, const NearestFoot& near) {
         const double shown = -(point.error - near.at_least);  // rounded down
         const bool better = !proven_ || shown > result_.bounds.lower;

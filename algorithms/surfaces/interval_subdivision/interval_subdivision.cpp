@@ -1,8 +1,8 @@
 // Octree subdivision with interval distances, as published.
 //
 // Source: Shou, Huang, Gu, Miao, Wang: Computing the Hausdorff distance between two algebraic surfaces, Computer
-// Science and Application 3, 2013 (in Chinese; read from a poor text recognition, so the denominators of its surfaces
-// are inferred from the interval it prints).
+// Science and Application 3, 2013 (in Chinese; read in a poor text recognition, so the denominators in the equations
+// of its surfaces were inferred from the interval that it prints).
 // An octree divides the box into 2^depth voxels per axis and keeps a cell if the interval of the polynomial over it
 // contains 0. The distance of two kept voxels is an interval [g, G]: the least and the largest distance between a point
 // of one and a point of the other. The answer is [max over A of min over B of g, max over A of min over B of G]. For
@@ -16,7 +16,7 @@
 // fewer pairs (voxel_distances.h). Budget: voxels of A (all), or searches over the voxels of B (pruned).
 //
 // Polynomials are bounded with directed rounding (voxels.h); squared distances are rounded to nearest and widened at
-// the end as in kernel/rounding.h. Time: O(8^depth) in the worst case, O(4^depth) for the octree of a tame surface,
+// the end as in kernel/rounding.h. Time: O(8^depth) in the worst case, O(4^depth) for the octree of a smooth surface,
 // O(16^depth) for all pairs. Memory: O(4^depth).
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/solver.h"

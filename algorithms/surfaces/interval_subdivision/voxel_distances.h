@@ -40,7 +40,7 @@ double largest_squared_distance(const Box& a, const Box& b);
 VoxelDistances distances_of_all(const Voxels& a, const Voxels& b, VoxelWork& work);
 
 // Computes the same bits from far fewer pairs. All voxels of A are translates of each other. So from one voxel of A to
-// another, min over B of g grows by at most the distance of the translation, and so does min over B of G. The search
+// another, min over B of g grows by at most the length of the translation, and so does min over B of G. The search
 // therefore computes these values for one voxel of a cell of A's octree, bounds them for the whole cell, and skips the
 // cell if it cannot contain the maximum. The values of a voxel are found with the octree over B.
 // Unit of the budget: voxels of A whose value is computed; g and G are computed one after the other, each
