@@ -1,16 +1,19 @@
 // The bridge to mesh solvers: triangulates both surfaces, asks a mesh solver, and widens its answer by the largest
-// distance between each mesh and its surface, proven in both directions (surface_mesh.h):
+// distance between each mesh and its surface, proven in both directions (surface_mesh.h). If MA and MB are the meshes
+// of A and B, and the mesh solver finds that h(MA, MB) is in [l, u], then
 //     l - h(MA,A) - h(B,MB) <= h(A,B) <= u + h(A,MA) + h(MB,B).
-// Certified, because it accepts only certified mesh solvers. Reports the deviations, the mesh solver's own bounds and
-// the numbers of triangles. The gap is at least the sum of the deviations. This sum is of the order of a cell, or of
-// its square if the surface is smooth and does not meet the sides of the box. For a smaller tolerance the status is
-// `stalled`. If a deviation cannot be bounded, the upper bound is the largest distance between points of the boxes.
+// Certified, because it accepts only certified mesh solvers. Reports the *deviations* (the distances between meshes and
+// surfaces), the mesh solver's own bounds and the numbers of triangles.
 //
-// If a polynomial does not change its sign on the grid, its surface has no mesh: `stalled`. The upper bound is then
-// the largest distance between points of the boxes, or infinity if the target has no mesh, because the target may be
-// empty.
-// Budget, counters and witness: as in the mesh solver. O(cells^3) to triangulate, O(cells^2 4^levels) for the
-// deviations.
+// The gap is at least the sum of the deviations. This sum is of the order of the size of a cell of the grid, or of its
+// square if the surface is smooth and does not meet the sides of its box. If the tolerance is smaller, the status is
+// `stalled`. If a deviation cannot be bounded, the upper bound is the largest distance between a point of A's box and
+// a point of B's box.
+//
+// If a polynomial does not change its sign on the grid, its surface has no mesh: `stalled`. The upper bound is then the
+// same largest distance, or infinity if the target has no mesh, because the target may be empty.
+// Budget, counters and witness: as in the mesh solver. O(cells^3) to triangulate, O(cells^2 4^levels)
+// for the deviations.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -61,7 +64,7 @@ public:
     Result solve(const Query& query, State*, Trace& trace) const override {
         if (!meshes_) return without_meshes(query);
         Query inner = query;
-        inner.floor = 0;  // the floor refers to the distance of the surfaces, not of the meshes
+        inner.floor = 0;  // the query's floor and cutoff refer to the surfaces, not to the meshes
         inner.cutoff = std::numeric_limits<double>::infinity();
         Trace unused;
         Result result = meshes_->solve(inner, unused);
@@ -93,7 +96,8 @@ public:
     }
 
 private:
-    // Returns the largest distance between two points of the boxes.
+    // Returns an upper bound on the distance between a point of one box and a point of the other. Each box is given by
+    // two opposite corners.
     static double farthest(const Points& a, const Points& b) {
         const UpwardRounding upward;
         Interval sum(0.0);

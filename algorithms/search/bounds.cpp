@@ -4,9 +4,10 @@
 
 namespace hausbench {
 
-// Subtracting some uM from the computed distance would not be a proof, because only tests show that computed
-// distances are not too large (kernel/point_triangle.h). Support planes prove a bound for the point, which is
-// within 2 level uM of A (kernel/rounding.h).
+// Returns a proven lower bound on the distance from this point to B. The computed distance minus some multiple of uM
+// would prove nothing, because only tests, not a proof, show that computed distances are not too large
+// (kernel/point_triangle.h). Support planes prove a bound for the point. The point itself may lie off A by up to
+// 2 * level * uM (kernel/rounding.h, which defines u and M), so this much is subtracted.
 double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {
     if (!rounding_.certify || farthest.source < 0) return std::sqrt(std::max(farthest.point.squared, 0.0));
     const double distance = target_.certified_distance(farthest.point.point, counters);
@@ -22,7 +23,8 @@ std::optional<Status> SearchBounds::answered(double queued) {
     while (true) {
         const double high = std::max(settled_, queued), low = std::max(std::sqrt(farthest_squared()) - loss_, 0.0);
         if (trace_.on()) trace_.record(certified_lower(), high);
-        // Apparently answered, or nothing left to split. Certifying the witness costs a query, so it comes last.
+        // Certification costs a query, so it comes last: when the uncertified bounds seem to answer the query, or when
+        // nothing is left to split.
         const std::optional<Status> seems = query_.answer(low, high);
         const bool done = queued <= settled_;
         if (seems || done) {
@@ -30,6 +32,8 @@ std::optional<Status> SearchBounds::answered(double queued) {
         }
         if (seems != Status::converged && !done) return std::nullopt;
         if (!seems) return Status::precision_floor;
+        // The certified lower bound was too low by this loss. The search must make the gap that much smaller before it
+        // tries to certify again. If the loss is as large as the tolerance, doubles are not precise enough to reach it.
         loss_ = std::max(2 * loss_, std::sqrt(farthest_squared()) - certified_lower());
         if (!(loss_ < query_.tolerance.gap(certified_lower()))) return Status::precision_floor;
     }
@@ -59,7 +63,8 @@ Result SearchBounds::result(Status status, double queued) {
 }
 
 Result SearchBounds::result_without_bounds(const Triangles& triangles, const Points& vertices) {
-    // The distance to one point of B is convex: no triangle of A is farther from it than its vertices.
+    // The distance to one point of B is at least the distance to B. Being convex, it is largest at a vertex
+    // of a triangle of A.
     const Vec3 point = target_.triangle(0).a;
     const auto squared = [&](Index v) { return squared_length(Vec3(vertices.row(v)) - point); };
     double most = 0;

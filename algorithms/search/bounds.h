@@ -1,9 +1,15 @@
-// The bounds of h(A, B) in a branch-and-bound search over pieces of A: the farthest point so far, the interval, and when to stop.
+// The bounds of h(A, B) in a branch-and-bound search over pieces of A: the farthest point so far, the lower and the
+// upper bound, and when to stop.
 //
-// Lower bound: the largest distance of a point of A met so far. Support planes certify it (kernel/point_triangle.h), which
-// costs a query, so it is done only when the search seems to be over. Until then the uncertified bound purges pieces, which
-// is safe, because the upper bounds of purged pieces are kept.
-// Upper bound: the largest of the kept ("settled") bounds and of those in the queue, which belongs to the caller.
+// A *piece* is a triangle of A or a part cut from one. To *settle* (or purge) a piece is to take it out of the search
+// without cutting it further, because its upper bound is small enough; this bound is kept.
+//
+// Lower bound: the largest distance to B among the points of A that were measured so far. The computed distance may be
+// too large by rounding, so support planes certify a lower bound on it (kernel/point_triangle.h). This costs a query,
+// so it is done only when the search seems to be over. Until then, pieces are settled by comparing them with the
+// uncertified distance. This is safe, because the upper bounds of settled pieces are kept.
+// Upper bound: the largest of the kept bounds of settled pieces and of the bounds in the queue. The queue belongs to
+// the caller, which passes its largest bound as `queued`.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -18,9 +24,11 @@
 
 namespace hausbench {
 
+// The bounds of one search. The search offers points of A to it and asks it which pieces are settled and when to stop.
 class SearchBounds {
 public:
-    // Keeps references. `rounding.magnitude` covers A posed and B. `elements`, if not null, also receives the bounds of each triangle of A.
+    // Keeps references to all arguments but `rounding`, whose `magnitude` must be the largest |coordinate| of A, moved
+    // by its pose, and of B. If `elements` is not null, it also receives the bounds of each triangle of A.
     SearchBounds(const Query& query, const Target& target, const SurfaceRounding& rounding, Counters& counters,
                  Trace& trace, ElementBounds* elements = nullptr)
         : query_(query),
@@ -33,7 +41,9 @@ public:
 
     bool out_of_time() const { return deadline_.passed(); }
 
-    // Takes a measured point of A: a vertex of a piece after `level` subdivisions of triangle `source`, or of A (level 0).
+    // Takes a point of triangle `source` of A whose distance to B was computed, and keeps it if it is the farthest so
+    // far. `level` says how far rounding may have moved it off A (kernel/rounding.h): 0 for a vertex of A, k for a
+    // vertex of a piece after k subdivisions.
     void offer(const MeasuredPoint& point, Index source, int level) {
         if (elements_) elements_->offer(point, source, level);
         if (!(point.squared > farthest_.point.squared)) return;
@@ -41,7 +51,8 @@ public:
         certified_ = -1;
     }
 
-    // Measures a point and offers it. `warm`: a triangle of B to try first, or -1.
+    // Computes the distance from a point of A to B and offers the point. `warm` is a triangle of B
+    // to test first, or -1.
     MeasuredPoint measure(const Vec3& point, Index warm, Index source, int level) {
         const ClosestPoint nearest = target_.closest(point, warm, counters_);
         const MeasuredPoint measured{point, nearest.squared_distance, nearest.triangle};
@@ -52,23 +63,28 @@ public:
     const Farthest& farthest() const { return farthest_; }
     ElementBounds* elements() const { return elements_; }
 
-    // Returns the upper bound of a piece after `level` subdivisions whose points are at most sqrt(squared) from B as computed.
+    // Returns the upper bound of a piece after `level` subdivisions, given a computed bound on the squared distances of
+    // its points to B: takes the square root and adds what rounding may have lost.
     double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
 
-    // Returns an upper bound that ends the search once every piece has it, provided that the lower bound can be certified.
+    // Returns an upper bound that is small enough: the search ends once every piece has it, provided that the
+    // lower bound can be certified. Uses only half of the tolerance, because certification may lower the
+    // lower bound a little.
     double sought() const {
         const double low = std::sqrt(farthest_squared());
         return low + 0.5 * query_.tolerance.gap(low);
     }
 
-    // Returns the largest upper bound with which a piece of this level may be purged.
+    // Returns the largest upper bound with which a piece of this level may be settled. This is the largest
+    // distance so far, widened like the bound of the piece, or the floor of the query if that is larger: distances
+    // below it do not matter.
     double purged_at_most(int level) const {
         return std::max(rounding_.at_most(farthest_squared(), level), query_.floor);
     }
 
-    // Returns whether a piece of triangle `source` with this upper bound needs no further work; its bound is then kept. Purges
-    // pieces bounded by points no farther than the farthest one, pieces below the floor, and pieces at `most_levels`
-    // (subdivision.h).
+    // Settles a piece of triangle `source` with this upper bound and returns true, or returns false if the piece must
+    // be cut further. A piece is settled if its bound is at most purged_at_most(level), or if it was cut `most_levels`
+    // times and is too small to be cut again (subdivision.h).
     bool settle(double upper, Index source, int level, int most_levels) {
         if (upper > purged_at_most(level) && level < most_levels) return false;
         settled_ = std::max(settled_, upper);
@@ -76,29 +92,37 @@ public:
         return true;
     }
 
-    // Takes the largest upper bound of pieces settled elsewhere, whose elements are recorded already.
+    // Takes the largest upper bound of pieces that the caller settled itself, and whose bounds `elements`
+    // (if any) already has.
     void keep(double upper) { settled_ = upper > settled_ ? upper : settled_; }
 
-    // Returns a status if the bounds, or an empty queue, end the search; `queued` as below.
+    // Returns a status if the search is over because the bounds answer the query, or because no cut of a piece in the
+    // queue can lower the upper bound any more. `queued` as in end().
     std::optional<Status> answered(double queued);
 
-    // Returns a status if the search is over. Call it before taking a piece from the queue; if it returns nothing, the queue is
-    // not empty. `queued` is the largest upper bound in the queue, 0 if it is empty; `spent` is compared with the budget.
+    // Returns a status if the search is over: for a reason of answered(), or because the budget or the time is spent.
+    // Call it before taking a piece from the queue; if it returns nothing, the queue is not empty. `queued` is the
+    // largest upper bound in the queue, 0 if it is empty; `spent` is compared with the budget.
     std::optional<Status> end(double queued, std::uint64_t spent);
 
     // Returns the largest upper bound of settled pieces.
     double settled() const { return settled_; }
 
-    // Returns the certified distance of the farthest point; costs a query for each new farthest point.
+    // Returns the certified lower bound, a proven lower bound on the distance from the farthest point to B. Costs a
+    // query whenever the farthest point is new.
     double certified_lower();
 
+    // Returns the result of a search that ended with this status; `queued` as in end(). The witness is the farthest
+    // point with its closest point on B. If the bounds answer the query, their status replaces `status`.
     Result result(Status status, double queued);
 
-    // Returns the result if time ran out before every triangle of A has an upper bound. `vertices` are the vertices of A, posed. O(n).
+    // Returns the result of a search that ran out of time before every triangle of A had an upper bound. Bounds them
+    // all by their distance to a single point of B. `vertices` are the vertices of A, moved by its pose. O(n).
     Result result_without_bounds(const Triangles& triangles, const Points& vertices);
 
-    // Returns "lower", "upper" and "level" of each triangle of A from `elements`, to which the caller has given the rest of its queue.
-    // The lower bound is 0 if no point of the triangle was measured. Costs one certified distance per triangle, whatever the time
+    // Returns the fields "lower", "upper" and "level", with one value for each triangle of A, from `elements`. The
+    // caller must first have given `elements` the bounds of the pieces that are left in its queue. The lower bound of a
+    // triangle is 0 if none of its points was measured. Costs one certified distance per triangle, whatever the time
     // limit; no counter includes it.
     Fields fields() const;
 
@@ -114,9 +138,9 @@ private:
     ElementBounds* elements_;
     Deadline deadline_;
     Farthest farthest_;
-    double certified_ = -1;  // lower bound of the distance of farthest_; negative: to be computed
-    double settled_ = 0;     // the largest upper bound of purged pieces
-    double loss_ = 0;        // loss in certifying the farthest point so far
+    double certified_ = -1;  // certified distance of farthest_; negative: not computed yet
+    double settled_ = 0;     // the largest upper bound of settled pieces
+    double loss_ = 0;        // how much certification may lower the lower bound, judging by earlier attempts
 };
 
 }  // namespace hausbench

@@ -7,28 +7,29 @@
 
 namespace hausbench {
 
-// The farthest point so far, of A or of one triangle of it.
+// The point farthest from B among the points of A measured so far, or among the measured points of one triangle of A.
 struct Farthest {
     MeasuredPoint point{};
-    Index source = -1;  // its triangle of A; -1: nothing measured yet
-    int level = 0;      // its possible distance from A by rounding, in the levels of kernel/rounding.h
+    Index source = -1;  // the triangle of A that contains it; -1: no point was measured yet
+    int level = 0;      // how far rounding may have moved it off A, as in kernel/rounding.h
 };
 
-// The bounds of all triangles of A. Its functions are not inline, so that searches without it stay fast.
+// The bounds of all triangles of A, by triangle. The functions are not inline, so that a search without
+// this object stays fast.
 struct ElementBounds {
     std::vector<Farthest> farthest;
-    std::vector<double> upper;    // the largest upper bound of a settled piece
-    std::vector<double> deepest;  // level of subdivision of its smallest piece
+    std::vector<double> upper;    // the largest upper bound of its settled pieces (bounds.h)
+    std::vector<double> deepest;  // the number of subdivisions of its smallest piece
 
     explicit ElementBounds(Index count)
         : farthest(static_cast<std::size_t>(count)),
           upper(static_cast<std::size_t>(count)),
           deepest(static_cast<std::size_t>(count)) {}
 
-    // Takes a measured point of triangle `source`.
+    // Takes a measured point of triangle `source`, and keeps it if it is the farthest of this triangle so far.
     void offer(const MeasuredPoint& point, Index source, int level);
 
-    // Settles a piece of triangle `source` with this upper bound.
+    // Takes the upper bound of a piece of triangle `source` that is settled, or left over when the search ends.
     void settle(double bound, Index source);
 
     // Records that triangle `source` has a piece of this level.

@@ -1,5 +1,5 @@
-// Base of mesh solvers: the shapes they accept, a tree over B, the posed vertices of A, and the size of the coordinates, which
-// determines the rounding errors.
+// The base class of mesh solvers. It names the shapes that they accept, keeps a tree or grid over B, moves A by its
+// pose, and finds the largest coordinate, on which the rounding errors depend.
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -16,29 +16,30 @@
 
 namespace hausbench {
 
-// One query: A, its posed vertices, B, and M of kernel/rounding.h. All but the last are references.
+// The two meshes of one query. It owns neither the meshes nor the trees.
 struct MeshPair {
-    const TriangleMesh& source;
-    const Points& points;
-    const Target& target;
-    double magnitude;
-    const TriangleTree* source_tree;  // over A, unposed; null if not used
+    const TriangleMesh& source;       // A in its own coordinates
+    const Points& points;             // the vertices of A, moved by its pose
+    const Target& target;             // B
+    double magnitude;                 // M of kernel/rounding.h: the largest |coordinate| of `points` and B
+    const TriangleTree* source_tree;  // over A in its own coordinates; null if not used
 };
 
-// Returns the diagonal of the box around A posed and B. O(n + m).
+// Returns the length of the diagonal of the box around both meshes, with A moved by its pose. O(n + m).
 inline double diagonal_of(const MeshPair& pair) {
     Box box = box_of(pair.points);
     box.add(box_of(pair.target.mesh().vertices));
     return (box.high - box.low).norm();
 }
 
-// `Tree` is the solver's structure over B, a tree or a grid; it is not built if B is so small that a scan is as fast. A solver that needs
-// more overrides needs() and prepare(), and calls these.
+// A solver derives from this class and implements search(). `Tree` is its structure over B, a tree or a grid, which
+// finds closest points; it is not built if B is so small that testing all its triangles is as fast. A solver that needs
+// further structures overrides needs() and prepare(), and calls the functions of this class from them.
 template <class Tree> class MeshSolver : public Solver {
     static constexpr bool is_tree = std::derived_from<Tree, TriangleTree>;
 
 public:
-    // The tree over A, for solvers that use regions.
+    // The type of the tree over A, for solvers that use regions (source_regions.h).
     using RegionTree = std::conditional_t<is_tree, Tree, TriangleBvh>;
 
     Needs needs(const Scene& scene, const QuerySet&) const override {
@@ -58,6 +59,7 @@ public:
     Result solve(const Query& query, State* state, Trace& trace) const final {
         const Points points = posed(source_->vertices, query.source_pose);
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
+        // Beyond these sizes the rounding errors are not bounded: returns `stalled`, with the bounds 0 and infinity.
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
         const Target target = [&] {
             if constexpr (is_tree)
@@ -71,8 +73,8 @@ public:
 protected:
     explicit MeshSolver(bool textbook = false, bool regions = false) : textbook_(textbook), regions_(regions) {}
 
-    // Returns whether to use regions. Does not ask whether a tree over A was built, because answers must not depend
-    // on the structures that were left out.
+    // Returns whether to use regions (source_regions.h) for this scene. Depends only on the option and on the size of
+    // A, not on the structures that were built: the answer must be the same if some were left out.
     bool has_regions(const Scene& scene) const { return regions_ && element_count(scene.source) > scan_at_most; }
 
     const TriangleMesh& source() const { return *source_; }
@@ -89,7 +91,8 @@ private:
     const RegionTree* source_tree_ = nullptr;
 };
 
-// Returns the info of a certified solver for meshes or points on either side, with trace and fields. The solver sets the rest.
+// Returns the SolverInfo of a certified solver that accepts meshes and point sets on either side, records traces and
+// gives fields. The solver adds its own abilities, structures and parameters.
 template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string title, std::string paper) {
     SolverInfo info;
     info.name = std::move(name);
@@ -102,7 +105,7 @@ template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string 
     return info;
 }
 
-// The parameter `regions`; info.may_need must then have a tree over A.
+// Returns the parameter `regions`. A solver with this parameter must list a tree over A in its SolverInfo::may_need.
 inline ParameterSpec regions_parameter(bool by_default, std::string paper_value) {
     return {.name = "regions",
             .default_value = by_default,

@@ -1,16 +1,17 @@
-// The arguments of piece_bounds.h as trees of a certificate: the cuts of a piece into cells, and the triangle of B
-// for each cell.
+// Writes the arguments of piece_bounds.h as trees of a certificate (certificate/cover_certificate.h): the cuts of a
+// piece into cells, and for each cell the triangle of B near it.
 //
-// The bounds leave room for the distance between the computed corners of cells and the exact points of the
-// certificate, except for two kinds of corners that are chosen here:
-// - Corners of cells of the points nearest to a corner of the piece (u2). Places are relative to the first corner
-//   of the piece, so every rounded number is at most its longest edge e. A chord is where
-//   f(x) = |b - a|^2 / 2 - (x - a)(b - a) is 0. f errs by less than 10 u e |b - a| at either end of an edge, so by
-//   less than 20 u e |b - a| at the chord's ends. There |x - a| and |x - b| differ by
-//   2 |f| / (|x - a| + |x - b|) < 40 u e, as that sum is at least |b - a|. So a point of the cell of a corner is at
-//   most 40 u e farther from that corner than from the nearest one.
-// - The barycentre, which is a third of the way along the median: the double 1/3 is off by less than u, and the
-//   point by less than u e.
+// A certificate is about exact points, but the corners of cells were computed with rounding. The bounds leave room for
+// this difference, except for two kinds of corners, which are computed here:
+// - Kind::nearest_corner (u2): the cell of a corner holds the points nearest to this corner. Points are taken relative
+//   to the first corner of the piece, so no rounded number is larger than the longest edge e of the piece. The *chord*
+//   between the cells of corners a and b is the line on which f(x) = |b - a|^2 / 2 - (x - a).(b - a) is 0; f(x) is half
+//   of |x - b|^2 - |x - a|^2. Rounding f costs less than 10u e |b - a| (u = 2^-53) at either end of an edge, so |f| is
+//   less than 20u e |b - a| at the ends of the computed chord. There, |x - a| and |x - b| differ by
+//   2 |f| / (|x - a| + |x - b|) < 40u e, because the sum in the denominator is at least |b - a|. So a point in the cell
+//   of a corner is at most 40u e farther from that corner than from its nearest corner.
+// - Kind::three (u3): the barycentre is a third of the way along a median. The double 1/3 is off by less than u, so the
+//   point is off by less than u e.
 // PieceProofs::finish() leaves more room than that.
 #pragma once
 
@@ -22,16 +23,17 @@
 
 namespace hausbench {
 
-// How the corners of a piece lie in its polygon of the certificate: corner i of the piece is corner i + turn of the
-// polygon.
+// Tells how the corners of a piece are numbered in the certificate. A piece is a polygon there, with the same
+// three corners, but its list of corners may begin with another one: corner i of the piece is corner (i + turn)
+// % 3 of the polygon.
 struct PieceTurn {
     std::uint8_t turn = 0;
 
-    // Returns the place of corner i, or of the edge from it to the next.
+    // Returns the index in the polygon of corner i, which is also the index of the edge from it to the next corner.
     std::size_t place(std::size_t i) const { return (i + turn) % 3; }
 };
 
-// Writes the nodes of the polygon, down to its leaves.
+// Appends the subtree of a piece to the tree: the cuts into cells, and a leaf with a triangle of B for each cell.
 void write_cells(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& corners, PieceTurn turn);
 
 }  // namespace hausbench

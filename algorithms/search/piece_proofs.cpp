@@ -8,17 +8,21 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// If the proof needs more cuts than this that the search did not make, there is no certificate.
+// The most cuts that are made after the search. If the proof needs more, the result has no certificate.
 constexpr std::uint64_t most_more_cuts = 1'000'000;
 
-// `proven` exceeds the upper bound by the checker's possible loss (cover_certificate.h), (14 L + 100) u D below L
-// cuts, and by the error of the chords of cells (piece_cells.h), less than 100 u D. L <= 156: three cuts for each
-// of 50 levels, or one for each of 102, and at most six for the cells. If a piece was bounded again, `slack` is
-// added. All of this is less than 1e-12 D = 9007 u D.
+// The certificate claims a bound, `proven`, that exceeds the upper bound of the search, so that a checker, which
+// rounds outward itself, can confirm it. Let u = 2^-53, and let D be the diagonal of the box around both meshes. The
+// excess is the sum of
+// - (14 L + 100) u D for the checker's own rounding below L cuts (cover_certificate.h). L <= 156: three cuts for each
+//   of 50 levels, or one for each of 102, and at most six for the cells;
+// - 100 u D for the rounding of the corners of cells, which is less (piece_cells.h);
+// - `slack` u D if some piece was bounded again.
+// The two terms of 100 are `loss_of_check`. The sum is at most (14 * 156 + 200 + 4096) u D = 6480 u D, less than
+// 1e-12 D = 9007 u D.
 constexpr double loss_of_check = 200, loss_of_cut = 14, slack = 4096;
 
-// Writes the cuts that make the parts of a piece to a tree; next(i) writes part i. After three cuts, the last of
-// four parts is left over.
+// Writes the cuts of a piece into its parts to the tree. Calls next(i) at the place in the tree where part i belongs.
 template <class Write>
 void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t opposite, const Write& next) {
     if (split == Split::longest_edge) {
@@ -27,8 +31,9 @@ void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t 
         next(1);
         return;
     }
-    // Corner 0 is cut off from the middle of the edge to it, 4, to the middle of the edge from it, 5. This leaves
-    // 5, 1, 2, 4, then 3, 2, 4, 5, then 4, 5, 3; 3 is opposite to corner 0.
+    // Vertices 3, 4, 5 are the midpoints of the edges opposite to corners 0, 1, 2. The first cut, from 4 to 5, cuts off
+    // corner 0 and leaves the polygon 5, 1, 2, 4. The next, from 5 to 3, cuts off corner 1 and leaves 3, 2, 4, 5. The
+    // last, from 3 to 4, cuts off corner 2 and leaves 4, 5, 3, the part in the middle.
     tree.cut(CutPoint::along(turn.place(2), 0.5), CutPoint::along(turn.place(0), 0.5));
     next(0);
     tree.cut(CutPoint::corner(0), CutPoint::along(1, 0.5));
@@ -38,7 +43,7 @@ void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t 
     next(3);
 }
 
-// The turns of the parts of cut_triangle().
+// The turn (piece_cells.h) of each part of cut_triangle() in the polygon that write_cuts() makes of it.
 constexpr std::array<std::uint8_t, 4> turns_of_four = {1, 1, 1, 2};
 constexpr std::array<std::uint8_t, 2> turns_of_two = {0, 2};
 
@@ -48,7 +53,7 @@ std::uint8_t turn_of(Split split, std::size_t part) {
 
 constexpr std::size_t parts_of(Split split) { return split == Split::midpoint ? 4 : 2; }
 
-// The cut of the points alone, as the search made it.
+// Repeats a cut of the search, bit for bit, with the points of the vertices alone.
 struct PointCut {
     struct Vertex {
         Vec3 point;
@@ -112,8 +117,9 @@ void PieceProofs::one_for_all(Index near) {
     for (Entry& entry : nodes_) entry = {-1, {}, near, 0, {}, 0};
 }
 
-// --- the search is over ------------------------------------------------------------------------------------------------
+// --- writing the certificate after the search ------------------------------------------------------------------------
 
+// Writes the trees of all triangles of A for one certificate.
 class PieceProofs::Writing {
 public:
     Writing(const PieceProofs& proofs, double upper)
@@ -130,9 +136,10 @@ public:
         return piece(static_cast<Node>(i), {points.row(v[0]), points.row(v[1]), points.row(v[2])}, 0, tree);
     }
 
-    // Returns the most that the check, with its own loss, can find above the upper bound.
+    // Returns by how much the bound that a checker finds may exceed the upper bound of the search.
     double loss() const { return (loss_of_cut * depth_ + loss_of_check) * unit_ + (looked_again_ > 0 ? slack_ : 0); }
 
+    // Returns the number of pieces that were bounded again.
     std::uint64_t looked_again() const { return looked_again_; }
 
 private:
@@ -140,9 +147,10 @@ private:
         Corners corners;
         int level;
         PieceTurn turn;
-        Index near;  // triangle of B to begin with, or -1
+        Index near;  // triangle of B to try first; -1: none
     };
 
+    // Writes the subtree of a piece. Returns false if it needs too many cuts.
     bool piece(Node node, const Corners& corners, int level, CertificateTree& tree) {
         const Entry& entry = proofs_.nodes_[node];
         if (entry.first == 0) return leaf(entry, corners, level, tree);
@@ -164,8 +172,9 @@ private:
         return true;
     }
 
-    // Bounds a piece again, or its parts. It may miss the upper bound by rounding: the bound of its parent may have
-    // been equal to the upper bound, and the bound of a part includes more rounding.
+    // Bounds a piece again; if that does not suffice, cuts it and does the same with its parts. Returns false if this
+    // needs too many cuts. A bound suffices even if it exceeds the upper bound by `slack_`: the bound of the parent may
+    // have been equal to the upper bound, and a bound of the part includes more rounding.
     bool look_again(const More& more, CertificateTree& tree) {
         PieceCorners corners;
         Index near = more.near;
@@ -185,6 +194,7 @@ private:
         return all;
     }
 
+    // Writes the cells of the first bound of the piece that suffices. Returns false if none does.
     bool leaf_of(const PieceCorners& corners, const More& more, CertificateTree& tree) {
         const auto suffices = [&](double upper) {
             if (!(upper <= upper_ + slack_)) return false;
@@ -197,7 +207,8 @@ private:
                suffices(bounds_.u4(corners, more.level));
     }
 
-    // Records the depth of a leaf at this level.
+    // Records that a piece of this level is not cut further: there are up to 3 cuts (or 1) for each level,
+    // and 6 for its cells.
     void reach(int level) { depth_ = std::max(depth_, (proofs_.split_ == Split::midpoint ? 3 : 1) * level + 6); }
 
     const PieceProofs& proofs_;
@@ -205,7 +216,7 @@ private:
     PieceBounds bounds_;
     double upper_, unit_, slack_;
     std::uint64_t more_cuts_ = 0, looked_again_ = 0;
-    int depth_ = 0;  // at least the cuts above any leaf
+    int depth_ = 0;  // at least the number of cuts above any leaf
 };
 
 void PieceProofs::finish(Result& result) const {

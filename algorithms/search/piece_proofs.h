@@ -1,20 +1,20 @@
-// The certificate of a search that cuts triangles of A into pieces at midpoints (subdivision.h) and bounds each
-// piece: guthe and the cascades. It consists of the search's own pieces and arguments, which the search reports as
-// it goes along:
+// The certificate of a search that cuts triangles of A into pieces at midpoints (subdivision.h) and bounds each piece:
+// guthe and the solvers of meshes/cascade. It consists of the search's own pieces and arguments, which the search
+// reports while it runs:
 //
-// - The cuts. Four pieces at the midpoints of the edges are three cuts of the format: each cuts a corner off, and
-//   the piece in the middle is left.
-// - For each piece, the least bound found for it, and why it holds: one triangle of B, or some further cuts into
-//   cells with one triangle of B each (piece_cells.h). A bound by one triangle also holds for every part of the
-//   piece, so parts inherit it.
+// - The cuts. The format only has cuts into two, so a cut into four pieces takes three of them: each cuts off a
+//   corner, and the piece in the middle remains.
+// - For each piece, the least bound found for it, and the reason why it holds: one triangle of B, or further cuts into
+//   cells with one triangle of B each (piece_cells.h). A bound by one triangle also holds for every part of the piece,
+//   so the parts inherit it. A bound by cells is not inherited, because the cells of a piece do not fit its parts.
 //
-// One argument is not reported: the search may settle a part by the cells of its parent, because no bound of its own
-// was less. (In guthe this does not happen.) After the search, such a part is measured and bounded again, by the
-// nearest triangles, u3 and u4 of piece_bounds.h, and is cut further until one of these suffices for the final upper
-// bound, up to rounding (`slack`). This is the only step of the proof that the search did not take; if it needs too
-// many cuts, there is no certificate.
+// So one kind of argument is missing. If the parent of a part was bounded by cells, and no bound of the part itself is
+// less, the search may settle the part by the bound of its parent. (In guthe this does not happen.) After the search,
+// such a part is measured and bounded again, with nearest_triangles, u3 and u4 of piece_bounds.h, and cut further until
+// one of these is at most the final upper bound, up to rounding (`slack` in piece_proofs.cpp). This is the only step of
+// the proof that the search itself did not take. If it needs too many cuts, the result has no certificate.
 //
-// Nothing here changes the search; it is used only if a certificate is wanted.
+// Nothing here changes the search; this is used only if a certificate is wanted.
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"
@@ -32,9 +32,10 @@
 
 namespace hausbench {
 
-// In Result::reported: the number of pieces of the certificate that were bounded again, as above.
+// The name in Result::reported for the number of pieces that were bounded again after the search, see above.
 inline constexpr std::string_view pieces_bounded_anew = "proof: pieces bounded anew";
 
+// Collects the proof of a search's upper bound while the search runs, and writes the certificate at its end.
 class PieceProofs {
 public:
     using Node = std::uint32_t;  // the number of a piece; node i < |A| is triangle i of A
@@ -42,31 +43,33 @@ public:
     // Keeps the references in `pair`.
     PieceProofs(const MeshPair& pair, Split split);
 
-    // Cuts a piece. `opposite` is the corner opposite to the longest edge, if that edge is cut. Returns the node of
-    // the first part; the others follow it. At most 2^32 nodes.
+    // Records that the search cut a piece. If the longest edge was cut, `opposite` is the corner opposite to it.
+    // Returns the node of the first part; the other parts have the numbers after it. At most 2^32 nodes.
     Node cut(Node piece, std::size_t opposite = 0);
 
-    // Returns the least upper bound reported so far.
+    // Returns the least upper bound of this piece that was reported or inherited so far.
     double upper(Node piece) const { return nodes_[piece].upper; }
 
-    // Reports that no point of the piece is farther than `upper` from triangle `near` of B. Kept if this is less
-    // than all earlier bounds.
+    // Reports that no point of the piece is farther than `upper` from triangle `near` of B. Has no effect unless
+    // `upper` is less than upper(piece).
     void one(Node piece, double upper, Index near);
 
-    // The same, with the argument of a bound of piece_bounds.h.
+    // Reports an upper bound of piece_bounds.h with its argument. Has no effect unless `upper` is
+    // less than upper(piece).
     void prove(Node piece, double upper, const PieceArgument& argument, const PieceCorners& corners);
 
-    // Uses triangle `near` for all of A, if time ran out before every triangle of A had a bound.
+    // Replaces all proofs with one that compares every triangle of A with triangle `near` of B. For a search that ran
+    // out of time before every triangle of A had a bound.
     void one_for_all(Index near);
 
-    // Gives `result` its certificate, or the reason why there is none. O(nodes), plus closest point queries if
-    // cells were inherited.
+    // Sets the certificate of `result`, or the reason why it has none. O(nodes), plus closest point queries for the
+    // pieces that are bounded again.
     void finish(Result& result) const;
 
 private:
     struct Entry {
         double upper = std::numeric_limits<double>::infinity();
-        CertificateTree tree;  // of the cells; empty: `near` is the triangle for the whole piece
+        CertificateTree tree;  // the cells of the piece; empty: the whole piece is near triangle `near`
         Index near = -1;
         Node first = 0;  // the first of its parts; 0: it was not cut
         PieceTurn turn;

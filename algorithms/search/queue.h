@@ -1,4 +1,4 @@
-// The queue of a branch-and-bound search, ordered by largest upper bound.
+// The priority queue of a branch-and-bound search: the piece with the largest upper bound comes out first.
 #pragma once
 
 #include <algorithm>
@@ -7,20 +7,23 @@
 
 namespace hausbench {
 
-// A priority queue of pieces. `Piece` has a member `upper`, its upper bound. The heap moves a bound and an index,
-// 16 bytes; the pieces themselves do not move, and the slot of a removed piece is reused, so memory is bounded by
-// the peak number of pieces. Pieces with equal bounds come in the order of std::push_heap and std::pop_heap, which
-// depends only on the order of the calls.
+// A priority queue of pieces. `Piece` is any type with a member `upper`, the upper bound of the piece.
+//
+// The heap reorders only small entries of 16 bytes, each a bound and the index of a slot; a piece stays in its slot.
+// The slot of a removed piece is reused, so memory is bounded by the largest number of pieces queued at one time.
+// Pieces with equal bounds come out in an order that depends only on the sequence of calls, because std::push_heap and
+// std::pop_heap determine it.
 template <class Piece> class PieceQueue {
 public:
     bool empty() const { return heap_.empty(); }
     std::size_t size() const { return heap_.size(); }
+    // Returns the number of slots: the largest number of pieces that were queued at one time.
     std::size_t places() const { return pieces_.size(); }
 
-    // Returns the largest upper bound in the queue, 0 if it is empty.
+    // Returns the largest upper bound in the queue, or 0 if the queue is empty.
     double upper() const { return heap_.empty() ? 0.0 : heap_.front().upper; }
 
-    // Adds a piece. O(log n). At most 2^32 pieces at a time.
+    // Adds a piece. O(log n). The queue holds at most 2^32 pieces.
     void push(const Piece& piece) {
         std::uint32_t place = static_cast<std::uint32_t>(pieces_.size());
         if (free_.empty()) {
@@ -34,7 +37,7 @@ public:
         std::push_heap(heap_.begin(), heap_.end());
     }
 
-    // Removes and returns the piece with the largest upper bound. O(log n).
+    // Removes and returns the piece with the largest upper bound. The queue must not be empty. O(log n).
     Piece pop() {
         std::pop_heap(heap_.begin(), heap_.end());
         free_.push_back(heap_.back().place);
@@ -50,14 +53,14 @@ public:
 private:
     struct Queued {
         double upper;
-        std::uint32_t place;
+        std::uint32_t place;  // index in pieces_
 
         bool operator<(const Queued& other) const { return upper < other.upper; }
     };
 
     std::vector<Queued> heap_;
     std::vector<Piece> pieces_;
-    std::vector<std::uint32_t> free_;  // places in pieces_
+    std::vector<std::uint32_t> free_;  // unused indices of pieces_
 };
 
 }  // namespace hausbench

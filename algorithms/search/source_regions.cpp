@@ -11,6 +11,7 @@ double SourceRegions::upper_of(const Box& box, const Vec3& q) {
     return bounds_.at_most(squared_distance_at_most(q, box), 0);
 }
 
+// Replaces the upper bound of the region with the bound that follows from its q, if that is smaller.
 void SourceRegions::lower(Region& region) {
     const double upper = upper_of(region.box, region.q);
     if (!(upper < region.upper)) return;
@@ -18,7 +19,8 @@ void SourceRegions::lower(Region& region) {
     region.shown = region.near;
 }
 
-// Returns whether the upper bound may have changed. Half of the diagonal is the least bound that any q can give.
+// Finds a q for the box of the region itself, if this may settle the region, and returns whether it did so. It cannot
+// settle the region if half the diagonal of the box is too large, because no q gives a smaller bound than that.
 bool SourceRegions::improve(Region& region) {
     if (region.own || 0.5 * std::sqrt(squared_length(region.box.high - region.box.low)) > bounds_.purged_at_most(0))
         return false;

@@ -1,4 +1,4 @@
-// The first step of searches over triangles of A: measures each vertex of A once.
+// The first step of searches over triangles of A: measures each vertex of A once, that is, computes its distance to B.
 #pragma once
 
 #include "algorithms/search/bounds.h"
@@ -11,9 +11,11 @@
 
 namespace hausbench {
 
+// The distances of the vertices of A, and the triangles of A that need no further work after this step.
 class SourceVertices {
 public:
-    // Keeps references. `points` are the posed vertices of A; `warm_start` is null for a cold start.
+    // Keeps references. `points` are the vertices of A, moved by its pose; `warm_start` is null for a cold start;
+    // `most_levels` as in SearchBounds::settle.
     SourceVertices(const TriangleMesh& a, const Points& points, const Target& target, WarmStart* warm_start,
                    int most_levels, SearchBounds& bounds, Counters& counters)
         : a_(a),
@@ -24,23 +26,29 @@ public:
           bounds_(bounds),
           counters_(counters) {}
 
-    // Skips groups of triangles of A that cannot hold the farthest point from now on. `tree` is over A, unposed.
+    // Makes measure() skip groups of triangles of A that cannot contain the farthest point (source_regions.h). `tree`
+    // is over A in its own coordinates, and `pose` is the pose of A.
     void use_regions(const TriangleTree& tree, const Pose& pose);
 
-    // Records proofs for skipped triangles from now on.
+    // Makes measure() record a proof for each triangle of A that it skips.
     void use_proofs(PieceProofs& proofs) { proofs_ = &proofs; }
 
-    // Measures the vertices triangle by triangle and offers each to the bounds. A query begins at the triangle of B
-    // nearest to the previous vertex or, with a warm start, at the one that was nearest at the previous pose.
-    // Triangles of A are left out if distances to these triangles, or the regions, settle them. If the bounds of
-    // each triangle are kept, a vertex is offered to all its triangles. Returns false if time runs out.
+    // Measures the vertices, triangle by triangle, and offers each to the bounds. Returns false if time runs out.
+    // - To be fast, the query of a vertex starts at the triangle of B nearest to the vertex before it or, with a warm
+    //   start, at the triangle of B nearest to the same vertex at the previous pose.
+    // - A triangle of A is skipped if a bound settles it (bounds.h): with a warm start, its distance to the triangle of
+    //   B that was nearest to one of its corners at the previous pose; with regions, the bound of its region. Vertices
+    //   that belong only to skipped triangles are not measured.
+    // - If the bounds of each triangle are kept (ElementBounds), a vertex is offered to every triangle
+    //   that contains it.
     bool measure();
 
-    // Returns whether triangle i of A was skipped with its bound kept. Call it after measure().
+    // Returns whether triangle i of A was skipped; the search bounds then have its upper bound. Call
+    // it after measure().
     bool settled(Index i) const { return !settled_.empty() && settled_[static_cast<std::size_t>(i)]; }
 
-    // Returns the corners of a triangle. If the triangle was left out, corners that no other triangle needed are
-    // not measured.
+    // Returns the corners of triangle i. If the triangle was skipped, only corners that other triangles needed are
+    // measured; for the others, MeasuredPoint::triangle is -1.
     std::array<MeasuredPoint, 3> corners(Index i) const {
         const auto v = [&](int k) { return vertices_[static_cast<std::size_t>(a_.triangles(i, k))]; };
         return {v(0), v(1), v(2)};
@@ -67,7 +75,7 @@ private:
     SearchBounds& bounds_;
     Counters& counters_;
     std::vector<MeasuredPoint> vertices_;
-    std::vector<bool> settled_;  // triangles of A; empty without a warm start and regions
+    std::vector<bool> settled_;  // by triangle of A; empty if there is neither a warm start nor regions
     std::optional<SourceRegions> regions_;
     PieceProofs* proofs_ = nullptr;  // set only if a certificate is wanted
 };

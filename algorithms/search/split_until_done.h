@@ -6,8 +6,10 @@
 
 namespace hausbench {
 
-// Splits the piece with the largest upper bound until the bounds are close enough, or time or budget is spent. Calls settle(piece), which
-// returns whether the lower bound settles it by now, and otherwise split(piece).
+// Takes the piece with the largest upper bound from the queue, again and again, until the bounds are close enough or
+// the time or the budget is spent; returns the reason. settle(piece) must return whether the piece needs no further
+// work; the lower bound may have grown since the piece was queued. If it returns false, split(piece) must cut the piece
+// and queue its parts.
 template <class Piece, class Settle, class Split>
 Status split_until_done(PieceQueue<Piece>& queue, SearchBounds& bounds, const Counters& counters, const Settle& settle,
                         const Split& split) {

@@ -8,14 +8,15 @@
 
 namespace hausbench {
 
-// Reads the clock on construction and at the end of each stage, unless it is off.
+// A stopwatch for the stages of a solve. If it is off, it never reads the clock and records nothing.
 class Stages {
 public:
     explicit Stages(bool on) : on_(on) {
         if (on_) begin_ = std::chrono::steady_clock::now();
     }
 
-    // Ends a stage, which began at the end of the previous one. Repeated stages add up.
+    // Ends a stage, which began when the previous one ended, and records its time under a name. Times with
+    // the same name add up.
     void end(const char* name) {
         if (!on_) return;
         const auto now = std::chrono::steady_clock::now();
@@ -25,7 +26,7 @@ public:
         begin_ = now;
     }
 
-    // Returns the stages that ended, named as in Result::reported.
+    // Returns the seconds of each stage that has ended, under names for Result::reported, such as "seconds: subdivide".
     const Reported& seconds() const { return seconds_; }
 
 private:

@@ -1,4 +1,5 @@
-// Cuts a triangle into smaller ones that share new vertices, so that each vertex is measured once.
+// Cuts a triangle into two or four smaller ones, called its pieces. Pieces of one triangle share their new vertices, so
+// each new vertex is *measured* only once: a solver computes its distance to B and its nearest triangle of B.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -9,17 +10,22 @@
 namespace hausbench {
 
 enum class Split {
-    midpoint,  // four similar pieces, at the midpoints of the edges; a needle stays a needle
-    // Two pieces, at the midpoint of the longest edge; a needle soon becomes compact pieces.
+    // Four pieces, cut at the midpoints of all edges. They are similar to the triangle, so a thin triangle stays thin.
+    midpoint,
+    // Two pieces, cut at the midpoint of the longest edge. A few such cuts turn a thin triangle into compact pieces.
     longest_edge,
 };
 
-// At this level a piece is smaller than rounding: four pieces have half the diameter of their parent; two halvings of the longest
-// edge divide the diameter by 2, up to a factor of sqrt(3) overall.
+// Returns the number of subdivisions after which further cuts are pointless, because a piece is then smaller than the
+// rounding errors of its corners. At first the diameter is at most 2 sqrt(3) M, where M is the largest |coordinate|.
+// Split::midpoint halves the diameter each time; 50 times make it at most 28uM, where u = 2^-53, but its corners may be
+// off by 100uM (kernel/rounding.h). Split::longest_edge halves the diameter every second time, up to a factor of
+// sqrt(3) overall; 102 times make it as small, because sqrt(3) * 2^-51 < 2^-50.
 constexpr int most_levels(Split split) { return split == Split::midpoint ? 50 : 102; }
 
-// The corners of the triangle (0, 1, 2), then the new vertices, and the pieces as triples of these in the orientation of the
-// triangle. The pieces cover the triangle up to the rounding of midpoints (kernel/rounding.h).
+// A triangle cut into pieces. `vertices` holds the corners of the triangle (0, 1, 2), then the new vertices. A piece is
+// three indices of vertices, in the orientation of the triangle. The pieces cover the triangle, except for the rounding
+// of the new vertices (kernel/rounding.h).
 template <class Vertex> struct Cut {
     std::array<Vertex, 6> vertices;
     std::size_t vertex_count = 3, piece_count = 0;
@@ -31,13 +37,14 @@ template <class Vertex> struct Cut {
     }
 };
 
-// Makes four pieces, with a new vertex on each edge. `Vertex` has a member `point`. `place(one, two)` returns a point of the edge between
-// two vertices, and `measure(point, near)` the vertex there; `near` is a neighbour.
+// Cuts a triangle into four pieces, with a new vertex on each edge. `Vertex` has a member `point`. place(one, two)
+// returns the point at which the edge between two vertices is cut. measure(point, near) returns the new vertex at this
+// point; `near` is one end of the edge, whose nearest triangle of B is a good start for a search.
 template <class Vertex, class Place, class Measure>
 Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place, const Measure& measure) {
     Cut<Vertex> cut;
     for (std::size_t k = 0; k < 3; ++k) cut.vertices[k] = corners[k];
-    for (std::size_t k = 0; k < 3; ++k) {  // 3, 4, 5 are opposite 0, 1, 2
+    for (std::size_t k = 0; k < 3; ++k) {  // vertices 3, 4, 5 are on the edges opposite to corners 0, 1, 2
         const Vertex &one = cut.vertices[(k + 1) % 3], &two = cut.vertices[(k + 2) % 3];
         cut.vertices[cut.vertex_count++] = measure(place(one, two), one);
     }
@@ -46,13 +53,14 @@ Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place
     return cut;
 }
 
-// Makes four or two pieces, cut at midpoints. Calls `measure` once for each new vertex, in order.
+// Cuts a triangle into four or two pieces, at midpoints of edges. Calls `measure` (see cut_in_four) once for each new
+// vertex, in the order of Cut::vertices. If the longest edge is cut, the corner opposite to it is pieces[0][0].
 template <class Vertex, class Measure>
 Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, const Measure& measure) {
     const auto midpoint = [](const Vertex& one, const Vertex& two) { return Vec3(0.5 * (one.point + two.point)); };
     if (split == Split::midpoint) return cut_in_four(corners, midpoint, measure);
     Cut<Vertex> cut;
-    for (std::size_t k = 0; k < 6; ++k) cut.vertices[k] = corners[k % 3];  // leaves no vertex undefined
+    for (std::size_t k = 0; k < 6; ++k) cut.vertices[k] = corners[k % 3];  // initialises unused vertices, too
     std::size_t opposite = 0;
     double longest = -1;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -1,8 +1,8 @@
 // Hints that a mesh solver may carry from one pose of A to the next: nearest triangles and the farthest point.
 //
-// They only decide what to try first. Every bound is proven anew at each pose, so a state from any other pose is
-// correct too, but slower. This is ours and in none of the papers, so a solver uses it only if the caller passes a
-// state.
+// They only decide which triangles and points are tried first. Every bound is proven anew at each pose, so hints from
+// any other pose give correct bounds, too, only more slowly. The papers do not describe this, so a solver uses it only
+// if the caller passes a state.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -17,16 +17,18 @@ namespace hausbench {
 struct WarmStart final : State {
     // The triangle of B nearest to each vertex of A; -1: unknown. Empty before the first pose.
     std::vector<Index> nearest;
-    Index source = -1;             // triangle of A with the farthest point; -1: unknown
-    int corner = -1;               // the corner that is this point; -1: none
-    double second = 0, third = 0;  // if corner is -1: the weights of these corners, in [0, 1]
-    Index target = -1;             // triangle of B nearest to this point
-    // For each triangle of A, a triangle of B that lay near it (Tang et al. 2009, section 6, for the second
-    // direction of H); -1, or beyond the end: unknown.
+    Index source = -1;             // triangle of A that contained the farthest point; -1: unknown
+    int corner = -1;               // the corner of `source` that is the farthest point; -1: none is
+    double second = 0, third = 0;  // if corner is -1: weights of the second and third corner, in [0, 1]
+    Index target = -1;             // triangle of B nearest to the farthest point
+    // For each triangle of A, a triangle of B that was near it; -1, or an index beyond the end: unknown. In the
+    // other direction of H(A, B), these pairs say which triangle of A to try first for a triangle of B (Tang et
+    // al. 2009, section 6).
     std::vector<Index> partner;
-    // Triangle of B near each node of a tree over A, then near each leaf; -1: unknown.
+    // A triangle of B near each node of a tree over A, then one near each leaf; -1: unknown.
     std::vector<Index> near_node;
 
+    // Takes the pairs of the other direction with their roles exchanged. Pairs that are known here are kept.
     void learn_from(const State& opposite) override {
         const auto& other = static_cast<const WarmStart&>(opposite).partner;
         for (std::size_t t = 0; t < other.size(); ++t) {
@@ -37,23 +39,24 @@ struct WarmStart final : State {
         }
     }
 
-    // `triangle` is `farthest.source`, posed.
+    // Saves the farthest point of a search. `triangle` is triangle `farthest.source` of A, moved by its pose.
     void remember(const Farthest& farthest, const Triangle& triangle) {
         source = farthest.source;
         target = farthest.point.triangle;
         const Vec3& point = farthest.point.point;
         corner = point == triangle.a ? 0 : point == triangle.b ? 1 : point == triangle.c ? 2 : -1;
-        // Plain least squares suffice: this is only a starting point.
+        // Weights by plain least squares. They need not be accurate, because the point is only a starting point.
         const Vec3 e = triangle.b - triangle.a, f = triangle.c - triangle.a, p = point - triangle.a;
         const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), scale = ee * ff - ef * ef;
-        // Never NaN.
+        // x / scale, clamped to [0, 1]; 0 if it is NaN.
         const auto weight = [&](double x) { return x / scale > 0 ? std::min(x / scale, 1.0) : 0.0; };
         second = weight(ff * dot(e, p) - ef * dot(f, p));
         third = weight(ee * dot(f, p) - ef * dot(e, p));
     }
 
-    // Returns a point of `triangle`, which is `source` at another pose; it is within level_of_closest_point
-    // (kernel/rounding.h) of it.
+    // Returns the point of `triangle` that has about the same weights as the saved farthest point; `triangle` is
+    // `source` at another pose. Rounding moves the point off the triangle by no more than level_of_closest_point
+    // (kernel/rounding.h).
     Vec3 point_in(const Triangle& triangle) const {
         const Vec3 near = triangle.a + second * (triangle.b - triangle.a) + third * (triangle.c - triangle.a);
         return closest_point(near, triangle).point;

@@ -4,7 +4,8 @@
 
 namespace hausbench {
 
-// Applies Newton's method along the gradient, in the coordinates that the box leaves free.
+// Applies Newton's method along the gradient. A coordinate in which a step would leave the box is fixed at
+// the side of the box.
 Vec3 SurfaceDescent::onto(Vec3 y) const {
     y = clamped(y);
     const double ulp = 0x1p-52 * y.cwiseAbs().maxCoeff();
@@ -14,7 +15,8 @@ Vec3 SurfaceDescent::onto(Vec3 y) const {
     return y;
 }
 
-// Makes one such step. Returns false if the point is on the surface up to rounding, or if no step leads there.
+// Makes one step of Newton's method. Returns false if y is on the surface up to rounding, or if the gradient is 0 in
+// the coordinates that are still free.
 bool SurfaceDescent::step_onto(Vec3& y, double ulp) const {
     Vec3 free = Vec3::Ones();
     for (int tries = 0; tries < 4; ++tries) {  // each try fixes at least one coordinate to a side of the box
@@ -39,8 +41,8 @@ bool SurfaceDescent::step_onto(Vec3& y, double ulp) const {
     return true;
 }
 
-// Repeats while it helps: takes the point nearest to p on the tangent plane within the box and moves it onto the
-// surface.
+// Each step takes the point nearest to p on the tangent plane at y, within the box, and moves it to the surface. Steps
+// are repeated as long as they come nearer to p.
 Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
     double distance = (p - y).squaredNorm();
     for (int step = 0; step < 24; ++step) {
@@ -62,8 +64,8 @@ Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
     return y;
 }
 
-// Returns the point nearest to p on the tangent plane at y or, if it is outside the box, about the nearest one
-// inside.
+// Returns the foot of the perpendicular from p to the tangent plane at y. If it lies outside the box, returns a point
+// of the plane near the box instead, about the one nearest to p.
 Vec3 SurfaceDescent::tangent_foot(const Vec3& p, const Vec3& y) const {
     Vec3 g;
     const double f = polynomial_.value(y, g);
@@ -71,8 +73,9 @@ Vec3 SurfaceDescent::tangent_foot(const Vec3& p, const Vec3& y) const {
     if (!(size > 0)) return p;
     const Vec3 foot = p - ((f + g.dot(p - y)) / size) * g, inside = clamped(foot);
     if (foot == inside) return foot;
+    // Fixes the coordinates in which the foot is outside at the sides of the box, and moves the others to the plane.
     Vec3 to = p;
-    for (int k = 0; k < 3; ++k) {  // stays on that side of the box and meets the plane in the other coordinates
+    for (int k = 0; k < 3; ++k) {
         if (foot[k] != inside[k]) to[k] = inside[k];
     }
     Vec3 free = g;

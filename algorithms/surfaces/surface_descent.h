@@ -11,13 +11,15 @@ public:
     // Keeps references.
     SurfaceDescent(const Polynomial& polynomial, const Box& box) : polynomial_(polynomial), box_(box) {}
 
-    bool holds(const Vec3& p) const { return p == clamped(p); }  // whether the box contains p
+    // Returns whether the box contains p.
+    bool holds(const Vec3& p) const { return p == clamped(p); }
 
-    // Returns a point of the surface near y.
+    // Moves y to the surface: returns a point of the box near y at which the polynomial is 0 up to rounding, if
+    // Newton's method finds one.
     Vec3 onto(Vec3 y) const;
 
-    // Returns a point of the surface about nearest to p. Starts from the point y of the surface and moves as long as
-    // the distance decreases.
+    // Returns a point of the surface that is about nearest to p, at least locally. Starts from y, a point of the
+    // surface, and moves along the surface as long as the distance to p decreases.
     Vec3 descend(const Vec3& p, Vec3 y) const;
 
 private:

@@ -10,6 +10,7 @@
 namespace hausbench {
 namespace {
 
+// Triangulates one surface by marching tetrahedra.
 class Marching {
 public:
     Marching(const AlgebraicSurface& surface, int cells) : f_(Polynomial::of(surface)), cells_(cells) {
@@ -25,7 +26,8 @@ public:
     }
 
     TriangleMesh run() {
-        // Tetrahedra around the diagonal from corner 0 to corner 7, one for each order of the axes.
+        // Each tetrahedron has the diagonal from corner 0 to corner 7 as an edge. Between these two it visits the two
+        // corners given here: one pair for each order in which to walk along the three axes.
         constexpr int orders[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
         const std::size_t n = std::size_t(cells_) + 1;
         for (int z = 0; z < cells_; ++z) {
@@ -70,6 +72,7 @@ private:
         return {lines_[0][v % n], lines_[1][v / n % n], lines_[2][v / n / n]};
     }
 
+    // Returns the vertex of the mesh on the edge ab of the grid, where the polynomial changes its sign.
     Index between(std::size_t a, std::size_t b) {
         const auto key = std::minmax(a, b);
         const auto [at, fresh] = edges_.emplace(key, Index(vertices_.size()));
@@ -104,17 +107,18 @@ private:
 
     Polynomial f_;
     int cells_;
-    std::array<std::vector<double>, 3> lines_;
-    std::vector<char> positive_;
+    std::array<std::vector<double>, 3> lines_;  // of the grid, for each axis
+    std::vector<char> positive_;                // for each corner of the grid: whether the polynomial is >= 0
     std::map<std::pair<std::size_t, std::size_t>, Index> edges_;
     std::vector<Vec3> vertices_;
     std::vector<std::array<Index, 3>> triangles_;
 };
 
-double apart(const Vec3& p, const Vec3& q) {  // rounded up, like the rounding mode
+double apart(const Vec3& p, const Vec3& q) {  // an upper bound, because the mode rounds up
     return std::sqrt((q - p).cwiseAbs().cwiseMax((p - q).cwiseAbs()).squaredNorm());
 }
 
+// Computes the bounds of deviation().
 class Deviation {
 public:
     Deviation(const AlgebraicSurface& surface, const TriangleMesh& mesh, int cells)
@@ -168,7 +172,8 @@ private:
         return box;
     }
 
-    // Used only to find triangles, so rounding does no harm.
+    // Returns the cell that contains p. It is only used to find triangles near p, so a wrong cell by
+    // rounding does no harm.
     std::array<int, 3> cell_of(const Vec3& p) const {
         std::array<int, 3> cell;
         for (int k = 0; k < 3; ++k) {
@@ -178,16 +183,18 @@ private:
         return cell;
     }
 
+    // Returns the bound M / m of the header for triangle t, or infinity if there is none.
     double graph(Index t) {
         Box box = box_of(t);
+        // A flat box has no linear form, so it is widened a little, but not beyond the box of the surface.
         const double least_width = 1e-6 * (tree_.box().high - tree_.box().low).maxCoeff() / cells_;
-        for (int k = 0; k < 3; ++k) {  // a box without width has no linear form; stay in the surface's box
+        for (int k = 0; k < 3; ++k) {
             if (box.high[k] - box.low[k] >= least_width) continue;
             box.low[k] = std::max(tree_.box().low[k], -(least_width - box.low[k]));  // rounded down
             box.high[k] = std::min(tree_.box().high[k], box.high[k] + least_width);
         }
         const LinearForm f = tree_.form(box, counters_);
-        double most = 0;  // of |f| over the triangle; its linear part is largest at a vertex
+        double most = 0;  // M: up to `rest`, f is linear, so |f| is largest at a vertex
         for (int i = 0; i < 3; ++i) {
             Interval value = f.rest;
             for (int k = 0; k < 3; ++k)
@@ -199,6 +206,7 @@ private:
         int axis = 0;
         gradient.cwiseAbs().maxCoeff(&axis);
         if (!(std::abs(gradient[axis]) > 0)) return infinity;
+        // Guesses M / m from the slope in the middle, widens the box a little more than that, and checks the guess.
         for (const double room : {1.25, 4.0}) {
             const double move = room * most / std::abs(gradient[axis]);
             Box wide = box;
@@ -213,6 +221,8 @@ private:
         return infinity;
     }
 
+    // Returns the other bound of the header for triangle t: by a proven point near a vertex. Infinity if
+    // no point is proven.
     double by_vertex(Index t) {
         double best = infinity;
         for (int i = 0; i < 3; ++i) {
@@ -225,6 +235,8 @@ private:
         return best;
     }
 
+    // Returns the bound for a box: from its middle to the triangles in the same cell or, if there are none,
+    // one or two cells away.
     double middle_to_mesh(const SurfaceTree::Node& piece) {
         const Vec3& p = piece.form.middle;
         const double half = std::sqrt(piece.form.half.squaredNorm());
@@ -258,13 +270,14 @@ private:
 
 }  // namespace
 
-// Returns the distance to a convex combination q of the corners; any weights give an upper bound. With u = 2^-53, M =
-// magnitude and 2 u for each operation (rounded upward), each coordinate of q errs by
-//     8 u M   products of a weight and an edge: an edge errs by 4 u M, its product with the weight by 4 u M more; the
-//             weights sum to 1
-//     4 u M   two sums, each of about M at most
-//     4 u M   weights that sum to 1 + 2 u times edges of 2 M
-// so q itself errs by sqrt(3) 16 u M < 32 u M, which leaves room for terms of order u^2.
+// Returns the distance to q = a + v (b - a) + w (c - a). For any v, w >= 0 with v + w <= 1, q lies in the triangle, so
+// the distance to it is an upper bound. Rounding may move q off the triangle. With u = 2^-53, M = `magnitude` and a
+// relative error of 2u for each operation, because the mode rounds upward, each coordinate of q errs by
+//     8uM   from the products of a weight and an edge. A coordinate of an edge is below 2M and errs by 4uM; its product
+//           with the weight errs by 4uM more. v + w <= 1, so two edges err no more than one.
+//     4uM   from the two sums, each of about M at most
+//     4uM   from v + w, which may exceed 1 by 2u, times edges of 2M
+// In total 16uM, so q errs by sqrt(3) * 16uM < 28uM. The code adds 32uM, which leaves room for terms of order u^2.
 double triangle_distance_at_most(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double magnitude) {
     const Vec3 ab = b - a, ac = c - a, ap = p - a;
     const double d00 = ab.dot(ab), d01 = ab.dot(ac), d11 = ac.dot(ac), e0 = ap.dot(ab), e1 = ap.dot(ac);

@@ -11,8 +11,8 @@ Interval squared(const std::array<Interval, 3>& v) {
     return CGAL::square(v[0]) + CGAL::square(v[1]) + CGAL::square(v[2]);
 }
 
-// Support function: returns an upper bound of n.(y - c) over the piece, where c is the middle of its box; see the
-// header.
+// Returns an upper bound on n.(y - c) over the points y of the piece, where c is the middle of its box: the right side
+// of the formula in the header, for the best l.
 double support(const LinearForm& f, const Vec3& n) {
     const Vec3 q = n.cwiseProduct(f.half);
     const auto cost = [&](double l) {
@@ -20,7 +20,7 @@ double support(const LinearForm& f, const Vec3& n) {
                std::abs(q[1] - l * f.slope[1]) + std::abs(q[2] - l * f.slope[2]);
     };
     double best = 0, least = cost(0);
-    for (int k = 0; k < 3; ++k) {  // convex and piecewise linear in l: the minimum is at a kink
+    for (int k = 0; k < 3; ++k) {  // `cost` is convex and piecewise linear in l, so its minimum is at a kink
         if (f.slope[k] == 0) continue;
         const double l = q[k] / f.slope[k], c = cost(l);
         if (c < least) {
@@ -34,6 +34,7 @@ double support(const LinearForm& f, const Vec3& n) {
     return sum;
 }
 
+// Encloses n.(p - c).
 Interval along(const Vec3& n, const Vec3& p, const Vec3& c) {
     Interval sum(0.0);
     for (int k = 0; k < 3; ++k) sum += Interval(n[k]) * (Interval(p[k]) - Interval(c[k]));
@@ -56,7 +57,7 @@ Vec3 seed_on(const SurfacePiece& piece, const Vec3& p) {
 
 double distance_at_least(const SurfacePiece& piece, const Vec3& p) {
     std::array<Interval, 3> gap;
-    for (int k = 0; k < 3; ++k) {  // rounded down: negates values that were rounded up
+    for (int k = 0; k < 3; ++k) {  // the mode rounds up, so the negative of a result is rounded down
         const double before = -(p[k] - piece.box.low[k]), after = -(piece.box.high[k] - p[k]);
         gap[std::size_t(k)] = Interval(std::max(std::max(before, after), 0.0));
     }
@@ -75,8 +76,8 @@ double distance_at_most(const SurfacePiece& piece, const Vec3& p) {
     for (int k = 0; k < 3; ++k)
         far[std::size_t(k)] = Interval(magnitude(Interval(f.middle[k]) - Interval(p[k])) + f.half[k]);
     const double corners = CGAL::sqrt(squared(far)).sup();
-    // |y - p|^2 is the square along n plus the square across it. The length across is at most the length of p - c
-    // across n plus half the diagonal of the box.
+    // Split y - p, for a point y of the piece, into its part along n and its part across n. The length across n is at
+    // most the length of c - p across n, where c is the middle of the box, plus half the diagonal of the box.
     const Vec3 n = seed_on(piece, f.middle) - p;
     const Interval size = length(n);
     if (!(size.inf() > 0) || !std::isfinite(size.sup())) return corners;

@@ -13,7 +13,8 @@ constexpr int deepest = 46;  // at this depth a box is a few ulps wide
 
 bool holds_zero(const Interval& x) { return x.inf() <= 0 && x.sup() >= 0; }
 
-// Returns false if there is no double between the sides of the box: one half would be the whole box again.
+// Returns whether `middle` lies strictly between the two sides of the box. If no double does, one half would be
+// the whole box again.
 bool divides(const Box& box, const Vec3& middle, int axis) {
     return box.low[axis] < middle[axis] && middle[axis] < box.high[axis];
 }
@@ -40,7 +41,7 @@ void SurfaceTree::split(std::int32_t i, Counters& counters) {
     if (node.first >= 0) return;
     const auto first = static_cast<std::int32_t>(nodes_.size());
     const Vec3& m = node.form.middle;
-    int undivided = 0;  // axes, by bit
+    int undivided = 0;  // the axes that are not halved, one bit each
     for (int k = 0; k < 3; ++k) undivided |= divides(node.box, m, k) ? 0 : 1 << k;
     for (int c = 0; c < 8; ++c) {
         if (c & undivided) continue;
@@ -94,11 +95,15 @@ std::optional<SurfaceTree::CriticalPoint> SurfaceTree::newton(const Vec3& p, con
     return point;
 }
 
+// Proves that the surface has a point near p: finds a segment through p, parallel to an axis, with opposite signs of
+// the polynomial at its ends. Tries the axis of the steepest slope first, and longer and longer segments.
 std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters) const {
     Vec3 g;
     const double f = polynomial().value(p, g);
     const double ulps = 0x1p-51 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
-    for (int tried = 0; tried < 3; ++tried) {  // on an edge of the box, only the axis along it has room
+    // Several axes are tried, because a segment must stay in the box: if p is on an edge of the box, only the axis
+    // along this edge will do.
+    for (int tried = 0; tried < 3; ++tried) {
         int axis = 0;
         g.cwiseAbs().maxCoeff(&axis);
         if (!(std::abs(g[axis]) > 0)) return std::nullopt;
@@ -121,8 +126,9 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
     return std::nullopt;
 }
 
-// Descends over tangent planes first. They do not lead to the foot if the surface turns within the distance, but
-// Newton's method does.
+// Descends from tangent plane to tangent plane first. If y - p is then not normal to the surface, y is not the nearest
+// point: the tangent planes mislead where the surface curves strongly, compared with its distance to p. Newton's
+// method still works there.
 std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& seed, Counters& counters) const {
     ++counters.closest_point_queries;
     const SurfaceDescent surface(polynomial(), box_);

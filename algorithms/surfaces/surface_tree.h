@@ -1,7 +1,8 @@
-// An algebraic surface as a tree of boxes that is refined on demand, with the data for the bounds of
-// surface_enclosure.cpp: linear enclosures of its pieces, and points that are proven to lie on it.
+// An algebraic surface as a tree of boxes, an octree that is refined on demand. It has the data for the bounds of
+// surface_enclosure.cpp: a linear enclosure of the piece of the surface in each box, and points that are proven to
+// lie on the surface.
 //
-// All functions require UpwardRounding (kernel/interval.h).
+// The caller of every function must hold an UpwardRounding (kernel/interval.h), which sets the rounding mode.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -11,51 +12,57 @@
 
 namespace hausbench {
 
-// A proof that some point of the surface is within `error` of `at`: the polynomial changes its sign on a segment
-// through `at` that lies in the box of the surface.
+// A *proven point*: the surface contains some point within the distance `error` of `at`. The proof is that the
+// polynomial changes its sign on a segment through `at` that lies in the box of the surface.
 struct SurfacePoint {
     Vec3 at;
     double error;
 };
 
+// The octree. A box has no node if interval arithmetic proves that it contains no point of the surface.
 class SurfaceTree {
 public:
     struct Node : SurfacePiece {
-        std::int32_t first = -1;  // child; -1: not split yet
-        std::int32_t count = 0;   // children kept
+        std::int32_t first = -1;  // the first child; -1: not split yet
+        std::int32_t count = 0;   // the number of children
         std::int32_t depth = 0;
     };
 
     explicit SurfaceTree(const AlgebraicSurface& surface);
 
     const Node& operator[](std::int32_t i) const { return nodes_[static_cast<std::size_t>(i)]; }
-    std::size_t size() const { return nodes_.size(); }  // 0: the surface has no point in its box
+    // Returns the number of nodes; 0 means that the surface has no point in its box.
+    std::size_t size() const { return nodes_.size(); }
     const Box& box() const { return box_; }
     const Polynomial& polynomial() const { return evaluator_.polynomial(); }
     const Polynomial& derivative(int axis) const { return derivatives_[static_cast<std::size_t>(axis)].polynomial(); }
 
-    // Makes the children that may contain a point of the surface, if not done yet. An axis is divided only if a
-    // double lies between the sides of the box, so that no child equals the box: ask may_split() first. Invalidates
-    // references into the tree.
+    // Splits node i, if not done yet: halves its box along each axis and keeps the children that may contain a point of
+    // the surface. Skips an axis if no double lies between the two sides of the box, because one half would be the
+    // whole box again. Ask may_split(i) first. Invalidates references to nodes.
     void split(std::int32_t i, Counters& counters);
-    bool may_split(std::int32_t i) const;  // whether the box is still larger than rounding
+    // Returns whether the box of node i is large enough to be split.
+    bool may_split(std::int32_t i) const;
 
-    // Return an enclosure of f over any box, and the range of its derivative along an axis.
+    // Return a linear enclosure of the polynomial over any box, and an interval with the values of
+    // its derivative there.
     LinearForm form(const Box& box, Counters& counters);
     Interval derivative(int axis, const Box& box, Counters& counters);
 
-    // A critical point z of the distance from p, found by Newton's method on z - p + m grad f(z) = 0 and f(z) = 0;
-    // not proven.
+    // A point z of the surface at which z - p is normal to the surface, so that the distance from p is stationary. z
+    // and the factor m solve z - p + m grad f(z) = 0 and f(z) = 0.
     struct CriticalPoint {
         Vec3 at;
         double factor;            // m
-        Eigen::Matrix4d inverse;  // of the Jacobian, near z
+        Eigen::Matrix4d inverse;  // of the Jacobian of these equations near z
     };
+    // Searches for such a point with Newton's method from `start`. The result is not proven. Returns nothing
+    // if the method fails.
     std::optional<CriticalPoint> newton(const Vec3& p, const Vec3& start) const;
 
-    // Searches from a seed for the point of the surface nearest to p and returns a proven point near it; if several
-    // points are about nearest, any of them. Returns nothing if no point could be proven, which does not mean that
-    // there is none.
+    // Searches for the point of the surface nearest to p, starting from `seed`, and returns a proven point near it. If
+    // several points are about equally near, returns any of them. Returns nothing if no point could be proven, which
+    // does not mean that there is none.
     std::optional<SurfacePoint> nearby(const Vec3& p, const Vec3& seed, Counters& counters) const;
 
 private:

@@ -42,8 +42,8 @@ Corners sorted(Corners corners) {
     return corners;
 }
 
-// Records for each triangle of the cut volume whether it comes from A, and whether A and B have any coplanar
-// triangles.
+// A visitor of CGAL's corefinement. Records for each triangle of the common volume whether it comes from A, and whether
+// any triangles of A and B are coplanar.
 struct Origins : pmp::Corefinement::Default_visitor<SurfaceMesh> {
     struct Found {
         std::map<Face, bool> of_source;
@@ -103,8 +103,8 @@ double size_of(const CommonPart& part) {
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-// Splits the volume into parts. Uses the corefined B to find triangles of A that are also triangles of B, because
-// coplanar triangles are cut alike.
+// Splits the common volume into its connected parts. `target` is B after corefinement: CGAL cuts coplanar triangles of
+// A and B alike, so a triangle of A that is also a triangle of B has the same corners in `target`.
 std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& target, const Origins::Found& found) {
     std::set<Corners> of_target;
     if (found.coplanar)
@@ -112,7 +112,8 @@ std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& t
     std::map<Face, std::size_t> surface;
     std::size_t count =
         pmp::connected_components(volume, boost::associative_property_map<std::map<Face, std::size_t>>(surface));
-    // If a solid is hollow, a part has a second surface inside the first.
+    // A part may have several surfaces: if a solid is hollow, one surface lies inside another. Groups
+    // surfaces by volume.
     if (count > 1)
         count = pmp::volume_connected_components(volume,
                                                  boost::associative_property_map<std::map<Face, std::size_t>>(surface));
@@ -136,7 +137,7 @@ std::string count_of(std::size_t n, const char* what) { return fmt::format("{} {
 }  // namespace
 
 struct Solid::Faces {
-    SurfaceMesh mesh;  // vertex i is row i of the vertices
+    SurfaceMesh mesh;  // vertex i is row i of vertices_
 };
 
 struct Cutting {

@@ -14,7 +14,7 @@
 
 namespace hausbench {
 
-// A closed mesh prepared for cutting: coincident vertices are merged and triangles face outward.
+// A closed mesh prepared for intersection: coincident vertices are merged, and all triangles face outward.
 class Solid {
 public:
     explicit Solid(const TriangleMesh& mesh);  // O(n log n) plus the number of self-intersections
@@ -37,8 +37,9 @@ private:
     std::unique_ptr<Faces> faces_;
 };
 
-// One connected part of the common volume. A piece of boundary where A and B coincide and face the same way belongs
-// to both sides. If a side has no triangles, the part is enclosed by the other mesh alone.
+// The boundary of one connected part of the common volume: the triangles from A and the triangles from B. Triangles
+// that A and B have in common, facing the same way, belong to both. If all triangles come from one solid, the part lies
+// inside the other solid, and the other mesh is empty.
 struct CommonPart {
     TriangleMesh of_source, of_target;
 };
@@ -48,7 +49,8 @@ struct CommonVolume {
     std::string failure;            // why cutting failed, or empty
 };
 
-// Cuts solids without a flaw. Places of volume zero, where the two only touch, are not parts.
+// Intersects two solids, neither of which may have a flaw. Points and faces at which the two only touch have no
+// volume and are not parts.
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose);
 
 }  // namespace hausbench

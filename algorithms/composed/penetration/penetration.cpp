@@ -4,14 +4,14 @@
 // depth is H between these two parts, computed by any solver (parameter `solver`; the paper uses `tang`). If the
 // volume has several parts, the depth is the largest over them, and the witness is the deepest pair of points.
 //
-// The paper leaves some cases open. If a part is enclosed by one mesh alone, the other side has no boundary, and H
-// would be infinite; the depth is then h from the existing side to the whole enclosing mesh. Solids that only touch,
-// or are apart, have depth 0. Meshes that are open or cross themselves have no inside; they are refused, with the
-// reason, if their boxes overlap.
+// The paper leaves some cases open. If a part of the volume has no boundary from B, because A lies inside B there, H to
+// this empty side would be infinite. The depth is then h from the boundary of the part to the whole mesh of B; the same
+// holds with A and B exchanged. Solids that only touch, or are apart, have depth 0. Meshes that are open or cross
+// themselves have no inside; they are refused, with the reason, if their boxes overlap.
 //
-// Never certified: the cut points are rounded (composed/penetration/common_volume.h). Reports `parts` (number of
-// parts of the volume) and the number of measured triangles. With `each_part` it also reports the bounds and the
-// witness of each part; otherwise a part that cannot be the deepest ends early.
+// Never certified: the points where triangles cross are rounded (composed/penetration/common_volume.h). Reports `parts`
+// (the number of parts of the volume) and the number of measured triangles. With `each_part` it also reports the bounds
+// and the witness of each part; otherwise the solver stops early at a part that cannot be the deepest.
 // Stages: "cut", "measure". Budget: passed to the inner solver for each part. Time: corefinement, O(n log n) plus
 // crossings, then the inner solver. Cutting ignores the time limit.
 #include "algorithms/composed/penetration/common_volume.h"
@@ -98,7 +98,8 @@ private:
         return result;
     }
 
-    // Measures one part. A part without a boundary from one mesh lies inside that mesh.
+    // Measures one part: H between its two sides. If the part lies inside one of the meshes, one side is empty; then
+    // measures h from the other side to the whole of that mesh.
     Result measure(const CommonPart& part, Query query) const {
         const bool in_target = part.of_target.triangles.rows() == 0, in_source = part.of_source.triangles.rows() == 0;
         const auto whole = [](const TriangleMesh& mesh, const Pose& pose) {
@@ -145,7 +146,7 @@ private:
         return result;
     }
 
-    SolverEntry inner_;  // a copy, because plug-ins grow the registry's list
+    SolverEntry inner_;  // a copy, because entries may move when a plug-in makes the registry grow
     bool each_part_;
     std::optional<Solid> source_, target_;
     const Scene* scene_ = nullptr;

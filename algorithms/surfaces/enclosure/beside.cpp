@@ -5,8 +5,8 @@
 namespace hausbench {
 namespace {
 
-// Encloses f_B(y + t) for y on the piece of A. Subtracts a multiple of the linear form of f_A, which is 0 there, to
-// tighten the result. Returns nothing if y + t may leave B's box.
+// Encloses the values f_B(y + t) for all y on the piece of A. On the piece, the linear form of f_A is 0; a multiple of
+// it is subtracted to make the result tighter. Returns nothing if y + t may leave B's box.
 std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& t, Counters& counters) {
     Box box;
     for (int k = 0; k < 3; ++k) {
@@ -18,8 +18,9 @@ std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& targe
     const double size = of_a.slope.squaredNorm();
     const Interval share(size > 0 ? of_a.slope.dot(of_b.slope) / size : 0.0);
     Interval sum = of_b.rest - share * of_a.rest;
+    // The piece has points y = c + r u, with |u| <= 1. Writes the linear form over the moved box in terms of this u.
     double most = 0;
-    for (int k = 0; k < 3; ++k) {  // y = c + r u of the piece is c' + r' u' of the moved box
+    for (int k = 0; k < 3; ++k) {
         const Interval slope = Interval(of_b.slope[k]) / Interval(of_b.half[k]);
         sum += slope * (Interval(of_a.middle[k]) + Interval(t[k]) - Interval(of_b.middle[k]));
         most += magnitude(slope * Interval(of_a.half[k]) - share * Interval(of_a.slope[k]));
@@ -49,6 +50,7 @@ double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, 
     int axis = 0;
     gradient.cwiseAbs().maxCoeff(&axis);
     if (!(std::abs(gradient[axis]) > 0)) return infinity;
+    // Guesses M / m from the slope in the middle, widens the box a little more than that, and checks the guess.
     for (const double room : {1.25, 4.0}) {
         const double t = room * most / std::abs(gradient[axis]);
         Box wide = piece.box;
@@ -74,7 +76,7 @@ double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p
     const double sign = here->inf() > 0 ? 1 : -1;
     Vec3 gradient;
     target.polynomial().value(foot, gradient);
-    const double fall = -sign * gradient.dot(n) / size;
+    const double fall = -sign * gradient.dot(n) / size;  // decrease of |f_B| per unit of length along n
     if (!(fall > 0)) return infinity;
     double further = 0;
     for (int tries = 0; tries < 3; ++tries) {

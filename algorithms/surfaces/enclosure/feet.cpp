@@ -14,7 +14,7 @@ using Models = std::array<TaylorModel, 3>;
 
 double squared_length(const Models& t) { return (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).at_most(); }
 
-// A piece of A as a graph over the two axes other than `axis`.
+// A piece of A as a graph, as in step 1 of the header: coordinate `axis` as a function of the other two.
 class Graph {
 public:
     Graph(const SurfaceTree::Node& piece, SurfaceTree& source, int axis) : piece_(piece), source_(source), axis_(axis) {
@@ -24,8 +24,8 @@ public:
         }
     }
 
-    // Finds the middle, then the polynomial degree by degree, by Newton's method; not proven. Returns false on
-    // failure.
+    // Finds the height of A over the middle of the piece, then P degree by degree, with Newton's method; not proven.
+    // Returns false on failure.
     bool find(const Vec3& p) {
         Vec3 at = piece_.form.middle, gradient;
         at[axis_] = p[axis_];
@@ -44,8 +44,8 @@ public:
         return true;
     }
 
-    // Proves step 1 of the header: adds the possible distance between A and the polynomial. Returns false if A may
-    // not be a graph.
+    // Proves step 1 of the header: sets the error of coordinate `axis` to M / m. Returns false if the piece
+    // may not be a graph.
     bool prove(Counters& counters) {
         TaylorModel& height = y_[std::size_t(axis_)];
         const Interval values = height.range();
@@ -69,8 +69,9 @@ private:
     Models y_;
 };
 
-// Finds the vectors from each point of the graph to about its foot on B; not proven. Newton's method solves z - y + m
-// grad f_B(z) = 0 and f_B(z) = 0 for z and m, in the middle of the piece and then degree by degree.
+// Finds t, the vector from each point y of the graph to about its foot z on B; not proven. Newton's method
+// solves z - y + m grad f_B(z) = 0 and f_B(z) = 0 for z and a factor m, first for the middle of the piece,
+// then degree by degree.
 class Feet {
 public:
     Feet(const Models& y, const SurfaceTree& target) : y_(y), target_(target) {}
@@ -88,6 +89,7 @@ public:
             for (std::size_t i = 0; i < TaylorModel::count; ++i) to_foot_[k].c[i] = unknown[k].c[i] - y_[k].c[i];
             size = std::max(size, std::abs(to_foot_[k].c[0]));
         }
+        // A component of t that is only rounding noise: see the header.
         for (TaylorModel& t : to_foot_) {
             if (std::abs(t.c[0]) + t.spread() < 0x1p-36 * size) t = {};
         }
@@ -97,6 +99,7 @@ public:
     const Models& to_foot() const { return to_foot_; }
 
 private:
+    // Corrects the coefficients of degree d of z and m by one step of Newton's method.
     void correct(std::array<TaylorModel, 4>& unknown, const Eigen::Matrix4d& inverse, int d) const {
         const ModelPowers powers({unknown[0], unknown[1], unknown[2]}, target_.polynomial(), d);
         std::array<TaylorModel, 4> residual;
@@ -119,7 +122,7 @@ private:
     Models to_foot_;
 };
 
-Models longer(const Models& t, double factor) {  // new polynomials, so rounding here needs no bound
+Models longer(const Models& t, double factor) {  // the proof holds for any t, so rounding here needs no bound
     Models out = t;
     for (TaylorModel& of : out) {
         for (double& c : of.c) c *= factor;
@@ -162,7 +165,8 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
     const double sign = here.inf() > 0 ? 1 : -1;
     const Vec3 way(t[0].c[0], t[1].c[0], t[2].c[0]);
     f.value(Vec3(y[0].c[0], y[1].c[0], y[2].c[0]) + way, gradient);
-    const double fall = -sign * gradient.dot(way);  // decrease of f_B per unit of length along t
+    // The rate at which |f_B| decreases at the end of t if t is multiplied by 1 + s, for growing s.
+    const double fall = -sign * gradient.dot(way);
     if (!(fall > 0)) return infinity;
     double further = 0;
     for (int tries = 0; tries < 4; ++tries) {

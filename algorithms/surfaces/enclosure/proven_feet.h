@@ -1,6 +1,8 @@
-// Proven points of B, and a search for the one nearest to a point that also proves that no point of B is much nearer.
+// The proven points of B (SurfacePoint in surface_tree.h) that a search has found so far. They are called *feet*,
+// because each is about the point of B closest to some point of A; a foot is given by its index. A search finds the
+// foot nearest to a point, and proves that no point of B is much nearer.
 //
-// All functions require UpwardRounding (kernel/interval.h).
+// The caller of every function must hold an UpwardRounding (kernel/interval.h), which sets the rounding mode.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -13,17 +15,18 @@ namespace hausbench {
 
 // The accuracy of a search for the nearest point of B.
 struct FootSearch {
-    double precision;  // the result may be below the distance by this much
-    // The search ends once the distance is known to be at most `lower - cell_size`: then no point of a cell of this
-    // size is farther than `lower`.
+    double precision;  // by how much the lower bound may be below the distance to the foot
+    // `lower` is the solver's lower bound so far. The search also ends once it knows that the distance is at most
+    // `lower - cell_size`: then no point in a cell of A of this size can be farther from B than `lower`.
     double lower, cell_size;
 };
 
 struct NearestFoot {
-    std::int32_t foot = -1;  // the nearest proven point found; -1: none
-    double at_least = 0;     // lower bound of the distance to B
+    std::int32_t foot = -1;  // the nearest foot found; -1: none
+    double at_least = 0;     // lower bound on the distance to B
 };
 
+// The feet, and the octree of B that the searches refine.
 class ProvenFeet {
 public:
     ProvenFeet(const SurfaceTree& target, const Deadline& deadline, Counters& counters)
@@ -33,20 +36,22 @@ public:
     const SurfaceTree& tree() const { return tree_; }
     bool empty() const { return feet_.empty(); }
     const SurfacePoint& operator[](std::int32_t foot) const { return feet_[static_cast<std::size_t>(foot)]; }
+    // Adds a proven point and returns its index.
     std::int32_t add(const SurfacePoint& foot) {
         feet_.push_back(foot);
         return static_cast<std::int32_t>(feet_.size()) - 1;
     }
 
-    // Returns an upper bound of the distance from the piece to B.
+    // Returns an upper bound on the distance from every point of the piece to B: its distance to this foot.
     double at_most(const SurfaceTree::Node& piece, std::int32_t foot);
 
-    // Finds the proven point nearest to p. `known` are feet of points near p, used as a start.
+    // Finds a proven point of B about nearest to p, which may become a new foot. `known` are feet of points near p,
+    // from which the search starts.
     NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search);
 
 private:
     struct Best {
-        double at_most = std::numeric_limits<double>::infinity();  // upper bound of the distance to the foot
+        double at_most = std::numeric_limits<double>::infinity();  // upper bound on the distance to the foot
         std::int32_t foot = -1;
     };
     void descend_from(const Vec3& seed, const Vec3& p, Best& best);

@@ -1,25 +1,27 @@
-// Certified bounds for the distance between algebraic surfaces, to any tolerance (ours).
+// Certified bounds on the distance between algebraic surfaces, to any tolerance (ours).
 //
-// Lower bound: a point a of A is proven to exist by a sign change of the polynomial on a tiny segment in the box. The
-// boxes of an octree over B, each with a linear enclosure of its piece of B, are refined near a until none can
-// contain a point nearer than the bound.
-// Upper bound: every point of A lies in a box of an octree over A; for the piece in such a box, the distance to one
-// proven point b of B is bounded from above. Boxes whose upper bound is below the lower bound are dropped, and the
-// box with the largest bound is split, so only undecided places are refined. The maximum may lie where the box clips
-// A; boxes and enclosures refer to the clipped surface, so this needs no special case.
+// A *piece* is the part of a surface in a box; a *proven point* is a point that is proven to lie on a surface up to a
+// tiny error, by a change of sign of the polynomial on a tiny segment (surface_tree.h).
+// Lower bound: the distance from a proven point a of A to B. The boxes of an octree over B are refined near a until
+// none can contain a point nearer than the bound.
+// Upper bound: every point of A lies in a box of an octree over A. For the piece in such a box, the distance to one
+// proven point b of B is bounded from above. Boxes whose upper bound is below the lower bound are dropped, and the box
+// with the largest upper bound is split, so boxes become small only where the answer is still undecided. The maximum
+// may lie where the box of the surface clips A. The octree covers just this box, so this is not a special case.
 //
 // Both bounds use the fact that the piece in a box of size s lies within O(s^2) of a plane (surface_tree.h), so the
-// number of boxes of B does not grow as s shrinks. If A and B are close, or run side by side, more bounds apply:
-// beside.h, and feet.h, whose error is O(s^9), so that boxes stay large if the distance is constant over A
+// number of boxes of B does not grow as s shrinks. If A and B are close, or run side by side, there are more upper
+// bounds: beside.h, and feet.h, whose error is O(s^9), so that boxes stay large if the distance is constant over A
 // (concentric spheres).
 //
-// Surfaces are never empty (geometry.h); prepare() refuses a surface if it finds no point in its box. If no point can
-// be proven (f = g^2 has no change of sign), bounds still hold but do not close: `stalled`. A search that needs more
-// than `most_cells` boxes also stalls, such as the lower bound at a point that is equally far from much of B.
+// Surfaces are never empty (geometry.h); prepare() refuses a surface that is proven to have no point in its box. If no
+// point can be proven (f = g^2 does not change its sign), the bounds hold but do not approach each other: `stalled`. A
+// search that needs more than `most_cells` boxes also stalls. This happens to the lower bound at a point that is about
+// equally far from a large part of B.
 //
-// Proofs of existence by sign changes and linear enclosures by Taylor expansion are standard, see Neumaier: Interval
-// methods for systems of equations, 1990; best-first refinement of A against candidates of B is as in Tang, Lee, Kim
-// 2009.
+// Proofs of existence by changes of sign and linear enclosures by Taylor expansion are standard, see Neumaier:
+// Interval methods for systems of equations, 1990; best-first refinement of A against candidates of B is as in
+// Tang, Lee, Kim 2009.
 // Budget: boxes of A split. Time: boxes of A times boxes of B examined, each O(terms of the polynomial).
 #include "algorithms/error.h"
 #include "algorithms/kernel/deadline.h"
@@ -40,28 +42,28 @@ namespace hausbench {
 namespace {
 
 constexpr int kept_feet = 3;
-constexpr int unproven_at_most = 4000;  // boxes split, or points searched for, without any proven point
+constexpr int unproven_at_most = 4000;  // limit on boxes split, or points searched for, while no point is proven
 
-// Chosen by trial, like the constants of proven_feet.cpp. Halving or doubling one changes the number of polynomials
-// bounded over boxes by at most the percentage in its comment, on average over 28 queries of 12 pairs
-// (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
+// The next constants were chosen by trial, like the constants of proven_feet.cpp. Each percentage says how much the
+// number of polynomial evaluations changes, at most, if the constant is halved or doubled: on average over 28 queries
+// of 12 pairs (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
 //
-// next_to() is tried if B is nearer than this many cell sizes (0.3 %), or than this fraction of A's coordinates (0 %:
-// it matters for even smaller cells).
+// next_to() is tried if the upper bound of a cell is less than this many sizes of the cell (0.3 %), or less than this
+// fraction of A's coordinates (0 %: it matters for even smaller cells).
 constexpr double near_sizes = 8, near_coordinates = 1e-3;
-// A point's distance is computed to this fraction of the tolerance (1 %), or of the gap while that is large (0.3 %).
+// The distance of a point is computed to 1/8 of the tolerance (1 %) or, if that is larger, to 1/16 of the gap (0.3 %).
 constexpr double parts_of_tolerance = 8, parts_of_gap = 16;
-// A local search: its number of steps (2 %), the factors for the step after a success and after a failure (5 % for
-// the latter), and the smallest step as a fraction of the distance, a few ulps.
+// A local search has at most this many steps (2 %). A success makes the next step longer by the first factor, a failure
+// makes it shorter by the second one (5 %). The search ends when the step is this fraction of the distance, a few ulps.
 constexpr int most_search_steps = 60;
 constexpr double longer_step = 2, shorter_step = 0.25, least_step = 1e-15;
-// A local search is repeated once the gap is this fraction of the gap at the last search. Half as much: 2 % less; no
-// limit: 15 % more.
+// A local search is repeated once the gap is at most this fraction of the gap at the last one. Half of this value saves
+// 2 % of the work; without this limit, the work grows by 15 %.
 constexpr double gap_of_next_search = 0.5;
 
 Vec3 nowhere() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-// A box of A; `upper` bounds the distance from any point of its piece to B.
+// A box of A. No point of its piece is farther than `upper` from B.
 struct EnclosureCell {
     double upper;
     std::int32_t node;
@@ -74,7 +76,7 @@ struct EnclosureCell {
 
     std::span<const std::int32_t> known_feet() const { return {feet.data(), std::size_t(feet_count)}; }
 
-    // Puts the foot first and drops the least recently used one.
+    // Moves the foot to the front of the list or adds it there. Drops the least recently used foot if the list is full.
     void remember(std::int32_t foot) {
         auto* end = feet.data() + feet_count;
         auto* at = std::find(feet.data(), end, foot);
@@ -108,7 +110,8 @@ public:
     }
 
 private:
-    // Returns the largest distance between two points of the boxes: an upper bound of h(A,B), because B is not empty.
+    // Returns the largest distance between a point of A's box and a point of B's box. It is an upper bound on h(A,B),
+    // because B is not empty.
     double farthest_corners() {
         const Box &a = a_.box(), &b = feet_.tree().box();
         Interval sum(0.0);
@@ -135,7 +138,8 @@ private:
             ++splits;
             split(top);
         }
-        // This would violate the agreement that shapes are not empty.
+        // The queue is empty although no point of A was ever proven: A has no point in its box, which breaks the rule
+        // that shapes are not empty.
         if (!proven_) return stalled("the source has no point in its box");
         bounds.upper = bounds.lower;
         return Status::converged;
@@ -146,6 +150,7 @@ private:
         return Status::stalled;
     }
 
+    // Returns a status if it is useless to go on, and sets the note that says why.
     std::optional<Status> hopeless(const EnclosureCell& top) {
         if (!proven_ && result_.counters.subdivisions > unproven_at_most)
             return stalled("no point of the source could be proven to exist: its polynomial may not change sign there");
@@ -177,8 +182,8 @@ private:
         }
     }
 
-    // Bounds the cell by methods of increasing cost until it cannot contain the answer. The last one proves a point
-    // in the cell, which may raise the lower bound.
+    // Lowers the upper bound of a cell by methods of increasing cost, until the cell cannot contain the farthest point.
+    // The last of them need a proven point in the cell, which may also raise the lower bound.
     void bound(EnclosureCell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
         ++result_.counters.bound_tests;
@@ -209,13 +214,14 @@ private:
         cell.remember(near.foot);
     }
 
-    // If B is far away compared with the size of the cell, next_to() is no better than a foot.
+    // Returns whether next_to() may help. If B is far away, compared with the size of the cell, the distance to a
+    // single foot is just as good.
     bool may_run_beside(double upper, double size) const {
         return upper < near_sizes * size || upper < near_coordinates * a_.box().high.cwiseAbs().maxCoeff();
     }
 
-    // Returns the finest useful precision: SurfaceTree::prove() allows this much rounding between a point of either
-    // surface and a proven one.
+    // Returns the finest useful precision: the rounding that SurfaceTree::prove() allows between a proven
+    // point and the surface.
     double resolution() const {
         const auto most = [](const Box& box) {
             return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
@@ -223,15 +229,16 @@ private:
         return 0x1p-51 * std::max(most(a_.box()), most(feet_.tree().box()));
     }
 
-    // Returns a useful precision for the distance of a cell's point: finer near the answer, coarser while the bounds
-    // are far apart.
+    // Returns a useful precision for the distance of a point in this cell: coarse while the upper bound of the cell is
+    // far above the lower bound, finer when it comes close.
     double precision_of(const EnclosureCell& cell) const {
         const double wanted = query_.tolerance.gap(std::max(result_.bounds.lower, 0.0));
         return std::max(
             {wanted / parts_of_tolerance, (cell.upper - result_.bounds.lower) / parts_of_gap, resolution()});
     }
 
-    // Adopts a proven point of A and its distance to B if it raises the lower bound.
+    // Makes a proven point of A the witness, and its proven distance to B the lower bound, if this is the first proven
+    // point or raises the lower bound. Returns whether it did so.
     bool show(const SurfacePoint& point, const NearestFoot& near) {
         const double shown = -(point.error - near.at_least);  // rounded down
         const bool better = !proven_ || shown > result_.bounds.lower;
@@ -243,8 +250,9 @@ private:
         return true;
     }
 
-    // Increases the distance of a point of A: moves it away from its foot and back onto A, as long as this helps. The
-    // last point is proven like any other. Runs only the first time and when the gap has shrunk since the last run.
+    // Searches for a point of A farther from B: moves the point away from its foot and back to A, as long as the
+    // distance to B grows. The distance of the last point is then proven, as for any other point. Does nothing unless
+    // this is the first search, or the gap has halved since the last one.
     void local_search(SurfacePoint point, std::int32_t foot, double step, EnclosureCell cell) {
         const double gap = result_.bounds.gap();
         if (gap > gap_of_next_search * searched_at_) return;
@@ -278,9 +286,9 @@ private:
     Deadline deadline_;
     Result result_;
     SurfaceTree a_;
-    ProvenFeet feet_;  // on B
+    ProvenFeet feet_;  // the proven points of B
     std::priority_queue<EnclosureCell> queue_;
-    bool proven_ = false;            // whether some point of A is proven
+    bool proven_ = false;            // whether some point of A was proven
     double searched_at_ = infinity;  // the gap at the last local search
 };
 
@@ -305,7 +313,8 @@ public:
     }
 
 private:
-    // Refines the tree deep enough to detect most empty surfaces.
+    // Returns the tree of a surface, refined to a depth at which most empty surfaces are detected. Throws
+    // InputError for these.
     static SurfaceTree grown(const AlgebraicSurface& surface) {
         constexpr int depth = 4;
         SurfaceTree tree(surface);

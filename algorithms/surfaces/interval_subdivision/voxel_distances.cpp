@@ -10,11 +10,11 @@
 namespace hausbench {
 namespace {
 
-// A generous factor for the rounding of square roots and their sums. It affects only the search, not the results.
+// These factors more than cover the rounding of square roots and of their sums. They only decide which cells are
+// searched, so they do not change the result.
 constexpr double wider = 1 + 1e-12, narrower = 1 - 1e-12;
 
-// Returns the squared least (g) or largest (G) distance of two boxes. Rounded to nearest; every operation is
-// monotone.
+// Returns the square of g (or of G, if `largest`) for two boxes. Rounded to nearest; every operation is monotone.
 template <bool largest> double squared_distance(const Box& a, const Box& b) {
     double d[3];
     for (int k = 0; k < 3; ++k) {
@@ -24,12 +24,14 @@ template <bool largest> double squared_distance(const Box& a, const Box& b) {
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// Returns a lower bound of squared_distance() of a and any voxel in the cell.
+// Returns a lower bound on squared_distance() between a and any voxel in the cell.
 template <bool largest> double at_least(const Box& a, const Voxels& b, const Voxels::Node& cell) {
     if (!largest) return squared_distance<false>(a, b.box_of(cell));
     double d[3];
-    for (std::size_t k = 0; k < 3; ++k) {  // no voxel ends below the lowest one or begins above the highest one
+    for (std::size_t k = 0; k < 3; ++k) {
         const auto i = Eigen::Index(k);
+        // The high side of the first voxel of the cell and the low side of the last one: no other voxel of the cell has
+        // a lower high side or a higher low side.
         const double high = b.grid[k][std::size_t(cell.at[k]) + 1],
                      low = b.grid[k][std::size_t(cell.at[k] + cell.size) - 1];
         d[k] = std::max(high - a.low[i], a.high[i] - low);
@@ -37,7 +39,7 @@ template <bool largest> double at_least(const Box& a, const Voxels& b, const Vox
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// Returns min over B of g and of G for voxel i of A.
+// Returns min over B of g and min over B of G, squared, for voxel i of A.
 VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
     constexpr std::size_t lanes = 4;  // separate minima, so that the compiler may vectorise them
     const std::size_t m = b.leaves.size();
@@ -75,7 +77,8 @@ VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
     return {*std::min_element(least, least + lanes), *std::min_element(largest, largest + lanes)};
 }
 
-// Finds the maximum over voxels of A of their least squared distance to the voxels of B.
+// Finds the maximum over the voxels of A of min over B of g (or of G, if `largest`), squared. Below, this minimum is
+// called the distance of a voxel.
 template <bool largest> class VoxelSearch {
 public:
     VoxelSearch(const Voxels& a, const Voxels& b, VoxelWork& work) : a_(a), b_(b), work_(work) {
@@ -101,13 +104,14 @@ public:
 private:
     // A cell of A that may contain a voxel farther from B than all voxels searched so far.
     struct Cell {
-        double bound;  // upper bound of the distances of all its voxels
+        double bound;  // upper bound on the distances of all its voxels
         std::uint32_t node;
-        std::uint32_t voxel;  // one of them
-        double squared;       // its squared distance
+        std::uint32_t voxel;  // one of its voxels
+        double squared;       // the squared distance of this voxel
         bool operator<(const Cell& other) const { return bound < other.bound; }
     };
 
+    // Adds the children of a cell that may contain a farther voxel. A child keeps the known voxel if it contains it.
     void split(const Cell& cell) {
         const Voxels::Node &node = a_.nodes[cell.node], &voxel = a_.nodes[cell.voxel];
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
@@ -119,13 +123,14 @@ private:
         }
     }
 
-    // Adds the entry of a cell with one of its voxels. If the squared distance of the voxel is unknown (negative),
-    // searches for it.
+    // Queues a cell with one of its voxels. `squared` is the squared distance of this voxel; if it is negative, it is
+    // searched for first.
     void add(std::uint32_t node, std::uint32_t voxel, double squared) {
         const bool is_voxel = a_.nodes[node].size == 1;
         const double farther = is_voxel ? 0 : farthest_shift(node, voxel);
         if (squared < 0) {
             ++searches_;
+            // If the voxel is at most this far away, no voxel of the cell can exceed the maximum so far.
             const double early_out = std::sqrt(most_) - farther;
             squared = nearest(a_.box_of(a_.nodes[voxel]), early_out > 0 ? early_out * early_out * narrower : -1);
         }
@@ -136,7 +141,7 @@ private:
         ++work_.counters.queue_pushes;
     }
 
-    // Returns an upper bound of the distance from a voxel of A to the farthest voxel of the cell.
+    // Returns an upper bound on the length by which a voxel of A must be moved to reach the farthest voxel of the cell.
     double farthest_shift(std::uint32_t node, std::uint32_t leaf) const {
         const Voxels::Node &cell = a_.nodes[node], &voxel = a_.nodes[leaf];
         double sum = 0;
@@ -156,8 +161,7 @@ private:
         return inside;
     }
 
-    // Returns the kept voxel next to the middle of the cell in the order of the octree; nothing for a cell without
-    // voxels.
+    // Returns a kept voxel near the middle of the cell, in the order of the octree; nothing if the cell has none.
     std::optional<std::uint32_t> middle_voxel(std::uint32_t node) const {
         const Voxels::Node& cell = a_.nodes[node];
         if (cell.size == 1) return node;
@@ -167,8 +171,8 @@ private:
         return std::nullopt;
     }
 
-    // Returns the least squared distance from a voxel to the voxels of B, or any value within the squared early-out
-    // radius.
+    // Returns the least squared distance from a voxel to the voxels of B. Stops early, with a value that may be larger
+    // than the least, as soon as the value is at most `squared_early_out`.
     double nearest(const Box& a, double squared_early_out) {
         struct Entry {
             double least;
@@ -200,9 +204,9 @@ private:
 
     const Voxels &a_, &b_;
     VoxelWork& work_;
-    double rounding_;  // of grid lines, a few ulps of the largest coordinate; otherwise voxels are exact translates
+    double rounding_;  // covers the rounding of grid lines, without which voxels would be exact translates
     std::priority_queue<Cell> queue_;
-    double most_ = 0;  // squared
+    double most_ = 0;  // the largest squared distance so far
     std::uint64_t searches_ = 0;
 };
 

@@ -1,8 +1,8 @@
-// The voxels of a grid over a surface's box that may contain a point of the surface according to interval arithmetic,
-// and the octree above them.
+// The voxels of a grid over the box of a surface that may contain a point of the surface, and the octree above them. A
+// voxel or cell is kept if interval arithmetic cannot exclude that the polynomial is 0 in it.
 //
-// Grid lines are rounded numbers lo + (hi - lo) i / n, and voxels are the boxes between them: they cover the box
-// without gaps.
+// Grid lines are at low + (high - low) i / n, rounded. Neighbouring voxels share a line, so the voxels cover the box
+// without gaps, whatever the rounding.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -15,23 +15,26 @@
 
 namespace hausbench {
 
+// The octree of the kept voxels of one surface.
 struct Voxels {
     using Grid = std::array<std::vector<double>, 3>;  // 2^depth + 1 lines per axis
 
     struct Node {
-        std::array<int, 3> at;  // position in voxels
-        int size;
-        // Range of children; count 0 marks a voxel, or a cell without kept voxels.
+        std::array<int, 3> at;  // its lowest corner, counted in voxels
+        int size;               // its edge, counted in voxels
+        // The children are nodes[first] to nodes[first + count - 1]. If count is 0, the node is a voxel (of size 1) or
+        // a cell without kept voxels.
         std::uint32_t first = 0, count = 0;
     };
 
     Grid grid;
     std::vector<Node> nodes;
-    std::vector<std::uint32_t> leaves;
-    std::array<std::vector<double>, 3> low, high;  // by leaf
-    std::uint64_t evaluations = 0;
+    std::vector<std::uint32_t> leaves;             // the nodes that are voxels
+    std::array<std::vector<double>, 3> low, high;  // sides of these voxels along each axis, by leaf
+    std::uint64_t evaluations = 0;                 // of the polynomial
 
-    // Inline because searches call it for each cell; it took a fifth of their instructions otherwise.
+    // Returns the box of a cell. Inline, because searches call it for each cell; as a call it took a fifth of
+    // their instructions.
     Box box_of(const std::array<int, 3>& at, int size) const {
         Box box;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -48,8 +51,9 @@ struct Voxels {
     }
 };
 
-// Makes 2^depth voxels per axis. Sets the rounding mode itself. Throws InputError if the box is too small for so many
-// voxels, or contains no point of the surface.
+// Returns the kept voxels of a grid with 2^depth voxels per axis; `form` is the kind of interval arithmetic. Sets
+// the rounding mode itself. Throws InputError if the box is so small that grid lines coincide, or if it contains no
+// point of the surface.
 Voxels voxels_of(const AlgebraicSurface& surface, int depth, Form form);
 
 }  // namespace hausbench
