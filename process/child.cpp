@@ -52,7 +52,7 @@ ssize_t write_some(int descriptor, std::string_view text) {
     ssize_t done = ::write(descriptor, text.data(), text.size());
     if (done < 0 && (errno == EINTR || errno == EAGAIN)) done = 0;
     const timespec none{};
-    if (!sigismember(&before, SIGPIPE)) ::sigtimedwait(&pipe, nullptr, &none);  // removes a pending one
+    if (!sigismember(&before, SIGPIPE)) ::sigtimedwait(&pipe, nullptr, &none);  // removes a pending SIGPIPE
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
     return done;
 }
@@ -315,7 +315,7 @@ void Child::kill() {
     if (status_) return;
     const std::vector<pid_t> family = family_of(pid_);
     ::kill(-pid_, SIGKILL);                                     // its process group
-    for (const pid_t member : family) ::kill(member, SIGKILL);  // with the child itself, whose group may not exist yet
+    for (const pid_t member : family) ::kill(member, SIGKILL);  // also the child, whose group may not exist yet
 }
 
 std::string Child::how_it_ended() {
@@ -337,8 +337,8 @@ bool Child::takes_more_than(std::int64_t bytes) const {
         for (const pid_t member : family) all += of(member);
         return all;
     };
-    // The exact sum, of proportional sets (memory.h), takes long. The sum of resident sets is cheap and never smaller,
-    // and it is exact for one process. So the exact sum is needed only if the cheap one of several exceeds the limit.
+    // The sum of the resident sets is cheap, exact for one process, and never less than the sum of the proportional
+    // sets (memory.h). So these are read only if there are several processes and their resident sets exceed the limit.
     return sum(resident_of) > bytes && (family.size() == 1 || sum(proportional_bytes_of) > bytes);
 }
 

@@ -87,9 +87,9 @@ public:
     // share, as after a fork, counts once.
     bool takes_more_than(std::int64_t bytes) const;
 
-    // Returns the peak of the resident set, in bytes, of the child or of its largest descendant, whichever is higher;
-    // -1 until the child has ended. The kernel counts memory that the child had between fork and exec, a copy of this
-    // process. A peak that is not clearly above the size of this process may be just that, so the result is -1, too.
+    // Returns the peak resident set, in bytes, of the child or of its largest descendant, whichever is higher. The
+    // kernel includes the time between fork and exec, when the child is a copy of this process. So the result is -1 if
+    // the peak is not clearly above the size of this process, and also until the child has ended.
     std::int64_t peak_bytes() const { return peak_bytes_; }
 
     // Returns the last characters of the output so far; Launch::kept says how many.
