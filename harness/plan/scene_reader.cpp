@@ -252,7 +252,7 @@ std::vector<ScenePlan> expand_matrix(const ExperimentTable& table, const ScenePl
     for (std::size_t i = 0; i < sources.size(); ++i) {
         for (std::size_t k = 0; k < targets.size(); ++k) {
             const std::string &source = sources[i], &target = targets[k];
-            if (scene.search && source == target) continue;  // their distance is 0, which would end the search
+            if (scene.search && source == target) continue;  // at distance 0, each would be its own nearest target
             ScenePlan pair = scene;
             pair.source_line = line("sources", i);
             pair.target_line = line("targets", k);
