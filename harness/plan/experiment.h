@@ -64,7 +64,7 @@ struct Experiment {
     std::vector<SolverPlan> solvers;
     std::vector<double> tolerances;
     std::string of = "diagonal";  // unit of the tolerances, the floor and the cutoff: one of tolerance_units
-    // If `of` is "lower", these two are lengths. Query says what they do.
+    // Distances at which a solver may stop early, see Query. If `of` is "lower", these two are lengths.
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();
     std::int64_t budget = -1;  // see Query; -1: none
     Quantity quantity = Quantity::directed;

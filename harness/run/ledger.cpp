@@ -10,8 +10,8 @@ namespace hausbench {
 
 namespace {
 
-// Notes the time saved by rows that are read off another run: each would have cost a first answer and its timed
-// repeats.
+// Notes the time saved by rows that are read off the run of another row: in each round, each would have cost a first
+// answer and its timed repeats.
 void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vector<LedgerEntry>& ledger) {
     std::map<std::string, double> saved;
     for (const Row& row : rows) {
@@ -27,10 +27,10 @@ void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vec
     }
 }
 
-// Notes the cost of preparing again for each pose: a worker prepares once and then answers every pose.
+// Notes the time saved because a worker prepares once, not once for each pose.
 void note_structures_reused(const Plan& plan, const Finished& finished, const Job& job,
                             std::vector<LedgerEntry>& ledger) {
-    std::set<double> builds;  // one per process: a run may have several, after a crash or an interruption
+    std::set<double> builds;  // seconds of each worker process; there are several after a crash or an interruption
     std::set<int> poses;
     for (std::size_t row : job.cases) {
         const Outcome* outcome = finished.kept(row, 0);
@@ -47,7 +47,7 @@ void note_structures_reused(const Plan& plan, const Finished& finished, const Jo
                       std::int64_t(left_out), mean * double(left_out)});
 }
 
-// Notes the cost of preparing again for each pair: a worker of a matrix prepares each shape once for all its pairs.
+// Notes the time saved because a worker of a matrix prepares each shape once, not once for each pair.
 void note_shapes_shared(const Job& job, const Finished& finished, std::vector<LedgerEntry>& ledger) {
     struct Use {
         int built = 0, shared = 0;
@@ -57,7 +57,7 @@ void note_shapes_shared(const Job& job, const Finished& finished, std::vector<Le
     std::map<std::string, Use> uses;
     std::size_t place = 0;
     for (const Job::Pair& pair : job.pairs) {
-        const Outcome* outcome = finished.kept(job.cases[place], 0);  // all cases of the pair agree
+        const Outcome* outcome = finished.kept(job.cases[place], 0);  // all cases of a pair share its preparation
         place += pair.cases;
         if (!outcome) continue;
         for (const Preparation& part : outcome->preparation) {
