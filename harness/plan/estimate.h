@@ -22,10 +22,10 @@ struct JobEstimate {
 // Estimates the time and memory of jobs from the results of earlier runs.
 //
 // The time of a case is taken from the same case if it was run on this machine. Otherwise it is taken from the case of
-// the same solver with the most similar expected work, and multiplied by the ratio of the works. If this machine has
-// run no case of the solver, the expected work alone decides. The expected work, as a number of distances between two
-// points, is |A| * |B| for `naive` and k * (|A| + |B|) for the others, where |A| and |B| are numbers of elements and k
-// is larger if the solver takes meshes.
+// the same solver with the most similar expected work, and multiplied by the ratio of the expected works. If this
+// machine has run no case of the solver, the expected work alone decides. The expected work, as a number of distances
+// between two points, is |A| * |B| for `naive` and k * (|A| + |B|) for the others, where |A| and |B| are numbers of
+// elements and k is larger if the solver accepts meshes.
 //
 // The memory is a number of bytes per element of both shapes, taken from the case of the same solver with the nearest
 // number of elements, on any machine.

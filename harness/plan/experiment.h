@@ -23,8 +23,8 @@ struct ScenePlan {
     // Name of the *matrix* to which this scene belongs, a [[scene]] with `sources` and `targets` that makes one scene
     // for each pair of them. Otherwise empty.
     std::string matrix;
-    // The matrix looks for the nearest target of each source. Its targets are then run in order, as one chain: see
-    // Case::chain.
+    // In a matrix: only the nearest target of each source is wanted. So the targets of a source are run in order, as
+    // one chain, in which each answer can lower the cutoff of the next ones (Case::chain).
     bool search = false;
     // Name of the [[scene]] with `each`, with a `recording` or with a list of severities that makes this scene and
     // others like it. Otherwise empty.
@@ -70,8 +70,8 @@ struct Experiment {
     Quantity quantity = Quantity::directed;
     int threads = 1;  // the most that a solver may use, see Query
     int repeats = 5;  // timed repeats per round
-    // Each round runs every case once more, in fresh processes. The order of the solvers is reversed from one round to
-    // the next (ABBA), so that none of them always runs first.
+    // Number of rounds. A round runs every case, in fresh processes. The order of the solvers is reversed from one
+    // round to the next (ABBA), so that none of them always runs first.
     int rounds = 1;
     // Records the bounds over time, for solvers that trace. Answers to coarser tolerances may then be read off the
     // trace of the finest one instead of being run.

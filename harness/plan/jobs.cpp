@@ -49,10 +49,10 @@ void take(double x, double& least, double& most) {
 
 // Returns whether a session that scales a pair by 2^shared gives the same bits as one that scales it by 2^own, where
 // own >= shared. Scaling by a power of two commutes with every rounding, under two conditions:
-// - Nothing underflows at either scale, also not in squares and in products with poses. This holds if the coordinates,
+// - Nothing underflows at either scale, not even in squares and in products with poses. This holds if the coordinates,
 //   their products with the entries of a rotation, and the translations are 0 or at least `least_safe`. Distances
-//   between points of one shape may be smaller than its coordinates, but nonzero differences of coordinates are at
-//   least 2^-53 of the smallest nonzero coordinate, and the squares of these do not underflow.
+//   between points of one shape may be smaller than its coordinates, but a nonzero difference of two coordinates is at
+//   least 2^-53 of the smallest nonzero coordinate, and the square of such a difference does not underflow.
 // - No pose moves the shapes out of the range that scaled.h describes at one scale only. `most_safe` keeps posed
 //   coordinates below the upper end of that range, 2^400.
 bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Extents& extents) {

@@ -83,8 +83,8 @@ struct Plan {
     // Notes that a row is not run but read off another row's run.
     void read_off(std::size_t row, const FromTrace& from);
 
-    // Returns the gaps between the bounds, as absolute lengths and the largest first, at which the trace of this row
-    // must have a sample, because other rows are read off there.
+    // Returns the gaps, upper - lower, at which other rows are read off the trace of this row: absolute lengths, the
+    // largest first.
     std::vector<double> marks(std::size_t row) const;
 
 private:

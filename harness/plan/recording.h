@@ -12,7 +12,8 @@ namespace hausbench {
 
 struct Recording {
     // Everything recorded about two models: the frames in which an object with the first model overlaps an object with
-    // the second, in order, and the poses of the two objects there. A frame may occur several times.
+    // the second, in order, and the poses of the two objects there. A frame may occur several times, because several
+    // objects may have the same model.
     struct Pair {
         std::string source, target;
         std::vector<int> frames;

@@ -187,8 +187,8 @@ std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     return asked;
 }
 
-// Returns one scene for each pair of models whose objects overlap. Each of its poses belongs to two objects in one
-// frame.
+// Returns one scene for each pair of models whose objects overlap. Each pose of such a scene is the two
+// poses of two objects that overlap in one frame.
 std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const ScenePlan& scene) {
     const toml::node& node = *table.find("recording");
     for (const char* key :

@@ -11,9 +11,9 @@
 
 namespace hausbench {
 
-// If `severity` is a list, returns one copy of the table for each value, which replaces every {}. Otherwise returns the
-// table itself. Throws InputError for a list that is empty, has a value twice or is combined with other keys that
-// expand a scene, and if the name of the scene has no {}.
+// If `severity` is a list, returns one copy of the table for each value, with the value in place of every {}. Otherwise
+// returns the table itself. Throws InputError for a list that is empty, has a value twice or is combined with other
+// keys that make several scenes, and if the name of the scene has no {}.
 std::vector<ExperimentTable> by_severity(const ExperimentTable& scene);
 
 // Returns the severity of a scene: its value in a list of severities, or the number in the table; NaN if there is none.

@@ -15,12 +15,12 @@ namespace hausbench {
 // to `result`, with their models and ledger entries.
 //
 // A row belongs to one or several profiles, and stays if it stays in at least one of them:
-// - In the plan's profile it is dropped if the plan *covers* it, because the plan has replaced it. A plan covers all
-//   rows of its profile if Plan::whole, otherwise the rows of its own scenes and solvers.
-// - Otherwise it stays in a profile if the experiment in its present form still asks for it there: for a case with the
-//   same identity, scene and label, on the models that the result recorded. It also stays if this is unknown, because
-//   its poses depend on a shape that is not available.
-// - It is dropped from all profiles if the plan uses one of its models and the model has changed since.
+// - From the plan's profile, a row is dropped if the plan *covers* it, because the plan has replaced it. A plan covers
+//   all rows of its profile if Plan::whole, otherwise the rows of its own scenes and solvers.
+// - In other profiles, and if it is not covered, a row stays if the experiment in its present form still asks for it
+//   there: for a case with the same identity, scene and label, on the models that the result recorded. A row also stays
+//   if this is unknown, because the poses depend on a shape that is not available.
+// - From all profiles, a row is dropped if the plan uses one of its models, but with other bytes.
 // If a row stays and the plan has the same case, only the plan's row remains, and it belongs to all these profiles.
 // A case of the plan that an interrupted run did not reach gets the outcome of its earlier row.
 //

@@ -80,7 +80,7 @@ Journal::~Journal() {
 }
 
 Journal::Journal(std::filesystem::path file, ReadOnly) : file_(std::move(file)) {
-    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // O_NONBLOCK: a pipe would wait
+    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // O_NONBLOCK: at a pipe, open() would wait
     if (descriptor_ < 0 && errno == ENOENT) return;
     if (descriptor_ < 0)
         throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));

@@ -23,7 +23,7 @@ void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vec
         const auto at = saved.find(entry.subject);
         if (entry.what != coarser_tolerances || at == saved.end()) continue;
         entry.seconds_saved = at->second;
-        at->second = 0;  // one subject may have several entries: the first gets their sum
+        at->second = 0;  // several entries may have this subject: the first gets the sum
     }
 }
 
@@ -63,7 +63,7 @@ void note_shapes_shared(const Job& job, const Finished& finished, std::vector<Le
         for (const Preparation& part : outcome->preparation) {
             if (part.round != 0 || part.name.starts_with("solver")) continue;
             const std::size_t side =
-                part.name.find(' ') + 1;  // "target BVH", or "target BVH (B to A)", which is over A
+                part.name.find(' ') + 1;  // names: "target BVH" or, for a structure over A, "target BVH (B to A)"
             const std::size_t back = part.name.find(" (B to A)");
             const bool over_target = part.name.starts_with("target") == (back == std::string::npos);
             Use& use = uses[part.name.substr(side, back - side)];

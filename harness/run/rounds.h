@@ -16,8 +16,8 @@ namespace hausbench {
 // gets the status of that round and keeps the bounds of round 0, which still hold.
 Outcome gather_rounds(const std::map<int, const Outcome*>& rounds);
 
-// Return the outcome of a case with a coarser tolerance, which allows the gap `gap` between its bounds. `fine` is the
-// outcome with the finest tolerance.
+// Return the outcome of a case with a coarser tolerance. `gap` is the largest upper - lower that this tolerance allows,
+// `fine` the outcome with the finest tolerance.
 // - read_off_answer() is for solvers that ignore the tolerance. It keeps the bounds; the status becomes `ok` if they
 //   meet the coarser tolerance.
 // - read_off_trace() takes the bounds from the first sample of the trace with a gap of at most `gap`. Without such a

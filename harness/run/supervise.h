@@ -20,8 +20,8 @@ struct Supervision {
 // Starts a worker and processes its events until it ends. A case gets its outcome when the worker sends "end" for it.
 // Cases that have no outcome when supervise() returns are for the next worker, which the caller starts.
 //
-// The worker is killed if it exceeds its time or memory limit or writes something that is not an event. In these cases,
-// and if it crashes, the case that it was answering gets an outcome with the reason and the end of the worker's output:
+// The worker is killed if it exceeds its time or memory limit or writes something that is not an event. Then, and if it
+// crashes, the case that it was answering gets an outcome with the reason and the end of the worker's output:
 // - If the worker was still loading and preparing a pair, all cases of the pair get this outcome.
 // - If the case was answered, and the worker was timing repeats, the answer counts.
 // - If the case is a pose of a warm chain, the poses after it are `failed`, because they depend on it. The poses before

@@ -8,10 +8,10 @@
 
 namespace hausbench {
 
-// Cases of one solver that are expected to take equally long.
+// A part of a run: cases of one solver that are expected to take equally long.
 struct OpenWork {
-    // Label of the solver. If its cases so far took twice as long as expected, its open cases are expected to do so,
-    // too, also in other parts of this kind.
+    // Label of the solver. If the cases of a solver took twice as long as expected in one part, its open cases in other
+    // parts are expected to do so, too.
     std::string kind;
     double expected = 0;              // seconds per case
     std::size_t open = 0, ended = 0;  // numbers of cases

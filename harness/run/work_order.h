@@ -47,7 +47,7 @@ struct WorkOrder {
         std::filesystem::path fields = {};  // file to write the fields to; empty: not requested
         bool stages = false;
         bool proof = false;  // request a certificate of the answer and check it
-        // Items of one search share a number and are adjacent; 0: not part of a search.
+        // Number of the search, in which the targets of one source are adjacent items; 0: not part of a search.
         std::size_t search = 0;
 
         // Lowers the cutoff to `least_upper`, the least upper bound among the earlier answers in the search: a target

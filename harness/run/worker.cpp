@@ -36,8 +36,8 @@ using nlohmann::json;
 
 namespace {
 
-// For the fields in results, A is cut until linear interpolation between its vertices errs by at most h / 4, or until
-// there are `most_pieces` pieces. The witness becomes a vertex, so that h itself is among the values.
+// For the fields in results, A is cut until linear interpolation between vertices errs by at most h / 4 where it is
+// tested (Drawing), or until there are `most_pieces` pieces. The witness becomes a vertex, so h is among the values.
 constexpr double resolution = 0.25;
 constexpr std::size_t most_pieces = 100'000;
 
