@@ -38,11 +38,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr std::size_t longest_line = std::size_t(1) << 28;  // a longer line means that the process is broken
+constexpr std::size_t longest_line = std::size_t(1) << 28;  // bytes; a longer line means that the child is broken
 constexpr milliseconds between_looks_at_memory(20);
 
-// Writes as much as the pipe takes now. Returns the number of bytes, or -1 if the reader is gone. Blocks SIGPIPE only
-// meanwhile and only in this thread, so that the program's own output can still end it, as in `show | head`.
+// Writes as much as fits into the pipe now. Returns the number of bytes written, or -1 if the reader has closed the
+// pipe. SIGPIPE, which would end this process then, is blocked only during the write and only in this thread: it must
+// still end `hausbench show ... | head`.
 ssize_t write_some(int descriptor, std::string_view text) {
     sigset_t pipe, before;
     sigemptyset(&pipe);
@@ -51,17 +52,17 @@ ssize_t write_some(int descriptor, std::string_view text) {
     ssize_t done = ::write(descriptor, text.data(), text.size());
     if (done < 0 && (errno == EINTR || errno == EAGAIN)) done = 0;
     const timespec none{};
-    if (!sigismember(&before, SIGPIPE)) ::sigtimedwait(&pipe, nullptr, &none);  // removes one that came
+    if (!sigismember(&before, SIGPIPE)) ::sigtimedwait(&pipe, nullptr, &none);  // removes a pending SIGPIPE
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
     return done;
 }
 
-// The living children of all threads. The lock is held while a child is started and while leftovers of a child are
-// killed; otherwise a child that was just started could be taken for an orphan.
+// The living children of all threads. The lock is held while a child is started, and while the descendants that an
+// ended child left behind are killed; otherwise a child that another thread has just started could be killed with them.
 std::mutex living_lock;
 std::vector<pid_t> living;
 
-// Restricts a child to these cores; called between fork and exec.
+// Restricts the calling process to these cores; called in the child, right after fork().
 void run_on(const std::vector<int>& cores) {
     if (cores.empty()) return;
     cpu_set_t set;
@@ -79,7 +80,7 @@ std::vector<std::string> environment_with(const std::string& temporary) {
     return all;
 }
 
-// Returns an array for execve(), which ends with a null pointer.
+// Returns pointers to the texts, then a null pointer, as execve() requires.
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
     std::vector<char*> all;
     for (std::string& text : texts) all.push_back(text.data());
@@ -98,11 +99,12 @@ struct Child::Pipes {
     }
 };
 
-// Starts a process that calls `child`, which does not return. It may make only calls that are safe after the fork of
-// a program with threads, unless the process is a copy that works (Launch::work).
+// Forks a process that calls `child`. If `child` returns, because the program cannot be run, the exit code is 127.
+// Unless the process runs Launch::work, `child` may make only calls that are safe after the fork of a program with
+// several threads.
 void Child::start(Pipes& pipes, const std::function<void()>& child) {
     ::prctl(PR_SET_CHILD_SUBREAPER, 1);
-    if (launch_.dies_with_parent) watch_group(0);  // starts the watch before `before_` is read, so it is spared
+    if (launch_.dies_with_parent) watch_group(0);  // starts its shell, which then is in `before_` and not killed
     own_bytes_ = resident_of(::getpid());
     const pid_t parent = ::getpid();
     std::unique_lock lock(living_lock);
@@ -114,7 +116,7 @@ void Child::start(Pipes& pipes, const std::function<void()>& child) {
         ::setpgid(0, 0);
         run_on(launch_.cores);
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // its orphans become its children and count as its own
+        ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // its orphans become its children, so family_of() finds them
         if (::getppid() != parent) ::_exit(127);
         ::dup2(pipes.feed[0], STDIN_FILENO);
         child();
@@ -126,7 +128,7 @@ void Child::start(Pipes& pipes, const std::function<void()>& child) {
     output_ = pipes.output[0];
     ::fcntl(output_, F_SETFL, O_NONBLOCK);
     if (pid_ > 0) {
-        ::setpgid(pid_, pid_);  // both processes call this; the order does not matter
+        ::setpgid(pid_, pid_);  // both processes call this, as either may run first
         if (launch_.dies_with_parent) watch_group(pid_);
         input_ = pipes.feed[1];
         ::fcntl(input_, F_SETFL, O_NONBLOCK);
@@ -144,7 +146,7 @@ Child::Child(Launch launch) : launch_(std::move(launch)) {
     const std::string temporary = folder_ ? folder_->path().string() : "";
     Pipes pipes;
     if (launch_.work) {
-        std::fflush(nullptr);  // otherwise the copy would write it again
+        std::fflush(nullptr);  // otherwise the copy would write buffered output a second time
         start(pipes, [&] {
             for (const int end : {pipes.feed[1], pipes.events[0], pipes.output[0]}) ::close(end);
             ::dup2(launch_.silent ? pipes.output[1] : STDERR_FILENO, STDOUT_FILENO);
@@ -165,16 +167,16 @@ Child::Child(Launch launch) : launch_(std::move(launch)) {
         if (!launch_.folder.empty() && ::chdir(launch_.folder.c_str()) != 0) ::_exit(127);
         ::dup2(launch_.silent ? ::open("/dev/null", O_WRONLY) : pipes.output[1], STDOUT_FILENO);
         ::dup2(pipes.output[1], STDERR_FILENO);
-        if (launch_.events) ::fcntl(pipes.events[1], F_SETFD, 0);  // inherited
+        if (launch_.events) ::fcntl(pipes.events[1], F_SETFD, 0);  // keeps it open in the program
         ::signal(SIGPIPE, SIG_DFL);
-        sigset_t none;  // a worker blocks the signal that tells it of its parent's end
+        sigset_t none;  // unblocks the signals that end_family_with_parent() blocks in a worker
         sigemptyset(&none);
         ::sigprocmask(SIG_SETMASK, &none, nullptr);
         ::execve(arguments[0], arguments.data(), variables);
     });
 }
 
-// Writes more of the child's input, and closes the pipe after the last byte.
+// Writes as much of Launch::input as fits into the pipe now, and closes the pipe after the last byte.
 void Child::feed() {
     while (input_ >= 0) {
         const std::string_view rest = std::string_view(launch_.input).substr(fed_);
@@ -184,7 +186,7 @@ void Child::feed() {
             fed_ += std::size_t(written);
             continue;
         }
-        ::close(input_);  // finished, or the child reads no more: listen() and wait() report its end
+        ::close(input_);  // everything is written, or the child has closed the pipe; wait() tells whether it has ended
         input_ = -1;
     }
 }
@@ -197,8 +199,8 @@ Child::~Child() {
     if (output_ >= 0) ::close(output_);
 }
 
-// Reads all available output, so that the child never blocks, and keeps only the end. Sets `output_` to -1 at the end
-// of the pipe.
+// Reads all available output, so that the child never waits for room in the pipe, and keeps only the end. Sets
+// `output_` to -1 when nothing can follow.
 void Child::read_output() {
     char bytes[1 << 16];
     while (output_ >= 0) {
@@ -239,9 +241,9 @@ Child::Heard Child::listen(milliseconds wait, std::string& line) {
         if (!on[0].revents) {
             if (ready > 0 && left.count() > 0) continue;
             if (status_) return Heard::closed;
-            // A descendant may hold the pipe open: this kills it once the child has ended, which closes the pipe.
+            // If the child has ended but a descendant holds the pipe open, this kills the descendant.
             look_for_end(WNOHANG);
-            return Heard::nothing;  // the caller checks for interrupts
+            return Heard::nothing;  // lets the caller check for interrupts
         }
         char bytes[1 << 16];
         const ssize_t n = ::read(events_, bytes, sizeof bytes);
@@ -271,7 +273,7 @@ Child::End Child::wait(const ChildLimits& limits) {
     return end;
 }
 
-// Notices the end of the child within a millisecond, or at once if its output ends with it.
+// Notices the end of the child within a millisecond, or at once if the child was the last to hold the output pipe open.
 bool Child::ended_within(milliseconds wait) {
     const auto deadline = Clock::now() + wait;
     for (;;) {
@@ -284,6 +286,8 @@ bool Child::ended_within(milliseconds wait) {
     }
 }
 
+// Checks whether the child has ended; unless `flags` has WNOHANG, waits until it has. Then kills everything that the
+// child left behind.
 void Child::look_for_end(int flags) {
     if (status_) return;
     int status = 0;
@@ -298,7 +302,7 @@ void Child::look_for_end(int flags) {
     if (launch_.dies_with_parent) watch_group(0);
     ::kill(-pid_, SIGKILL);  // the rest of its group
     {
-        const std::lock_guard lock(living_lock);  // then the processes that left the group
+        const std::lock_guard lock(living_lock);  // then descendants that left the group
         std::erase(living, pid_);
         std::vector<pid_t> spared = before_;
         spared.insert(spared.end(), living.begin(), living.end());
@@ -311,7 +315,7 @@ void Child::kill() {
     if (status_) return;
     const std::vector<pid_t> family = family_of(pid_);
     ::kill(-pid_, SIGKILL);                                     // its process group
-    for (const pid_t member : family) ::kill(member, SIGKILL);  // the child first: its group may not exist yet
+    for (const pid_t member : family) ::kill(member, SIGKILL);  // also the child, whose group may not exist yet
 }
 
 std::string Child::how_it_ended() {
@@ -333,8 +337,8 @@ bool Child::takes_more_than(std::int64_t bytes) const {
         for (const pid_t member : family) all += of(member);
         return all;
     };
-    // Resident sets are cheap to read and never smaller, so only several processes whose sum exceeds the limit need
-    // the exact sum.
+    // The sum of the resident sets is cheap, exact for one process, and never less than the sum of the proportional
+    // sets (memory.h). So these are read only if there are several processes and their resident sets exceed the limit.
     return sum(resident_of) > bytes && (family.size() == 1 || sum(proportional_bytes_of) > bytes);
 }
 

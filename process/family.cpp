@@ -15,7 +15,7 @@ std::vector<pid_t> family_of(pid_t process, const std::vector<pid_t>& spared) {
     std::vector<pid_t> all{process};
     for (std::size_t i = 0; i < all.size(); ++i) {
         const pid_t parent = all[i];
-        // The kernel lists a child under the thread that started it.
+        // The kernel lists each child under the thread that started it, so all threads are asked.
         std::error_code gone;
         for (std::filesystem::directory_iterator thread(fmt::format("/proc/{}/task", parent), gone), end;
              !gone && thread != end; thread.increment(gone)) {
@@ -29,7 +29,7 @@ std::vector<pid_t> family_of(pid_t process, const std::vector<pid_t>& spared) {
 }
 
 void end_family(const std::vector<pid_t>& spared) {
-    // Tries for a second; a process blocked in the kernel dies when its call returns.
+    // Gives up after a second: a process that is blocked in the kernel dies only when its system call returns.
     for (int tries = 0; tries < 1000; ++tries) {
         bool any = false;
         for (const pid_t member : family_of(::getpid(), spared)) {

@@ -7,12 +7,13 @@
 
 namespace hausbench {
 
-// Returns a process, first, and all its descendants. A process whose parent has ended becomes a child of the nearest
-// ancestor that is a subreaper (prctl). Processes in `spared` are left out, with their descendants.
+// Returns a process, then all its descendants; leaves out processes in `spared` and their descendants. A descendant
+// whose parent has ended is found only if an ancestor is a subreaper (prctl), because it then becomes a child of the
+// nearest one.
 std::vector<pid_t> family_of(pid_t process, const std::vector<pid_t>& spared = {});
 
-// Kills all descendants of this process except `spared` and their descendants. Repeats until none is left, for at
-// most a second.
+// Kills all descendants of this process except those in `spared` and their descendants. Repeats until none is left,
+// for at most a second.
 void end_family(const std::vector<pid_t>& spared);
 
 }  // namespace hausbench

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<int, 2> held_signals = {SIGINT, SIGTERM};
 
 int holders = 0;
-std::atomic<int> signal_that_came = 0;  // lock-free, so a handler may write it
+std::atomic<int> signal_that_came = 0;  // lock-free, so that a signal handler may write it
 std::array<struct sigaction, held_signals.size()> actions_before;
 
 }  // namespace
@@ -22,7 +22,7 @@ HoldInterrupts::HoldInterrupts() {
     signal_that_came = 0;
     for (std::size_t i = 0; i < held_signals.size(); ++i) {
         ::sigaction(held_signals[i], nullptr, &actions_before[i]);
-        if (actions_before[i].sa_handler != SIG_DFL) continue;  // ignored, or it has another handler
+        if (actions_before[i].sa_handler != SIG_DFL) continue;  // leaves signals that are ignored or handled elsewhere
         struct sigaction action {};
         action.sa_handler = [](int number) { signal_that_came = number; };
         ::sigaction(held_signals[i], &action, nullptr);

@@ -3,9 +3,9 @@
 
 namespace hausbench {
 
-// While an instance exists, SIGINT (Ctrl-C) and SIGTERM are deferred; poll came() and stop. The last instance to be
-// destroyed delivers the signal, unless handled() was called. Create instances on one thread only; any thread may
-// call came().
+// While an instance exists, SIGINT (Ctrl-C) and SIGTERM do not end this process. Poll came(), and stop when it returns
+// true. When the last instance is destroyed, a signal that came ends the process after all, unless handled() was
+// called. Create instances on one thread only; any thread may call came().
 class HoldInterrupts {
 public:
     HoldInterrupts();
@@ -14,8 +14,8 @@ public:
     HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 
     static bool came();
-    static void handled();  // call it after acting on the signal; it is then not delivered
-    // Ends this process by the signal that came, even if other instances exist.
+    static void handled();  // call it after acting on the signal, which then does not end the process
+    // Ends this process by the signal that came, even while instances exist.
     [[noreturn]] static void deliver();
 };
 

@@ -15,7 +15,7 @@ namespace hausbench {
 
 namespace {
 
-// Returns a size, in bytes, from a file of /proc; -1 if the kernel does not give it.
+// Returns the size, in bytes, on the line of a /proc file that starts with `key`; -1 if there is none.
 std::int64_t size_in(const std::string& file, std::string_view key) {
     std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {
@@ -51,7 +51,7 @@ std::int64_t spare_bytes() {
     for (std::ifstream in("/proc/meminfo"); in >> key >> number && std::getline(in, unit);)
         if (key == "MemAvailable:") spare = number * 1024;
     for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
-        if (std::ifstream in(file); in >> number) spare = std::min(spare, number);  // "max" is not a number
+        if (std::ifstream in(file); in >> number) spare = std::min(spare, number);  // skips "max", no limit
     return spare / 4 * 3;
 }
 

@@ -7,12 +7,13 @@
 
 namespace hausbench {
 
-// A temporary folder TMPDIR/hausbench-KIND-XXXXXX, removed with this object. A lock marks it as used until this
-// process ends in any way. Before a process makes its first folder, it removes the folders that no process has
-// locked.
+// A temporary folder TMPDIR/hausbench-KIND-XXXXXX, removed with this object. This process holds a lock on the folder,
+// which the kernel releases however the process ends. Before a process makes its first folder, it removes folders of
+// such a name that no process has locked: they were left behind by killed processes.
 class ScratchFolder {
 public:
-    // Throws InputError if no folder can be made or locked, and then leaves none behind.
+    // `kind`: one of `kinds` in scratch.cpp; folders of other kinds would never be recognised as left behind. Throws
+    // InputError if no folder can be made or locked, and then leaves none behind.
     explicit ScratchFolder(std::string_view kind);
     ~ScratchFolder();
     ScratchFolder(const ScratchFolder&) = delete;

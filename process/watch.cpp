@@ -22,8 +22,8 @@ namespace hausbench {
 
 namespace {
 
-// Starts a shell that kills the last group written to its input when the input ends, as it does when this process
-// ends. Returns the descriptor of the input; -1 on failure.
+// Starts a shell that reads numbers of process groups from its input, one per line. The input ends when this process
+// ends; the shell then kills the group that it read last. Returns the descriptor to write to; -1 on failure.
 int start_watch() {
     int talk[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, talk) != 0) return -1;
@@ -42,8 +42,8 @@ int start_watch() {
     return child < 0 ? -1 : talk[1];
 }
 
-// Waits for at most a second until this thread of our own process sleeps. Otherwise, on a busy machine, its start
-// could fall into a timed solve, which would then seem to use two threads.
+// Waits until a thread of this process sleeps, for at most a second. Otherwise, on a busy machine, the start of the
+// thread could fall into a timed solve, which would then seem to use two threads.
 void wait_until_asleep(pid_t thread) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
     while (std::chrono::steady_clock::now() < end) {
@@ -70,7 +70,7 @@ void end_family_with_parent() {
     sigset_t signals;
     sigemptyset(&signals);
     sigaddset(&signals, parent_ended);
-    sigaddset(&signals, SIGHUP);  // sent, with SIGCONT, if this process is stopped when its parent ends
+    sigaddset(&signals, SIGHUP);  // the kernel sends it, with SIGCONT, to a stopped process whose parent ends
     ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::promise<pid_t> start;
     std::future<pid_t> started = start.get_future();
@@ -85,7 +85,7 @@ void end_family_with_parent() {
         }
     }).detach();
     ::prctl(PR_SET_PDEATHSIG, parent_ended);
-    if (::getppid() != parent) ::raise(parent_ended);  // the parent has ended meanwhile
+    if (::getppid() != parent) ::raise(parent_ended);  // the parent ended before prctl()
     wait_until_asleep(started.get());
 }
 

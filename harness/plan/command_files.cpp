@@ -22,14 +22,14 @@ namespace fs = std::filesystem;
 
 struct Word {
     std::string text;
-    bool first;    // of a command
-    bool plain;    // the shell expands nothing in it, and it has no placeholder
-    bool written;  // follows ">"
+    bool first;    // the first word of a command, so the name of a program
+    bool plain;    // without placeholders and without anything that the shell expands
+    bool written;  // follows ">", so the name of an output file
 };
 
 struct Line {
     std::vector<Word> words;
-    bool certain = true;  // no word changes where programs are found
+    bool certain = true;  // no word changes where programs are found, so a program that is not found is missing
 };
 
 template <std::size_t n> bool is_one_of(const std::string& word, const std::array<std::string_view, n>& list) {
@@ -41,14 +41,14 @@ bool is_assignment(const std::string& word) {
     return equals != std::string::npos && equals > 0 && word.find('/') > equals;
 }
 
-// Returns whether the word after this one is a program, too.
+// Returns whether the word after this one names a program, as after "time" or "X=1".
 bool goes_on(const std::string& word) {
     constexpr std::array<std::string_view, 12> before = {"!",  "{",     "if",    "then", "elif", "else",
                                                          "do", "while", "until", "exec", "time", "command"};
     return is_one_of(word, before) || is_assignment(word);
 }
 
-// Returns whether this is a word of the shell, which need not be a program in a file.
+// Returns whether the shell itself provides this command, so that there need not be a file of this name.
 bool is_builtin(const std::string& word) {
     constexpr std::array<std::string_view, 34> builtins = {
         ":",    "[",     "bg",      "break", "case", "continue", "done",   "echo",  "esac", "exit",   "false", "fg",
@@ -57,6 +57,7 @@ bool is_builtin(const std::string& word) {
     return is_one_of(word, builtins);
 }
 
+// Returns whether the word may change which file a later program name leads to.
 bool changes_the_search(const std::string& word) {
     constexpr std::array<std::string_view, 6> changing = {".", "alias", "cd", "eval", "export", "local"};
     return is_one_of(word, changing) || word.starts_with("PATH=");
@@ -113,7 +114,7 @@ private:
             word_.written = c == '>';
             if (next() == '&') ++i_;
         } else if (separators.find(c) != std::string_view::npos) {
-            if (c == '(' && next() == ')') found_.certain = false;  // a function
+            if (c == '(' && next() == ')') found_.certain = false;  // defines a function
             end_word();
             first_ = true;
         } else if (c == '#' && !begun_) {
@@ -156,7 +157,7 @@ std::optional<fs::path> program_at(const std::string& name, const fs::path& fold
     const char* path = std::getenv("PATH");
     std::istringstream places(path ? path : "/usr/local/bin:/usr/bin:/bin");
     for (std::string place; std::getline(places, place, ':');) {
-        const fs::path file = folder / place / name;  // an empty place is the current folder
+        const fs::path file = folder / place / name;  // an empty place in PATH is `folder`
         if (file_at(file) && ::access(file.c_str(), X_OK) == 0) return file;
     }
     return std::nullopt;

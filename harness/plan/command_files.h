@@ -10,18 +10,21 @@
 namespace hausbench {
 
 struct CommandFiles {
-    std::string sha256;   // of the contents of all files, in order; empty if none is found
-    std::string missing;  // names a program that is not found, with the remedy; empty if there is none
+    std::string sha256;   // of the contents of all files, in the order of the words; empty if no file is found
+    std::string missing;  // error message for the first program that is not found, with a hint; empty if there is none
 };
 
-// Returns the files that a command line names. The first word of each command is a program, looked up as the shell
-// does: in PATH or, if it contains a slash, relative to `folder` (absolute). Any other word, and the part of a word
-// after "=", counts if it is the name of a file. Skips words with placeholders such as {A}, variables or wildcards,
-// the files that ">" writes, and programs that another program starts.
+// Finds and hashes the files that a shell command line names:
+// - The first word of each command is a program. It is looked up as the shell does: in PATH or, if it contains a slash,
+//   relative to `folder`, an absolute path.
+// - Any other word counts if it is the name of a file, and so does the part of a word after "=".
+// Leaves out words with placeholders such as {A}, with variables or with wildcards, and files that ">" writes. Does not
+// see the programs that another program starts. No program is reported as missing if a word such as `cd` may change
+// where programs are found.
 CommandFiles files_of_command(const std::string& line, const std::filesystem::path& folder);
 
-// Returns whether answers do not depend on the tolerance: the solver says so, or it is `external` and its command
-// line does not mention the tolerance.
+// Returns whether the solver's answer is the same for every tolerance: SolverInfo says so, or the solver is `external`
+// and its command line does not mention the tolerance.
 bool ignores_tolerance(const SolverInfo& info, const ParameterMap& options);
 
 }  // namespace hausbench

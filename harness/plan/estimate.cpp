@@ -22,16 +22,17 @@ namespace {
 constexpr double start_seconds = 0.022;        // to start a worker and to check its answers
 constexpr double load_seconds = 1e-7;          // per element of either shape
 constexpr double seconds_per_distance = 3e-9;  // point to point, without cache misses
-constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // rough, for solvers with trees
+constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // k in estimate.h, roughly
 
-// Resident bytes of a worker by itself, of a point or vertex, and of the corners of a triangle.
+// Resident bytes of a worker without shapes, of a point or vertex, and of the corners of a triangle.
 constexpr std::int64_t worker_bytes = 60 << 20, bytes_per_point = 24, bytes_per_triangle = 12;
 
-// Bytes per element that solvers take besides, if no earlier run tells. The boxes of a few solvers need more,
-// everything else less.
+// Bytes per element that a solver takes in addition to the shapes, if no earlier run tells. The bounding boxes of a few
+// solvers take more; everything else takes less.
 constexpr double solver_bytes_per_point = 200, solver_bytes_per_triangle = 600;
 
-// The memory of a solver is not proportional to the size of smaller shapes.
+// Rows with fewer elements than this tell nothing about the bytes per element: on small shapes, the memory of a solver
+// is not proportional to the number of elements.
 constexpr double least_elements_to_learn_from = 10000;
 
 bool takes_meshes(const std::string& solver) {
@@ -53,9 +54,9 @@ double guessed_bytes(const Case& c) {
 double elements(const Case& c) { return double(c.source_elements) + double(c.target_elements); }
 
 struct Known {
-    double prepare = 0, solve = 0;
-    double work = 0;
-    bool answered = false;
+    double prepare = 0, solve = 0;  // seconds
+    double work = 0;                // see expected_work()
+    bool answered = false;          // these are times of the case itself, not of another one
 };
 
 }  // namespace
@@ -68,7 +69,7 @@ struct Estimates::Memory {
             if (entry->path().extension() != ".h5") continue;
             try {
                 for (const Row& row : read_result(entry->path()).rows) learn(row);
-            } catch (const InputError&) {  // a damaged file only costs us its times
+            } catch (const InputError&) {  // without a damaged file, estimates are only less accurate
             }
         }
     }
@@ -92,7 +93,7 @@ struct Estimates::Memory {
         const auto others = times.find(asked.solver);
         const double work = expected_work(asked);
         if (others == times.end()) return {0, work * seconds_per_distance, work, false};
-        const Known& near = others->second.nearest(work);  // scaled to this case
+        const Known& near = others->second.nearest(work);
         return {near.prepare * work / near.work, near.solve * work / near.work, work, false};
     }
 
@@ -112,7 +113,8 @@ Estimates::~Estimates() = default;
 
 namespace {
 
-// Returns the bytes of the coordinates and corners of a model's shape; 0 for the file of a shape that no model has.
+// Returns the bytes of the shape in this file, for its coordinates and the corners of its triangles; 0 if no model of
+// the plan has this file.
 std::int64_t shape_bytes(const Plan& plan, const fs::path& file) {
     for (const ModelRow& model : plan.models) {
         if (model.resolved.shape_file != file) continue;
@@ -122,8 +124,8 @@ std::int64_t shape_bytes(const Plan& plan, const fs::path& file) {
     return 0;
 }
 
-// Returns the bytes of a worker and all shapes of a matrix together, each counted twice: as it is read, and as it is
-// kept.
+// Returns the bytes of the job's worker and all its shapes together. Each shape counts twice: once while it is read
+// from its file, and once as the worker keeps it.
 std::int64_t loaded_bytes(const Plan& plan, const Job& job) {
     std::set<fs::path> files;
     for (const Job::Pair& pair : job.pairs) files.insert({pair.source_file, pair.target_file});

@@ -1,5 +1,5 @@
-// Estimates the time and memory of a job before it is run: for `explain`, for the order of work side by side, and for
-// shards.
+// Estimates the time and memory of a job before it is run: for `explain`, for the order of jobs that run side by side,
+// and for shards.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -13,19 +13,25 @@
 namespace hausbench {
 
 struct JobEstimate {
-    double seconds = 0;  // of all rounds and repeats
+    double seconds = 0;  // for all rounds and repeats together
     // Upper estimate of the worker's resident set: the shapes and the solver's memory.
     std::int64_t bytes = 0;
-    std::size_t known = 0;  // cases that an earlier run answered
+    std::size_t known = 0;  // number of cases that an earlier run on this machine has timed
 };
 
-// Estimates from the result files in `results`: from the same case, otherwise from the same solver on other shapes,
-// scaled by the expected work, otherwise from the expected work alone. Times are taken from this machine only, memory
-// from any machine. The expected work is |A| |B| distances for naive and k (|A| + |B|) for the others; memory is a
-// number of bytes per element of both shapes.
+// Estimates the time and memory of jobs from the results of earlier runs.
+//
+// The time of a case is taken from the same case if it was run on this machine. Otherwise it is taken from the case of
+// the same solver with the most similar expected work, and multiplied by the ratio of the expected works. If this
+// machine has run no case of the solver, the expected work alone decides. The expected work, as a number of distances
+// between two points, is |A| * |B| for `naive` and k * (|A| + |B|) for the others, where |A| and |B| are numbers of
+// elements and k is larger if the solver accepts meshes.
+//
+// The memory is a number of bytes per element of both shapes, taken from the case of the same solver with the nearest
+// number of elements, on any machine.
 class Estimates {
 public:
-    // Reads the folder at the first call of of(). Files that cannot be read are ignored.
+    // `results`: folder of result files, read at the first call of of(). Files that cannot be read are ignored.
     explicit Estimates(const std::filesystem::path& results);
     ~Estimates();
 
@@ -37,15 +43,15 @@ private:
     mutable std::unique_ptr<const Memory> memory_;
 };
 
-// Returns the least memory that a worker of the job takes, in bytes: the shapes of its largest pair, once, whatever
-// the solver.
+// Returns a lower estimate of the memory of the job's worker, in bytes: one copy of the two shapes of the largest pair,
+// and nothing for the solver.
 std::int64_t least_bytes(const Plan& plan, const Job& job);
 
-// The beginning of every reason that does_not_fit() gives.
+// Every reason that does_not_fit() returns begins with this text. A later run recognises such rows by it.
 inline constexpr std::string_view not_started = "not started: ";
 
-// Returns why the job cannot run: its least memory exceeds the limit of its cases or `memory`, the memory of the
-// machine, in bytes. Empty if it can.
+// Returns the reason why the job cannot run, or an empty string if it can. It cannot run if least_bytes() exceeds the
+// memory limit of its cases or `memory`, the memory of the machine in bytes.
 std::string does_not_fit(const Plan& plan, const Job& job, std::int64_t memory);
 
 }  // namespace hausbench

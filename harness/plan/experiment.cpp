@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Merges `over` into `base`: its keys replace keys of `base`, and tables are merged key by key. Moves the nodes,
-// because a copy forgets its line.
+// Merges `over` into `base`. A key of `over` replaces the same key of `base`; two tables are merged key by key. Moves
+// the nodes, because a copied node loses its line number.
 void merge(toml::table& base, toml::table& over) {
     for (auto&& [key, node] : over) {
         toml::table* into = base[key].as_table();
@@ -39,7 +39,7 @@ void merge(toml::table& base, toml::table& over) {
     }
 }
 
-// Returns the names of all profiles: the two that every experiment has, and its own.
+// Returns the names of all profiles: the two that every experiment has, and those that the file defines.
 std::vector<std::string> profiles_of(const toml::table& table) {
     std::set<std::string> known = {"quick", "paper"};
     if (const toml::table* profiles = table["profile"].as_table()) {
@@ -48,6 +48,7 @@ std::vector<std::string> profiles_of(const toml::table& table) {
     return {known.begin(), known.end()};
 }
 
+// Returns whether a scene or solver belongs to the profile: its key `profiles` lists the profile, or is missing.
 bool wanted(const ExperimentTable& reader, const std::string& profile, const std::vector<std::string>& known) {
     const auto profiles = reader.texts("profiles");
     for (const std::string& name : profiles) {
@@ -57,7 +58,7 @@ bool wanted(const ExperimentTable& reader, const std::string& profile, const std
     return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
 }
 
-// Accepts the labels of all solvers of the file, whatever their profile.
+// Reads `expected_unsound`. It may list the label of any solver in the file (`labels`), also of one in another profile.
 std::vector<std::string> read_expected_unsound(const ExperimentTable& root, const std::vector<std::string>& labels) {
     const auto expected = root.texts("expected_unsound");
     for (const std::string& label : expected) {
@@ -128,7 +129,7 @@ void read_limits(const ExperimentTable& root, Experiment& experiment) {
     experiment.reference_seconds = reader.limit("reference_seconds", experiment.reference_seconds);
 }
 
-// Checks the keys of every profile, whichever is run.
+// Checks the keys of all profiles, not only of the one that is run.
 void expect_profiles(const fs::path& file, const toml::table& table) {
     const toml::node* profiles = table.get("profile");
     if (!profiles) return;
@@ -202,7 +203,8 @@ void read_top(const ExperimentTable& root, Experiment& experiment) {
     read_limits(root, experiment);
 }
 
-// Names of scenes, of matrices and of the scenes that `each` makes: in this profile, and in any.
+// The names that a solver may list in `scenes`: of scenes, of matrices, and of the scenes that one [[scene]] makes.
+// `wanted` are the names in the profile that is run, `all` those in any profile.
 struct SceneNames {
     std::set<std::string> wanted, all;
 };
@@ -231,11 +233,11 @@ SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::strin
                     fmt::format("two scenes named '{}' in profile {}: rename one", scene.name, experiment.profile));
         }
     }
-    names.wanted.insert(swept.begin(), swept.end());  // a sweep can also be named as a whole
+    names.wanted.insert(swept.begin(), swept.end());  // a solver may also list a sweep as a whole
     return names;
 }
 
-// Returns the labels of all solvers, whatever their profile.
+// Reads the solvers of the profile. Returns the labels of all solvers in the file, also of solvers in other profiles.
 std::vector<std::string> read_solvers(const ExperimentTable& root, const std::vector<std::string>& profiles,
                                       const SceneNames& names, Experiment& experiment) {
     std::vector<std::string> labels;
@@ -251,8 +253,7 @@ std::vector<std::string> read_solvers(const ExperimentTable& root, const std::ve
                 fmt::format("unknown scene '{}'{}", scene, nearest_hint(scene, {names.all.begin(), names.all.end()})));
         }
         expect_searches(table, solver, experiment.scenes);
-        // Leaves out a solver whose scenes all belong to other profiles: with an empty list it would run on every
-        // scene.
+        // A solver whose scenes all belong to other profiles has nothing to run in this one.
         if (!solver.scenes.empty() && std::none_of(solver.scenes.begin(), solver.scenes.end(),
                                                    [&](const auto& s) { return names.wanted.contains(s); }))
             continue;
@@ -307,7 +308,7 @@ Experiment read_experiment(const fs::path& file, const std::string& profile, Plu
 }
 
 Experiment read_experiment_with(const fs::path& file, const std::string& solver, const std::string& profile) {
-    static_cast<void>(read_experiment(file, profile));  // loads its plug-ins; reports mistakes by line
+    static_cast<void>(read_experiment(file, profile));  // loads the plug-ins; reports mistakes with their lines
     const auto& parameters = find_solver(solver).info.parameters;
     if (std::any_of(parameters.begin(), parameters.end(), [](const ParameterSpec& one) { return one.required(); }))
         throw InputError(fmt::format("--with {}: needs parameters: write a [[solver]] with them in a copy of {}",

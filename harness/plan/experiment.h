@@ -16,13 +16,18 @@
 
 namespace hausbench {
 
+// A scene: two shapes, A (`source`) and B (`target`), and their motions. One [[scene]] table may describe several.
 struct ScenePlan {
-    std::string name, source, target;      // models, by name, or files, by path (own_models.h)
-    int source_line = 0, target_line = 0;  // lines in the experiment's file
-    // Name of the [[scene]] with `sources` and `targets` to which this pair belongs, otherwise empty.
+    std::string name, source, target;      // each shape: a model, by name, or a file, by path (own_models.h)
+    int source_line = 0, target_line = 0;  // lines of `source` and `target` in the experiment file, for messages
+    // Name of the *matrix* to which this scene belongs, a [[scene]] with `sources` and `targets` that makes one scene
+    // for each pair of them. Otherwise empty.
     std::string matrix;
-    bool search = false;  // in a matrix: the targets of each source form one chain, see Case::chain
-    // Name of the [[scene]] with `each` (and {}) or `recording` that expands to this scene, otherwise empty.
+    // In a matrix: only the nearest target of each source is wanted. So the targets of a source are run in order, as
+    // one chain, in which each answer can lower the cutoff of the next ones (Case::chain).
+    bool search = false;
+    // Name of the [[scene]] with `each`, with a `recording` or with a list of severities that makes this scene and
+    // others like it. Otherwise empty.
     std::string each;
     std::string note;
     std::vector<double> tolerances;  // this scene's own; empty: the solver's
@@ -31,18 +36,19 @@ struct ScenePlan {
     double severity = std::numeric_limits<double>::quiet_NaN();  // its value in that sweep
     // The exact value of the experiment's quantity, if known, otherwise NaN.
     double exact = std::numeric_limits<double>::quiet_NaN();
-    // One of them is static, or both have the same number of poses.
+    // Motions of A and B. If neither is static, they have the same number of poses.
     Motion motion = Static{}, target_motion = Static{};
-    std::vector<int> frames;  // the frame of each pose of a recording, otherwise empty
+    std::vector<int> frames;  // for a recording: the number of the frame of each pose; otherwise empty
 };
 
+// A [[solver]] table.
 struct SolverPlan {
     std::string name, label;
     std::vector<ParameterMap> options;       // one for each combination of swept parameters
     std::vector<double> tolerances;          // this solver's own, otherwise the experiment's
     std::vector<std::string> scenes;         // runs only on these; empty: on all
     Quantity quantity = Quantity::directed;  // this solver's own, otherwise the experiment's
-    // This solver's own, else the experiment's; 1 if the solver does not support more.
+    // This solver's own, otherwise the experiment's. A solver without support for threads runs with one all the same.
     int threads = 1;
     // Each pose starts from the state that the pose before it left, see State.
     bool warm = false;
@@ -50,26 +56,29 @@ struct SolverPlan {
 
 struct Experiment {
     std::string stem, title, paper, profile;
-    std::string toml;  // verbatim
+    std::string toml;  // text of the experiment file, verbatim
     std::filesystem::path file;
     std::filesystem::path folder() const { return std::filesystem::absolute(file).parent_path(); }
     std::vector<ModelInfo> models;  // [model.NAME], and models described in scenes
     std::vector<ScenePlan> scenes;
     std::vector<SolverPlan> solvers;
     std::vector<double> tolerances;
-    std::string of = "diagonal";  // one of tolerance_units
-    // In the unit that `of` names; if that is `lower`, as lengths.
+    std::string of = "diagonal";  // unit of the tolerances, the floor and the cutoff: one of tolerance_units
+    // Distances at which a solver may stop early, see Query. If `of` is "lower", these two are lengths.
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();
     std::int64_t budget = -1;  // see Query; -1: none
     Quantity quantity = Quantity::directed;
-    int threads = 1;  // most that a solver may use, see Query
+    int threads = 1;  // the most that a solver may use, see Query
     int repeats = 5;  // timed repeats per round
-    int rounds = 1;   // fresh processes; the order of solvers alternates (ABBA)
-    // Reads coarser tolerances off the trace of the finest, for solvers that trace.
+    // Number of rounds. A round runs every case, in fresh processes. The order of the solvers is reversed from one
+    // round to the next (ABBA), so that none of them always runs first.
+    int rounds = 1;
+    // Records the bounds over time, for solvers that trace. Answers to coarser tolerances may then be read off the
+    // trace of the finest one instead of being run.
     bool trace = false;
-    bool fields = false;  // values for each vertex and element of A, see Outcome::fields_sha256
-    bool stages = false;  // seconds by stage, from a run that is not timed, see Wanted::stages
-    // One certified answer for each scene and pose to check the others against (references.h).
+    bool fields = false;  // keeps values for each vertex and element of A, see Outcome::fields_sha256
+    bool stages = false;  // keeps the seconds of each stage, from a run that is not timed, see Wanted::stages
+    // Computes one certified answer for each scene and pose, to check the other answers against (references.h).
     bool reference = true;
     double reference_seconds = 10;  // limit for each of these answers
     Limits limits;
@@ -77,17 +86,19 @@ struct Experiment {
     std::vector<std::string> expected_unsound;
 };
 
-// Reads an experiment in one profile. `each = "corpus"` takes the names from corpus.toml beside the manifest
-// (paths.h). Throws InputError with file, line and key for anything unknown (with the nearest known name), missing or
-// out of range: keys, solvers, parameters and their values, own models, files of poses. Names of models are checked
-// by own_models.h. Loads the plug-ins that the file names; with `refused`, naming one is an error.
+// Reads an experiment in one profile. Loads the plug-ins that the file names; with PlugIns::refused, it is an error if
+// the file names any. For `each = "corpus"`, the names are read from corpus.toml beside the manifest (paths.h).
+//
+// Throws InputError, with file, line and key, for anything that is unknown (with the nearest known name), missing or
+// out of range: keys, solvers, parameters and their values, the file's own models, files of poses. Names of models are
+// not checked here but in add_own_models() (own_models.h).
 enum class PlugIns { loaded, refused };
 Experiment read_experiment(const std::filesystem::path& file, const std::string& profile,
                            PlugIns plug_ins = PlugIns::loaded);
 
-// Returns the scenes of an experiment with another solver and its defaults as an experiment named STEM_SOLVER, whose
-// text is made from the text of the file. Keys that name solvers of the file (`solver`, `claim`, `expected_unsound`)
-// are left out.
+// Returns an experiment named STEM_SOLVER that runs one solver, with default parameters, on the scenes of the
+// experiment STEM. Its text is made from the text of the file, without the keys that name other solvers (`solver`,
+// `claim`, `expected_unsound`).
 Experiment read_experiment_with(const std::filesystem::path& file, const std::string& solver,
                                 const std::string& profile);
 
@@ -99,7 +110,7 @@ Experiment in_profile(const Experiment& experiment, const std::string& profile);
 // bounds that hold.
 bool unsound_expected(const Case& asked, const Experiment& experiment);
 
-// Returns the models that the text of an experiment defines in a profile. Relative paths count from the folder of
+// Returns the models that the text of an experiment defines in a profile. Relative paths start from the folder of
 // `file`.
 std::vector<ModelInfo> models_of(const std::filesystem::path& file, const std::string& toml,
                                  const std::string& profile);

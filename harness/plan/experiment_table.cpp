@@ -5,7 +5,8 @@
 namespace hausbench {
 
 double ExperimentTable::limit(std::string_view key, double otherwise) const {
-    constexpr double most = 1e8;  // megabytes or seconds: no machine has more, and it fits into counters of nanoseconds
+    // More megabytes than any machine has. As seconds it is 3 years, which still fits into 64-bit nanoseconds.
+    constexpr double most = 1e8;
     const toml::node* node = find(key);
     return node ? positive(*node, key, most) : otherwise;
 }

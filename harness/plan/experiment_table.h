@@ -19,7 +19,7 @@ public:
         refuse_other_keys();
     }
 
-    double limit(std::string_view key, double otherwise) const;  // seconds or megabytes
+    double limit(std::string_view key, double otherwise) const;  // above 0, in seconds or megabytes
     Vec3 vector(std::string_view key) const;
     std::vector<double> tolerances(std::string_view key) const;  // empty if the key is missing
 };

@@ -20,8 +20,7 @@ namespace hausbench {
 
 namespace {
 
-// Largest difference of the exponents of pairs that share a worker. Pairs of a matrix whose scales differ more go to
-// different workers.
+// The scale of a pair is 2^exponent. Pairs of a matrix share a worker only if their exponents differ by at most this.
 constexpr int widest_scale_of_a_worker = 60;
 
 struct Extent {
@@ -30,7 +29,8 @@ struct Extent {
 };
 using Extents = std::map<std::filesystem::path, Extent>;
 
-// Returns the exponent of the scale that a session on this pair alone would use.
+// Returns the exponent of the scale that a session on this pair alone would use. Reads the two shapes from their files
+// unless `extents` has them already.
 int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents) {
     for (const auto& file : {pair.source_file, pair.target_file}) {
         if (extents.contains(file)) continue;
@@ -41,17 +41,20 @@ int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents)
     return scalable(info, a.kind, b.kind) ? scale_exponent(std::max(a.magnitude, b.magnitude)) : 0;
 }
 
-// Updates the least nonzero |x| and the largest |x|.
+// Updates `least`, the least nonzero |x| so far, and `most`, the largest |x| so far.
 void take(double x, double& least, double& most) {
     if (x != 0) least = std::min(least, std::abs(x));
     most = std::max(most, std::abs(x));
 }
 
-// Returns whether a session that scales by 2^shared gives the same bits as one that scales the pair by 2^own, where
-// own >= shared. Powers of two commute with every rounding, as long as nothing underflows, including squares and
-// products with poses, and no pose is out of range at one scale only (Session). Distances between points of one shape
-// may be smaller than its coordinates, but nonzero differences of coordinates are at least 2^-53 of the smallest
-// nonzero coordinate.
+// Returns whether a session that scales a pair by 2^shared gives the same bits as one that scales it by 2^own, where
+// own >= shared. Scaling by a power of two commutes with every rounding, under two conditions:
+// - Nothing underflows at either scale, not even in squares and in products with poses. This holds if the coordinates,
+//   their products with the entries of a rotation, and the translations are 0 or at least `least_safe`. Distances
+//   between points of one shape may be smaller than its coordinates, but a nonzero difference of two coordinates is at
+//   least 2^-53 of the smallest nonzero coordinate, and the square of such a difference does not underflow.
+// - No pose moves the shapes out of the range that scaled.h describes at one scale only. `most_safe` keeps posed
+//   coordinates below the upper end of that range, 2^400.
 bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Extents& extents) {
     if (own == shared) return true;
     constexpr double least_safe = 0x1p-400, most_safe = 0x1p390;
@@ -76,6 +79,7 @@ bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Exte
            3 * largest_entry * most + shift <= most_safe;
 }
 
+// Adds to the plan the jobs that replace `group`, the jobs of one solver on the pairs of a matrix.
 void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents& extents) {
     const Case& first = plan.cases[group.front().cases.front()];
     const SolverInfo& info = find_solver(first.solver).info;
@@ -86,8 +90,9 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
         return exponents[i] - most <= widest_scale_of_a_worker &&
                same_bits(plan, group[i], exponents[i], most, extents);
     };
-    // Takes the largest pairs first. Scaling a pair by up to 2^60 less than its own scale loses nothing significant
-    // (Session).
+    // Each pass makes one job. Its scale is the scale of the pair with the largest coordinates, which has the least
+    // exponent; the other pairs join if this scale is good enough for them. A scale up to 2^60 below its own costs a
+    // pair nothing significant.
     while (!group.empty()) {
         const int most = *std::min_element(exponents.begin(), exponents.end());
         Job joined;
@@ -130,7 +135,7 @@ void join_matrices(Plan& plan) {
             groups.push_back({std::move(job)});
             continue;
         }
-        // Chains of different tolerances stay apart, so that the cases of a pair are adjacent.
+        // Chains of different tolerances go to different jobs, so that the cases of a pair are adjacent in a job.
         const bool chains = first.warm || scene.search;
         const Key key{scene.matrix,  first.label, nlohmann::json(first.options).dump(), first.quantity,
                       first.threads, first.warm,  chains ? first.tolerance : 0};

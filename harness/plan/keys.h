@@ -10,8 +10,8 @@ namespace hausbench {
 
 struct Key {
     std::string name;
-    std::string fallback;  // value of a missing key, as it would be written; empty: none
-    std::string meaning;   // Markdown, one line
+    std::string fallback;  // default to show, such as "5" or "all scenes"; empty: none
+    std::string meaning;   // one line of Markdown
 };
 
 struct KeyTable {

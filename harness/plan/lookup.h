@@ -1,5 +1,5 @@
-// The two lookups that planning and `explain` do for every case. A motion has tens of thousands of cases, so neither
-// may look at all others. The comparison is a parameter, so that a test can count its calls.
+// The two lookups that planning and `explain` do for every case. A motion may have tens of thousands of cases, so
+// neither lookup may go through all other cases. The comparison is a parameter, so that a test can count its calls.
 #pragma once
 
 #include <cmath>
@@ -12,11 +12,13 @@
 
 namespace hausbench {
 
-// The rows that are read off the trace of each row. O(log n), plus the rows found.
+// For each row that is run, the rows whose answers are read off its trace (see FromTrace in plan.h). Each function
+// takes O(log n).
 template <class Less = std::less<std::size_t>> class RowsReadOff {
 public:
     explicit RowsReadOff(Less less = {}) : rows_(less) {}
 
+    // Notes that `row` is read off the trace of row `of`.
     void add(std::size_t of, std::size_t row) { rows_[of].push_back(row); }
 
     const std::vector<std::size_t>& of(std::size_t row) const {
@@ -29,7 +31,7 @@ private:
     std::map<std::size_t, std::vector<std::size_t>, Less> rows_;
 };
 
-// Facts about runs of other cases, sorted by their expected work (positive). O(log n) each.
+// Facts about the runs of other cases, sorted by the expected work of the case (above 0). Each function takes O(log n).
 template <class Known, class Less = std::less<double>> class NearestByWork {
 public:
     explicit NearestByWork(Less less = {}) : known_(less) {}
@@ -37,8 +39,8 @@ public:
     bool empty() const { return known_.empty(); }
     void add(double work, Known known) { known_.emplace(work, std::move(known)); }
 
-    // Returns the fact whose work has the ratio to `work` that is nearest to 1; the first added, if several have that
-    // work. The set must not be empty.
+    // Returns the fact whose work differs from `work` by the smallest factor. If several facts have that work, returns
+    // the one that was added first. There must be at least one fact.
     const Known& nearest(double work) const {
         const auto distance = [&](double other) { return std::abs(std::log(other / work)); };
         const auto above = known_.lower_bound(work);

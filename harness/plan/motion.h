@@ -24,7 +24,7 @@ struct Translation {
 };
 
 // `steps` poses from 0 to `degrees` about an axis through the centre of the box of the shape as loaded. Both ends are
-// included, except for a multiple of 360 degrees: its end equals its beginning and is left out.
+// included, unless `degrees` is a multiple of 360: the last pose would repeat the first and is left out.
 struct Rotation {
     Vec3 axis;
     double degrees;
@@ -36,22 +36,23 @@ struct PoseFile {
     std::filesystem::path file;
 };
 
-// The poses of one side of a pair of objects in a recording (recording.h).
+// The poses of one of the two objects that overlap in a recording (recording.h).
 struct Recorded {
     std::vector<Pose> poses;
 };
 
 using Motion = std::variant<Static, Translation, Rotation, PoseFile, Recorded>;
 
-// Returns the poses. Throws InputError with the line of a pose file that does not hold twelve finite numbers.
+// Returns the poses of a motion of this shape. For a pose file, throws InputError if it cannot be opened or has no
+// poses, or with the number of a line that does not hold twelve finite numbers.
 std::vector<Pose> poses_of(const Motion& motion, const Shape& shape);
 
-// Returns the number of poses; throws likewise.
+// Returns the number of poses. Reads a pose file, and throws InputError as above.
 std::size_t pose_count(const Motion& motion);
 
 bool moves(const Motion& motion);
 
-// Returns the words of a line as numbers, if it consists of exactly `count` finite numbers.
+// Returns the words of a line as numbers; nothing unless they are exactly `count` finite numbers.
 std::optional<std::vector<double>> finite_numbers(std::istream& line, std::size_t count);
 
 }  // namespace hausbench

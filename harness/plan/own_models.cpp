@@ -84,10 +84,10 @@ void add_own_models(Catalogue& catalogue, const ResultFile& result) {
         return at == result.texts.end() ? "" : at->second;
     };
     const fs::path file = text("experiment_file");
-    std::set<std::string> profiles;  // of rows of earlier runs, which may have models of their own
+    std::set<std::string> profiles;  // profiles of rows from earlier runs; each may define models of its own
     for (const Row& row : result.rows) profiles.merge(profile_names(row.asked.profile));
     profiles.erase(text("profile"));
-    std::vector<std::string> all{text("profile")};  // first, so that its tables win
+    std::vector<std::string> all{text("profile")};  // the result's own profile first, so that its models win
     all.insert(all.end(), profiles.begin(), profiles.end());
     for (const std::string& profile : all) {
         if (text("experiment_toml").empty()) break;

@@ -10,8 +10,8 @@
 
 namespace hausbench {
 
-// Adds the experiment's models to the catalogue. Throws InputError with the experiment's file and line for a name
-// that is neither a model nor a file, with the nearest name, and for a file that does not exist.
+// Adds the experiment's models to the catalogue. Throws InputError, with the experiment's file and the line, for a file
+// that does not exist, and for a name that is neither a model nor a file; the message suggests the nearest name.
 void add_own_models(Catalogue& catalogue, const Experiment& experiment);
 
 // Adds the models of a result, as recorded in it. A file that no longer exists is reported by Catalogue::resolve.

@@ -36,7 +36,7 @@ bool chosen(const std::vector<std::string>& choice, const std::string& name) {
     return choice.empty() || std::find(choice.begin(), choice.end(), name) != choice.end();
 }
 
-// Returns the name of the [[scene]] in the file, if that makes several scenes.
+// Returns the name of the [[scene]] that makes this scene and others; empty if it makes only this one.
 const std::string& group_of(const ScenePlan& scene) { return scene.each.empty() ? scene.matrix : scene.each; }
 
 // Returns whether a scene is chosen, either by its own name or with its whole [[scene]].
@@ -84,7 +84,7 @@ public:
             catalogue.find(scene.target);
             if (chosen(choice.scenes, scene)) finder.expect(scene);
         }
-        catalogue.make_folders();  // without folders no model is available: an error, not a sweep of failed rows
+        catalogue.make_folders();  // throws if they cannot be made; otherwise every row would fail for lack of models
         for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
             const ScenePlan& scene = experiment.scenes[i];
             if (!chosen(choice.scenes, scene)) continue;
@@ -137,7 +137,7 @@ private:
         note(label, one, models.poses.size() * one.tolerances.size(), run);
     }
 
-    // Decides the cases whose outcome is known before anything runs.
+    // Collects the common properties of a solver's cases on a scene. If none of them can run, sets `decided`.
     SolverOnScene look_at(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
                           const ParameterMap& given) {
         SolverOnScene one{scene, models, solver, given};
@@ -155,7 +155,7 @@ private:
         if (!one.decided)
             decide(RowStatus::skipped, refusal(one.entry->info, std::get<ResolvedModel>(models.source).kind,
                                                std::get<ResolvedModel>(models.target).kind, solver.quantity));
-        // A missing program is treated like a missing model: its rows say why they were skipped, and the other solvers run.
+        // A missing program is treated like a missing model: the rows say why they were skipped, and other solvers run.
         const CommandFiles files = one.entry ? files_of(*one.entry, given) : CommandFiles{};
         decide(RowStatus::skipped, files.missing);
         one.tolerances = one.scene.tolerances.empty() ? solver.tolerances : one.scene.tolerances;
@@ -165,14 +165,14 @@ private:
         return one;
     }
 
-    // Adds a case for each pose and tolerance. Returns the jobs that run them, without their pairs: a single job, or one per tolerance for warm chains and
-    // searches, because a chain is run from its head in the order of the poses or targets. Pairs that cannot be run are left out of a search: no answer
-    // depends on them.
+    // Adds a case for each pose and tolerance. Returns the jobs that run them; the caller fills in Job::pairs. This is
+    // one job, or one for each tolerance if the cases form chains (see Job). A pair that cannot run gets its rows, too,
+    // but is not part of the chain of a search, so that no answer depends on it.
     std::vector<Job> add_cases(const SolverOnScene& one) {
         const ScenePlan& scene = one.scene;
         const std::vector<double>& tolerances = one.tolerances;
-        // If the finest tolerance needs a posed copy of a moving target but a coarser one does not, the time of the finest does not hold for the coarser
-        // one.
+        // If only the finest tolerance builds structures over a copy of a moved target, its trace shows times that are
+        // too long for the coarser tolerances. These are then run themselves.
         const bool reads_trace = one.entry && !scene.search && reads_finer(*one.entry, one.solver, one.given) &&
                                  (!copies_targets(one, tolerances.front()) || copies_targets(one, tolerances.back()));
         const bool chained = one.solver.warm || (scene.search && !one.decided);
@@ -221,7 +221,7 @@ private:
         return queries;
     }
 
-    // Returns whether the solver needs a posed copy of a target at some pose, if it runs at all.
+    // Returns whether the solver runs and, at some pose, builds structures over a copy of the moved target.
     static bool copies_targets(const SolverOnScene& one, double tolerance) {
         if (one.decided) return false;
         const SceneModels& models = one.models;
@@ -242,7 +242,7 @@ private:
         });
     }
 
-    // Returns the files of all command lines of the solver together.
+    // Finds the files of all command lines among the solver's parameters together.
     CommandFiles files_of(const SolverEntry& entry, const ParameterMap& given) {
         CommandFiles all;
         for (const ParameterSpec& spec : entry.info.parameters) {
@@ -259,8 +259,8 @@ private:
         return all;
     }
 
-    // Returns whether answers to coarser tolerances are read off the run of the finest. A warm case depends on the answers before it, so it does not
-    // qualify.
+    // Returns whether answers to coarser tolerances can be read off the run of the finest one. A warm case cannot,
+    // because it depends on the answers before it.
     bool reads_finer(const SolverEntry& entry, const SolverPlan& solver, const ParameterMap& options) const {
         const Experiment& e = plan_.experiment;
         const bool traced = e.trace && entry.info.can(Ability::traces) && entry.info.can(Ability::coarser_answers) &&
@@ -269,7 +269,7 @@ private:
                e.floor == 0 && std::isinf(e.cutoff) && e.budget < 0;
     }
 
-    // Returns the properties that all cases of a solver on a scene share. `entry` is null for a solver that is not built.
+    // Returns the properties that all cases of a solver on a scene share. `entry`: null if the solver is not built.
     Case without_pose(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
                       const SolverEntry* entry, const ParameterMap& given) const {
         const Experiment& experiment = plan_.experiment;
@@ -322,7 +322,7 @@ private:
         }
     }
 
-    // Adds to the ledger the cost of a moving target for a solver that does not support one.
+    // Adds a ledger entry: the solver does not support moving targets, so it builds its structures at each pose anew.
     void note_copies(const std::string& label, const QuerySet& queries, const SceneModels& models) {
         const bool both = queries.target_moves && queries.symmetric && queries.moves;
         plan_.ledger.push_back(
@@ -358,7 +358,7 @@ private:
     }
 
     std::map<std::string, CommandFiles> commands_;  // by command line
-    // For each search, source and set of options: the identity of the last case in its chain, by tolerance.
+    // For each search, source and set of options: the identity of the last case so far in the chain of each tolerance.
     std::map<std::tuple<std::string, std::string, const ParameterMap*>, std::vector<std::string>> searches_;
     Plan plan_;
 };

@@ -14,9 +14,10 @@ namespace hausbench {
 
 namespace {
 
-constexpr double finer = 0.01;
+constexpr double finer = 0.01;  // tolerance of a reference answer, relative to the finest tolerance on its scene
 
-// Returns the name of the solver that answers for two shapes of these kinds; empty if none does.
+// Returns the name of the solver of reference answers for two shapes of these kinds; empty if there is none, or if it
+// is not built.
 std::string solver_for(ShapeKind source, ShapeKind target) {
     const bool surfaces = source == ShapeKind::surface && target == ShapeKind::surface;
     if (!surfaces && (source == ShapeKind::surface || target == ShapeKind::surface)) return "";

@@ -9,8 +9,8 @@ namespace hausbench {
 
 namespace {
 
-// Fills in the poses. A static side has the identity at every pose of the other side; two moving sides have the same
-// number of poses (scene_reader.cpp).
+// Fills in the poses and the largest coordinates of both shapes. If one shape stands still, it has the identity at
+// every pose of the other. If both move, they have the same number of poses, as scene_reader.cpp has checked.
 void move(const ScenePlan& scene, SceneModels& models, const ReadShape& read) {
     if (!moves(scene.motion) && !moves(scene.target_motion)) return;
     const auto side = [&](const Motion& motion, const std::string& name, const auto& model, Pose ScenePose::*pose) {
@@ -78,7 +78,7 @@ SceneModels models_of(const ScenePlan& scene, const FindModel& find, const ReadS
             if (const auto* missing = std::get_if<MissingModel>(side)) models.missing = missing->reason;
         }
         if (models.missing.empty()) move(scene, models, read);
-    } catch (const InputError& error) {  // a damaged file spoils its scenes, not the sweep
+    } catch (const InputError& error) {  // a damaged file fails its own scenes, not the whole run
         models.missing = error.what();
         models.row = RowStatus::failed;
     }

@@ -20,12 +20,12 @@ struct ScenePose {
 struct SceneModels {
     std::variant<ResolvedModel, MissingModel> source, target;
     std::vector<ScenePose> poses{ScenePose{}};
-    double source_largest = 0, target_largest = 0;  // largest |coordinate|, if one of them moves
+    double source_largest = 0, target_largest = 0;  // largest |coordinate| of each shape, read only if one moves
     std::string missing;                            // why the scene cannot run; empty if it can
-    RowStatus row = RowStatus::skipped;             // status of its rows if it cannot
+    RowStatus row = RowStatus::skipped;             // status of the scene's rows if it cannot run
 };
 
-// Return a model, resolved or missing, and its shape if a shape of the scene moves.
+// FindModel finds a model by name. ReadShape reads its shape, and is called only if a shape of the scene moves.
 using FindModel = std::function<std::variant<ResolvedModel, MissingModel>(const std::string& name)>;
 using ReadShape = std::function<Shape(const std::string& name, const ResolvedModel&)>;
 
@@ -33,8 +33,8 @@ using ReadShape = std::function<Shape(const std::string& name, const ResolvedMod
 // scene cannot run.
 SceneModels models_of(const ScenePlan& scene, const FindModel& find, const ReadShape& read);
 
-// Finds each model once. Fetches, generates and derives models, which can take a while, so `say` is called before
-// each.
+// Finds the models of scenes, each model only once. This may fetch, generate or derive a model, which can take a while,
+// so `say` is called before each model.
 class ModelFinder {
 public:
     ModelFinder(const Catalogue& catalogue, const SayModel& say) : catalogue_(catalogue), say_(say) {}
@@ -56,7 +56,7 @@ private:
     std::vector<ModelRow> found_;
 };
 
-// Finds the models of scenes among those that a result recorded. All others count as missing; no model is made.
+// Finds the models of scenes among the models that a result recorded. All others count as missing; no model is made.
 class RecordedModels {
 public:
     RecordedModels(const std::vector<ModelRecord>& records, ShapeOf shape_of);

@@ -187,8 +187,8 @@ std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     return asked;
 }
 
-// Returns one scene for each pair of models whose objects overlap. Each of its poses belongs to two objects in one
-// frame.
+// Returns one scene for each pair of models whose objects overlap. Each pose of such a scene is the two
+// poses of two objects that overlap in one frame.
 std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const ScenePlan& scene) {
     const toml::node& node = *table.find("recording");
     for (const char* key :
@@ -252,7 +252,7 @@ std::vector<ScenePlan> expand_matrix(const ExperimentTable& table, const ScenePl
     for (std::size_t i = 0; i < sources.size(); ++i) {
         for (std::size_t k = 0; k < targets.size(); ++k) {
             const std::string &source = sources[i], &target = targets[k];
-            if (scene.search && source == target) continue;  // their distance is 0, which would end the search
+            if (scene.search && source == target) continue;  // at distance 0, each would be its own nearest target
             ScenePlan pair = scene;
             pair.source_line = line("sources", i);
             pair.target_line = line("targets", k);

@@ -18,8 +18,9 @@ inline constexpr const char* in_another_shard = "in another shard";  // the reas
 // Parses "i/n". Throws InputError unless 1 <= i <= n.
 Shard parse_shard(const std::string& text);
 
-// Keeps the jobs of one shard. Rows of other shards become `skipped` and say so; `merge` puts shards together.
-// `shards` holds the shard of each job, from 1 (split.h).
+// Removes the jobs of other shards from the plan; their rows become `skipped` with the reason `in_another_shard`. The
+// command `merge` joins the results of all shards. `shards` holds the shard of each job, from 1 (split.h). The jobs of
+// the reference answers go to the shards in turn.
 void take_shard(Plan& plan, const Shard& shard, const std::vector<int>& shards);
 
 }  // namespace hausbench

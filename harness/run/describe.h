@@ -11,8 +11,8 @@ namespace hausbench {
 // Fills in the metadata known before any case runs, which describes the plan, the build and the machine.
 void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished);
 
-// Returns the text to append to the name of the build if Plan::planted_slowdown distorts the times, otherwise an
-// empty string. merge and compare refuse results with it.
+// Returns the text to append to the name of the build if Plan::planted_slowdown distorts the times, otherwise an empty
+// string. `merge` and `compare` refuse results of a build with this text.
 std::string planted(const Plan& plan);
 
 ModelRecord record_of(const ModelRow& model);

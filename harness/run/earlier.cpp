@@ -24,7 +24,7 @@ using CaseKey = std::tuple<std::string, std::string, std::string>;
 
 CaseKey key_of(const Case& c) { return {c.identity, c.scene, c.label}; }
 
-// The cases that the present experiment asks for in one profile, by key.
+// The cases that the experiment in its present form asks for in one profile, by key.
 struct Asked {
     std::map<CaseKey, Case> cases;
     std::set<std::string> unknown;  // scenes with unknown poses, see AskedCases
@@ -88,14 +88,16 @@ private:
             if (wanted.contains(place_of(one.asked))) result_.references.push_back(std::move(one));
     }
 
+    // Returns whether an interrupted run did not reach this row.
     static bool awaits(const Row& row) {
         return row.outcome.status == RowStatus::skipped && row.outcome.reason == not_run_yet;
     }
 
+    // Returns whether the plan covers this case in the plan's profile, see keep_earlier().
     bool covers(const Case& c) const { return plan_.whole || covered_.contains({c.scene, c.label}); }
 
-    // Finds the cases that the present experiment asks for in each profile of the earlier rows that the plan does not
-    // cover. A profile that can no longer be read asks for nothing; a run in that profile reports why.
+    // Fills `asked_`: for each profile in which some earlier row is not covered, the cases that the experiment asks for
+    // now. A profile that can no longer be read asks for nothing; a run in that profile reports the error.
     void decide_profiles() {
         for (const Row& row : before_.rows) {
             for (const std::string& profile : uncovered(row.asked)) {
@@ -116,12 +118,14 @@ private:
         }
     }
 
+    // Returns the profiles of a case in which the plan does not cover it.
     std::set<std::string> uncovered(const Case& c) const {
         std::set<std::string> profiles = profile_names(c.profile);
         if (covers(c)) profiles.erase(now_);
         return profiles;
     }
 
+    // Decides whether an earlier row stays.
     void keep(Row row) {
         Case& c = row.asked;
         const auto at = rows_.find(key_of(c));
@@ -166,7 +170,7 @@ private:
         result_.rows.push_back(std::move(row));
     }
 
-    // Copies the parts of a case that the experiment states beside its identity.
+    // Copies the properties of a case that the experiment may have changed without changing the case's identity.
     static void describe_as(const Case& today, Case& c) {
         c.variant = today.variant;
         c.note = today.note;
@@ -176,6 +180,7 @@ private:
         c.pose_index = today.pose_index;
     }
 
+    // Returns the lines to print.
     std::vector<std::string> said() const {
         std::vector<std::string> lines;
         if (gone_ > 0)
@@ -200,11 +205,11 @@ private:
     std::vector<ModelRecord> recorded_;  // models of the plan and of earlier rows
     const Plan& plan_;
     std::vector<std::size_t>& places_;
-    std::size_t place_ = 0;  // of the current row
+    std::size_t place_ = 0;  // sort key of the earlier row in keep()
     const std::string now_;
     std::map<CaseKey, std::size_t> rows_;
     std::set<std::pair<std::string, std::string>> covered_;  // scene, label
-    std::set<std::string> subjects_;                         // of the ledger
+    std::set<std::string> subjects_;                         // subjects of ledger entries about the plan's rows
     std::map<std::string, std::string> hashes_;              // of the models of the plan
     std::map<std::string, Asked> asked_;                     // by profile
     std::set<std::string> profiles_, models_;                // of rows that stay
@@ -230,14 +235,14 @@ std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, con
 
 std::vector<std::string> keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, const Plan& plan,
                                            const ShapesOf& shapes_of, std::vector<std::size_t>& places) {
-    std::error_code loop;  // too many links: the file will be replaced
+    std::error_code loop;  // set if there are too many links: such a file is replaced
     if (!std::filesystem::exists(file, loop)) return {};
     try {
         return keep_earlier(result, read_result(file), plan, shapes_of, places);
     } catch (const NewerResult&) {
         throw;  // the finished cases are safe in the journal
     } catch (const InputError& error) {
-        if (HoldInterrupts::came()) throw;  // the file is intact; write nothing
+        if (HoldInterrupts::came()) throw;  // Ctrl-C ended the reading; the file may be intact
         return {fmt::format("{}; it is {} now", error.what(), put_aside(file).string())};
     }
 }

@@ -1,5 +1,5 @@
-// Keeps rows of an earlier result when a run writes the same file again: a run of one solver, one scene or another
-// profile adds to these rows and replaces only those that it was asked for.
+// Keeps rows of an earlier result when a run writes the same file again. So a run of one solver, one scene or another
+// profile replaces only the rows that it was asked for, and adds its rows to the others.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -11,33 +11,37 @@
 
 namespace hausbench {
 
-// Adds to `result`, which holds the rows of `plan` in order, the earlier rows that stay, with their models and their
-// part of the ledger.
+// `result` holds the rows of `plan` in order, `before` the earlier rows. Moves the earlier rows that stay from `before`
+// to `result`, with their models and ledger entries.
 //
-// An earlier row that the plan covers is dropped. A plan covers, in its profile, either the whole experiment or its
-// own solvers and scenes. A row of several profiles only loses that profile; if another of its profiles has the same
-// case, the row of the plan becomes a row of all these profiles. Any other row stays if and only if the experiment in
-// its present form, in the row's profile, asks for a case with the row's identity, scene and label on the models that
-// the result recorded. A row is also dropped if a model of the plan has other bytes than the row was measured on. A
-// row whose poses depend on a model that is not available stays. A case that an interrupted run did not reach keeps
-// its earlier outcome.
+// A row belongs to one or several profiles, and stays if it stays in at least one of them:
+// - From the plan's profile, a row is dropped if the plan *covers* it, because the plan has replaced it. A plan covers
+//   all rows of its profile if Plan::whole, otherwise the rows of its own scenes and solvers.
+// - In other profiles, and if it is not covered, a row stays if the experiment in its present form still asks for it
+//   there: for a case with the same identity, scene and label, on the models that the result recorded. A row also stays
+//   if this is unknown, because the poses depend on a shape that is not available.
+// - From all profiles, a row is dropped if the plan uses one of its models, but with other bytes.
+// If a row stays and the plan has the same case, only the plan's row remains, and it belongs to all these profiles.
+// A case of the plan that an interrupted run did not reach gets the outcome of its earlier row.
 //
-// Returns a line for each reason for which rows were dropped or kept, and one if rows of other builds stay.
+// Returns the lines to print: how many rows were dropped or kept and why, and how many are from other builds.
 //
-// `places` receives the sort key of each row: if the plan is a part of the experiment, its rows take the places that
-// they had before; if it is the whole, its rows come before the rows that stay.
+// `places` receives a sort key for each row of `result`, for put_in_order(). If the plan is whole, its rows come first,
+// then the earlier ones. Otherwise a row of the plan takes the place of the earlier row that it replaces, and new rows
+// come last.
 std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, const Plan& plan,
                                       const ShapesOf& shapes_of, std::vector<std::size_t>& places);
 
-// Does the same with the rows of a file, if it exists. A file that cannot be read is renamed rather than overwritten,
-// since somebody may still want it, and a line gives its new name. Throws NewerResult for a file of a newer program,
-// and InputError if Ctrl-C ends the reading.
+// Does the same with the rows of a result file, if it exists. A file that cannot be read is renamed rather than
+// overwritten, since somebody may still want it, and one of the lines says its new name. Throws NewerResult for a file
+// that a newer version of the program wrote, and InputError if Ctrl-C ends the reading.
 std::vector<std::string> keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, const Plan& plan,
                                            const ShapesOf& shapes_of, std::vector<std::size_t>& places);
 
-// Throws InputError if `file` is the result of another experiment: the recorded text differs from `experiment`, and
-// the recorded experiment file still exists and is not the file of `experiment`. With `fresh` it may be replaced.
-// Throws NewerResult for a file of a newer program; a damaged file passes.
+// Throws InputError if `file` is the result of another experiment that must not be replaced: its recorded text differs
+// from `experiment`, and the experiment file that it names still exists and is not the file of `experiment`. With
+// `fresh`, it may be replaced all the same. Throws NewerResult for a file that a newer version of the program wrote.
+// Does nothing if the file is damaged.
 void refuse_to_replace(const std::filesystem::path& file, const Experiment& experiment, bool fresh);
 
 // Sorts the rows by their places.

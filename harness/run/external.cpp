@@ -1,12 +1,14 @@
-// Runs any program as a solver, described by parameters, so that the authors' own programs can be compared without
-// linking them.
+// Runs another program as a solver, given its command line, so that programs by the authors of papers can be compared
+// without linking them.
 //
-// The program gets A posed and B as files with 17 digits (B is written once, before the clock starts), and the
-// tolerance on the command line. Regular expressions find the bounds in its output. They are not certified. A bound
-// that the program does not print is 0 (lower) or infinity (upper). The time of a solve includes writing A, starting
-// the program and reading both files; `seconds` finds the time that the program itself reports. Relative paths in the
-// command line are relative to the folder of the experiment (`run`) or to the current folder (`measure`). A command
-// line that does not mention the tolerance is run once for all tolerances of an experiment.
+// The program gets two files, A moved by its pose and B, with 17 digits per coordinate, and the tolerance on the
+// command line. B is written once, before the clock starts. Regular expressions find the bounds in the program's
+// output. A bound that the program does not print is 0 (lower) or infinity (upper). The bounds are not certified.
+//
+// The time of a solve includes writing A, starting the program, and the program's reading of both files. The parameter
+// `seconds` finds the time that the program itself reports. Relative paths in the command line start from the folder
+// of the experiment (`run`) or from the current folder (`measure`). A command line that does not mention the tolerance
+// is run once for all tolerances of an experiment.
 #include "harness/run/external.h"
 
 #include "algorithms/error.h"
@@ -27,19 +29,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A regular expression with one group, matched against each line. The last match counts, because programs print
-// progress first.
+// The place of a number in the output: a regular expression with one group around the number, tried on each line. The
+// last line that matches counts, because programs print their progress first.
 class Place {
 public:
     explicit Place(const std::string& text) : text_(text), expression_(text, std::regex::ECMAScript) {}
 
-    bool told() const { return !text_.empty(); }
+    bool told() const { return !text_.empty(); }  // false if no expression is given
 
-    // Returns nothing if no line matches, or if the last match is not a number.
+    // Returns the number in the output; nothing if no line matches, or if the last match is not a number.
     std::optional<double> find(const std::string& output) const {
         std::optional<double> found;
         if (!told()) return found;
-        constexpr std::size_t longest = 4096;  // std::regex recurses once for each character
+        constexpr std::size_t longest = 4096;  // std::regex recurses for each character and may exhaust the stack
         for (std::size_t begin = 0; begin < output.size();) {
             const std::size_t end = std::min(output.find('\n', begin), output.size());
             const std::string line = output.substr(begin, std::min(end - begin, longest));
@@ -98,7 +100,7 @@ std::string last_words(const std::string& output) {
     return "; end of its output: " + text.substr(text.size() - std::min<std::size_t>(text.size(), 400));
 }
 
-// Runs a command line. All its descendants end with it.
+// Runs a command line, for at most this many seconds. When it ends, its descendants are killed.
 CommandRun run_command(const std::string& line, double seconds, const fs::path& folder) {
     Launch launch;
     launch.command = {"/bin/sh", "-c", line};
@@ -149,7 +151,7 @@ public:
         replace(line, "{tolerance}", fmt::format("{:.17g}", query.tolerance.value));
         replace(line, "{relative_tolerance}", fmt::format("{:.17g}", query.tolerance.value / diagonal(points_of(a))));
         const CommandRun run = run_command(line, query.time_limit, folder_of_command_);
-        if (run.end == Child::End::interrupt) {  // the signal was meant for this process: end by it, but leave no files
+        if (run.end == Child::End::interrupt) {  // removes the files, then ends this process by the signal
             folder_.reset();
             HoldInterrupts::deliver();
         }
@@ -160,7 +162,7 @@ public:
     }
 
 private:
-    // Returns an absolute path, since the program runs in another folder.
+    // Returns the absolute path of file A or B, because the program runs in another folder.
     fs::path file(const char* name) const {
         return fs::absolute(folder_->path() / (std::string(name) + "." + extension_));
     }
@@ -207,7 +209,7 @@ private:
     double seconds_unit_;
     fs::path folder_of_command_;
     const Scene* scene_ = nullptr;
-    HoldInterrupts hold_;  // destroyed after the folder
+    HoldInterrupts hold_;  // destroyed after folder_, so that an interrupt leaves no files behind
     mutable std::optional<ScratchFolder> folder_;
 };
 

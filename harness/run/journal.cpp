@@ -25,7 +25,7 @@ constexpr int journal_schema = 4;
 
 std::string checksum(std::string_view text) { return Sha256().add(text.data(), text.size()).hex().substr(0, 16); }
 
-// Returns whether the text is the beginning of a first line whose write did not finish.
+// Returns whether a file with this text has only the beginning of a first line, whose write did not finish.
 bool torn_header(std::string_view text) {
     constexpr std::string_view start = R"({"hausbench_journal":)";
     if (text.find('\n') != std::string_view::npos) return false;
@@ -80,7 +80,7 @@ Journal::~Journal() {
 }
 
 Journal::Journal(std::filesystem::path file, ReadOnly) : file_(std::move(file)) {
-    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // O_NONBLOCK: a pipe would wait
+    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // O_NONBLOCK: at a pipe, open() would wait
     if (descriptor_ < 0 && errno == ENOENT) return;
     if (descriptor_ < 0)
         throw InputError(fmt::format("{}: cannot read the journal: {}", file_.string(), std::strerror(errno)));
@@ -112,7 +112,7 @@ void Journal::read(bool read_only) {
         if (n == 0) break;
         text.append(buffer, std::size_t(n));
     }
-    std::size_t good = 0;  // length of the complete lines
+    std::size_t good = 0;  // total length of the complete lines so far
     for (int number = 1; good < text.size(); ++number) {
         const std::size_t end = text.find('\n', good);
         const bool last = end == std::string::npos || end + 1 == text.size();
@@ -189,7 +189,7 @@ void Journal::write_line(const std::string& text) {
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) {
             const int cause = errno;
-            // Keep complete lines only, even on a full disk. If this fails too, the next open removes the incomplete line.
+            // Removes the incomplete line; this needs no room on the disk. If it fails, the next open removes the line.
             if (::ftruncate(descriptor_, start) == 0) ::lseek(descriptor_, start, SEEK_SET);
             throw InputError(fmt::format("{}: cannot write: {}; finished cases are saved: make room and run again",
                                          file_.string(), std::strerror(cause)));

@@ -1,7 +1,8 @@
 // Keeps finished outcomes safe: each is appended, with a checksum and fsync, to a file beside the result.
 //
-// One line for each record: 16 hexadecimal digits of the SHA-256 of the rest, a space, JSON. An incomplete last line (power
-// cut, kill) is removed when the journal is opened; a damaged line before it is an error, since another program wrote it.
+// Each line is a record: 16 hexadecimal digits of the SHA-256 of the rest, a space, and JSON. An incomplete last line,
+// after a power cut or a kill, is removed when the journal is opened. A damaged line before the last one is an error,
+// because an interrupted write cannot cause it.
 #pragma once
 
 #include "harness/record/row.h"
@@ -31,7 +32,8 @@ public:
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
 
-    // Identity and round (see Experiment::rounds); a later record with the same key replaces an earlier one.
+    // Identity of the case and number of the round (Experiment::rounds). A later record with the same key replaces an
+    // earlier one.
     using Key = std::pair<std::string, int>;
 
     const std::map<Key, Outcome>& outcomes() const { return outcomes_; }
@@ -40,7 +42,7 @@ public:
     // Forgets the outcomes of these identities in all rounds.
     void forget(const std::set<std::string>& identities);
 
-    // Returns when the run that created the journal started, UTC.
+    // Returns the time at which the run that created the journal started, in UTC.
     const std::string& started() const { return started_; }
 
 private:

@@ -10,8 +10,8 @@ namespace hausbench {
 
 namespace {
 
-// Notes the time saved by rows that are read off another run: each would have cost a first answer and its timed
-// repeats.
+// Notes the time saved by rows that are read off the run of another row: in each round, each would have cost a first
+// answer and its timed repeats.
 void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vector<LedgerEntry>& ledger) {
     std::map<std::string, double> saved;
     for (const Row& row : rows) {
@@ -23,14 +23,14 @@ void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vec
         const auto at = saved.find(entry.subject);
         if (entry.what != coarser_tolerances || at == saved.end()) continue;
         entry.seconds_saved = at->second;
-        at->second = 0;  // one subject may have several entries: the first gets their sum
+        at->second = 0;  // several entries may have this subject: the first gets the sum
     }
 }
 
-// Notes the cost of preparing again for each pose: a worker prepares once and then answers every pose.
+// Notes the time saved because a worker prepares once, not once for each pose.
 void note_structures_reused(const Plan& plan, const Finished& finished, const Job& job,
                             std::vector<LedgerEntry>& ledger) {
-    std::set<double> builds;  // one per process: a run may have several, after a crash or an interruption
+    std::set<double> builds;  // seconds of each worker process; there are several after a crash or an interruption
     std::set<int> poses;
     for (std::size_t row : job.cases) {
         const Outcome* outcome = finished.kept(row, 0);
@@ -47,7 +47,7 @@ void note_structures_reused(const Plan& plan, const Finished& finished, const Jo
                       std::int64_t(left_out), mean * double(left_out)});
 }
 
-// Notes the cost of preparing again for each pair: a worker of a matrix prepares each shape once for all its pairs.
+// Notes the time saved because a worker of a matrix prepares each shape once, not once for each pair.
 void note_shapes_shared(const Job& job, const Finished& finished, std::vector<LedgerEntry>& ledger) {
     struct Use {
         int built = 0, shared = 0;
@@ -57,13 +57,13 @@ void note_shapes_shared(const Job& job, const Finished& finished, std::vector<Le
     std::map<std::string, Use> uses;
     std::size_t place = 0;
     for (const Job::Pair& pair : job.pairs) {
-        const Outcome* outcome = finished.kept(job.cases[place], 0);  // all cases of the pair agree
+        const Outcome* outcome = finished.kept(job.cases[place], 0);  // all cases of a pair share its preparation
         place += pair.cases;
         if (!outcome) continue;
         for (const Preparation& part : outcome->preparation) {
             if (part.round != 0 || part.name.starts_with("solver")) continue;
             const std::size_t side =
-                part.name.find(' ') + 1;  // "target BVH", or "target BVH (B to A)", which is over A
+                part.name.find(' ') + 1;  // names: "target BVH" or, for a structure over A, "target BVH (B to A)"
             const std::size_t back = part.name.find(" (B to A)");
             const bool over_target = part.name.starts_with("target") == (back == std::string::npos);
             Use& use = uses[part.name.substr(side, back - side)];

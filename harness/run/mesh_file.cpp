@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Buffered text output, a megabyte at a time.
+// Writes a text file, a megabyte at a time, under the name FILE.unfinished. finish() renames it to FILE; the destructor
+// removes an unfinished file.
 class Writer {
 public:
     explicit Writer(fs::path file) : file_(std::move(file)), unfinished_(file_.string() + ".unfinished") {

@@ -13,19 +13,20 @@ namespace hausbench {
 
 namespace {
 
-// Returns whether the solver ended by itself, and would end in the same way again on the same input. Limits and
-// crashes can strike anywhere.
+// Returns whether the solver ended by itself, and so would end in the same way again on the same input. A time limit or
+// a crash may stop it anywhere.
 bool ended_by_itself(const Outcome& o) {
     return o.status == RowStatus::ok || o.status == RowStatus::floor || o.status == RowStatus::budget ||
            (o.status == RowStatus::failed && o.solver_status == to_string(Status::stalled));
 }
 
-// Returns whether the case failed although the solver gave bounds: two runs differ, or the process ended while the
-// solve was timed.
+// Returns whether the case failed although the solver gave bounds: either two runs gave different bounds, or the
+// process failed later, while repeats were timed.
 bool contradicts_itself(const Outcome& o) {
     return o.status == RowStatus::failed && !o.solver_status.empty() && !ended_by_itself(o);
 }
 
+// Changes the status of `outcome`, which combines the rounds so far, according to the next round.
 void add_round(Outcome& outcome, const Outcome& first, int round, const Outcome& next) {
     if (contradicts_itself(outcome)) return;
     if (!ended_by_itself(next)) {
@@ -89,7 +90,8 @@ Outcome read_off_trace(const Outcome& fine, double gap) {
     outcome.answers.clear();
     outcome.repeats.clear();
     outcome.trace.clear();
-    std::erase_if(outcome.extras, [](const auto& one) { return one.first.starts_with(stage_prefix); });  // of the finer
+    // The seconds of the stages belong to the finer run.
+    std::erase_if(outcome.extras, [](const auto& one) { return one.first.starts_with(stage_prefix); });
     if (contradicts_itself(fine)) return outcome;
     for (const TraceSample& sample : fine.trace) {
         if (!(sample.upper - sample.lower <= gap)) continue;

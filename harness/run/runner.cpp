@@ -55,7 +55,7 @@ public:
         return finish();
     }
 
-    // Runs the open cases and returns the rows that have an answer. Writes no result.
+    // Runs the cases that have no answer yet, and returns the rows that have one then. Writes no result file.
     std::vector<Row> answers() {
         if (!HoldInterrupts::came()) sweep();
         std::vector<Row> rows;
@@ -88,7 +88,7 @@ private:
             run_several();
             return;
         }
-        // Runs scene by scene, so that solvers to be compared run close in time, and every other round in reverse order (ABBA).
+        // Runs scene by scene, so that solvers to be compared run close in time. Every other round is reversed (ABBA).
         std::map<std::size_t, std::vector<const Job*>> by_scene;
         for (const Job& job : plan_.jobs) by_scene[job.scene].push_back(&job);
         for (auto& [scene, jobs] : by_scene) {
@@ -102,7 +102,7 @@ private:
         }
     }
 
-    // Runs the reference answers, which have their own journal. They come last, so that an interrupted sweep already has its rows.
+    // Runs the reference answers, with a journal of their own: last, so that an interrupted run already has its rows.
     void take_references() {
         if (!plan_.experiment.reference)
             ledger_.push_back({"not_run", "reference answers", "one for each scene, pose and quantity",
@@ -123,8 +123,8 @@ private:
 
     std::filesystem::path file() const { return options_.results / (plan_.experiment.stem + options_.suffix + ".h5"); }
 
-    // Refuses the open cases of a job that cannot fit into memory; finished cases keep their answers. Cases that were refused on a smaller machine are
-    // opened again.
+    // If a job cannot fit into memory, gives its unfinished cases the status out_of_memory. If it can, forgets outcomes
+    // of this kind from an earlier run on a smaller machine, so that these cases are run.
     void refuse(const Job& job) {
         const std::string reason = does_not_fit(plan_, job, this_machine().memory_bytes);
         for (const std::size_t row : job.cases) {
@@ -151,7 +151,7 @@ private:
 
     OpenWork& part_of(const Job& job) { return parts_[std::size_t(&job - plan_.jobs.data())]; }
 
-    // Returns the parts with their kinds and expected seconds. The first call looks these up: a short run never asks, and so reads no earlier result.
+    // Returns parts_ with kinds and expected seconds. Fills these in at the first call: a short run reads no results.
     const std::vector<OpenWork>& expected_parts() {
         if (expected_) return parts_;
         for (const Job& job : plan_.jobs) {
@@ -164,7 +164,7 @@ private:
         return parts_;
     }
 
-    // Runs jobs side by side, each with all its rounds in a row: their times are not compared with those from another job.
+    // Runs jobs side by side, each with all its rounds in a row, because times of different jobs are not compared then.
     void run_several() {
         std::vector<Demand> demands;
         for (const Job& job : plan_.jobs) {
@@ -180,8 +180,8 @@ private:
             HoldInterrupts::came);
     }
 
-    // Returns the job's cases to run in this round, as places in Job::cases. A warm chain is run as a whole, from its head. So is a search, but only in
-    // round 0: later rounds use the cutoffs of round 0.
+    // Returns the cases to run in this round, as indices into Job::cases. A chain with an open case is run as a whole,
+    // from its first case. In later rounds of a search each case stands alone, with its cutoff from round 0.
     std::vector<std::size_t> places_to_run(const Job& job, int round) const {
         std::vector<std::size_t> places;
         for (std::size_t begin = 0; begin < job.cases.size();) {
@@ -209,7 +209,7 @@ private:
         return least;
     }
 
-    // Runs one round of a job, on any cores if none are given. State that jobs share is accessed only under the lock.
+    // Runs one round of a job; without `cores`, on any cores. Holds lock_ while it uses state that jobs share.
     void run_job(const Job& job, int round, const std::vector<int>& cores = {}) {
         std::unique_lock lock(lock_);
         std::vector<std::size_t> places = places_to_run(job, round);
@@ -271,7 +271,7 @@ private:
         order.build = plan_.leave_nothing_out ? Prepare::everything : Prepare::needed_only;
         order.plugins = plugin_hashes();
         std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0, search = 0;
-        const double least = least_upper_before(job, places.front());  // for a search that was interrupted
+        const double least = least_upper_before(job, places.front());  // a fresh worker may go on inside a search
         for (std::size_t place : places) {
             while (place >= pair_end) pair_end += job.pairs[++pair].cases;
             const std::size_t row = job.cases[place];
@@ -386,7 +386,7 @@ private:
     Finished finished_;
     const Estimates estimates_;
     std::vector<OpenWork> parts_;  // one per job
-    bool expected_ = false;        // parts_ hold their kinds and expected seconds
+    bool expected_ = false;        // parts_ have their kinds and expected seconds
     Progress progress_;
     std::vector<LedgerEntry> ledger_;
     std::vector<Row> references_;

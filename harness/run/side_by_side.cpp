@@ -63,7 +63,7 @@ bool claim(int core) {
     const auto length = socklen_t(offsetof(sockaddr_un, sun_path) + 1 + name.size());
     if (claim >= 0 && ::bind(claim, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
         mine.insert(core);
-        return true;  // the socket stays open
+        return true;  // the socket stays open, which keeps the claim
     }
     if (claim >= 0) ::close(claim);
     return false;
@@ -94,6 +94,7 @@ std::vector<int> cores_here(int count) {
 
 namespace {
 
+// The tasks, and the resources that they share. Each thread calls lane(), which runs one task after the other.
 class Lanes {
 public:
     Lanes(const std::vector<Demand>& demands, Room room,
@@ -111,7 +112,7 @@ public:
                 std::find_if(waiting_.begin(), waiting_.end(), [&](std::size_t i) { return room_.fits(demands_[i]); });
             if (waiting_.empty() || failure_ || stop_()) return;
             if (next == waiting_.end()) {
-                room_made_.wait(lock);  // something is running: every piece fits into an idle room
+                room_made_.wait(lock);  // some task is running, because each task fits if all resources are free
                 continue;
             }
             const std::size_t number = *next;
@@ -157,7 +158,7 @@ void run_side_by_side(const std::vector<Demand>& demands, Room room,
         std::vector<std::jthread> threads;
         try {
             for (std::size_t i = 0; i < most; ++i) threads.emplace_back([&] { lanes.lane(); });
-        } catch (const std::system_error&) {  // no more threads: the existing ones do the work
+        } catch (const std::system_error&) {  // too many threads: the existing ones run all tasks
             if (threads.empty()) lanes.lane();
         }
     }

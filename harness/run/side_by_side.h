@@ -1,4 +1,4 @@
-// Runs pieces of work side by side on this machine, as many at once as its cores and memory allow.
+// Runs tasks side by side on this machine, as many at once as its cores and memory allow.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +7,14 @@
 
 namespace hausbench {
 
-// The resources that a piece of work needs.
+// The resources that a task needs.
 struct Demand {
-    double seconds = 0;      // only for the order: the longest piece begins first
-    int cores = 1;           // a piece that wants more than there are gets all of them
-    std::int64_t bytes = 0;  // a piece that wants more than there is runs alone
+    double seconds = 0;      // an estimate, only for the order: the longest task starts first
+    int cores = 1;           // a task that asks for more cores than there are gets all of them
+    std::int64_t bytes = 0;  // a task that asks for more memory than there is waits until all of it is free
 };
 
-// The free cores and memory; a class of its own so that it can be tested without threads.
+// The free cores and memory. A class of its own, so that it can be tested without threads.
 class Room {
 public:
     Room(std::vector<int> cores, std::int64_t bytes);
@@ -38,9 +38,10 @@ private:
 // few. Throws InputError if this process may run on fewer.
 std::vector<int> cores_here(int count);
 
-// Calls `work` with the index of each demand and its cores, on threads of its own, until all are done. The longest
-// piece that fits starts first. No further piece starts once `stop` returns true or `work` throws; the first
-// exception is rethrown after all running pieces have ended.
+// Runs one task for each demand: calls `work` with the index of the demand and the cores to run on. Each call is on one
+// of several threads. The longest waiting task that fits starts first. Returns when all tasks have ended. Once `stop`
+// returns true or `work` throws, no further task starts; the first exception is rethrown after all running tasks have
+// ended.
 void run_side_by_side(const std::vector<Demand>& demands, Room room,
                       const std::function<void(std::size_t, const std::vector<int>&)>& work,
                       const std::function<bool()>& stop);

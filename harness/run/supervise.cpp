@@ -16,10 +16,11 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// Returns how long to wait for an answer before killing a solver that has this time limit, in seconds.
+// Returns how many seconds to wait for an answer before killing a solver that has this time limit, so that a solver
+// that stops a little late can still give its bounds.
 double with_grace(double seconds) { return 1.2 * seconds + 0.5; }
 
-constexpr std::chrono::milliseconds turn(20);
+constexpr std::chrono::milliseconds turn(20);  // how long to wait for an event before checking limits and interrupts
 
 struct NotAnEvent {};
 
@@ -75,11 +76,13 @@ public:
     }
 
 private:
+    // Sets the deadline for the next event.
     void allow(double seconds) {
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     }
 
-    // Checks the memory once per turn by the clock, no matter how many events the worker sends.
+    // Kills the worker if it exceeds its memory limit; returns true if it was killed. Looks at most once per `turn`, no
+    // matter how many events the worker sends.
     bool kill_if_too_large() {
         if (Clock::now() < next_look_) return false;
         const std::int64_t limit = order_.limits.memory_bytes;
@@ -91,8 +94,8 @@ private:
         return false;
     }
 
-    // Checks the deadline. Called only when no event is waiting, because everything that the worker sent in time
-    // counts.
+    // Kills the worker if the deadline has passed; returns true if it was killed. Call it only if no event is waiting,
+    // because everything that the worker sent in time counts.
     bool kill_if_late() {
         if (Clock::now() <= deadline_) return false;
         const Limits& limits = order_.limits;
@@ -174,8 +177,7 @@ private:
         allow_a_pass();
     }
 
-    // Ends the worker, if it still runs. The case in flight gets its row, or all cases of its pair if that pair was
-    // never ready.
+    // Ends the worker, if it still runs, and gives outcomes to the cases that it can no longer answer, see supervise().
     void fail(RowStatus status, const std::string& reason) {
         worker_.kill();
         worker_.how_it_ended();
@@ -185,8 +187,8 @@ private:
         outcome.reason = reason;
         if (const std::string words = worker_.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
         const std::size_t length = chain_end_ - finished_;
-        // Shapes of earlier pairs take memory, too: a fresh worker may have enough for this one. But a chain of which
-        // some cases have ended cannot be resumed in the middle, so its other cases get their rows.
+        // The worker also held shapes of earlier pairs, so the next worker may have enough memory for this one. But if
+        // some cases of a chain have ended, the next worker cannot resume it there, so the others get their outcomes.
         const bool another = order_.items[finished_].pair != order_.items.front().pair;
         if (status == RowStatus::out_of_memory && another && closed_ == 0) return;
         if (!prepared_) {
@@ -204,6 +206,8 @@ private:
         }
     }
 
+    // Returns the outcome of a case that was answered before the worker ended for the reason in `how`. The answer
+    // counts, but gets the status of `how` if no repeat was timed, or if the memory ran out.
     Outcome cut_short(Outcome answered, const Outcome& how) const {
         const bool untimed = answered.repeats.empty() && order_.repeats > 0;
         if (is_timed(answered.status) && (untimed || how.status == RowStatus::out_of_memory)) {
@@ -215,7 +219,8 @@ private:
         return answered;
     }
 
-    // Moves on to the next case or chain of cases. If it belongs to another pair, that pair has to be prepared first.
+    // Moves on to the next chain; a cold case is a chain of its own. If the chain belongs to another pair, expects that
+    // the worker prepares that pair first.
     void next_chain() {
         const std::size_t pair = order_.items[finished_].pair;
         finished_ = chain_end_;
@@ -226,16 +231,17 @@ private:
         chain_end_ = order_.chain_end(finished_);
     }
 
-    // Allows time for a pass through the chain: it sends no event for poses that are not timed, such as those that
-    // reach their limit.
+    // Sets a deadline that is long enough for the worker to solve the whole chain once more. It may do so without any
+    // event, because it sends none for poses that are not timed, such as poses that reach their time limit.
     void allow_a_pass() { allow(with_grace(3 * order_.limits.case_seconds * double(chain_end_ - finished_))); }
 
-    // Returns the time limit for preparing. In a matrix, it allows the limit for each shape that is not loaded yet,
-    // and at least once for the solver.
+    // Returns the time limit for loading and preparing a pair. In a matrix, this is the experiment's limit times the
+    // number of shapes that are not loaded yet, but at least once the limit.
     double seconds_to_prepare() const {
         return order_.limits.prepare_seconds * (order_.scaled ? std::max(1, new_shapes_[finished_]) : 1);
     }
 
+    // Returns the index in outcomes_ of a row that is answered but has not ended.
     std::size_t place_of(std::size_t row) const {
         for (std::size_t k = closed_; k < outcomes_.size(); ++k) {
             if (order_.items[finished_ + k].row == row) return k;
@@ -261,9 +267,9 @@ private:
     Clock::time_point deadline_, next_look_ = Clock::now();
     bool prepared_ = false, began_ = false;
     std::size_t finished_ = 0,
-                chain_end_;          // the case or chain in flight: items [finished_, chain_end_)
-    std::vector<Outcome> outcomes_;  // its answers so far
-    std::size_t closed_ = 0;         // how many of them have ended
+                chain_end_;          // the present chain: items [finished_, chain_end_) of the order
+    std::vector<Outcome> outcomes_;  // answers so far to the cases of the chain
+    std::size_t closed_ = 0;         // how many cases of the chain have ended
     std::vector<int> new_shapes_;    // see WorkOrder
 };
 

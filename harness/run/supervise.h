@@ -1,4 +1,4 @@
-// Runs one worker: reads its events, kills it at a limit, and makes the outcome of each case.
+// Runs one worker process: reads its events (worker.cpp), kills it at a limit, and makes the outcome of each case.
 #pragma once
 
 #include "harness/run/work_order.h"
@@ -9,24 +9,27 @@
 
 namespace hausbench {
 
+// Callbacks of supervise().
 struct Supervision {
+    // Called when a pair is prepared. `left_out`: names of the structures that the solver did not need.
     std::function<void(const std::vector<std::string>& left_out)> prepared;
-    std::function<void(std::size_t row, Outcome outcome)> finished;  // called once per row
-    std::function<bool()> interrupted;
+    std::function<void(std::size_t row, Outcome outcome)> finished;  // called once for each row that gets an outcome
+    std::function<bool()> interrupted;                               // polled; true ends the worker
 };
 
-// Starts a worker and processes its events until it ends. A case gets its outcome when the worker ends the case. If
-// the worker crashes, exceeds its time or memory limit or writes something that is not an event, it is killed, the
-// case in flight gets a row with the reason and the worker's last words, and the caller starts another worker for the
-// rest. If the shapes of a pair could not be loaded and prepared, all cases of the pair get that row.
+// Starts a worker and processes its events until it ends. A case gets its outcome when the worker sends "end" for it.
+// Cases that have no outcome when supervise() returns are for the next worker, which the caller starts.
 //
-// If a warm chain breaks at a pose, the poses after it get rows that say so. The poses before it get none, because
-// their timings are lost; the caller runs them again from the head of the chain.
+// The worker is killed if it exceeds its time or memory limit or writes something that is not an event. Then, and if it
+// crashes, the case that it was answering gets an outcome with the reason and the end of the worker's output:
+// - If the worker was still loading and preparing a pair, all cases of the pair get this outcome.
+// - If the case was answered, and the worker was timing repeats, the answer counts.
+// - If the case is a pose of a warm chain, the poses after it are `failed`, because they depend on it. The poses before
+//   it get no outcome, because their timings are lost: the next worker runs the chain again from its first pose.
+// - If the worker of a matrix ran out of memory after it had answered other pairs, the present pair gets no outcome:
+//   the next worker may have room for it, because it holds fewer shapes.
 //
-// If a matrix worker that has answered other pairs runs out of memory, the pair in flight gets no row: the caller
-// tries it in a fresh worker, which holds fewer shapes.
-//
-// At least one item is finished, unless the run is interrupted.
+// Each call finishes at least one item, unless the run is interrupted.
 void supervise(const WorkOrder& order, const Supervision& report);
 
 }  // namespace hausbench

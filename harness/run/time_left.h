@@ -1,5 +1,5 @@
-// Estimates how long a run still takes, from the expected times of its parts and the actual times of those that have
-// ended.
+// Estimates how long a run still takes, from the expected times of its cases and from the actual times of the cases
+// that have ended.
 #pragma once
 
 #include <cstddef>
@@ -8,19 +8,21 @@
 
 namespace hausbench {
 
-// Cases of one solver that are expected to take equally long.
+// A part of a run: cases of one solver that are expected to take equally long.
 struct OpenWork {
-    // The solver. If one of its cases takes twice as long as expected, its other cases are expected to do so, too.
+    // Label of the solver. If the cases of a solver took twice as long as expected in one part, its open cases in other
+    // parts are expected to do so, too.
     std::string kind;
-    double expected = 0;  // seconds per case
-    std::size_t open = 0, ended = 0;
-    double took = 0;  // total seconds of the cases that have ended
+    double expected = 0;              // seconds per case
+    std::size_t open = 0, ended = 0;  // numbers of cases
+    double took = 0;                  // total actual seconds of the cases that have ended
 };
 
-// Returns the wall-clock seconds left after `gone_by` seconds. The expected time of open work is multiplied by actual
-// time / expected time of the ended work of its kind; if little of that has ended, by the ratio for all ended work;
-// if little has ended at all, by 1. As much work is assumed to run side by side as did so far. Returns 0 if nothing
-// is open. O(parts).
+// Returns the wall-clock seconds left after `gone_by` seconds: the sum over all parts of
+//   open * expected * (actual / expected seconds of the ended cases of this kind),
+// divided by the average number of cases that ran at the same time so far. While few cases of a kind have ended, the
+// ratio is close to the ratio of the ended cases of all kinds and, while few cases have ended at all, close to 1.
+// Returns 0 if nothing is open. O(parts).
 double seconds_left(const std::vector<OpenWork>& parts, double gone_by);
 
 }  // namespace hausbench

@@ -42,9 +42,10 @@ double seconds_of(const rusage& used) {
 
 }  // namespace
 
-// The process clock is read last here and first in spent(): reading the other clocks takes microseconds, which would
-// count as CPU time of a short solve. The thread and wall clocks are read before it here and after it in spent(), so
-// a process with one thread never seems to have spent time in another.
+// The order of the clocks matters. The process clock is read last here and first in spent(), because reading the other
+// clocks takes microseconds, which would count as CPU time of a short solve. The intervals of the thread and wall
+// clocks thus contain the interval of the process clock, so that a process with one thread never seems to have spent
+// CPU time in another.
 Stopwatch::Stopwatch() : Stopwatch(of_children()) {}
 
 Stopwatch::Stopwatch(const rusage& children)
@@ -60,7 +61,7 @@ Spent Stopwatch::spent() const {
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count();
     const rusage ended = of_children();
     const double children = seconds_of(ended) - children_;
-    const bool others = process - thread > 0.01 * process;  // a hundredth: the clocks differ a little
+    const bool others = process - thread > 0.01 * process;  // 1 %, because the clocks differ a little
     const bool elsewhere = ended.ru_minflt != faults_ && works_elsewhere(wall, process + children);
     return {wall, process + children, others || elsewhere || several_at_once(wall, process + children)};
 }

@@ -23,7 +23,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder, solver, options, folder, pairs, sc
 
 void WorkOrder::Item::narrow(double least_upper) {
     if (cutoff <= floor || !(least_upper < cutoff)) return;
-    constexpr double least = 0x1p-500;  // stays above 0 when scaled
+    constexpr double least = 0x1p-500;  // a session scales the cutoff, which must stay above 0
     cutoff = std::min(cutoff, std::max({least_upper, least, std::nextafter(floor, cutoff)}));
 }
 

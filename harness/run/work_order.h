@@ -1,4 +1,4 @@
-// The work order that a worker reads from its standard input: solver, shapes and cases.
+// The work order that a worker process reads from its standard input: solver, shapes and cases.
 #pragma once
 
 #include "algorithms/session/session.h"
@@ -15,7 +15,7 @@ namespace hausbench {
 struct WorkOrder {
     std::string solver;
     ParameterMap options;
-    std::filesystem::path folder;  // base of relative paths in the options
+    std::filesystem::path folder;  // folder from which relative paths in the options start
     struct Pair {
         std::filesystem::path source_file, target_file;
         QuerySet queries;
@@ -29,10 +29,12 @@ struct WorkOrder {
     Prepare build = Prepare::needed_only;
     double slowdown = 0;          // Plan::planted_slowdown
     std::vector<int> cores = {};  // cores of the worker; empty: any. Not sent to the worker
+
+    // A case to answer.
     struct Item {
-        std::size_t row;
-        std::size_t pair;   // items of one pair are adjacent
-        std::size_t chain;  // so are the items of a chain, in order; a cold case is a chain of its own
+        std::size_t row;    // index in Plan::cases
+        std::size_t pair;   // index in `pairs`; items of one pair are adjacent
+        std::size_t chain;  // number of its warm chain, whose items are adjacent; a cold case is a chain of its own
         bool warm;
         Quantity quantity;
         Pose source_pose, target_pose;
@@ -45,17 +47,17 @@ struct WorkOrder {
         std::filesystem::path fields = {};  // file to write the fields to; empty: not requested
         bool stages = false;
         bool proof = false;  // request a certificate of the answer and check it
-        // Items of one search share a number and are adjacent; 0: not part of a search.
+        // Number of the search, in which the targets of one source are adjacent items; 0: not part of a search.
         std::size_t search = 0;
 
-        // Lowers the cutoff to `least_upper`, the least upper bound of the earlier answers in the search: anything
-        // farther away is of no interest. The cutoff stays above the floor: at the floor, the query would become a
-        // yes/no question, which no tolerance ends (see Query).
+        // Lowers the cutoff to `least_upper`, the least upper bound among the earlier answers in the search: a target
+        // that is farther away is not the nearest. Keeps the cutoff above the floor, because a query with floor and
+        // cutoff equal is a yes/no question, in which the tolerance has no effect (see Query).
         void narrow(double least_upper);
     };
     std::vector<Item> items;
 
-    // Return the index one past the last item of the chain, or of the pair, that contains item `first`.
+    // Return the index one past the last item of the chain, or of the pair, to which item `first` belongs.
     std::size_t chain_end(std::size_t first) const;
     std::size_t pair_end(std::size_t first) const;
 

@@ -1,6 +1,8 @@
-// For each pair of shapes, the worker sends {"event":"prepared", ...} and then, for each case, the events "begin", "answer" (before anything is timed),
-// "repeat" for each timed repeat, "trace", "fields", "proof" and "end", in this order. In a warm chain, it first answers all poses. Each repeat, the trace
-// and the fields then take one pass over the chain each. It sends "end" for every case last.
+// The worker writes one event per line, such as {"event":"begin","row":3}. For each pair of shapes it sends "prepared"
+// and then, for each case, "begin", "answer" (before anything is timed), "repeat" for each timed repeat, and "end".
+// "trace", "fields" and "proof" come before "end" if they are wanted. In a warm chain, the worker first answers all
+// poses. Then it passes over the whole chain once for each repeat, for the trace and for the fields. "end" comes last,
+// for every case.
 #include "harness/run/worker.h"
 
 #include "algorithms/error.h"
@@ -34,7 +36,8 @@ using nlohmann::json;
 
 namespace {
 
-// How finely A is cut for the fields in results: to a quarter of h, if `most_pieces` are enough. The witness becomes a vertex, so h is among the values.
+// For the fields in results, A is cut until linear interpolation between vertices errs by at most h / 4 where it is
+// tested (Drawing), or until there are `most_pieces` pieces. The witness becomes a vertex, so h is among the values.
 constexpr double resolution = 0.25;
 constexpr std::size_t most_pieces = 100'000;
 
@@ -58,7 +61,7 @@ public:
     }
 
 private:
-    // Returns the item; in a search, with the cutoff lowered as the earlier answers allow.
+    // Returns the item; in a search, with a cutoff that is lowered to the least upper bound of the earlier answers.
     const WorkOrder::Item& narrowed(WorkOrder::Item& item) {
         if (item.search != search_) least_upper_ = std::numeric_limits<double>::infinity();
         search_ = item.search;
@@ -197,7 +200,7 @@ private:
         send({{"event", "end"}, {"row", item.row}});
     }
 
-    // Answers a warm chain. A solver that throws leaves the state undefined, so the chain ends there. A refused pose is skipped.
+    // Answers a warm chain. If the solver throws, its state is undefined, so the chain ends. A refused pose is skipped.
     void answer_chain(std::size_t begin, std::size_t end) {
         std::vector<std::optional<Answer>> first;
         std::unique_ptr<State> state = session_->begin();
@@ -239,7 +242,7 @@ private:
 
     double most_seconds_of_repeats(std::size_t cases) const { return 2 * order_.limits.case_seconds * double(cases); }
 
-    // Sends an outcome without bounds, and returns nothing to time. The solver may do better on the next case.
+    // Sends an outcome without bounds. Returns nullopt for answer() to return, so that nothing is timed.
     std::nullopt_t give_up(const WorkOrder::Item& item, RowStatus status, const std::string& reason) {
         Outcome outcome;
         outcome.status = status;
@@ -272,7 +275,7 @@ private:
         }
     }
 
-    // Times the repeats of a case. Fast solves are timed several at a time, so that reading the clock costs less than a thousandth.
+    // Times the repeats of a case. Fast solves are timed in batches of 0.5 ms, so that reading the clock costs < 0.1 %.
     void time_repeats(const WorkOrder::Item& item, const Query& query, double first_seconds) {
         const auto iterations = std::int64_t(std::clamp(5e-4 / std::max(first_seconds, 1e-9), 1.0, 1000.0));
         double spent = 0;
@@ -295,7 +298,7 @@ private:
         json samples = json::array();
         for (const TraceSample& s : traced.samples())
             samples.push_back({number(s.seconds), number(s.lower), number(s.upper)});
-        // The bounds must be equal only if both runs converged.
+        // A run that reaches a limit may stop anywhere, so the bounds must be equal only if both runs converged.
         const bool equal = again.bounds.lower == first.bounds.lower && again.bounds.upper == first.bounds.upper;
         send({{"event", "trace"},
               {"row", item.row},
@@ -303,7 +306,7 @@ private:
               {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
     }
 
-    // Writes the fields that need no solver and, after solving once more, the solver's own fields and the seconds of its stages.
+    // Writes the fields that need no solver. Solves once more for the solver's own fields and its seconds by stage.
     void fields(const WorkOrder::Item& item, State* state, const Result& first) {
         const bool wanted = !item.fields.empty();
         if (!wanted && !item.stages) return;
@@ -335,7 +338,7 @@ private:
         send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});
     }
 
-    // Checks the upper bound of an answer: between point sets at each point, otherwise by the certificate, if there is one.
+    // Checks the upper bound of an answer: for point sets at each point, otherwise by the certificate, if there is one.
     void prove(const WorkOrder::Item& item, const Result& result) {
         const auto tell = [&](double proven, const std::string& certificate) {
             send({{"event", "proof"}, {"row", item.row}, {"proven", number(proven)}, {"certificate", certificate}});
@@ -372,7 +375,7 @@ private:
     int events_;
     bool broke_ = false;                                            // the solver threw, see answer_chain()
     std::size_t search_ = 0;                                        // the current search, see WorkOrder::Item
-    double least_upper_ = std::numeric_limits<double>::infinity();  // of the answers in that search
+    double least_upper_ = std::numeric_limits<double>::infinity();  // least upper bound of the answers in that search
     std::optional<PeakMemory> memory_;
     std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> loaded_;  // shapes of a matrix
     std::map<std::filesystem::path, std::size_t> last_use_;                   // the last item that needs each of them

@@ -1,4 +1,4 @@
-// The worker process: loads a scene, prepares a solver, answers and times its cases, and tells the runner through a pipe.
+// The worker process: loads shapes, prepares a solver, answers and times cases, and tells the runner through a pipe.
 #pragma once
 
 namespace hausbench {
