@@ -22,7 +22,7 @@ struct MeasureRequest {
     ParameterMap options;
     double tolerance = 1e-6;
     std::string of = "diagonal";   // one of tolerance_units
-    bool tolerance_given = false;  // --tolerance or --of was given; it is then an error if A's box has no such length
+    bool tolerance_given = false;  // --tolerance or --of was given; it is then an error if the unit is 0 for A
     bool symmetric = false;        // H(A,B) = max(h(A,B), h(B,A))
     bool penetration = false;      // the penetration depth instead of a distance
     // Asks only "is the distance above this length?"; a gap within the tolerance then does not end the solve.
@@ -54,7 +54,7 @@ struct MeasuredShape {
 struct DrawnFile {
     std::filesystem::path file;
     Bounds bounds;       // of h(A,B), or of h(B,A) in the file of B
-    double largest = 0;  // distance of a vertex
+    double largest = 0;  // the largest distance of a vertex
     std::int64_t vertices = 0, pieces = 0;
     bool resolved = true;  // false: the resolution needs more pieces than are written
 };
@@ -71,12 +71,12 @@ struct Measured {
     bool certified = false;  // the bounds hold under rounding, with the options given
     MeasuredShape source, target;
     double tolerance_absolute = 0;  // the tolerance as a length; NaN if it is a fraction of the lower bound
-    // The requested unit of the tolerance; if A's box has no such length, `diagonal of both` or `absolute` instead.
+    // The requested unit of the tolerance; if that length is 0 for A, `diagonal of both` or `absolute` instead.
     std::string tolerance_of;
     double unit = 1;    // the length of which the tolerance is a fraction
     double extent = 0;  // the diagonal of the box of both shapes
     Result result;
-    // h(A,B) and h(B,A), for H. In both, as in `result`, the source point of the witness is on A.
+    // With --symmetric: h(A,B) and h(B,A). In both, as in `result`, the source point of the witness is on A.
     std::optional<Result> forward, backward;
     double forward_seconds = 0, backward_seconds = 0;
     double prepare_seconds = 0, solve_seconds = 0;
