@@ -105,7 +105,7 @@ private:
         return (p - at.first * along_ - at.second * side_).squaredNorm();
     }
 
-    // Returns the weights of the point closest to origin() + p, as far as doubles tell.
+    // Returns the weights of the point closest to origin() + p, computed in doubles.
     Weights foot(const Vec3& p) const {
         // First y, from the part of p that is orthogonal to the longest edge; then x along that edge, for this y.
         const double y = slope(p - slope(p, along_) * along_, height_), x = slope(p - y * side_, along_);
@@ -239,7 +239,8 @@ private:
         return Index(index);
     }
 
-    // Returns the corner as its offset from corner a of the triangle of A. The functions below represent all points so.
+    // Returns the offset of the corner from corner a of the triangle of A. The functions below represent points of this
+    // triangle by this offset.
     IntervalVector from_a(const Corner& corner) const {
         IntervalVector d;
         for (std::size_t k = 0; k < 3; ++k) d[k] = corner.v * e_[0][k] + corner.w * e_[1][k];

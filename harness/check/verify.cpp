@@ -239,7 +239,7 @@ private:
     std::vector<Row>& rows_;
     std::vector<Member> members_;
     std::array<const Shape*, 2> shapes_;
-    std::array<Checker, 2> checkers_;  // for the pair in its order, and turned
+    std::array<Checker, 2> checkers_;  // for (first, second) and for (second, first)
     const Stop& stop_;
     double slack_;  // for rows that are not certified
     bool surfaces_;

@@ -217,7 +217,7 @@ private:
         }
     }
 
-    // Returns the element of B nearest to p, as far as doubles tell.
+    // Returns the element of B nearest to p, computed in doubles.
     Index about_nearest(const Vec3& p) const {
         Index best = 0;
         double least = std::numeric_limits<double>::infinity();

@@ -16,8 +16,8 @@
 // - No lower bound is above an upper bound (for all elements, not only 100).
 // - No upper bound is below the distance of a corner or of the centroid.
 // - No lower bound is above the largest distance from a corner of T to b, for some elements b of B: as b is convex, no
-//   point of T is farther from b than the farthest corner is. The elements b are those nearest to a corner or to the
-//   centroid, as far as doubles tell.
+//   point of T is farther from b than the farthest corner is. The elements b are the nearest to a corner or to the
+//   centroid, computed in doubles.
 #pragma once
 
 #include "harness/check/verify.h"
