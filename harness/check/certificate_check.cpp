@@ -299,8 +299,8 @@ double scaled_back(double x, int exponent) {
 
 // Returns the bound that the bytes prove. Scales both shapes by the power of two that brings the largest |coordinate|
 // into [0.5, 1), so that nothing overflows. A coordinate that underflows is rounded by at most 2^-1075, so a point
-// moves by at most sqrt(3) * 2^-1075 < 2^-1074, and a distance between two points changes by less than 2 * 2^-1074 =
-// 2^-1073, which is added to the bound.
+// moves by at most sqrt(3) * 2^-1075 < 2^-1074. A distance between two points changes by less than twice that, 2^-1073,
+// which is added to the bound.
 double bound_of(const Shape& source, const Points& source_points, const Shape& target, const Points& target_points,
                 const std::string& bytes, CertificateCheck& check) {
     if (source_points.hasNaN() || target_points.hasNaN())

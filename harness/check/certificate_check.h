@@ -1,6 +1,6 @@
-// Checks a certificate of an upper bound on h(A,B) (docs/certificate.md). A certificate holds for each triangle of A a
-// tree of cuts, which divide the triangle into polygons, and for each polygon (a leaf of the tree) one triangle of B.
-// The check shares no kernel with the solvers: it reads the bytes, cuts the triangles of A itself and bounds each
+// Checks a certificate of an upper bound on h(A,B) (docs/certificate.md). A certificate contains a tree of cuts for
+// each triangle of A. The cuts divide the triangle into polygons, the leaves of the tree; each leaf names one triangle
+// of B. The check shares no kernel with the solvers: it reads the bytes, cuts the triangles of A itself and bounds each
 // distance from above in interval arithmetic.
 //
 // The bound that it finds holds for any bytes, for two reasons. A cut divides a polygon into two whose union is the

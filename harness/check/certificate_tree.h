@@ -112,7 +112,7 @@ struct Meeting {
     bool on_edge() const { return place % 2 == 1; }
 };
 
-// Decodes the eight bits of a meeting. The t of a point on an edge follows elsewhere in the bytes.
+// Decodes the eight bits of a meeting. If the meeting is on an edge, the caller then reads its t.
 inline Meeting read_meeting(std::uint64_t bits, std::size_t corners) {
     const bool corner = bits & 1;
     const std::size_t i = bits >> 2;

@@ -28,7 +28,7 @@ double largest_within(const Shape& shape, const Pose& pose) {
 // Returns the slack of bounds that are not certified: the most that rounding can make them wrong if a solver is right
 // in exact arithmetic and computes in doubles. Let u = 2^-53, the unit roundoff, and M the larger largest_within() of
 // the two shapes. To first order in u, each coordinate of a point is off by at most the sum of
-// - 8uM if the solver poses vertices by other operations than the definition: 4 roundings of at most uM in either case;
+// - 8uM if the solver poses vertices by other operations than the definition: 4 roundings of at most uM for each;
 // - 12uM for the point a + s * (b - a) + t * (c - a) of a triangle: 2uM for each of two differences and two products,
 //   uM for each of two sums, and 2uM because s + t may be rounded to above 1. (Other errors of s and t only choose
 //   another point of the triangle.)

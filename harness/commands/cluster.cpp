@@ -103,8 +103,8 @@ public:
 
     bool is_split() const { return fs::exists(split_file()); }
 
-    // Writes the split, which says which job is in which shard. Keeps the shards of an earlier split, unless another
-    // number of shards is requested (0: none is).
+    // Writes the split, which says which job is in which shard. Keeps the shards of an earlier split, unless `shards`
+    // requests another number of them (0 requests none).
     void divide(int shards) {
         const Split earlier = is_split() ? read_split(split_file()) : Split{0, {}};
         if (shards > 0 && earlier.of > 0 && shards != earlier.of && !queue().shards.empty())
@@ -202,7 +202,7 @@ public:
         return all;
     }
 
-    // Returns the queue. If Slurm does not tell, returns an empty queue and sets `trouble` to the reason.
+    // Returns the queue. If squeue fails, returns an empty queue and sets `trouble` to the reason.
     Queue queue_if_it_answers(std::string& trouble) const {
         try {
             return queue();

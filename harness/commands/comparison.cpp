@@ -141,8 +141,8 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
     return pairs;
 }
 
-// Returns the name of a pair of rows: scene, pose and tolerance. With `several`, which means that a solver has rows
-// with different parameters, both solvers and their parameters come first.
+// Returns the name of a pair of rows: scene, pose and tolerance. If `several` is true, because a solver has rows with
+// different parameters, both solvers and their parameters come first.
 std::string names_of(const Row& a, const Row& b, bool several) {
     return printable(several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
                              : place_of(a.asked));

@@ -15,7 +15,7 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t widest = 100;                          // most characters of a line
-constexpr std::size_t verb_column = 12, option_column = 26;  // columns in which the meanings of verbs, arguments begin
+constexpr std::size_t verb_column = 12, option_column = 26;  // where the meanings of verbs and of options begin
 
 // An argument of a verb, for help, manual and completion.
 struct Argument {

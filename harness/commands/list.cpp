@@ -279,7 +279,7 @@ std::string one_experiment(const json& e, const Paper& paper) {
     text += wrapped("solvers: " + joined(e["solvers"]), 2, paper.width);
     TextTable table(
         {{"scene"}, {"A", false, 0, true}, {"B", false, 0, true}, {"profiles", false, 1}, {"note", false, 2, true}});
-    std::map<std::string, std::size_t> of_each;  // number of scenes by their `each`, a key that makes one per model
+    std::map<std::string, std::size_t> of_each;  // value of the key `each` -> number of scenes that it makes
     for (const json& s : e["scenes"]) ++of_each[each_of(s)];
     for (const json& s : e["scenes"]) {
         const std::string each = each_of(s);
@@ -349,7 +349,7 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
                               {"experiments", "stem", one_experiment},
                               {"models", "name", one_model},
                               {"corpus", "name", one_model}};
-    std::string text;  // of everything with this name: a solver and a model may share it
+    std::string text;  // describes every match, because a solver and a model may have the same name
     std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "keys", "columns"};
     for (const Kind& kind : kinds) {
         for (const json& one : all[kind.group]) {

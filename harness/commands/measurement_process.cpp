@@ -156,7 +156,7 @@ public:
     }
 
 private:
-    // Starts the time limit of the next step. `phase` is the error if the child exceeds it.
+    // Starts the time limit of the next step. `phase` is the error message if the child exceeds the limit.
     void allow(const char* phase) {
         phase_ = phase;
         const double seconds = std::min(limit_ + grace_of(limit_), 1e9);  // a clock cannot hold infinity

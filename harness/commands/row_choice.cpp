@@ -40,7 +40,8 @@ struct Condition {
 };
 
 // Makes the condition read the column with this name. `part` returns the part of a row that the columns belong to, such
-// as its outcome. Returns false if there is no such column, or if it has several numbers per row, as a point has.
+// as its outcome. Returns false if no column has this name, or if the column has several numbers per row, as for a
+// point.
 template <class Part>
 bool find_column(const Columns<Part>& columns, const std::string& name,
                  const std::function<const Part&(const Row&)>& part, Condition& condition) {
@@ -64,7 +65,7 @@ bool find_column(const Columns<Part>& columns, const std::string& name,
     return false;
 }
 
-// The same for the columns that only the tables of `show` have.
+// Makes the condition read a column that is computed for the tables of `show`: gap, check or answer.
 bool find_shown(const std::string& name, Condition& condition) {
     if (name == "gap") condition.value = [](const Row& row) { return gap_of(row.outcome); };
     if (name == "check") condition.text = check_text;

@@ -35,8 +35,8 @@ struct Repeat {
     std::int64_t iterations = 1;
 };
 
-// The time of the first answer to a case in the process of a round. Nothing is warmed up yet, so this is what a single
-// question costs.
+// The time of the first answer to a case in the process of a round. Nothing is warmed up yet, so this is the cost of a
+// single question.
 struct FirstAnswer {
     int round = 0;
     double wall_seconds = 0, cpu_seconds = 0;
