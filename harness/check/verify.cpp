@@ -19,7 +19,8 @@
 namespace hausbench {
 namespace {
 
-// Returns an upper bound on every |coordinate| of the posed shape, and on every product and partial sum of R * v + t.
+// Returns an upper bound on every |coordinate| of the shape moved by its pose R, t, and on every product and partial
+// sum in R * v + t.
 double largest_within(const Shape& shape, const Pose& pose) {
     const Vec3 largest = points_of(shape).cwiseAbs().colwise().maxCoeff().transpose();
     return (pose.rotation.cwiseAbs() * largest + pose.translation.cwiseAbs()).maxCoeff();

@@ -18,7 +18,8 @@ using Exact = CGAL::Simple_cartesian<Rational>;
 
 double down(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }
 
-// Returns the posed point by its definition (algorithms/kernel/geometry.h), written again here on purpose.
+// Returns the point moved by the pose, as algorithms/kernel/geometry.h defines it. Written again here on purpose, so
+// that the check shares no code with the solvers.
 Vec3 moved(const Vec3& v, const Pose& pose) {
     if (pose.is_identity()) return v;
     Vec3 out;

@@ -334,8 +334,8 @@ void add_own(Fields& fields, Fields own) {
     }
 }
 
-// Notation: u = 2^-53 is the unit roundoff, and M the largest |coordinate| of both posed shapes. Lengths are at most
-// S = 2 * sqrt(3) * M < 3.47M. Constants are rounded up to cover terms of order u^2.
+// Notation: u = 2^-53 is the unit roundoff, and M the largest |coordinate| of both shapes in their poses. Lengths are
+// at most S = 2 * sqrt(3) * M < 3.47M. Constants are rounded up to cover terms of order u^2.
 //
 // Positions of vertices added by cuts. Rounding moves the midpoint of two vertices by sqrt(3) * uM, so its distance
 // from its triangle is at most that plus the mean of the distances of the two vertices. A piece is cut only if its
@@ -344,7 +344,7 @@ void add_own(Fields& fields, Fields own) {
 // field_error(M) = 640uM.
 //
 // Distances. Both shapes are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow are off by
-// 2^-1075, which is negligible beside uM, and so is the distance when it is scaled back.
+// 2^-1075, which is negligible compared with uM, and so is the distance when it is scaled back.
 //
 // Let p be a vertex, T = abc a triangle of B whose longest edge is e = b - a, d the exact distance from p to T, and q
 // the point that closest_point (point_triangle.cpp, whose names are used here) returns. q is within 7uM of T, so
@@ -355,8 +355,8 @@ void add_own(Fields& fields, Fields own) {
 //    along * inverse of the point nearest to p errs by 12.4u * S / l. This moves the point by 12.4uS, and rounding the
 //    point moves it by 6uM: it is within d_edge + 49.1uM of p, where d_edge is the distance from p to the edge. (If
 //    l < 2^-500, where squares underflow, every point of the edge is that near.) If the point of T nearest to p is on
-//    an edge, d_edge is d for this edge, so a point within d + 49.1uM is found. Otherwise let the nearest point be
-//    a + X * e + Y * h, where h is the height over e.
+//    an edge, d_edge is d for this edge, so a point within d + 49.1uM is found. Otherwise the nearest point is the foot
+//    of the perpendicular from p; let it be a + X * e + Y * h, where h is the height over e.
 // 2. If |h| <= 46uS (T is thin): the line along h through the nearest point crosses T on a length of at most
 //    |h| < 160uM. So an edge is within 80uM of this point, and step 1 finds a point within d + 80uM + 49.1uM of p.
 // 3. If |h| > 46uS: let f = c - a. x_c = f.e / e.e, the position along e at which h begins, errs by 12.4u, and

@@ -17,7 +17,7 @@ struct Drawing {
     // a spike in between can be missed. Infinity: A is not cut.
     double fraction = infinity;
     double lower = 0;
-    // A point of A posed that becomes a vertex if it lies on triangle `witness_element` of A; -1: no such point.
+    // A point that becomes a vertex if it lies on triangle `witness_element` of A in its pose; -1: no such point.
     Vec3 witness = Vec3::Zero();
     Index witness_element = -1;
     std::size_t most_pieces = 2'000'000;  // no limit on the triangles of A itself
@@ -26,7 +26,7 @@ struct Drawing {
 // A in its pose, with its triangles cut into smaller triangles, called *pieces*, and the distance to B in its pose at
 // each vertex.
 struct DrawnField {
-    Points vertices;              // the vertices of A posed, to the bit, then vertices added by cuts
+    Points vertices;              // the vertices of A in its pose, to the bit, then vertices added by cuts
     Triangles pieces;             // empty if A is a point set
     std::vector<Index> elements;  // for each piece, its triangle of A
     std::vector<double> distances;
@@ -40,12 +40,12 @@ struct DrawnField {
 
 // Computes the distances at the vertices of A and cuts A where interpolating them linearly is not good enough. Begins
 // with the largest differences, because the limit on pieces may end the cutting. If nothing does, no edge is longer
-// than 1/64 of the diagonal of A posed, except on thin triangles. O((|A| + |pieces|) log |B|) on well-behaved shapes.
+// than 1/64 of the diagonal of A, except on thin triangles. O((|A| + |pieces|) log |B|) on well-behaved shapes.
 // Throws InputError for a surface, or if a pose moves a point beyond the largest double.
 //
-// Error: let M be the largest |coordinate| of A posed and B posed. The computed distance of a vertex differs from its
-// exact distance by at most field_error(M), and so does the exact distance of the vertex to the element in `nearest`. A
-// vertex added by a cut is within 2 * field_error(M) of its triangle of A. fields.cpp derives both.
+// Error: let M be the largest |coordinate| of A and B in their poses. The computed distance of a vertex differs from
+// its exact distance by at most field_error(M), and so does the exact distance of the vertex to the element in
+// `nearest`. A vertex added by a cut is within 2 * field_error(M) of its triangle of A. fields.cpp derives both.
 DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, const PreparedShape& target,
                          const Pose& target_pose, const Drawing& drawing = {});
 

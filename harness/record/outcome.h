@@ -80,7 +80,7 @@ struct Outcome {
     bool stages_asked = false;
     std::vector<TraceSample> trace;
     double proven_upper = unknown;  // by a checked certificate of this answer; NaN: none
-    std::string fields_sha256;  // hash of the file with the row's fields, which is beside the journal (field_file.h)
+    std::string fields_sha256;  // hash of the file with the row's fields, in the folder of the journal (field_file.h)
     bool from_trace = false;
     // True if other work of the run may have shared the machine, so that times are not comparable.
     bool side_by_side = false;

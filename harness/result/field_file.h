@@ -1,4 +1,4 @@
-// Files with fields (solver.h), in two kinds of formats: the harness's own, for files beside the journal of a run; and
+// Files with fields (solver.h), in two kinds of formats: the harness's own, for files next to the journal of a run; and
 // PLY or VTK, for other programs.
 //
 // Own format: one line of JSON, {"hausbench_fields": 1, "fields": [{"name", "of", "meaning",
