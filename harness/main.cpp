@@ -23,7 +23,8 @@ namespace {
 
 using namespace hausbench;
 
-// Returns the error in a command line, with the nearest known name for an unknown one.
+// Returns the message for an error in the command line. For an unknown verb or option, it suggests the nearest known
+// one.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     const auto verbs = app.get_subcommands();
     const auto unknown = app.remaining(true);
@@ -87,7 +88,7 @@ int give_up(int argc, char** argv, int code, const std::string& what) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    std::signal(SIGXFSZ, SIG_IGN);  // at a file size limit, writing fails as on a full disk, without a signal
+    std::signal(SIGXFSZ, SIG_IGN);  // beyond a file size limit, writing then fails, as on a full disk
     try {
         return run_verb(argc, argv);
     } catch (const InputError& error) {

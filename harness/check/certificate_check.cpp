@@ -1,5 +1,6 @@
-// Rounding is upward throughout the check, for doubles and for intervals. A sum or product of positive doubles and
-// a square root are then at least the exact value. Comments mark the bounds that depend on this.
+// Rounding is upward throughout the check, for doubles and for intervals. The computed sum or product of positive
+// doubles, and a computed square root, are then at least the exact value. The comment "rounded upward" marks the bounds
+// that depend on this.
 #include "harness/check/certificate_check.h"
 
 #include "harness/check/certificate_tree.h"
@@ -30,8 +31,8 @@ IntervalVector difference(const Vec3& to, const Vec3& from) {
             Interval(to[2]) - Interval(from[2])};
 }
 
-// Returns an upper bound of the length of every vector in v. No square overflows, as coordinates are below 1. If a
-// square could lose bits to underflow, the vector is first scaled up, which is exact.
+// Returns an upper bound on the length of every vector in the box v. No square overflows, as coordinates are below 1.
+// If all components are so small that squares could lose bits to underflow, they are first scaled up, which is exact.
 double length_at_most(const IntervalVector& v) {
     std::array<double, 3> x;
     double largest = 0;
@@ -48,11 +49,13 @@ double length_at_most(const IntervalVector& v) {
 
 using Corners = std::array<Vec3, 3>;
 
-// A triangle of B: the points s + x f + y g with x, y >= 0 and x + y <= 1. Feet are computed in doubles. Every foot
-// is a point of the triangle, so its distance is a valid bound; a poor foot only makes it looser.
+// A triangle of B: the points s + x * f + y * g with x, y >= 0 and x + y <= 1. The weights x, y of the point closest to
+// a given point are computed in doubles, and then made to satisfy these conditions exactly. So the computed closest
+// point lies in the triangle, and the distance to it is a valid upper bound; rounding errors only make the bound
+// larger.
 class TargetTriangle {
 public:
-    // Takes the longest edge as f, so that feet on needles are good, too.
+    // Uses the longest edge as f, so that closest points on thin triangles are accurate, too.
     explicit TargetTriangle(const Corners& corners) {
         std::size_t longest = 0;
         double most = -1;
@@ -75,7 +78,7 @@ public:
 
     const Vec3& origin() const { return s_; }
 
-    // Returns an upper bound of the distance from every point origin() + d.
+    // Returns an upper bound on the distance of the triangle from every point origin() + v with v in the box d.
     double distance_at_most(const IntervalVector& d) const {
         const auto [x, y] = foot(middle(d));
         IntervalVector rest;
@@ -86,13 +89,14 @@ public:
 private:
     using Weights = std::pair<double, double>;
 
+    // Returns the t for which t * edge is closest to v; 0 for an edge of length 0.
     static double slope(const Vec3& v, const Vec3& edge) {
         const double squared = edge.squaredNorm();
         return squared > 0 ? v.dot(edge) / squared : 0;
     }
-    // Maps NaN to 0: a slope may be NaN if a square underflows.
+    // Returns x clamped to [0, most]. Maps NaN to 0: a slope may be NaN if a square underflows.
     static double clamped(double x, double most) { return x > 0 ? std::min(x, most) : 0; }
-    // Returns weights in [0, 1] with x + y <= 1 in exact arithmetic.
+    // Returns weights near x and y that are in [0, 1] and whose sum in exact arithmetic is at most 1.
     static Weights weights(double x, double y) {
         y = clamped(y, 1);
         return {clamped(x, (Interval(1) - Interval(y)).inf()), y};
@@ -101,6 +105,7 @@ private:
         return (p - at.first * along_ - at.second * side_).squaredNorm();
     }
 
+    // Returns the weights of the point closest to origin() + p, computed in doubles.
     Weights foot(const Vec3& p) const {
         // First y, from the part of p that is orthogonal to the longest edge; then x along that edge, for this y.
         const double y = slope(p - slope(p, along_) * along_, height_), x = slope(p - y * side_, along_);
@@ -112,13 +117,14 @@ private:
                                  [&](const Weights& a, const Weights& b) { return squared(p, a) < squared(p, b); });
     }
 
+    // The corner s; in doubles f, g, the third edge, and the part of g that is orthogonal to f.
     Vec3 s_, along_, side_, third_, height_;
     IntervalVector f_, g_;
 };
 
 // --- the shapes -----------------------------------------------------------------------------------------------------------
 
-// A posed shape in a unit that is a power of two. A point is a triangle with three equal corners.
+// A shape moved by its pose and scaled by 2^exponent. A point counts as a triangle with three equal corners.
 class Soup {
 public:
     Soup(const Shape& shape, const Points& points, int exponent)
@@ -137,7 +143,7 @@ public:
         if (!mesh_) return {vertex(i), vertex(i), vertex(i)};
         return {vertex(mesh_->triangles(i, 0)), vertex(mesh_->triangles(i, 1)), vertex(mesh_->triangles(i, 2))};
     }
-    bool exact() const { return exact_; }
+    bool exact() const { return exact_; }  // whether scaling rounded no coordinate
 
 private:
     const TriangleMesh* mesh_;
@@ -147,6 +153,7 @@ private:
 
 // --- the check -----------------------------------------------------------------------------------------------------------
 
+// Reads the trees of a certificate and computes the bound that they prove.
 class Cover {
 public:
     Cover(const Soup& source, const Soup& target, const std::string& bytes, CertificateCheck& check)
@@ -168,11 +175,12 @@ public:
         return most;
     }
 
+    // Returns where the certificate is being read, for the refusal.
     std::string place() const { return fmt::format("triangle {}, node {}", triangle_, node_); }
 
 private:
-    // Returns the bound for the triangle number `triangle_`: the largest bound of the leaves of its tree. Children
-    // not read yet are pending.
+    // Reads the tree of the triangle number `triangle_`. Returns the bound for this triangle, which is the largest
+    // bound of the leaves. `pending_` holds the polygons whose nodes have not been read yet.
     double tree() {
         const Corners corners = source_.triangle(triangle_);
         a_ = corners[0];
@@ -231,7 +239,8 @@ private:
         return Index(index);
     }
 
-    // Points of the triangle are represented by their offset from its corner a.
+    // Returns the offset of the corner from corner a of the triangle of A. The functions below represent points of this
+    // triangle by this offset.
     IntervalVector from_a(const Corner& corner) const {
         IntervalVector d;
         for (std::size_t k = 0; k < 3; ++k) d[k] = corner.v * e_[0][k] + corner.w * e_[1][k];
@@ -244,6 +253,7 @@ private:
         return near.distance_at_most(d);
     }
 
+    // Returns the bound of a leaf `one`.
     double largest_distance(const Polygon& polygon, const TargetTriangle& near) const {
         double most = 0;
         for (std::size_t i = 0; i < polygon.count; ++i)
@@ -251,7 +261,7 @@ private:
         return most;
     }
 
-    // Returns the rounded mean of the corners. Any point gives a valid bound.
+    // Returns the rounded mean of the corners. Rounding does not matter: around() is valid for any point.
     IntervalVector centre(const Polygon& polygon) const {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = 0; i < polygon.count; ++i) sum += middle(from_a(polygon.corners[i]));
@@ -259,6 +269,8 @@ private:
         return {sum[0], sum[1], sum[2]};
     }
 
+    // Returns the bound of a leaf `centre` or `vertex`: the distance of the point plus its distance to the farthest
+    // corner.
     double around(const Polygon& polygon, const IntervalVector& point, const TargetTriangle& near) const {
         double radius = 0;
         for (std::size_t i = 0; i < polygon.count; ++i) {
@@ -275,8 +287,8 @@ private:
     Index triangle_ = 0;
     std::uint64_t node_ = 0;
     Vec3 a_;
-    std::array<IntervalVector, 2> e_;  // from a to the other two corners
-    std::vector<Polygon> pending_;     // the last is the next to read
+    std::array<IntervalVector, 2> e_;  // edges of the triangle, from corner a to the other two corners
+    std::vector<Polygon> pending_;     // the node of the last one is read next
 };
 
 // Returns x in the unit of the input, rounded up.
@@ -285,13 +297,14 @@ double scaled_back(double x, int exponent) {
     return std::ldexp(original, exponent) == x ? original : std::nextafter(original, infinity);
 }
 
-// Scales both shapes by the power of two that brings the largest |coordinate| into [0.5, 1), so that nothing
-// overflows. Coordinates that this rounds are off by at most 2^-1075, points by less than 2^-1074, and distances by
-// less than twice that.
+// Returns the bound that the bytes prove. Scales both shapes by the power of two that brings the largest |coordinate|
+// into [0.5, 1), so that nothing overflows. A coordinate that underflows is rounded by at most 2^-1075, so a point
+// moves by at most sqrt(3) * 2^-1075 < 2^-1074. A distance between two points changes by less than twice that, 2^-1073,
+// which is added to the bound.
 double bound_of(const Shape& source, const Points& source_points, const Shape& target, const Points& target_points,
                 const std::string& bytes, CertificateCheck& check) {
     if (source_points.hasNaN() || target_points.hasNaN())
-        throw Refused("a coordinate is not a number");  // maxCoeff may lose it
+        throw Refused("a coordinate is not a number");  // maxCoeff() may skip NaN
     const double largest = std::max(source_points.cwiseAbs().maxCoeff(), target_points.cwiseAbs().maxCoeff());
     if (!std::isfinite(largest)) throw Refused("a pose moves a point beyond the largest double");
     const int exponent = largest > 0 ? -1 - std::ilogb(largest) : 0;

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int format_version = 2;
-constexpr double most_above_upper = 1e-12;  // as a fraction of the diagonal of both shapes
+constexpr double most_above_upper = 1e-12;  // as a fraction of the diagonal of the box around both shapes
 constexpr double most_off_rotation = 1e-9;  // largest deviation of an entry of R^T R from the identity
 
 // --- the file ---------------------------------------------------------------------------------------------------------
@@ -37,12 +37,12 @@ constexpr double most_off_rotation = 1e-9;  // largest deviation of an entry of 
 constexpr std::string_view seal_begin = "\nsha256 ";
 constexpr std::size_t seal_length = seal_begin.size() + 64 + 1;
 
-// Returns the last line of a file, which seals all bytes before it.
+// Returns the seal of a file: its last line, with the SHA-256 of all bytes before it.
 std::string seal_of(std::string_view bytes) {
     return std::string(seal_begin) + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
 }
 
-// Returns the sealed content of the file. Throws if any byte of the file was changed.
+// Returns the file without its seal. Throws if any byte of the file was changed.
 std::string_view unsealed(std::string_view file) {
     const std::size_t length = file.size() < seal_length ? 0 : file.size() - seal_length;
     const std::string_view content = file.substr(0, length);
@@ -73,7 +73,7 @@ template <class T> T whole(const json& j, T least) {
     return j.get<T>();
 }
 
-// Throws on a duplicate key, from which two readers could take different values.
+// Parses the first line. Throws on a duplicate key, because two readers of JSON could use different values of it.
 json parse_header(std::string_view line) {
     std::vector<std::set<std::string>> keys;  // of each open object
     return json::parse(line.begin(), line.end(), [&](int, json::parse_event_t event, json& parsed) {
@@ -167,7 +167,8 @@ bool keeps_distances(const Pose& pose) {
     return (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite();
 }
 
-// Returns whether the certificates are exactly those that the quantity needs: h(A,B), and for H then h(B,A).
+// Returns whether the certificates are exactly those that the quantity needs: one of h(A,B), and for H(A,B) a second
+// one of h(B,A), in this order.
 bool proves_its_quantity(const CertificateFile& c) {
     using Direction = Witness::Direction;
     std::vector<Direction> wanted = {Direction::source_to_target};
@@ -176,6 +177,7 @@ bool proves_its_quantity(const CertificateFile& c) {
                       [](const Certificate& one, Direction direction) { return one.direction == direction; });
 }
 
+// Returns the verdict on the lower bound, as text; sets `wrong` if the file must be refused because of it.
 std::string check_lower(const CertificateFile& c, const Shape& source, const Shape& target, bool& wrong) {
     const double lower = c.bounds.lower;
     const Vec3& p =

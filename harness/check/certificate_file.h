@@ -35,17 +35,17 @@ Shape as_loaded(const PreparedShape& prepared);
 // Writes the whole file or nothing. Throws InputError if it cannot be written.
 void write_certificate(const std::filesystem::path& file, const CertificateFile& content);
 
-// Throws InputError, one line, if the file cannot be read, is not a certificate file, or is damaged: any changed
-// byte is detected.
+// Reads a certificate file. Throws InputError (one line) if the file cannot be read, is not a certificate file, or is
+// damaged: any changed byte is detected.
 CertificateFile read_certificate(const std::filesystem::path& file);
 
-// Returns whether `proven` exceeds `upper` by at most 1e-12 of `extent`, the diagonal of the box of both shapes as
-// posed.
+// Returns whether `proven` exceeds `upper` by at most 1e-12 of `extent`, the diagonal of the box around both shapes in
+// their poses.
 bool proves_the_bound(double proven, double upper, double extent);
 
 struct CertificateVerdict {
     bool accepted = false;
-    double proven = 0;                     // upper bound of the quantity
+    double proven = 0;                     // upper bound on the quantity
     std::vector<CertificateCheck> checks;  // one for each certificate
     // Verdict on the lower bound: "holds", "not checked: ...", or why it does not hold.
     std::string lower;

@@ -1,6 +1,6 @@
-// The trees of cuts in a certificate, as the checker reads them (docs/certificate.md): bytes, polygons in
-// intervals, and cuts. CGAL's intervals round outward only while the rounding mode is upward; the caller must set
-// it.
+// The trees of cuts in a certificate (docs/certificate.md), for the checker: a reader of the bytes, polygons whose
+// corners are intervals, and the cuts of polygons. CGAL's intervals round outward only while the rounding mode is
+// upward; the caller must set it.
 #pragma once
 
 #ifndef __ROUNDING_MATH__
@@ -24,15 +24,17 @@ namespace hausbench::certificate {
 
 using Interval = CGAL::Interval_nt<false>;
 
+// The most corners of a polygon, and the most polygons that may wait for their nodes at the same time.
 inline constexpr std::size_t most_corners = 64, most_pending = 4096;
 
-// An error in a certificate; its text goes into the refusal.
+// An error in a certificate; its text goes into CertificateCheck::refusal.
 struct Refused : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
 // --- the bytes --------------------------------------------------------------------------------------------------------
 
+// Reads the bytes of a certificate from first to last. Throws Refused if they are malformed or end too early.
 class Reader {
 public:
     explicit Reader(const std::string& bytes) : bytes_(bytes) {}
@@ -76,17 +78,18 @@ private:
 
 // --- polygons of a triangle of A ----------------------------------------------------------------------------------------
 
-// The point a + v (b - a) + w (c - a) of a triangle abc.
+// The point a + v * (b - a) + w * (c - a) of a triangle abc of A. The intervals contain the exact v and w.
 struct Corner {
     Interval v, w;
 };
 
-// Returns a + t (b - a), computed as (1 - t) a + t b so that intervals grow from cut to cut only by rounding.
+// Returns a + t * (b - a). Computes it as (1 - t) * a + t * b, so that intervals grow from cut to cut only by rounding.
 inline Corner between(const Corner& a, const Corner& b, double t) {
     const Interval to(t), from = Interval(1) - to;
     return {from * a.v + to * b.v, from * a.w + to * b.w};
 }
 
+// A convex part of a triangle of A, given by its corners.
 struct Polygon {
     std::size_t count = 0;
     std::array<Corner, most_corners> corners;
@@ -97,8 +100,10 @@ struct Polygon {
     }
 };
 
-// The point at which a cut meets the boundary. Places go round a circle of 2n: corner i is place 2i, edge i is
-// place 2i + 1.
+// The point at which a cut meets the boundary of a polygon of n corners: a corner, or a point of an edge. `place`
+// numbers the corners and edges as they follow each other around the polygon, from 0 to 2n - 1: corner i has the place
+// 2i, and edge i, from corner i to the next corner, the place 2i + 1. On an edge, the point is the fraction t of the
+// way along the edge, or along the reversed edge if `backward`.
 struct Meeting {
     std::size_t place = 0;
     bool backward = false;
@@ -107,6 +112,7 @@ struct Meeting {
     bool on_edge() const { return place % 2 == 1; }
 };
 
+// Decodes the eight bits of a meeting. If the meeting is on an edge, the caller then reads its t.
 inline Meeting read_meeting(std::uint64_t bits, std::size_t corners) {
     const bool corner = bits & 1;
     const std::size_t i = bits >> 2;
@@ -122,7 +128,8 @@ inline Corner point_at(const Polygon& polygon, const Meeting& meeting) {
                    meeting.t);
 }
 
-// Returns the part between two places: the point at `from`, the corners strictly between them, the point at `to`.
+// Returns the part of a polygon on one side of a cut. Its corners are the point `first` at the place `from`, the
+// corners with places after `from` and before `to`, and the point `last` at the place `to`.
 inline Polygon part(const Polygon& whole, const Meeting& from, const Meeting& to, const Corner& first,
                     const Corner& last) {
     const std::size_t places = 2 * whole.count;
@@ -136,6 +143,7 @@ inline Polygon part(const Polygon& whole, const Meeting& from, const Meeting& to
     return child;
 }
 
+// Cuts a polygon from p to q. Returns the two children of the node, in their order.
 inline std::pair<Polygon, Polygon> cut(const Polygon& whole, const Meeting& p, const Meeting& q) {
     if (p.place == q.place) throw Refused("a cut begins and ends at one corner or edge");
     const Corner at_p = point_at(whole, p), at_q = point_at(whole, q);

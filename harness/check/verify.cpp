@@ -19,36 +19,38 @@
 namespace hausbench {
 namespace {
 
-// Returns an upper bound of every |coordinate| of the posed shape, and of every product and partial sum of R v + t.
+// Returns an upper bound on every |coordinate| of the shape moved by its pose R, t, and on every product and partial
+// sum in R * v + t.
 double largest_within(const Shape& shape, const Pose& pose) {
     const Vec3 largest = points_of(shape).cwiseAbs().colwise().maxCoeff().transpose();
     return (pose.rotation.cwiseAbs() * largest + pose.translation.cwiseAbs()).maxCoeff();
 }
 
-// Returns the slack of bounds that are not certified: the most that rounding can make them wrong if a solver is
-// right in exact arithmetic and computes in doubles. u = 2^-53, M = largest_within() of both shapes. To first order
-// in u, per coordinate:
-// - A vertex that the solver poses in another order than the definition: 4 roundings of at most uM in either order,
-//   8uM.
-// - A point a + s (b - a) + t (c - a) of a triangle: 2uM for each difference and each product, uM for each sum, and
-//   2uM if s + t is rounded to above 1: 12uM. Other errors of s and t only choose another point of the triangle.
-// So a point of A or of B is off by at most 20uM per coordinate, sqrt(3) 20uM < 35uM in all. A lower bound loses
-// this twice: for the witness on A, which is compared with A, and for its nearest point on B. A distance d is at
-// most 2 sqrt(3) M; its differences, squares, sum and root lose less than 4ud < 14uM. An upper bound loses no more.
-// 35 + 35 + 14 = 84.
+// Returns the slack of bounds that are not certified: the most that rounding can make them wrong if a solver is right
+// in exact arithmetic and computes in doubles. Let u = 2^-53, the unit roundoff, and M the larger largest_within() of
+// the two shapes. To first order in u, each coordinate of a point is off by at most the sum of
+// - 8uM if the solver poses vertices by other operations than the definition: 4 roundings of at most uM for each;
+// - 12uM for the point a + s * (b - a) + t * (c - a) of a triangle: 2uM for each of two differences and two products,
+//   uM for each of two sums, and 2uM because s + t may be rounded to above 1. (Other errors of s and t only choose
+//   another point of the triangle.)
+// So the point is off by at most sqrt(3) * 20uM < 35uM. A lower bound loses this twice: for the witness on A, which the
+// check compares with A, and for the nearest point on B. A distance d is at most 2 * sqrt(3) * M, and its computation
+// (differences, squares, sum and root) loses less than 4ud < 14uM. The sum is 35uM + 35uM + 14uM = 84uM. An upper bound
+// loses no more.
 double slack_for_rounding(const Shape& first, const Pose& first_pose, const Shape& second, const Pose& second_pose) {
     const double slack =
         84 * 0x1p-53 * std::max(largest_within(first, first_pose), largest_within(second, second_pose));
     return std::isfinite(slack) ? slack : 0;
 }
 
+// Returns by how much `high` is above `low`, such as "by 1.1e-16 (1 ulp)"; one ulp is the step to the next double.
 std::string excess(double high, double low) {
-    const auto ulps = std::bit_cast<std::int64_t>(high) - std::bit_cast<std::int64_t>(low + 0.0);  // -0 is 0
+    const auto ulps = std::bit_cast<std::int64_t>(high) - std::bit_cast<std::int64_t>(low + 0.0);  // -0 + 0.0 is 0
     return ulps < 1'000'000 ? fmt::format("by {:.3g} ({} ulp{})", high - low, ulps, ulps == 1 ? "" : "s")
                             : fmt::format("by {:.3g} ({:.2g} ulps)", high - low, double(ulps));
 }
 
-// A row of a pair of shapes; `turned` if its source is the second shape of the pair.
+// A row about a pair of shapes; `turned` if its source is the second shape of the pair.
 struct Member {
     std::size_t row;
     bool turned;
@@ -86,7 +88,8 @@ private:
         Verdict verdict;
         double shown;
     };
-    enum Distance { of_first, of_second, of_both };  // h from the first shape, h from the second, H
+    // h(first, second), h(second, first), H.
+    enum Distance { of_first, of_second, of_both };
 
     Distance distance(const Member& m) const {
         return rows_[m.row].asked.quantity == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
@@ -148,9 +151,9 @@ private:
         return fmt::format(": the {} has a point {:.17g} from the witness", other, shown);
     }
 
-    // Looks for a witness that is farther away than its own row's upper bound: it refutes that bound, whatever
-    // lower bound the row claims. The check for surfaces is a search, so it is done only if the row claims no lower
-    // bound.
+    // Checks whether the row's witness is farther from the other shape than the row's upper bound allows. The witness
+    // then refutes this bound, whatever lower bound the row claims. For surfaces such a check is a long search, so it
+    // is made only if the row claims no lower bound.
     void look_beyond_upper(const Member& m) {
         const Row& row = rows_[m.row];
         const Witness& witness = row.outcome.witness;
@@ -195,8 +198,8 @@ private:
         return at->second.verdict;
     }
 
-    // Refutes lower bounds that have no witness but are above a certified upper bound. An upper bound of H is also
-    // one of h.
+    // Refutes lower bounds that have no witness but are above a certified upper bound. An upper bound on H is also
+    // one on h.
     void refute_without_witness() {
         std::array<double, 3> least;
         least.fill(std::numeric_limits<double>::infinity());
@@ -218,6 +221,7 @@ private:
         }
     }
 
+    // Refutes an upper bound that is below a verified lower bound or below the row's own lower bound.
     void check_upper(const Member& m) {
         Row& row = rows_[m.row];
         const Bounds& b = row.outcome.bounds;
@@ -236,11 +240,11 @@ private:
     std::vector<Row>& rows_;
     std::vector<Member> members_;
     std::array<const Shape*, 2> shapes_;
-    std::array<Checker, 2> checkers_;  // one for each order
+    std::array<Checker, 2> checkers_;  // for (first, second) and for (second, first)
     const Stop& stop_;
     double slack_;  // for rows that are not certified
     bool surfaces_;
-    std::array<double, 3> best_{};                // the largest verified lower bounds; 0 always holds
+    std::array<double, 3> best_{};                // the largest verified lower bound on each Distance; 0 always holds
     std::map<std::vector<double>, Found> known_;  // results of by_witness()
 };
 
@@ -287,13 +291,14 @@ bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.transla
 
 namespace {
 
-// Two shapes in their poses, and the quantity.
+// The question of a row: two shapes in their poses, and the quantity.
 using Question = std::tuple<Placed, Placed, Quantity>;
 
 Question question_of(const Case& c) {
     return {placed(c.source_hash, c.pose), placed(c.target_hash, c.target_pose), c.quantity};
 }
 
+// Gives each row the bounds of the narrowest usable reference answer to its question.
 void take_references(std::vector<Row>& rows, const std::vector<Row>& references) {
     std::map<Question, Bounds> narrowest;
     for (const Row& one : references) {
@@ -335,7 +340,7 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         const Bounds& b = rows[i].outcome.bounds;
         if (i < checked) rows[i].check = {};
         if (std::isnan(b.lower) || std::isnan(b.upper)) {
-            if (i < checked && !rows[i].outcome.solver_status.empty()) {  // it did answer
+            if (i < checked && !rows[i].outcome.solver_status.empty()) {  // the solver did answer
                 rows[i].check = {Verdict::unsound, Verdict::unsound, "a bound is not a number"};
             }
             continue;

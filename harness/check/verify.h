@@ -1,18 +1,24 @@
 // Re-checks the answers of solvers. For points and meshes it shares no kernel, no tree and no rounding rule with
 // the solvers; verify_surface.h says which code is shared for surfaces.
 //
-// Lower bound, from its witness p: let e be the distance from p to A posed. As h(A posed, B posed) >=
-// d(p, B posed) - e, `lower` holds if every element of B posed is at least lower + e away from p. A lower bound of H may have its
-// witness on B instead (Witness::direction); A and B then swap roles. If the box of an element is nearer than that,
-// the element is tried with a separating plane in interval arithmetic (for any n, a convex set T is at least the
-// minimum over its corners v of n.(p - v)/|n| away), then, if that is not enough, in exact rationals. e is computed
-// in exact rationals. O(|A| + |B|) per witness.
+// Below, A and B are the shapes moved by their poses, and d is the distance.
 //
-// A lower bound without a witness is refuted if it is above a certified solver's upper bound; otherwise it stays
+// Lower bound, from its witness p: let e = d(p, A), which is 0 if p lies exactly on A. As h(A,B) >= d(p, B) - e,
+// `lower` holds if every element T of B is at least r = lower + e away from p. One of three tests has to show this;
+// they are tried in this order:
+// - Along some axis, all corners of T are more than r away from p, on the same side.
+// - A plane separates T from the ball of radius r around p, in interval arithmetic: for any vector n, the convex set T
+//   is at least min n.(p - v) / |n| away from p, where the minimum is over the corners v of T.
+// - The exact distance of T from p, in rationals.
+// e is computed in rationals, too. O(|A| + |B|) per witness. The witness of a lower bound on H may be on B instead
+// (Witness::direction); A and B then swap roles.
+//
+// A lower bound without a witness is refuted if it is above a certified solver's upper bound; otherwise its verdict is
 // `no witness`.
 //
-// Upper bound: it must not be below a lower bound of the same shapes and poses that was verified for any solver.
-// This can refute, not prove. A lower bound of h(A,B) or of h(B,A) is also one of H, but not the other way round.
+// Upper bound: it must not be below a lower bound on the same distance that was verified for any solver. This can
+// refute an upper bound, not prove it. A lower bound on h(A,B) or on h(B,A) is also one on H, but not the other way
+// round.
 //
 // Reference answers (plan/references.h) are compared with the rows in the same way: a lower bound counts once its
 // witness is checked, an upper bound only if it is proven, by a checked certificate or point by point
@@ -21,7 +27,7 @@
 // Penetration depths have their own check, see verify_penetration.h.
 //
 // Bounds that are not certified may be off by as much as rounding explains, 84 * 2^-53 of the largest |coordinate|
-// (verify.cpp derives it); a certified row gets no slack.
+// (verify.cpp derives it). Certified bounds must hold exactly.
 #pragma once
 
 #include "harness/result/result_file.h"
@@ -43,8 +49,8 @@ class Checker {
 public:
     Checker(const Shape& source, const Shape& target, Stop stop = {});
 
-    // Returns whether the witness proves `lower` (finite), see above. If not, `shown` is the lower bound that it
-    // does prove, rounded down. Returns `not_checked` if a pose moves a shape out of the range of doubles.
+    // Returns whether the witness proves `lower`, which must be finite. If not, `shown` is the lower bound that the
+    // witness does prove, rounded down. Returns `not_checked` if a pose moves a shape out of the range of doubles.
     Verdict lower(double lower, const Witness& witness, const Pose& source_pose, const Pose& target_pose,
                   double& shown) const;
 
@@ -53,11 +59,13 @@ private:
     Stop stop_;
 };
 
-// Fills in every row's check, overwriting earlier results; rows found unsound get that status and the reason.
-// `load` returns the shape of a model by name, or null: its rows then stay `not checked`. A row read off a trace
-// has the witness of the finer run, and its lower bound is checked by that witness.
-// Rows from number `checked` on were checked before. They are checked again only if that was left unfinished, or if
-// an earlier row has the same shapes in the same poses.
+// Fills in every row's check, overwriting earlier results; rows found unsound get that status and the reason. `load`
+// returns the shape of a model by name; if it returns null, the rows of that model stay `not checked`. A row that was
+// not run, but read from the trace of a run with a finer tolerance, has the witness of that run, which then checks its
+// lower bound, too.
+//
+// Rows from number `checked` on were checked before. They are checked again only if that check was not finished, or if
+// a row before number `checked` has the same shapes in the same poses.
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
                  const Stop& stop = {}, std::size_t checked = std::numeric_limits<std::size_t>::max());
 

@@ -18,7 +18,8 @@ using Exact = CGAL::Simple_cartesian<Rational>;
 
 double down(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }
 
-// Returns the posed point by its definition (algorithms/kernel/geometry.h), written again here on purpose.
+// Returns the point moved by the pose, as algorithms/kernel/geometry.h defines it. Written again here on purpose, so
+// that the check shares no code with the solvers.
 Vec3 moved(const Vec3& v, const Pose& pose) {
     if (pose.is_identity()) return v;
     Vec3 out;
@@ -36,7 +37,7 @@ bool separated(const Vec3& p, const Element& e, double r) {
     Vec3 n = -rough_offset(p, e);
     const double largest = n.cwiseAbs().maxCoeff();
     if (!(largest > 0) || !n.allFinite()) return false;
-    n /= largest;  // any direction will do
+    n /= largest;  // its rounding does not matter: the test is valid for any n
     const Interval nx(n[0]), ny(n[1]), nz(n[2]);
     const Interval bound = Interval(r) * CGAL::sqrt(nx * nx + ny * ny + nz * nz);
     for (const Vec3& v : e) {
@@ -146,8 +147,9 @@ Verdict Checker::lower(double lower, const Witness& witness, const Pose& source_
     const Vec3 p = forward ? witness.source_point : witness.target_point;
     const Index named = forward ? witness.source_element : witness.target_element;
     if (!to.finite()) return Verdict::not_checked;
-    // The element that p should lie on: the one that the witness names, else the nearest.
-    std::optional<Element> nearest_off;  // none: posing it leaves the range of doubles
+    // The element on which p should lie: the one that the witness names, otherwise the nearest one. None if the pose
+    // moves it out of the range of doubles.
+    std::optional<Element> nearest_off;
     const auto off = [&](Index i) -> std::optional<Element> {
         Element corners = from[i];
         for (const Vec3& v : corners) {

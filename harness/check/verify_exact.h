@@ -1,5 +1,5 @@
-// Distances of points to a posed shape for the harness's own checks: exact in rationals, or proven in interval
-// arithmetic. Shares no kernel, no tree and no rounding rule with the solvers.
+// Distances from points to a shape in its pose, for the harness's own checks: exact in rationals, or bounded in
+// interval arithmetic. Shares no kernel, no tree and no rounding rule with the solvers.
 #pragma once
 
 #include "harness/check/exact_roots.h"
@@ -12,8 +12,8 @@ namespace hausbench {
 
 using Element = std::vector<Vec3>;  // one corner or three
 
-// A shape in its pose: points or a mesh, which must outlive this object. The constructor poses the points, in
-// round-to-nearest.
+// A shape moved by its pose: points or a mesh, which must outlive this object. The constructor computes the moved
+// points and must be called while rounding is to nearest.
 class Standing {
 public:
     Standing(const Shape& shape, const Pose& pose);
@@ -24,9 +24,9 @@ public:
     bool finite() const { return points_->allFinite(); }
     Element operator[](Index i) const;
 
-    // Returns whether along some axis all corners of an element are more than r away from p, on the same side; then
-    // every point of the element is. This is a proof in round-to-nearest, because a difference of at most r never
-    // rounds to more than r.
+    // Returns whether along some axis all corners of an element are more than r away from p, on the same side. Then
+    // every point of the element is more than r away. The computed differences prove this although they are rounded (to
+    // nearest), because a difference of at most r never rounds to more than r.
     bool beyond(Index i, const Vec3& p, double r) const;
 
 private:
@@ -37,12 +37,13 @@ private:
 
 Rational squared_distance(const Vec3& p, const Element& e);
 
-// Returns the vector from p to about the nearest point of the element. No proof depends on its accuracy.
+// Returns the vector from p to the nearest point of the element, computed in doubles. No proof depends on its accuracy.
 Vec3 rough_offset(const Vec3& p, Element e);
 
-// Returns the least squared distance from p to the elements that interval arithmetic cannot prove to be at least r
-// away, or nothing if it settles all of them. If `stop` ends the search, sets `stopped` and returns nothing.
-// O(count).
+// Decides whether the shape is at least r away from p: it is if the result is nothing, or at least r^2. For most
+// elements, beyond() or interval arithmetic proves that they are at least r away. Returns the least squared distance of
+// the other elements, in rationals; nothing if there are none. If `stop` ends the search, sets `stopped` and returns
+// nothing. O(count).
 std::optional<Rational> nearer_than(const Standing& shape, const Vec3& p, double r, const Stop& stop, bool& stopped);
 
 }  // namespace hausbench

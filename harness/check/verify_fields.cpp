@@ -24,6 +24,7 @@ std::vector<std::size_t> spread(std::size_t count) {
     return out;
 }
 
+// Thrown to end the check: a field is unsound, or `stop` returned true.
 struct Unsound {
     std::string reason;
 };
@@ -35,7 +36,7 @@ const Field* first(const Fields& fields, Field::Of of, std::string_view name) {
     return at == fields.end() ? nullptr : &*at;
 }
 
-// A as drawn: the fields x, y, z, a, b, c and element. Without them, A itself.
+// A, cut into pieces as the fields x, y, z, a, b, c and element say; without these fields, A itself.
 class DrawnShape {
 public:
     DrawnShape(const Fields& fields, const Standing& source, double error) : source_(source), error_(error) {
@@ -49,7 +50,7 @@ public:
         cut_ = moved_ && std::none_of(std::begin(pieces_), std::end(pieces_), missing);
     }
 
-    // Returns whether the field also covers the vertices that cuts added.
+    // Returns whether the field has values for the vertices that cuts added, too.
     bool has(const Field& field) const {
         return moved_ && field.of == Field::Of::vertices &&
                (field.name == "distance" || field.name == "nearest" ||
@@ -73,7 +74,7 @@ public:
             if (i < own_vertices() && p != Vec3(source_.points().row(Eigen::Index(i))))
                 throw Unsound{fmt::format("vertex {} is not where A has it", i)};
             for (int k = 0; k < 3; ++k) {
-                if (!(p[k] >= low[k] - 2 * error_ && p[k] <= high[k] + 2 * error_))  // NaN, too
+                if (!(p[k] >= low[k] - 2 * error_ && p[k] <= high[k] + 2 * error_))  // also if p is NaN
                     throw Unsound{fmt::format("vertex {} is not on A", i)};
             }
         }
@@ -112,7 +113,8 @@ private:
         }
     }
 
-    // Returns a side, scaled so that coordinates are about 1; its square then neither overflows nor underflows.
+    // Returns side k of a triangle, scaled so that coordinates are about 1; its square then neither overflows nor
+    // underflows.
     Vec3 side(const Element& e, int k) const {
         const auto scaled = [&](const Vec3& p) -> Vec3 {
             return p.unaryExpr([&](double x) { return std::ldexp(x, -exponent_); });
@@ -122,7 +124,7 @@ private:
 
     double area(const Element& e) const { return e.size() < 3 ? 0 : side(e, 0).cross(side(e, 2)).norm() / 2; }
 
-    // Returns a bound on the change of the area if the corners move by 2e.
+    // Returns an allowance for the change of the area if each corner moves by up to 2e.
     double rounding_of(const Element& e) const {
         if (e.size() < 3) return 0;
         const double error = std::ldexp(error_, -exponent_);
@@ -134,7 +136,7 @@ private:
     int exponent_;  // of the largest coordinate of A
     const Field* places_[3];
     const Field* pieces_[4];
-    bool moved_, cut_;
+    bool moved_, cut_;  // whether there are fields of vertices, of pieces
 };
 
 class FieldCheck {
@@ -194,12 +196,13 @@ private:
         if (squared_distance(p, target_[Index(nearest)]) > most * most)
             throw Unsound{fmt::format("{}, but element {} of B, which it names, is farther", what(), nearest)};
         if (least <= 0) return;
-        // Rounding up only makes more elements doubtful.
+        // A radius that is rounded up is safe: more elements are then measured exactly.
         const double away = std::nextafter(distance - error(), std::numeric_limits<double>::infinity());
         const auto squared = nearer(p, away);
         if (squared && *squared < least * least) throw Unsound{what() + ", but an element of B is nearer"};
     }
 
+    // Checks that lower bounds are not above upper bounds.
     void in_order(const Fields& fields) const {
         for (const Field& low : fields) {
             for (const Field& high : fields) {
@@ -214,6 +217,7 @@ private:
         }
     }
 
+    // Returns the element of B nearest to p, computed in doubles.
     Index about_nearest(const Vec3& p) const {
         Index best = 0;
         double least = std::numeric_limits<double>::infinity();
@@ -237,7 +241,7 @@ private:
         if (std::isnan(value)) refuse("not a number");
         Element points = corners;
         if (corners.size() == 3) points.push_back(corners[0] / 3 + corners[1] / 3 + corners[2] / 3);
-        std::optional<Rational> farthest;  // square of an upper bound of h(element, B)
+        std::optional<Rational> farthest;  // square of an upper bound on h(element, B)
         for (const Vec3& p : points) {
             go_on();
             const Element b = target_[about_nearest(p)];
@@ -255,7 +259,8 @@ private:
             refuse("above the distance of all its points");
     }
 
-    // Returns whether p is at most `upper` from B, allowing for the distance between p and the element.
+    // Returns whether p is at most `upper` from B. Allows for the distance of p from the element of A, which a rounded
+    // centroid may have. `likely` is an element of B that is probably near.
     bool covers(double upper, const Vec3& p, const Element& corners, const Element& likely) const {
         if (std::isinf(upper)) return upper > 0;
         const double off = root_at_least(squared_distance(p, corners));

@@ -30,8 +30,8 @@ Triangle exact(const Element& e) { return {exact(e[0]), exact(e[1]), exact(e[2])
 
 enum class Crossing { none, clean, doubtful };
 
-// Returns how a segment crosses a triangle; doubtful if it meets an edge or a corner, or if one of its ends lies in
-// the plane.
+// Returns how the segment pq crosses a triangle; doubtful if it meets an edge or a corner, or if p or q lies in the
+// plane of the triangle.
 Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, const Element& e) {
     const auto a = point(e[0]), b = point(e[1]), c = point(e[2]);
     const auto of_p = CGAL::orientation(a, b, c, p), of_q = CGAL::orientation(a, b, c, q);
@@ -135,8 +135,8 @@ struct Body {
     }
 
     Standing surface;
-    std::vector<Index> triangles;            // those not left out
-    std::vector<Eigen::AlignedBox3d> boxes;  // one for each of these
+    std::vector<Index> triangles;            // the triangles that are not left out
+    std::vector<Eigen::AlignedBox3d> boxes;  // the box of each of these
     Eigen::AlignedBox3d whole;
 };
 
@@ -169,6 +169,7 @@ std::string unsound(const char* bound, double value, const std::string& why) {
 
 }  // namespace
 
+// The two solids, and what earlier rows have shown about them.
 struct PenetrationChecker::Pair {
     Pair(const Shape& a, const Pose& a_pose, const Shape& b, const Pose& b_pose, Stop asked)
         : source(a, a_pose), target(b, b_pose), stop(std::move(asked)) {
@@ -206,7 +207,7 @@ struct PenetrationChecker::Pair {
             reason = unsound("lower", lower, "the witness does not lie in the other solid");
             return Verdict::unsound;
         }
-        const double r = lower - 4 * slack;  // rounding at both ends
+        const double r = lower - 4 * slack;  // p and the point at the other end may each be off by 2 * slack
         if (!(r > 0)) return Verdict::holds;
         bool settled = true;
         std::vector<Vec3> outside;  // nearer points that do not bound the common volume
@@ -235,8 +236,8 @@ struct PenetrationChecker::Pair {
                        fmt::format("the same part of the volume is bounded {:.17g} from the witness", (q - p).norm()));
     }
 
-    // Returns whether the segment is proven to lie in both solids, except for the last 8 slack at its ends, which
-    // may lie on a surface.
+    // Returns whether the segment pq is proven to lie in both solids. Leaves out a length of 8 * slack at either end,
+    // because p and q may lie on a surface.
     bool within_both(const Vec3& p, const Vec3& q) const {
         const double length = (q - p).norm(), step = 8 * slack / length;
         if (!(step < 0.25)) return false;
@@ -245,9 +246,8 @@ struct PenetrationChecker::Pair {
                !source.crossed_by(begin, end) && !target.crossed_by(begin, end);
     }
 
-    // Returns whether points p and q of the surfaces are proven to bound the same part of the common volume: a
-    // segment inside both solids joins them, or points slightly beside them, in case the segment pq runs along a
-    // surface.
+    // Returns whether points p and q of the surfaces are proven to bound the same part of the common volume: a segment
+    // inside both solids joins p and q or, as the segment pq may run along a surface, inner points close to them.
     bool same_part(const Vec3& p, const Vec3& q) const {
         if (within_both(p, q)) return true;
         const double aside = std::max(1e-4 * (q - p).norm(), 64 * slack);
@@ -257,8 +257,7 @@ struct PenetrationChecker::Pair {
         });
     }
 
-    // Returns a few points at about this distance from a point of the surfaces, each joined to it inside both
-    // solids.
+    // Returns up to four points q at about this distance from the point p of a surface, each with within_both(p, q).
     std::vector<Vec3> inner_points(const Vec3& p, double distance) const {
         std::vector<Vec3> found;
         for (int direction = 0; direction < 24 && found.size() < 4;
@@ -273,14 +272,13 @@ struct PenetrationChecker::Pair {
         return found;
     }
 
-    // Decides the case that all nearer points of the other surface lie outside the witness's solid. If the other
-    // surface bounds the witness's part of the common volume elsewhere, the bound holds. If it bounds it nowhere,
-    // the other mesh encloses the part, whose depth is then the distance to the whole of that mesh, and the bound
-    // is refuted.
+    // Decides the case that the other surface is nearer to p than `lower`, but only at points outside the own solid. If
+    // the other surface bounds the part of p elsewhere, the bound holds. If it bounds this part nowhere, the other mesh
+    // encloses the part. The depth of the part is then the distance to all of that mesh, and the bound is refuted.
     Verdict beside(double lower, const Vec3& p, Index at, const Body& own, const Body& other,
                    const std::vector<Vec3>& outside, std::string& reason) const {
         if (own.connected_surface_meets(at, other)) return Verdict::holds;
-        bool within = false;  // a vertex of the other mesh may lie in the witness's solid
+        bool within = false;  // a vertex of the other mesh may lie in the own solid
         for (const Index i : other.triangles) {
             if (stop && stop()) return Verdict::not_checked;
             for (const Vec3& v : other.surface[i]) {
@@ -312,9 +310,10 @@ struct PenetrationChecker::Pair {
         return std::nullopt;
     }
 
+    // Returns whether p is at least `length` away from the surface.
     static bool deep(const Body& body, const Vec3& p, double length) {
         const Standing& surface = body.surface;
-        for (const Index i : body.triangles)  // a point that is clearly nearer settles most cases
+        for (const Index i : body.triangles)  // in most cases, some point is clearly nearer
             if (!surface.beyond(i, p, length) && rough_offset(p, surface[i]).norm() < 0.999 * length) return false;
         return near(body, p, length).empty();
     }
@@ -323,8 +322,8 @@ struct PenetrationChecker::Pair {
     Stop stop;
     double slack = 0;
     bool usable = false;  // coordinates are finite, sizes neither too large nor too small
-    double proven = 0;    // the largest lower bound that held, less the slack for rounding
-    double shallow = std::numeric_limits<double>::infinity();  // no vertex is deeper, as found for an earlier row
+    double proven = 0;    // the largest lower bound that held, less 4 * slack
+    double shallow = std::numeric_limits<double>::infinity();  // an earlier search has shown that no vertex is deeper
 };
 
 PenetrationChecker::PenetrationChecker(const Shape& source, const Pose& source_pose, const Shape& target,

@@ -1,18 +1,26 @@
-// Re-checks a penetration depth, independently of the solver and of its cutting. The common volume is never
-// computed here, only whether points lie inside A and B (by the parity of exact crossings of a ray) and how far
-// they are from the other surface (verify_exact.h).
+// Re-checks a penetration depth (Quantity in solver.h), independently of the solver and of its cutting.
 //
-// Lower bound, from the witness p, a point of one surface in the other solid: it holds if no point of the other
-// surface that bounds the same part of the common volume is nearer to p than `lower`. A nearer triangle does not
-// count if its nearer part is proven to lie outside the first solid. But if the other mesh alone encloses the part,
-// all of that mesh counts. A nearer point that is joined to p by a segment inside both solids refutes the bound.
-// Otherwise the row stays `not checked`, because the nearer points may bound another part.
+// The common volume of the solids A and B consists of connected *parts*. Some of a part's boundary comes from the
+// surface of A, the rest from the surface of B; the depth is the largest Hausdorff distance between the two, over all
+// parts. The parts are never computed here, only whether points lie inside A and B (by the parity of exact crossings of
+// a ray) and how far they are from the other surface (verify_exact.h).
 //
-// Upper bound: a vertex of one mesh inside the other solid bounds the common volume, so the depth is at least its
-// distance to the other surface. This can refute, not prove.
+// Lower bound, from its witness p: a point on the surface of one solid, here called the *own* solid, that lies inside
+// the other solid. So p is on the boundary of a part, the part of p. The bound holds if the other surface has no point
+// on the boundary of this part that is nearer to p than `lower`. The triangles of the other surface nearer than `lower`
+// are judged one by one:
+// - A triangle does not count if its points nearer than `lower` are proven to lie outside the own solid, since they are
+//   then on the boundary of no part. Exception: if the other surface bounds the part of p nowhere, the other mesh
+//   encloses the part, and every point of that mesh counts.
+// - A nearer point that is joined to p by a segment inside both solids bounds the part of p and refutes the bound.
+// - In any other case the verdict is `not checked`, because the nearer points may bound another part.
 //
-// No solver certifies a depth, since cut points are rounded, by more if triangles are nearly parallel. So bounds
-// may be off by 1e-10 of the largest |coordinate|.
+// Upper bound: a vertex of one mesh inside the other solid bounds a part, so the depth is at least its distance to the
+// other surface. This can refute an upper bound, not prove it.
+//
+// No solver certifies a depth: the points at which surfaces cut each other are rounded, and more so the more parallel
+// the triangles are. So with s = 1e-10 of the largest |coordinate|, the check allows points to be off by 2s and bounds
+// by 4s.
 #pragma once
 
 #include "harness/check/verify.h"
@@ -27,6 +35,7 @@ public:
                        Stop stop = {});
     ~PenetrationChecker();
 
+    // Checks the bounds of one row. O(|A| |B|) if the upper bound has to be compared with all vertices.
     Check check(const Bounds& bounds, const Witness& witness);
 
     // Returns whether an upper bound is below a lower bound that held in an earlier check.

@@ -20,7 +20,7 @@ using Interval = CGAL::Interval_nt<false>;
 // Points, hashed by the grid cell that contains them.
 class Grid {
 public:
-    // `origin`: a place near most points, so that their cell indices are small and therefore exact.
+    // `origin`: a position near most of the points, so that their cell indices are small and therefore exact.
     Grid(const Points& points, double side, const Vec3& origin) : side_(side), origin_(origin) {
         for (Index i = 0; i < points.rows(); ++i) cells_[cell_of(points.row(i))].push_back(i);
     }
@@ -69,12 +69,13 @@ bool is_within(const Vec3& p, const Vec3& q, double upper) {
     return squared_distance(p, {q}) <= Rational(upper) * Rational(upper);
 }
 
-// Says whether intervals prove that q is at most `upper` from p (certain) or leave it open (doubtful). Requires
-// upward rounding.
+// What interval arithmetic says about the distance of two points: certainly at most `upper`; doubtful, so that
+// rationals must decide; or, if both are false, certainly more.
 struct Judged {
     bool certain, doubtful;
 };
 
+// Requires upward rounding.
 Judged judge(const Vec3& p, const Vec3& q, double upper) {
     Interval sum(0);
     for (int k = 0; k < 3; ++k) sum += CGAL::square(Interval(p[k]) - Interval(q[k]));
@@ -125,8 +126,8 @@ bool has_near(const Grid& grid, const Points& to, const Vec3& p, double upper, L
     return settled();
 }
 
-// Returns the median along each axis and the longest extent. Ignores 5 % of the points at either end of an axis as
-// outliers, unless the extent would then be 0.
+// Returns the median of the points along each axis, and their longest extent along an axis. For the extent, ignores 5 %
+// of the points at either end of an axis as outliers, unless the extent would then be 0.
 std::pair<Vec3, double> bulk_of(const Points& points) {
     Vec3 middle;
     double longest = 0;
@@ -152,6 +153,7 @@ std::vector<Index> sorted(const Points& points) {
     return order;
 }
 
+// Returns whether each point of `from` has a point of `to` at most `upper` away.
 Verdict one_way(const Standing& from, const Standing& to, double upper, double seconds) {
     Limit limit(seconds);
     const Points &a = from.points(), &b = to.points();

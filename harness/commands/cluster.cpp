@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int usual_shards = 16;
-constexpr double seconds_for_slurm = 120;  // limit for each of its commands
+constexpr double seconds_for_slurm = 120;  // time limit of each of its commands
 
 // Returns the text of a file; empty if it cannot be read.
 std::string text_of(const fs::path& file) {
@@ -66,26 +66,30 @@ fs::path cluster_folder(const fs::path& results, const Experiment& experiment) {
     return results / fmt::format("{}.{}.slurm", experiment.stem, experiment.profile);
 }
 
-// Returns the same path for every spelling of a folder.
+// Returns the same path for every spelling of a folder (relative or absolute, with or without a final slash), because
+// the name of the jobs contains its hash.
 fs::path one_spelling(const fs::path& folder) {
     const fs::path text = fs::weakly_canonical(fs::absolute(folder));
     return text.has_filename() ? text : text.parent_path();
 }
 
-// Makes the name of a job safe for Slurm, which separates names in lists by commas.
+// Makes the name of a job safe for Slurm, which separates the names in a list by commas: replaces everything but
+// letters, digits, _ and - with _.
 std::string safe(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return !std::isalnum(c) && c != '_' && c != '-'; }, '_');
     return text;
 }
 
-// Returns the option for a log. A % begins a pattern there, so it is doubled in the name of the folder.
+// Returns sbatch's option for a log file. Slurm expands patterns in it, such as %a to the number of the task, so a %
+// in the name of the folder is doubled.
 std::string log_name(const fs::path& folder, const std::string& name) {
     std::string text;
     for (const char c : folder.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
     return "--output=" + text + "/logs/" + name;
 }
 
+// The shards of one experiment and profile: their files, and their jobs in Slurm's queue.
 class Cluster {
 public:
     Cluster(const ExperimentArguments& arguments, const Plan& plan, bool any_build = false)
@@ -99,7 +103,8 @@ public:
 
     bool is_split() const { return fs::exists(split_file()); }
 
-    // Writes the split. Keeps the shards of an earlier split, unless another number of shards is requested.
+    // Writes the split, which says which job is in which shard. Keeps the shards of an earlier split, unless `shards`
+    // requests another number of them (0 requests none).
     void divide(int shards) {
         const Split earlier = is_split() ? read_split(split_file()) : Split{0, {}};
         if (shards > 0 && earlier.of > 0 && shards != earlier.of && !queue().shards.empty())
@@ -114,8 +119,8 @@ public:
     }
 
     struct Shard {
-        std::size_t cases = 0, open = 0;
-        std::string state;  // state in the queue; empty: not in it
+        std::size_t cases = 0, open = 0;  // open: not finished
+        std::string state;                // in Slurm's queue, such as PENDING; empty: not in the queue
     };
 
     std::vector<Shard> shards(const std::map<int, std::string>& states) const {
@@ -156,8 +161,8 @@ public:
         return number_in(ask(std::move(words)));
     }
 
-    // Submits the collection, which begins when all tasks and collections of this name have ended. Returns its exit
-    // code if it is waited for, otherwise 0.
+    // Submits the collection (`run --collect`), which Slurm starts when all tasks and collections of this name have
+    // ended. With --wait, waits for it and returns its exit code, otherwise returns 0.
     int submit_collection(const ClusterArguments& cluster) const {
         const fs::path script = folder_ / "collect.sh";
         write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --collect\n", run_words()));
@@ -179,8 +184,8 @@ public:
     }
 
     struct Queue {
-        std::map<int, std::string> shards;  // state of each shard
-        bool collection = false;
+        std::map<int, std::string> shards;  // number of the shard -> its state
+        bool collection = false;            // a collection is in the queue, too
     };
 
     Queue queue() const {
@@ -197,7 +202,7 @@ public:
         return all;
     }
 
-    // Returns the queue. If it is not known, returns an empty one and sets `trouble` to the reason.
+    // Returns the queue. If squeue fails, returns an empty queue and sets `trouble` to the reason.
     Queue queue_if_it_answers(std::string& trouble) const {
         try {
             return queue();
@@ -225,7 +230,7 @@ private:
         return words;
     }
 
-    // Extracts the number from the last line of sbatch's output, such as "12;cluster".
+    // Extracts the job number, 12, from the last line of sbatch's output, "12" or "12;cluster".
     static std::string number_in(const std::string& said) {
         const std::size_t last = said.find_last_not_of(" \n");
         const std::size_t begin = said.find_last_of('\n', last);

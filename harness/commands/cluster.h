@@ -1,10 +1,12 @@
-// `hausbench run S.toml --engine slurm` and `hausbench status S.toml` run an experiment as jobs of a cluster.
+// Runs an experiment as jobs of a Slurm cluster (`hausbench run S.toml --engine slurm`) and shows how far it is
+// (`hausbench status S.toml`).
 //
-// The jobs of the plan are distributed over shards (split.h). Slurm runs an array with one task per shard, each of
-// them `hausbench run --shard i/n` with its own journal, and then `hausbench run --collect`, which makes one result
-// of all journals. If a task is killed, requeued or lost with its node, only the cases it was running are lost;
-// submitting again runs only the cases that no journal has. The program and the folder of results must be the same on
-// all nodes. Each profile has its own split, array and journals.
+// The jobs of the plan are distributed over shards (split.h). Slurm runs an array with one task per shard: each task
+// is a `hausbench run --shard i/n` and writes its own journal. After all tasks, Slurm runs the collection, `hausbench
+// run --collect`, which makes one result from all journals. If a task is killed, requeued or lost with its node, only
+// the cases it was running are lost; submitting again runs only the cases that no journal has. All nodes must see the
+// same program and the same folder of results under the same paths. Each profile has its own split, array and
+// journals.
 #pragma once
 
 #include "harness/commands/experiment_arguments.h"
@@ -16,22 +18,25 @@
 namespace hausbench {
 
 struct ClusterArguments {
-    int shards = 0;                   // 0: as before; the first time one per job, but at most 16
+    int shards = 0;                   // 0: as many as the last time; the first time one per job, but at most 16
     std::vector<std::string> sbatch;  // more options for sbatch
-    bool any_build = false;           // passed on to the tasks and the collection
-    bool wait = false;                // waits until the result is there
+    bool any_build = false;           // --any-build, passed on to the tasks and the collection
+    bool wait = false;                // waits until the result is written
 };
 
-// Submits the shards that have open cases and are not in the queue, and prints their number. Returns the exit code;
-// with `wait`, the exit code of `run --collect`. Returns nothing if every case is finished, so that only collecting
-// is left. Throws InputError if Slurm's commands do not run or fail.
+// Submits the shards that have unfinished cases and are not in Slurm's queue yet, then the collection, and prints the
+// number of shards. Returns the exit code: 0, or with `wait` the exit code of `run --collect`. Returns nothing if
+// every case is finished and nothing is in the queue; the caller then has to collect. Throws InputError if Slurm's
+// commands do not run or fail.
 std::optional<int> submit(const ExperimentArguments& arguments, const Plan& plan, const ClusterArguments& cluster);
 
-// Returns a table with the finished cases of each shard and its state in the queue.
+// Returns a table with the number of finished cases of each shard and the shard's state in Slurm's queue; without a
+// split, only the number for all cases.
 std::string cluster_status(const ExperimentArguments& arguments, const Plan& plan);
 
-// Returns the suffix after the stem in the names of a shard's journal and result. With `of_cluster` it includes the
-// profile, because other profiles may run at the same time.
+// Returns the suffix that follows the stem in the names of a shard's journal and result, such as ".shard-2-of-16".
+// With `of_cluster` it is ".paper.shard-2-of-16": it includes the profile, because other profiles may run at the same
+// time.
 std::string shard_suffix(const Experiment& experiment, const Shard& shard, bool of_cluster);
 
 // Returns the names of the journals of all shards, without extension: the shards of the cluster's split if there is

@@ -10,7 +10,7 @@ namespace hausbench {
 
 namespace {
 
-// Chooses the rows of these scenes and of this profile; empty means all.
+// The options --scene and --profile: only rows of these scenes and of this profile are compared. Empty: all.
 struct Rows {
     std::vector<std::string> scenes;
     std::string profile;

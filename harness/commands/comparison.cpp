@@ -25,7 +25,7 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
     for (const Row& row : base.rows) by_key[row.asked.identity + row.asked.scene] = &row;
     std::string differing, table;
     std::size_t matched = 0, untimed = 0;
-    std::map<std::string, std::size_t> apart;  // why their times do not compare
+    std::map<std::string, std::size_t> apart;  // reason why times are not comparable -> number of cases
     std::vector<double> all;
     for (const Row& row : candidate.rows) {
         const auto at = by_key.find(row.asked.identity + row.asked.scene);
@@ -44,7 +44,7 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
         }
         if (b.from_trace) continue;  // it has the times of the row that it was read off
         const bool cpu = cpu_clock(b);
-        const bool again = !a.repeats.empty() && !b.repeats.empty();  // otherwise the first answers were timed
+        const bool again = !a.repeats.empty() && !b.repeats.empty();  // otherwise compares the first answers
         const Estimate ratio = again ? ratio_by_round(again_by_round(a, cpu), again_by_round(b, cpu))
                                      : ratio_by_round(first_by_round(a, cpu), first_by_round(b, cpu));
         if (ratio.n == 0) {
@@ -80,13 +80,13 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
 
 namespace {
 
-// The question that a row answers, whatever its solver. Poses are compared by their numbers, not by their place in a
+// The question that a row answers, whatever its solver. Poses are compared by their numbers, not by their index in a
 // motion.
 using Question = std::tuple<std::string, std::vector<double>, std::string, std::string, std::string, double,
                             std::string, double, double>;
 
-// Returns the numbers of both poses. -0 and 0 compare equal. NaN, which only a damaged file contains, has no order,
-// so it is replaced.
+// Returns the numbers of both poses, in which -0 and 0 compare equal. A map cannot order NaN, which only a damaged
+// file contains, so infinity replaces it.
 std::vector<double> pose_numbers(const Case& c) {
     std::vector<double> all;
     for (const Pose* pose : {&c.pose, &c.target_pose}) {
@@ -101,6 +101,7 @@ Question question_of(const Case& c) {
             c.tolerance, c.tolerance_of,  c.floor,  c.cutoff};
 }
 
+// Returns the name of a question: its scene, pose and tolerance.
 std::string place_of(const Case& c) {
     return fmt::format("{}{}, pose {}, tolerance {:g}{}", c.scene, suffix_of(c.quantity), c.pose_index, c.tolerance,
                        c.tolerance_of == "diagonal" ? "" : " " + c.tolerance_of);
@@ -129,6 +130,7 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
     for (const Row* row : first) {
         const auto at = answers.find(question_of(row->asked));
         if (at == answers.end()) continue;
+        // If the other solver has a row with the same swept parameters, only such rows are partners.
         const auto same = [&](const Row* other) { return other->asked.variant == row->asked.variant; };
         const bool both_sweep = std::any_of(at->second.begin(), at->second.end(), same);
         for (const Row* other : at->second) {
@@ -139,7 +141,8 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
     return pairs;
 }
 
-// Returns the name of a pair: its place, preceded by both solvers with their parameters if there are `several`.
+// Returns the name of a pair of rows: scene, pose and tolerance. If `several` is true, because a solver has rows with
+// different parameters, both solvers and their parameters come first.
 std::string names_of(const Row& a, const Row& b, bool several) {
     return printable(several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
                              : place_of(a.asked));
@@ -159,7 +162,7 @@ struct Ratios {
                      {"clock", false, 3}}};
     std::vector<double> again, total;
     std::size_t untimed = 0;
-    std::map<std::string, std::size_t> apart;  // why their times do not compare
+    std::map<std::string, std::size_t> apart;  // reason why times are not comparable -> number of pairs
 
     void add(const Row& a, const Row& b, const Programs& programs, const std::string& name) {
         const bool cpu = cpu_clock(a.outcome);

@@ -16,7 +16,8 @@ namespace hausbench {
 
 namespace {
 
-// Returns the file, or the experiment of the project or the installation with this stem.
+// Returns `named` if it is the path of a file, otherwise the experiment of the project or the installation that has
+// this stem.
 std::filesystem::path experiment_file(const std::filesystem::path& named) {
     if (named.has_parent_path() || named.has_extension() || std::filesystem::exists(named)) return named;
     std::vector<std::string> stems;
@@ -36,7 +37,7 @@ Plan plan_of(const ExperimentArguments& arguments, bool quiet) {
     const Experiment experiment = arguments.with.empty()
                                       ? read_experiment(file, arguments.profile)
                                       : read_experiment_with(file, arguments.with, arguments.profile);
-    static Catalogue models = catalogue();  // the plan points into it
+    static Catalogue models = catalogue();  // static, because the plan points into it
     add_own_models(models, experiment);
     Progress progress(quiet);
     return make_plan(experiment, models, arguments.choice,

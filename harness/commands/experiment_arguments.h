@@ -1,4 +1,4 @@
-// The options that `run` and `explain` share.
+// The options that `run`, `explain` and `status` share.
 #pragma once
 
 #include "harness/commands/verb.h"
@@ -15,7 +15,7 @@ struct ExperimentArguments {
     Choice choice;
 };
 
-// Adds the options for the file and its profile, solvers and scenes.
+// Adds the argument for the experiment file, and the options that choose its profile, solvers and scenes.
 inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
     verb->add_option("experiment", arguments.file, "an experiment file (.toml), or the name of one of the project")
         ->type_name("EXPERIMENT")
@@ -36,11 +36,13 @@ inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
         ->allow_extra_args(false);
 }
 
+// Reads the experiment and makes its plan. Shows progress on models unless `quiet`.
 Plan plan_of(const ExperimentArguments& arguments, bool quiet);
-// Returns a function that reads the shapes that a result recorded, from the models of the project and of the
-// experiment. The catalogue is made at its first call.
+// Returns a function that loads the shape of a model that a result recorded. The function looks for the model among the
+// models of the project and of the experiment, and throws InputError if it is missing or has changed. It makes this
+// catalogue only when it is first called.
 ShapeOf recorded_shapes(const Experiment& experiment);
-// Returns the folder of results: the given one, otherwise results_folder() of paths.h.
+// Returns the folder of results: the one given with --results, otherwise results_folder() of paths.h.
 std::filesystem::path results_of(const ExperimentArguments& arguments);
 
 }  // namespace hausbench

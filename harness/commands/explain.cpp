@@ -40,8 +40,8 @@ std::size_t shapes_of(const Job& job) {
     return files.size();
 }
 
-// Adds the structures that the solver requires on this scene (for a matrix, on its first pair), and those that it can
-// do without.
+// Adds a line for each structure that the solver may need: whether it is prepared for this scene (for a matrix, for
+// its first pair) or left out.
 void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     const Case& first = plan.cases[job.cases.front()];
     const SolverEntry& entry = find_solver(first.solver);
@@ -56,7 +56,7 @@ void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     }
 }
 
-// Returns the solver as it is shown, but without its seed.
+// Returns the solver's name and parameters as shown to people, but with "seed=..." for every seed.
 std::string without_seed(const Case& asked) {
     static const std::regex seed("seed=[^,)]*");
     return std::regex_replace(shown(asked), seed, "seed=...");
@@ -80,7 +80,7 @@ std::vector<std::vector<const Job*>> alike(const Plan& plan) {
     return groups;
 }
 
-// Adds some lines on these jobs, and returns their total time and the largest memory that one of them takes.
+// Adds some lines about these jobs. Returns the estimates of their total time and of the largest memory of one of them.
 JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs, const Estimates& estimates,
                           std::string& text) {
     const Experiment& e = plan.experiment;
@@ -117,7 +117,7 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
     return all;
 }
 
-// Returns the whole text. Times and memory are estimated from the result files in `results`.
+// Returns the text that `explain` prints. Times and memory are estimated from the result files in `results`.
 std::string explain(const Plan& plan, const fs::path& results) {
     const Estimates estimates(results);
     const Experiment& e = plan.experiment;

@@ -15,7 +15,7 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t widest = 100;                          // most characters of a line
-constexpr std::size_t verb_column = 12, option_column = 26;  // where the meanings of verbs and of arguments begin
+constexpr std::size_t verb_column = 12, option_column = 26;  // where the meanings of verbs and of options begin
 
 // An argument of a verb, for help, manual and completion.
 struct Argument {
@@ -37,7 +37,7 @@ Argument argument_of(const CLI::Option& option) {
     const std::string type = option.get_type_name();
     const std::string given = option.get_default_str();
     return {.name = positional ? option.get_name() : "--" + option.get_lnames().front(),
-            .value = flag ? "" : type.substr(0, type.find(':')),  // without the validators
+            .value = flag ? "" : type.substr(0, type.find(':')),  // CLI11 appends the validators after a colon
             .meaning = option.get_description() + (given.empty() ? "" : fmt::format(" (default: {})", given)),
             .positional = positional,
             .required = option.get_required(),
@@ -82,7 +82,7 @@ std::string usage_of(const CLI::App& verb) {
                        : "");
 }
 
-// Returns "  NAME    meaning", with the meaning in its own column.
+// Returns "  NAME    meaning", with the meaning in its own column; below the name if the name is too long.
 std::string entry(const std::string& name, const std::string& meaning, std::size_t column, std::size_t width) {
     std::string lines = wrapped(meaning, column, width);
     std::string head = "  " + name;
@@ -175,7 +175,8 @@ std::string man_page(const CLI::App& program) {
 
 namespace {
 
-// Returns the possible values: words, or a call of the program that lists them; empty for files.
+// Returns the words that complete a value: the listed ones ("here slurm"), or a shell command that lists them by
+// calling the program. Empty: file names complete it.
 std::string values_of(const std::string& value) {
     if (value.find('|') != std::string::npos) {
         std::string words = value;

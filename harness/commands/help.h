@@ -1,4 +1,4 @@
-// Texts that follow from the description of the verbs: help, the man page and the completion of the shell.
+// Texts made from the definitions of the verbs: the help, the man page and the completion of the shell.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,8 +8,8 @@
 namespace hausbench {
 
 // Formats the help of the program or of a verb: description, usage, an example, each argument with its meaning, and
-// notes. Lines fit the terminal and have at most 100 characters. The type name of an argument is the meaning of its value
-// ("FILE") or the list of its values ("here|slurm").
+// notes. Lines fit the terminal and have at most 100 characters. The type name of an argument says what its value means
+// ("FILE") or lists its values ("here|slurm").
 class Help : public CLI::FormatterBase {
 public:
     std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;

@@ -24,7 +24,8 @@ void derive_file(const std::string& operation, const std::vector<std::string>& t
     Numbers numbers;
     for (const std::string& text : texts) {
         const auto equals = std::min(text.find('='), text.size() - 1);
-        numbers[text.substr(0, equals)] = std::strtod(text.c_str() + equals + 1, nullptr);  // hexadecimal: exact
+        // Exact, because the caller writes the numbers in hexadecimal.
+        numbers[text.substr(0, equals)] = std::strtod(text.c_str() + equals + 1, nullptr);
     }
     write_shape(out, derive(operation, numbers, read_shape(origin)));
 }

@@ -279,7 +279,7 @@ std::string one_experiment(const json& e, const Paper& paper) {
     text += wrapped("solvers: " + joined(e["solvers"]), 2, paper.width);
     TextTable table(
         {{"scene"}, {"A", false, 0, true}, {"B", false, 0, true}, {"profiles", false, 1}, {"note", false, 2, true}});
-    std::map<std::string, std::size_t> of_each;  // how many scenes each has
+    std::map<std::string, std::size_t> of_each;  // value of the key `each` -> number of scenes that it makes
     for (const json& s : e["scenes"]) ++of_each[each_of(s)];
     for (const json& s : e["scenes"]) {
         const std::string each = each_of(s);
@@ -314,7 +314,7 @@ std::string screen(const json& all, const Paper& paper) {
     return text;
 }
 
-// Lists everything. Outside a project there are only solvers and the models that were installed with the program.
+// Lists everything. Outside a project, lists the experiments and models that were installed with the program.
 json list_as_json() {
     json out = {{"solvers", json::array()},
                 {"not_built", json::array()},
@@ -332,7 +332,8 @@ json list_as_json() {
     return out;
 }
 
-// `what` is empty (a line for each solver), a group, or the name of one solver, experiment or model. Throws InputError for another name.
+// Lists a group, such as "models", or describes the solver, experiment or model with the name `what`. If `what` is
+// empty, lists the solvers. Throws InputError for another name.
 std::string list_as_text(const std::string& what, const Paper& paper) {
     const json all = list_as_json();
     if (what.empty()) return screen(all, paper);
@@ -348,7 +349,7 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
                               {"experiments", "stem", one_experiment},
                               {"models", "name", one_model},
                               {"corpus", "name", one_model}};
-    std::string text;  // a solver and a model may have the same name
+    std::string text;  // describes every match, because a solver and a model may have the same name
     std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "keys", "columns"};
     for (const Kind& kind : kinds) {
         for (const json& one : all[kind.group]) {

@@ -23,7 +23,8 @@ namespace {
 
 const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
 
-// Returns the remedy if a solver does not take the pair.
+// Returns a hint for an error message: the solvers that accept shapes of these kinds for this quantity, or that none
+// does.
 std::string solvers_for(ShapeKind source, ShapeKind target, Quantity quantity) {
     std::string names;
     for (const SolverEntry& entry : solvers()) {
@@ -46,7 +47,7 @@ std::string solvers_with_certificates(ShapeKind source, ShapeKind target) {
                          : fmt::format("choose one that does with --solver: {}", names);
 }
 
-// Refuses to write over one of the shapes, or two files into one.
+// Throws InputError if an output file would overwrite a file of A or B, or another output file.
 void expect_places_apart(const MeasureRequest& request) {
     std::vector<std::pair<std::string, std::filesystem::path>> taken = {{"A", file_behind(request.source)},
                                                                         {"B", file_behind(request.target)}};
@@ -87,7 +88,8 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
     const Points& points = points_of(loaded.shape);
     const auto* mesh = std::get_if<TriangleMesh>(&loaded.shape);
     const double largest = magnitude(points);
-    // 24 bits; the smallest exponent of a normal float32 is -126.
+    // A float32 has 24 bits, so numbers from 2^e to 2^(e+1) are 2^(e-23) apart. Below the smallest e of a normal
+    // float32, -126, the spacing stays the same.
     const int exponent = largest > 0 ? std::max(std::ilogb(largest), -126) : -126;
     return {file,
             loaded.report,
@@ -99,8 +101,9 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
             mesh ? connected_parts(*mesh) : std::vector<Index>()};
 }
 
-// Returns the tolerance as a length, or as a fraction of the lower bound. The default must be meaningful for every
-// legal input.
+// Returns the tolerance as a length, or as a fraction of the lower bound. The default tolerance must be meaningful for
+// every legal input: if A's box has no extent, it is a fraction of the diagonal of both shapes; if they have none
+// either, it is a length.
 Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, Measured& measured) {
     measured.tolerance_of = request.of;
     if (request.of == "lower") {
@@ -152,7 +155,7 @@ void warn_of_units(Measured& measured) {
                                                 a > b ? "A" : "B", ratio));
 }
 
-// Warns about files that were cut short after their vertices.
+// Warns if most vertices belong to no triangle, as in a file that was cut short after its vertices.
 void warn_of_unreferenced(Measured& measured) {
     for (const auto& [name, shape] : {std::pair{"A", &measured.source}, std::pair{"B", &measured.target}}) {
         const std::int64_t dropped = shape->report.unreferenced.value_or(0);

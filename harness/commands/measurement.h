@@ -22,17 +22,18 @@ struct MeasureRequest {
     ParameterMap options;
     double tolerance = 1e-6;
     std::string of = "diagonal";   // one of tolerance_units
-    bool tolerance_given = false;  // tolerance or `of` was given; then it is an error if they mean nothing
+    bool tolerance_given = false;  // --tolerance or --of was given; it is then an error if the unit is 0 for A
     bool symmetric = false;        // H(A,B) = max(h(A,B), h(B,A))
     bool penetration = false;      // the penetration depth instead of a distance
-    // Asks "is the distance above this length?"; the tolerance then does not end the solve.
+    // Asks only "is the distance above this length?"; a gap within the tolerance then does not end the solve.
     std::optional<double> cutoff;
     int threads = 1;
-    double time_limit = std::numeric_limits<double>::infinity();  // in seconds, for preparing and again for solving
-    std::filesystem::path fields = {};                            // file to write the fields to; empty: none
-    double resolution = 0.1;                                      // of the fields, relative to the distance
-    std::filesystem::path certificate = {};                       // file to write the certificate to; empty: none
-    bool in_process = false;                                      // solves in this process, for debuggers
+    // In seconds; preparing and solving each may take this long.
+    double time_limit = std::numeric_limits<double>::infinity();
+    std::filesystem::path fields = {};       // file to write the fields to; empty: none
+    double resolution = 0.1;                 // largest error of the fields between vertices, as a fraction of h
+    std::filesystem::path certificate = {};  // file to write the certificate to; empty: none
+    bool in_process = false;                 // solves in this process, for debuggers
 
     Quantity quantity() const {
         return penetration ? Quantity::penetration : symmetric ? Quantity::symmetric : Quantity::directed;
@@ -49,17 +50,17 @@ struct MeasuredShape {
     std::vector<Index> parts = {};  // for a mesh: the connected part of each triangle
 };
 
-// A file with a shape and its fields.
+// A file that --fields wrote: A, cut into pieces, with the distance to B at each vertex; or B with the distance to A.
 struct DrawnFile {
     std::filesystem::path file;
-    Bounds bounds;  // of the distance that the file shows
-    double largest = 0;
+    Bounds bounds;       // of h(A,B), or of h(B,A) in the file of B
+    double largest = 0;  // the largest distance of a vertex
     std::int64_t vertices = 0, pieces = 0;
     bool resolved = true;  // false: the resolution needs more pieces than are written
 };
 
-// Why there is no answer: the solving process was killed or ended. `status` has the meaning of a row's status
-// (record/outcome.h).
+// The reason for a missing answer: the solving process was killed, or it ended without an answer. `status` has the
+// meaning of a row's status (record/outcome.h).
 struct NoAnswer {
     RowStatus status = RowStatus::failed;
     std::string reason;
@@ -69,13 +70,13 @@ struct Measured {
     std::string solver;
     bool certified = false;  // the bounds hold under rounding, with the options given
     MeasuredShape source, target;
-    double tolerance_absolute = 0;  // NaN: a fraction of the lower bound
-    // The requested unit, or its substitute if that is 0: `diagonal of both`, `absolute`.
+    double tolerance_absolute = 0;  // the tolerance as a length; NaN if it is a fraction of the lower bound
+    // The requested unit of the tolerance; if that length is 0 for A, `diagonal of both` or `absolute` instead.
     std::string tolerance_of;
     double unit = 1;    // the length of which the tolerance is a fraction
     double extent = 0;  // the diagonal of the box of both shapes
     Result result;
-    // The directions of H: h(A,B), h(B,A), with witnesses as in the result.
+    // With --symmetric: h(A,B) and h(B,A). In both, as in `result`, the source point of the witness is on A.
     std::optional<Result> forward, backward;
     double forward_seconds = 0, backward_seconds = 0;
     double prepare_seconds = 0, solve_seconds = 0;
@@ -91,14 +92,14 @@ struct Measured {
     std::vector<std::string> warnings = {};
 };
 
-// Loads the files, then solves in a process of its own. Waits for it at most the time limit and a grace period for
-// preparing, again for solving, and again for each step of writing the requested files. A solver that crashes, hangs,
-// ends the process or throws also gives an answer: `failed`. Throws InputError for anything wrong with the files, the
-// solver, its parameters or the tolerance.
+// Loads the files, then solves in a process of its own. Preparing, solving, and writing or checking each requested file
+// may each take the time limit and a grace period (grace_of()); then the process is killed. If a solver crashes, hangs,
+// ends the process or throws, measure() still returns, with `failed` set. Throws InputError for anything wrong with the
+// files, the solver, its parameters or the tolerance.
 Measured measure(const MeasureRequest& request);
 
-// Returns whether the certificate, which is from a second run, proves only a larger upper bound than the answer has,
-// by more than proves_the_bound() allows.
+// Returns whether the certificate proves only a larger upper bound than the answer has, by more than proves_the_bound()
+// allows. This is possible because the certificate comes from a second run, which may have had less time.
 bool proves_less(const Measured& measured);
 
 // Returns how long to wait for the process beyond a time limit, in seconds.
@@ -110,7 +111,7 @@ std::string no_answer(const Measured& measured);
 
 // Returns the exit code. Without a cutoff: 0; 1 if the answer, the requested fields or the requested certificate are
 // missing, or if the check refuses the certificate. With a cutoff: 0 if the distance is at most the cutoff, 1 if it
-// is above, 3 if that is open.
+// is above, 3 if neither is proven.
 int exit_code(const Measured& measured, const MeasureRequest& request);
 
 nlohmann::json to_json(const Measured& measured, const MeasureRequest& request);

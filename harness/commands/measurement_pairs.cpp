@@ -60,8 +60,8 @@ std::size_t find_outside_quotes(const std::string& text, const char* separators,
     return at;
 }
 
-// Splits a line at the comma or tab outside quotes, otherwise at the first blank. Returns empty parts if there are
-// not exactly two.
+// Splits a line at its only comma or tab outside quotes; if it has none, at the first blank. Returns empty parts if
+// there is nothing to split at, or more than one comma or tab.
 std::pair<std::string, std::string> two_of(const std::string& line) {
     const std::string text = trimmed(line);
     for (const char* separators : {",\t", " "}) {
@@ -73,7 +73,7 @@ std::pair<std::string, std::string> two_of(const std::string& line) {
     return {};
 }
 
-// Returns the columns for the witness and for both directions; empty if they are not known.
+// Returns the columns for the witness and for both directions. Unknown values are empty.
 std::string more_fields(const Measured& m, bool known) {
     std::vector<std::string> fields;
     const Witness& witness = m.result.witness;

@@ -1,4 +1,5 @@
-// The process that solves for `measure`, and the process that waits for it.
+// `measure` solves in a child process, so that a solver that crashes or hangs does not end the program. tell() runs in
+// the child and sends its results through a pipe; `Waiting` receives them in the parent.
 #include "algorithms/error.h"
 #include "harness/commands/measurement_solve.h"
 #include "harness/record/json.h"
@@ -19,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// --- between the two processes ----------------------------------------------------------------------------------------
+// --- messages between the two processes ------------------------------------------------------------------------------
 
 json result_json(const Result& r) {
     const Witness& w = r.witness;
@@ -86,7 +87,8 @@ DrawnFile drawn_of(const json& j) {
 
 enum class Trouble { input, memory, solver };
 
-// Does the work and reports on it with one JSON object per line.
+// Does the work in the child. Writes one JSON object per line to the pipe `events`: a message after each step, and the
+// error if the work fails.
 void tell(const MeasureWork& work, Shape source, Shape target, Measured& measured, int events) {
     const auto send = [&](const json& event) {
         const std::string line = event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
@@ -123,6 +125,7 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
 
 // --- in the process that waits ----------------------------------------------------------------------------------------
 
+// Puts the child's messages into `measured`, and kills the child if a step takes too long.
 class Waiting {
 public:
     Waiting(const MeasureWork& work, Child& child, Measured& measured)
@@ -153,14 +156,15 @@ public:
     }
 
 private:
+    // Starts the time limit of the next step. `phase` is the error message if the child exceeds the limit.
     void allow(const char* phase) {
         phase_ = phase;
         const double seconds = std::min(limit_ + grace_of(limit_), 1e9);  // a clock cannot hold infinity
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     }
 
-    // Ends the process with a failure. An answer that was already given stays valid, even if its fields or its
-    // certificate fail.
+    // Kills the child and records the failure. An answer that has already arrived stays valid; only its fields or its
+    // certificate are then missing.
     void fail(RowStatus status, const std::string& reason) {
         child_.kill();
         ended_ = true;
@@ -190,7 +194,7 @@ private:
                          answered_ ? "wrote all that was asked for" : "answered"));
     }
 
-    // Processes a line of the other process. A solver may have written it, so nothing in it is trusted.
+    // Processes a line from the child. A solver may have written it, so nothing in it is trusted.
     void hear(const std::string& line) {
         Trouble kind{};
         std::string what;
@@ -250,7 +254,7 @@ private:
 double grace_of(double time_limit) { return std::max(1.0, 0.1 * time_limit); }
 
 void solve_outside(const MeasureWork& work, Shape source, Shape target, Measured& measured) {
-    const HoldInterrupts hold;  // destroyed after the process and its folder
+    const HoldInterrupts hold;  // destroyed after the child and its folder, so that Ctrl-C leaves neither behind
     Launch launch;
     launch.scratch = "worker";
     launch.work = [&](int events) {

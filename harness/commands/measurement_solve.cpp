@@ -23,7 +23,8 @@ namespace {
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-// Turns an answer for swapped shapes into an answer for h(B,A).
+// Turns the answer of a solver for the scene with source B and target A into an answer for h(B,A), in which the source
+// point of the witness is on A.
 Result turned(Result result) {
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
@@ -32,9 +33,9 @@ Result turned(Result result) {
     return result;
 }
 
-// Combines both directions into H(A,B). If both gaps are within the tolerance, so is the gap of H. It is at most the
-// gap of the direction with the larger upper bound, because the lower bound of H is at least the lower bound of that
-// direction.
+// Combines both directions into H(A,B). If both gaps are within the tolerance, so is the gap of H: the upper bound of H
+// is the larger of the two upper bounds, and the lower bound of H is at least the lower bound of the direction that has
+// this upper bound, so the gap of H is at most the gap of that direction.
 Result larger_of(const Query& query, const Result& forward, const Result& backward) {
     for (const Result* one : {&forward, &backward}) {
         if (!may_bound_a_distance(one->bounds)) return *one;
@@ -56,6 +57,7 @@ Result larger_of(const Query& query, const Result& forward, const Result& backwa
     return whole;
 }
 
+// Prepares and answers one request.
 class Solving {
 public:
     Solving(const MeasureWork& work, PreparedPair shapes, Measured& measured)
@@ -151,21 +153,22 @@ public:
     }
 
 private:
-    // Returns the answer of a direction; without an answer, its distance is at most the upper bound of H.
+    // Returns the answer of a direction. If the direction has none of its own, returns the bounds that H gives: from 0
+    // to the upper bound of H.
     Result of_direction(const std::optional<Result>& answer) const {
         Result result;
         result.bounds.upper = measured_.result.bounds.upper;
         return answer.value_or(result);
     }
 
-    // Writes the distances of one shape to the other. `witness`: the point of `from` that is farthest, as far as
-    // known.
+    // Writes the shape `from` with its distances to `to`. `witness`: the point of `from` that is farthest from `to`, if
+    // it is known; it becomes a vertex.
     void write_fields(const Session& session, const PreparedShape& from, const PreparedShape& to, const Result& answer,
                       const Vec3& witness, Index witness_element, const std::filesystem::path& file) {
         const Drawing drawing{work_.request.resolution, answer.bounds.lower, witness, witness_element};
         const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
         Fields own;
-        // Solves a second time, so that the measured time is the time for the bounds alone.
+        // Solves a second time for the solver's own fields, so that the measured time is the time for the bounds alone.
         if (work_.entry.info.can(Ability::fields)) {
             Query query = query_;
             query.wanted.fields = true;
@@ -201,11 +204,12 @@ private:
         return result;
     }
 
-    // Solves each direction to the full tolerance, without a floor, since both are answers.
+    // Solves each direction to the full tolerance, because both are printed. (For H alone, the second direction could
+    // stop early, with the lower bound of the first as its floor.)
     void solve_both() {
         const Result forward = ask(*forward_, query_, measured_.forward_seconds);
         measured_.forward = forward;
-        if (forward.status == Status::above_cutoff) {  // the question is answered; H has no upper bound
+        if (forward.status == Status::above_cutoff) {  // so H is above it, too; h(B,A) and thus H have no upper bound
             measured_.result = forward;
             measured_.result.bounds.upper = infinity;
             return;
@@ -214,8 +218,9 @@ private:
         measured_.result = larger_of(query_, forward, *measured_.backward);
     }
 
-    // Solves with a tolerance that is a fraction of the lower bound. In a direction with distance 0 no gap is within
-    // it. So H is solved first, and each direction then gets the gap that H may have.
+    // Solves with a tolerance that is a fraction of the lower bound. A direction with distance 0 has the lower bound 0,
+    // so that only the gap 0 would be within the tolerance. So H is solved first, and the gap that is allowed for H
+    // becomes the absolute tolerance of both directions.
     void solve_relative() {
         Query whole = query_;
         whole.quantity = Quantity::symmetric;
@@ -234,7 +239,7 @@ private:
     Measured& measured_;
     Query query_;
     Clock::time_point begin_;
-    std::optional<Session> forward_, both_, backward_;
+    std::optional<Session> forward_, both_, backward_;  // for h(A,B), H(A,B), h(B,A), as far as needed
 };
 
 }  // namespace

@@ -14,10 +14,10 @@ struct MeasureWork {
     Tolerance tolerance;
 };
 
-// Functions to call after each step.
+// Functions that prepare_and_solve() calls after each step.
 struct MeasureSteps {
     std::function<void()> prepared = [] {}, answered = [] {};
-    std::function<void()> drawn = [] {};   // the last of Measured::drawn is written
+    std::function<void()> drawn = [] {};   // the file described by the last entry of Measured::drawn is written
     std::function<void()> proved = [] {};  // the certificate is written but not checked yet
 };
 

@@ -26,15 +26,17 @@ bool was_run(const Outcome& o) {
     return (o.status != RowStatus::skipped && o.status != RowStatus::not_built) || !o.solver_status.empty();
 }
 
-// Returns a key for the case within the experiment. The identity will not do: it contains the shapes' hashes, which a
-// machine without the model does not know. A machine without the solver knows only the given parameters, so options
-// are compared separately.
+// Returns a key that names the case within the experiment. Case::identity cannot serve as the key, because it contains
+// the hashes of the shapes, which a machine without the model does not know. Options are compared separately
+// (same_options()), because a machine without the solver knows only the parameters that the experiment gives.
 std::string place_of_case(const Case& c) {
     return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
                            c.tolerance_of, to_string(c.quantity), c.warm})
         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+// Returns whether two rows have the same options. If the solver of one is not built, that row has only the parameters
+// that the experiment gives, and the other row must have at least these.
 bool same_options(const Row& a, const Row& b) {
     const auto within = [](const ParameterMap& few, const ParameterMap& many) {
         return std::all_of(few.begin(), few.end(),
@@ -45,8 +47,8 @@ bool same_options(const Row& a, const Row& b) {
     return a.asked.options == b.asked.options;
 }
 
-// Parses a result's text `shard`, such as "1/3, 2/3". Returns none for a whole result, and for an old one that does
-// not say.
+// Returns the shards in a result, as pairs (3, 1), (3, 2), from its attribute `shard`, here "1/3, 2/3". Returns none
+// for a whole result, for an old result, which lacks the attribute, and for a damaged one.
 std::set<std::pair<int, int>> shards_in(const std::string& text) {
     std::set<std::pair<int, int>> shards;
     std::istringstream in(text);
@@ -75,6 +77,7 @@ std::string both_shards(const std::string& one, const std::string& other) {
     return text;
 }
 
+// Adds results, one after the other, to the first one. Its errors name the first file and the one being added.
 class Merger {
 public:
     Merger(ResultFile first, const fs::path& file) : merged_(std::move(first)), first_(file) {
@@ -139,6 +142,8 @@ private:
             if (known.insert(one.asked.identity).second) merged_.references.push_back(one);
     }
 
+    // Joins two rows of one case, of which `row` was run: replaces `mine` if it was not run, otherwise checks that both
+    // have the same identity and answer.
     void join(Row& mine, const Row& row) const {
         const Outcome &a = mine.outcome, &b = row.outcome;
         if (!was_run(a)) {
@@ -161,7 +166,7 @@ private:
         const auto at = std::find_if(merged_.ledger.begin(), merged_.ledger.end(), same);
         if (at == merged_.ledger.end()) {
             merged_.ledger.push_back(entry);
-        } else if (entry.kind == "reference") {  // each part has its own
+        } else if (entry.kind == "reference") {  // each part computed references of its own
             at->count += entry.count;
             at->seconds_saved += entry.seconds_saved;
         } else if (std::isnan(at->seconds_saved)) {
@@ -174,16 +179,16 @@ private:
     std::map<std::string, std::vector<std::size_t>> places_;
 };
 
-// Joins several results of the same experiment and profile (shards, or parts). Each case gets the row that was run,
-// even if one of the machines lacked its model or solver. Throws InputError for different experiments, for different
-// builds or machines (unless any_build), or for two rows of one case whose answers differ.
+// Joins several results of the same experiment and profile, such as shards. Each case gets a row that was run, if any
+// result has one: another machine may have lacked its model or solver. Throws InputError for different experiments, for
+// different builds or machines (unless any_build), or for two rows of one case whose answers differ.
 ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
     Merger merger(read_result(files.front()), files.front());
     for (std::size_t f = 1; f < files.size(); ++f) merger.add(read_result(files[f]), files[f], any_build);
     return merger.merged();
 }
 
-// Returns a line that names the missing shards of a result; empty if no case is left to another shard.
+// Returns a line that names the shards missing from a result; empty if every case is in one of its shards.
 std::string missing_shards(const ResultFile& merged) {
     const auto elsewhere = std::count_if(merged.rows.begin(), merged.rows.end(), [](const Row& row) {
         return row.outcome.status == RowStatus::skipped && row.outcome.reason == in_another_shard;

@@ -12,8 +12,8 @@ namespace hausbench {
 // file. Throws InputError for a model that was not fetched, and for a name that is neither.
 LoadedShape load_named(const std::string& name);
 
-// Returns the file that load_named() reads for this name, or from which the model is derived; empty if there is none,
-// as for a generated model.
+// Returns the file that load_named() reads for this name; for a derived model, the file of the model that it is derived
+// from. Empty if there is none, as for a generated model.
 std::filesystem::path file_behind(const std::string& name);
 
 }  // namespace hausbench

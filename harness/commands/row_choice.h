@@ -10,10 +10,10 @@
 
 namespace hausbench {
 
-// Conditions on rows; an empty list accepts all. An entry of `where` is COLUMN=VALUE or COLUMN!=VALUE, for any column
-// of /cases; for numbers also COLUMN<VALUE, <=, > and >=, which NaN never meets.
+// Conditions on rows; an empty list accepts every row. An entry of `where` is COLUMN=VALUE or COLUMN!=VALUE, for any
+// column of /cases, or gap, check or answer; for numbers also COLUMN<VALUE, <=, > and >=, which NaN never meets.
 struct RowChoice {
-    std::vector<std::string> solvers;  // a label, or with its parameters: "guthe(samples=8)"
+    std::vector<std::string> solvers;  // labels, alone or with parameters: "guthe(samples=8)"
     std::vector<std::string> scenes, where;
 };
 

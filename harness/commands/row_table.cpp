@@ -57,7 +57,7 @@ std::string csv_field(const nlohmann::ordered_json& value) {
 
 std::string as_csv(const ResultFile& result, const std::vector<std::size_t>& rows) {
     std::vector<std::string> names;
-    const auto usual = row_object(Row{});  // outlives its items()
+    const auto usual = row_object(Row{});  // a variable, because items() refers to it
     for (const auto& [name, value] : usual.items()) names.push_back(name);
     std::string out = fmt::format("{}\n", fmt::join(names, ","));
     for (const std::size_t row : rows) {
@@ -82,8 +82,8 @@ struct Shown {
     std::function<std::string(const Row&)> cell;
 };
 
-// Returns the columns to show. A column that is the same in every row says nothing, so some columns are shown only if
-// their rows differ.
+// Returns the columns to show. Pose, tolerance and profile are shown only if they differ between rows, and `answer`
+// only if some row answers by its floor or cutoff.
 std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::size_t>& rows) {
     const auto differ = [&](auto value) {
         return std::any_of(rows.begin(), rows.end(), [&](std::size_t row) {

@@ -14,7 +14,7 @@ namespace hausbench {
 
 std::string duration_text(double seconds) {
     if (!std::isfinite(seconds)) return "";
-    // 999.5 of a unit would become 1e+03 in three digits.
+    // From 999.5 of a unit on, the next unit is used: three digits would give "1e+03".
     return seconds < 999.5e-6   ? fmt::format("{:.3g} µs", seconds * 1e6)
            : seconds < 999.5e-3 ? fmt::format("{:.3g} ms", seconds * 1e3)
            : seconds < 999.5    ? fmt::format("{:.3g} s", seconds)
@@ -23,8 +23,9 @@ std::string duration_text(double seconds) {
 
 std::string bound_text(double value, bool lower) {
     if (!std::isfinite(value)) return std::isnan(value) ? "" : "inf";
-    const auto read = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };  // stod() throws
-    std::string text = fmt::format("{:.5e}", value);                                               // for tiny numbers
+    // Not stod(), which throws for numbers below the normal range.
+    const auto read = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
+    std::string text = fmt::format("{:.5e}", value);
     const double shown = read(text);
     if (lower ? shown > value : shown < value) {
         const double step = std::pow(10, std::stoi(text.substr(text.find('e') + 1)) - 5);

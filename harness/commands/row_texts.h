@@ -13,20 +13,20 @@ namespace hausbench {
 // Returns a text such as "1.3 ms"; empty for NaN.
 std::string duration_text(double seconds);
 
-// Returns six digits, rounded away from the distance, so that the shown bound holds, too.
+// Returns a bound with six digits. Lower bounds are rounded down and upper bounds up, so that the shown bound holds,
+// too.
 std::string bound_text(double value, bool lower);
 
 std::string bytes_text(std::int64_t bytes);     // "1.3 MB"; empty if unknown (-1)
-std::string time_text(const Outcome& outcome);  // with its interval, if there is one
-// Returns the result of the independent re-check: "holds" (the lower bound, by its witness), "unsound" or "not
-// checked"; empty without bounds.
+std::string time_text(const Outcome& outcome);  // "1.3 ms [1.2 ms, 1.5 ms]": with its interval, if there is one
+// Returns the result of the harness's own check: "unsound" if it refutes a bound or a field, "holds" if the witness
+// proves the lower bound, otherwise "not checked"; empty without bounds.
 std::string check_text(const Row& row);
 std::string tolerance_text(const Case& asked);  // "0.001 diagonal"
-std::string answer_of(const Row& row);          // column `answer`
+std::string answer_of(const Row& row);          // the column `answer`, such as "gap"
 std::string gap_text(double gap);               // two digits; empty for NaN
 
-// Returns a note for the end of a table if not all times of its rows are comparable, with the reasons; otherwise
-// empty.
+// Returns a note for the end of a table that says why not all times of its rows are comparable; empty if they are.
 std::string apart_text(const std::vector<const Row*>& rows, const Programs& programs);
 
 // Returns a field of CSV, quoted if it contains a comma, a quote or a line break.

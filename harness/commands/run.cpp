@@ -28,6 +28,7 @@ struct RunArguments : ExperimentArguments {
     ClusterArguments slurm;
 };
 
+// Leaves only the jobs of one shard in the plan. Without a file that says which jobs these are, splits the plan anew.
 void take_shard(Plan& plan, const Shard& shard, const std::filesystem::path& split_file) {
     const Split parts = split_file.empty() ? split(plan, Estimates({}), shard.of) : read_split(split_file);
     if (parts.of != shard.of)
@@ -53,7 +54,7 @@ void refuse_with_slurm(const RunArguments& arguments) {
     }
 }
 
-// Returns whether a case that was run failed. Cases that were left out have their reasons.
+// Returns whether a case failed, crashed or ran out of memory when it was run. Cases that were left out do not count.
 bool any_failed(const std::vector<Row>& rows) {
     return std::any_of(rows.begin(), rows.end(), [](const Row& row) {
         const RowStatus status = row.outcome.status;

@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Number of values of an option. Scripts parse their options themselves; a test checks that both have the same ones.
+// Number of values of an option. The scripts parse their options themselves, too; a test checks that the options here
+// are the same.
 enum class Takes { nothing, value, values };
 
 void take(CLI::App* verb, const std::string& name, Takes takes, const std::string& value, const std::string& meaning) {
@@ -33,7 +34,8 @@ void take(CLI::App* verb, const std::string& name, Takes takes, const std::strin
             ->allow_extra_args(takes == Takes::values);
 }
 
-// Returns the given arguments for the script: positionals first, because an option with several values would take them.
+// Returns the command line for the script. Positional arguments come first, because an option with several values would
+// swallow positional arguments after it.
 std::vector<std::string> words_of(const CLI::App& verb) {
     std::vector<std::string> positionals, options;
     for (const CLI::Option* option : verb.get_options()) {
@@ -57,10 +59,10 @@ std::vector<std::string> words_of(const CLI::App& verb) {
     return positionals;
 }
 
-// Replaces this process by `python3 -P -m MODULE GIVEN...`, or by the script MODULE if it ends in .py, so that Ctrl-C
-// and the exit code work as if it had been called directly. `folder` has the module's package and comes first in
-// PYTHONPATH. Python is PYTHON or /usr/bin/python3; HAUSBENCH_PROGRAM is set to this program. Never returns; throws
-// InputError on failure.
+// Replaces this process with `python3 -P -m MODULE GIVEN...`, or with the script MODULE if it ends in .py, so that
+// Ctrl-C and the exit code work as if Python had been called directly. `folder` contains the module's package and comes
+// first in PYTHONPATH. The environment variable PYTHON chooses another Python than /usr/bin/python3; HAUSBENCH_PROGRAM
+// is set to this program. Never returns; throws InputError if Python cannot be started.
 [[noreturn]] void become_python(const std::string& verb, const fs::path& folder, const std::string& module,
                                 const std::vector<std::string>& given) {
     const char* chosen = std::getenv("PYTHON");
@@ -111,7 +113,7 @@ void add_draw(CLI::App& app, int&) {
     take(verb, "--out", Takes::value, "FOLDER", "parent of tables/ and figures/ (default: the folder of the result)");
     verb->get_option("result")->required()->expected(1);
     verb->callback([verb] {
-        ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);  // the folder of its shapes
+        ::setenv("HAUSBENCH_CACHE", cache_folder().c_str(), 1);  // where the script finds the shapes of the result
         become_python("draw", folder_with("draw", "analysis/draw.py"), "analysis.draw", words_of(*verb));
     });
 }
@@ -134,8 +136,8 @@ void add_fetch(CLI::App& app, int&) {
     });
 }
 
-// Adds `track`, which tells whether the solvers of a checkout have become slower. bench/tracking does it in Python,
-// which has scipy.
+// Adds `track`, which tells whether the solvers of a checkout have become slower. bench/tracking does the work in
+// Python, because its statistics use scipy.
 void add_track(CLI::App& app, int&) {
     auto* verb = add_verb(
         app, "track", "tells whether solvers have become slower", "hausbench track --base main --tiers counters,time",

@@ -60,7 +60,7 @@ namespace {
 
 // How well the upper bounds of a solver were tested.
 struct Tried {
-    std::size_t answers = 0, held = 0;  // answers with bounds; those with a known distance
+    std::size_t answers = 0, held = 0;  // number of answers with bounds, and of those with a known distance
     // Largest fraction of the way from lower to upper bound at which the distance is known to lie.
     double share = 0;
 };
@@ -71,9 +71,9 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
     std::map<std::string, Tried> tried;
     for (const Row& row : result.rows) {
         const Bounds& bounds = row.outcome.bounds;
-        // A reference answer is checked, so it takes precedence over the experiment's own value.
+        // A reference answer is checked, so it takes precedence over the distance that the experiment gives.
         const double distance = std::isnan(row.reference.lower) ? row.asked.exact : row.reference.lower;
-        const bool exact = bounds.gap() == 0 && !std::isnan(distance);  // both bounds are then checked against it
+        const bool exact = bounds.gap() == 0 && !std::isnan(distance);  // the known distance then tests both bounds
         if (row.asked.certified != 1 || !plugin_of(row.asked.solver) || exact || !(bounds.gap() >= 0) ||
             !std::isfinite(bounds.upper) || row.outcome.status == RowStatus::unsound)
             continue;
@@ -105,7 +105,7 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
 }
 
 std::vector<std::string> describe_wrong_exact(const ResultFile& result) {
-    constexpr double rounding = 1e-12;         // of the stated value, as a fraction of the diagonal of A
+    constexpr double rounding = 1e-12;         // allowed error of `exact`, as a fraction of the diagonal of A
     std::map<std::string, std::string> lines;  // by scene
     for (const Row& row : result.rows) {
         const double exact = row.asked.exact, slack = rounding * row.asked.source_diagonal;

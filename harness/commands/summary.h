@@ -11,7 +11,7 @@
 
 namespace hausbench {
 
-// Returns a line for each solver, then each reason why a row is not `ok`.
+// Returns a table with a line for each solver; then a line for each reason why rows are not `ok`.
 std::string show_summary(const ResultFile& result, const Paper& paper);
 
 // The names of solvers in summaries: a sweep of many values, such as seeds, becomes one name, "ohd(60 variants)".
@@ -26,18 +26,19 @@ private:
 
 std::string count_statuses(const std::vector<Row>& rows);  // "24 ok, 3 timeout"
 
-// Returns text that counts the reference answers, those that are closed and proven, and the rows that were checked
-// against one. It also names rows that are narrower than their reference: they can be refuted only to within its
-// width. Empty if the result has no references.
+// Returns text on the reference answers (plan/references.h): how many there are, how many are within their tolerance,
+// how many upper bounds are proven, and how many rows are compared with one. It also counts the rows whose interval is
+// narrower than the interval of their reference: the comparison misses errors up to the width of the reference. Empty
+// if the result has no references.
 std::string describe_references(const ResultFile& result);
 
-// Returns a line for each certified solver of a plug-in whose upper bounds were tested little or not at all: every
-// known distance lies in the lower half of the solver's interval, so upper bounds that are wrong elsewhere could all
-// hold here.
+// Returns a line for each certified solver of a plug-in whose upper bounds were tested little or not at all: in every
+// row with a known distance, the distance lies in the lower half of the solver's interval. Upper bounds that are wrong
+// on other scenes could then all hold here.
 std::vector<std::string> describe_tried(const ResultFile& result);
 
-// Returns a line for each scene whose `exact` in the experiment lies outside its reference answer by more than
-// rounding.
+// Returns a line for each scene whose true distance according to the experiment (key `exact`) lies outside its
+// reference answer by more than rounding explains.
 std::vector<std::string> describe_wrong_exact(const ResultFile& result);
 
 }  // namespace hausbench

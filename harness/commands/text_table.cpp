@@ -14,7 +14,7 @@ namespace hausbench {
 
 namespace {
 
-constexpr std::size_t between = 2, least = 8;  // blanks between columns; characters of a shortened text
+constexpr std::size_t between = 2, least = 8;  // blanks between columns; least width of a shortened column
 
 bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }  // in UTF-8
 

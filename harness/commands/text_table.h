@@ -9,7 +9,7 @@
 
 namespace hausbench {
 
-// How to write to standard output.
+// The settings for writing to standard output.
 struct Paper {
     std::size_t width = 0;  // in characters; 0: without limit
     bool colour = false;
@@ -25,8 +25,9 @@ std::string coloured(const std::string& text, Colour colour, const Paper& paper)
 // Returns the text wrapped at `width` characters (0: one line), with each line indented by `indent` blanks.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width);
 
-// A table. If it is too wide, it leaves out columns, the highest `rank` first and never rank 0; then shortens texts
-// of columns that allow it; and if that is not enough, prints each row as running text.
+// A table. If it is wider than the paper, it leaves out columns, the highest `rank` first and never rank 0; if it is
+// still too wide, it shortens texts of columns that allow it; if that is not enough, it prints each row as running
+// text.
 class TextTable {
 public:
     struct Column {
@@ -46,12 +47,12 @@ public:
         for (std::string& cell : row.cells) cell = printable(cell);
         rows_.push_back(std::move(row));
     }
-    // `left_out`, if given, receives the titles of the columns that were left out.
+    // Returns the table. `left_out`, if given, receives the titles of the columns that were left out.
     std::string text(const Paper& paper, std::vector<std::string>* left_out = nullptr) const;
 
 private:
     struct Layout {
-        std::vector<std::size_t> columns, widths;  // of the columns that stay
+        std::vector<std::size_t> columns, widths;  // index and width of each column that stays
         bool fits = true;
     };
     Layout layout(const Paper& paper) const;

@@ -25,7 +25,7 @@ const std::vector<std::filesystem::path>& plugins_given() { return plugin_files(
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& meaning, const std::string& example,
                    const std::string& notes) {
     CLI::App* verb = app.add_subcommand(name, meaning);
-    verb->footer(example + "\n" + notes);  // as help.cpp takes it apart
+    verb->footer(example + "\n" + notes);  // help.cpp splits it at the line break
     return verb;
 }
 

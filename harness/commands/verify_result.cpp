@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double most_seconds = 600;  // for all models together
-constexpr double most_bytes = 1e9;    // likewise, for shapes that are not in the cache
+constexpr double most_bytes = 1e9;    // for the shapes of all models that are not in the cache
 
 void expect_measured(const ModelInfo& model, const std::string& measured, const std::string& found) {
     if (found == measured) return;
@@ -54,8 +54,8 @@ void send(int pipe, const json& told) {
     }
 }
 
-// Runs in a process of its own: sends a line for each model, in order, with the file of its shape or the reason why
-// it is missing. Ends at the first model that cannot be made.
+// Makes the models of a result in `folder`; runs in a process of its own. Sends a line for each model, in order, with
+// the file of its shape or the reason why it is missing. Ends at the first model that cannot be made.
 int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& folder, int pipe) {
     try {
         std::error_code unknown;
@@ -80,7 +80,7 @@ int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& f
     return 0;
 }
 
-// Receives the lines of that process one by one, within its limits.
+// Starts a process that runs make_shapes(), receives its lines one by one, and throws InputError beyond its limits.
 class Maker {
 public:
     explicit Maker(Launch launch)
@@ -113,12 +113,12 @@ private:
 };
 
 // Returns the shapes of the result's models by name, and adds a line to `missing` for each model that is not
-// available. The result says how they are made, and somebody else may have written it. So a process of its own makes
-// them, within limits of time, memory and size, and writes nothing to the cache. Throws InputError beyond a limit,
-// for a model that cannot be made, and for one that differs from the measured model.
+// available. The result file itself says how its models are made, and the file may come from a stranger. So the models
+// are made in a process of its own, within limits of time, memory and size, and nothing is written to the cache. Throws
+// InputError beyond a limit, for a model that cannot be made, and for one that differs from the measured model.
 std::map<std::string, Shape> foreign_shapes(const ResultFile& result, const Catalogue& manifest,
                                             std::vector<std::string>& missing) {
-    const HoldInterrupts hold;  // destroyed after the folder
+    const HoldInterrupts hold;  // destroyed after the folder, so that Ctrl-C leaves no folder behind
     const ScratchFolder folder("verify");
     Launch launch;
     launch.silent = true;

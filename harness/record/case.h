@@ -39,28 +39,29 @@ struct Case {
     std::string identity;  // SHA-256, see identify()
     std::string solver, label;
     std::string profile;   // the profiles of the experiment that request it, joined by commas
-    std::string variant;   // swept parameters: "samples=8, seed=1"; else empty
+    std::string variant;   // the parameters that the experiment varies: "samples=8, seed=1"; empty: none
     ParameterMap options;  // every parameter of the solver
     std::string scene, note, source, target;
     std::string source_hash, target_hash;  // of the shapes; empty for a missing model
     std::int64_t source_elements = 0, target_elements = 0;
     double source_diagonal = 0, source_longest = 0;  // of A's box as loaded, whatever the pose
     int pose_index = 0;
-    int frame = -1;          // of a recording; -1: the scene is not one
-    Pose pose, target_pose;  // of A, of B
+    int frame = -1;          // frame of a recorded simulation; -1: the scene is not a recording
+    Pose pose, target_pose;  // of A and of B
     Quantity quantity = Quantity::directed;
     double tolerance = 0;
     std::string tolerance_of;
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
     std::int64_t budget = -1;                                            // see Query; -1: none
     int threads = 1;                                                     // the most that the solver may use
-    // Hash of the files that the solver's command names, see command_files.h; empty: it runs no
-    // command, or no file was found.
+    // Hash of the files that the solver's command line names (plan/command_files.h); empty: the solver runs no command,
+    // or none of its files was found.
     std::string program_sha256;
     Limits limits;
-    // A warm case starts from the state that the solver kept from the pose before it, whose
-    // identity is `chain`; empty for the first case of a chain. In a search the cutoff comes from
-    // the earlier targets, and `chain` is the identity of the last of them.
+    // A warm case starts from the state that the solver kept from the case of the previous pose; `chain` is the
+    // identity of that case. In a search (for the target nearest to each source) a case is not warm, but its cutoff
+    // comes from the earlier targets; `chain` is then the identity of the case of the previous target. Empty: first
+    // case of its chain.
     bool warm = false;
     std::string chain;
     double exact = unknown;     // the true distance, if the experiment gives it
@@ -73,6 +74,7 @@ struct Case {
     Tolerance resolved_tolerance() const;  // a length, unless it is a fraction of the lower bound
 };
 
+// Returns the identity: the hash of the two shapes and of the columns that columns.h marks as part of it.
 std::string identify(const Case& asked);
 
 // Returns the solver's name for display: "guthe", or "guthe(samples=8)" if the experiment sweeps a parameter.

@@ -1,4 +1,4 @@
-// Builds the columns of columns.h from members of rows. For the files that list columns.
+// Builds the columns of columns.h from members of rows, for the source file that lists the columns (column_tables.cpp).
 #pragma once
 
 #include "harness/record/columns.h"
@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <utility>
 
-// COLUMN builds the column of a member of `Entry`, the struct of a row, and names it after the
-// member. NAMED gives it another name.
+// COLUMN builds the column for a member of `Entry`, the struct of a row, and gives the column the name of the member.
+// NAMED gives it another name.
 #define COLUMN(member, ...) NAMED(#member, member, __VA_ARGS__)
 #define NAMED(name, where, ...) column<Entry, MEMBER(where)>(name, __VA_ARGS__)
 #define MEMBER(where) \
@@ -22,6 +22,7 @@ namespace hausbench::columns {
 
 using nlohmann::json;
 
+// Whether a column holds values of this type as JSON texts.
 template <class T>
 inline constexpr bool is_json_text =
     std::is_same_v<T, ParameterMap> || std::is_same_v<T, std::map<std::string, double>> || std::is_same_v<T, Facts>;
@@ -50,6 +51,7 @@ template <class T> const T& from_json_text(const std::string& text) {
     return value;
 }
 
+// Returns the number of doubles in a value of this type; 0 if its column does not hold doubles.
 template <class T> constexpr std::size_t width_of() {
     if constexpr (std::is_same_v<T, double>) return 1;
     if constexpr (std::is_same_v<T, Vec3>) return 3;

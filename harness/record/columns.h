@@ -1,8 +1,8 @@
-// The table of all columns of a result file: the columns of each group, with name, meaning, place
-// in memory, and whether the column is part of a case's identity. The writer and the reader of
-// result files, the journal and identify() all use it; the tables in results/README.md and
-// analysis/shared/columns.py are generated from it (`python3 -m analysis.schema` writes both). To
-// add a column, add a member in case.h, outcome.h or row.h and a line in column_tables.cpp.
+// The table of all columns of a result file: for each group, the columns with their name, their meaning, functions that
+// read and write their value in a row in memory, and whether they are part of a case's identity. The writer and the
+// reader of result files, the journal and identify() all use this table; the tables in results/README.md and
+// analysis/shared/columns.py are generated from it (`python3 -m analysis.schema` writes both). To add a column, add a
+// member in case.h, outcome.h or row.h and a line in column_tables.cpp.
 //
 // If a file lacks a column, its member keeps its default. Columns that this program does not know are ignored.
 #pragma once
@@ -19,6 +19,7 @@
 
 namespace hausbench {
 
+// When a column is part of a case's identity.
 enum class Identity {
     no,
     always,
@@ -34,7 +35,7 @@ template <class Row> struct Column {
         void (*set)(Row&, const std::string&);  // throws std::runtime_error for an illegal value
     };
     struct Real {
-        std::size_t width;
+        std::size_t width;  // number of doubles per row
         void (*get)(const Row&, double*);
         void (*set)(Row&, const double*);
     };
@@ -55,15 +56,16 @@ const Columns<Case>& case_columns();
 // Excludes the counters, whose columns follow from counter_fields.
 const Columns<Outcome>& outcome_columns();
 const Columns<Check>& check_columns();
-const Columns<Row>& row_columns();  // derived from the columns above and the reference answer
+const Columns<Row>& row_columns();  // bounds of the reference answer, and errors computed from them
 const Columns<ModelRecord>& model_columns();
-// Groups with several rows per case. In files, a column `case` with the number of the case comes
-// first; for traces the case has `trace_begin` and `trace_end` instead.
+// Groups with several rows per case. In files, a column `case` with the number of the case comes first. Traces lack
+// this column; instead, the case has the columns `trace_begin` and `trace_end`.
 const Columns<FirstAnswer>& answer_columns();
 const Columns<Repeat>& repeat_columns();
 const Columns<Preparation>& preparation_columns();
 const Columns<TraceSample>& trace_columns();
 const Columns<FieldRecord>& field_columns();
+
 const Columns<LedgerEntry>& ledger_columns();
 
 // Convert a row to and from a JSON object, the form used in journals.

@@ -31,7 +31,7 @@ Points standing(const PreparedShape& shape, const Pose& pose, const char* name) 
 
 constexpr double longest_edge = 1.0 / 64;  // as a fraction of the diagonal of A
 
-// Measures distances of points to B, in the unit of B.
+// Measures the distances of points to B and finds the nearest elements.
 class DistanceTo {
 public:
     explicit DistanceTo(const PreparedShape& target) : tree_(target.triangles()) {}
@@ -53,12 +53,12 @@ private:
     TriangleBvh tree_;
 };
 
-// Bisects marked edges, and with each edge the longest edge of every piece that contains it, so
-// that angles of pieces stay at least half as large as the angles of A (Rivara 1984). Neighbours
-// share the mark of their edge, so no gap opens between them. Lengths are scaled.
+// Cuts A into pieces by bisecting edges. Whenever an edge is bisected, so is the longest edge of every piece that has
+// this edge; the angles of pieces then stay at least half as large as the angles of A (Rivara 1984). An edge and its
+// midpoint belong to both neighbours, so no gap opens between them. All lengths are scaled by the same power of two.
 class FieldCutter {
 public:
-    // Differences and lengths up to `floor` are attributed to rounding.
+    // Differences and lengths up to `floor` may be rounding errors and cause no cuts.
     FieldCutter(const Points& vertices, const Triangles& triangles, const DistanceTo& distance_to, double floor,
                 std::size_t most_pieces)
         : distance_to_(distance_to),
@@ -74,13 +74,14 @@ public:
     struct Piece {
         std::array<Index, 3> corners;
         Index element;
-        bool settled;  // differences at its edges and its centroid were measured
+        bool settled;  // the differences at its edges and its centroid have been measured
     };
     std::vector<Vec3> points;
     std::vector<double> distances;
     std::vector<Index> nearest;
     std::vector<Piece> pieces;
 
+    // Cuts a triangle of A into three pieces that meet at p.
     void insert(const Vec3& p, Index element) {
         Piece& whole = pieces[static_cast<std::size_t>(element)];
         const auto [a, b, c] = whole.corners;
@@ -90,7 +91,8 @@ public:
         pieces.push_back({{c, a, middle}, element, false});
     }
 
-    // Cuts until all differences are at most `resolution`. Returns false if it ran out of pieces.
+    // Cuts until all differences are at most `resolution`. Returns false if the limit on pieces ended the cutting
+    // before.
     bool cut(double resolution) {
         resolution_ = std::max(resolution, floor_);
         while (true) {
@@ -107,7 +109,7 @@ public:
     }
 
 private:
-    using Edge = std::uint64_t;  // its two vertices
+    using Edge = std::uint64_t;  // the numbers of its two vertices: the smaller one times 2^32, plus the larger one
 
     Index add(const Vec3& p, Index near) {
         const auto found = distance_to_(p, near);
@@ -125,8 +127,8 @@ private:
     Vec3 midpoint(Edge edge) const { return (points[edge >> 32] + points[edge & 0xffffffff]) / 2; }
     double squared_length_of(Edge edge) const { return squared_length(points[edge >> 32] - points[edge & 0xffffffff]); }
 
-    // Returns the longest edge. Breaks ties by the larger edge number, so that a sequence of
-    // longer and longer edges ends.
+    // Returns which of the edges 0, 1, 2 is the longest. Among equally long edges, takes the one with the largest Edge,
+    // so that mark(), which goes on from edges to longer edges, cannot go in circles.
     int longest_of(const Piece& piece) const {
         int best = 0;
         std::pair<double, Edge> most{-1, 0};
@@ -140,7 +142,8 @@ private:
         return best;
     }
 
-    // Returns the edges to bisect, the largest difference first, and settles every piece.
+    // Measures the differences of the pieces that are not settled, and settles them. Returns the edges to bisect, the
+    // largest difference first.
     std::vector<std::pair<double, Edge>> compare_unsettled() {
         std::vector<std::pair<double, Edge>> wanted;
         std::vector<Edge> edges;
@@ -161,7 +164,8 @@ private:
         return wanted;
     }
 
-    // Returns whether a piece is too long. Excludes needles: cutting one makes more needles.
+    // Returns whether a piece is too long. Excludes thin pieces, whose height is at most the resolution, because
+    // cutting one only makes more of them.
     bool is_long(const Piece& piece) const {
         const double squared = squared_length_of(edge_of(piece, longest_of(piece)));
         const auto corner = [&](int k) { return points[static_cast<std::size_t>(piece.corners[k])]; };
@@ -194,11 +198,11 @@ private:
         due_ = 0;
     }
 
-    // Marks the edge and the edges that have to be bisected with it. If that takes too many
-    // pieces, marks nothing and returns false.
+    // Marks the edge and the edges that have to be bisected with it. If this would exceed the limit on pieces, marks
+    // nothing and returns false.
     bool mark(Edge first) {
         std::vector<Edge> open{first}, fresh;
-        std::size_t more = 0;  // new pieces: as many as share the edge
+        std::size_t more = 0;  // new pieces: bisecting an edge adds one for each piece that has it
         while (!open.empty()) {
             const Edge edge = open.back();
             open.pop_back();
@@ -220,8 +224,8 @@ private:
         return true;
     }
 
-    // Cuts each marked piece from the middle of its longest edge to the opposite corner and to
-    // the middles of its other marked edges.
+    // Cuts each piece that has marked edges: from the midpoint of its longest edge, which then is marked, to the
+    // opposite corner and to the midpoints of the other marked edges.
     void split() {
         const std::size_t count = pieces.size();
         for (std::size_t i = 0; i < count; ++i) {
@@ -247,9 +251,9 @@ private:
 
     const DistanceTo& distance_to_;
     double floor_, longest_, resolution_ = 0;
-    std::size_t most_, due_ = 0;                           // pieces; due_: to be added by the marks
+    std::size_t most_, due_ = 0;                           // the most pieces; how many the marked edges will add
     std::vector<std::pair<Edge, std::size_t>> pieces_of_;  // each edge with each of its pieces, sorted
-    std::unordered_map<Edge, Index> marks_;                // marked edges with the vertex in the middle
+    std::unordered_map<Edge, Index> marks_;                // marked edges, each with the vertex at its midpoint
 };
 
 }  // namespace
@@ -330,49 +334,56 @@ void add_own(Fields& fields, Fields own) {
     }
 }
 
-// Positions of vertices added by cuts. The midpoint of two vertices is rounded by sqrt(3) uM, so
-// its distance from its triangle is at most that plus the mean of their distances. A piece is cut
-// only if its longest edge is longer than the resolution, which is at least 1280uM: about 44 cuts
-// precede a vertex, 77uM. A witness is off by at most field_error(M), 320uM.
+// Notation: u = 2^-53 is the unit roundoff, and M the largest |coordinate| of both shapes in their poses. Lengths are
+// at most S = 2 * sqrt(3) * M < 3.47M. Constants are rounded up to cover terms of order u^2.
 //
-// Distances. Both shapes are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow
-// are off by 2^-1075, which is negligible beside uM, and so is the distance when it is scaled back.
+// Positions of vertices added by cuts. Rounding moves the midpoint of two vertices by sqrt(3) * uM, so its distance
+// from its triangle is at most that plus the mean of the distances of the two vertices. A piece is cut only if its
+// longest edge is longer than the resolution, which is at least 4 * 320uM = 1280uM. So about log2(S / 1280uM) < 44.5
+// cuts precede a vertex, which costs 77uM. A witness is off by at most field_error(M) = 320uM. The sum is below 2 *
+// field_error(M) = 640uM.
 //
-// Let p be a vertex, T = abc a triangle with its longest edge e = b - a first, d the distance from p to
-// T, and q the point that closest_point (point_triangle.h) returns. q is within 7uM of T, so
-// |p - q| >= d - 7uM. The other side is derived here: |p - q| <= d + 271uM; the largest error found in tests is 10uM.
-// Lengths are at most S = 2 sqrt(3) M < 3.47M; constants are rounded up to cover terms of order u^2.
+// Distances. Both shapes are scaled by a power of two, so that M is in [0.5, 1): coordinates that underflow are off by
+// 2^-1075, which is negligible compared with uM, and so is the distance when it is scaled back.
 //
-// 1. Dot products of two computed differences err by 5.1u times both lengths, squares of lengths by 5.1u
-//    relative, their inverses by 6.2u relative. For the point of an edge of length l that is nearest to
-//    p, along * inverse therefore errs by 12.4uS / l, which moves the point by 12.4uS; rounding the
-//    point moves it by 6uM. So it is within d_edge + 49.1uM of p. If l < 2^-500, where squares
-//    underflow, every point of the edge is that near. The same bound holds for T if the point of T
-//    nearest to p is on an edge. Otherwise let this point be a + X e + Y h, with h the height over e.
-// 2. If |h| <= 46uS (a needle), the line along h through this point crosses T on a length of at
-//    most |h|, so an edge is within 80uM of it, and step 1 finds a point within d + 80uM + 49.1uM.
-// 3. If |h| > 46uS: x_c errs by 12.4u, and f - x_c e (with f = c - a) is rounded by 4.1u|e|, so h after the first
-//    step is off by 4.1u|e| across e and by 16.5u|e| along e. The second step leaves an error of 5.3u|h| + 230u^2|e|
-//    < 10.3u|h| along e and of b = 5.2u|e| < 0.113|h| across e. The error of y = h.ap / h.h, times |h|, is the sum of
-//       6u|e|             from b in the plane of T, where ap has the part Y|h| along h
-//       13.1u|e|          from the error left along e, where ap has X|e|
-//       r = 6.7ud|e|/|h|  from b out of the plane, where ap has d: the tilt
-//       9.5uS             from rounding the two dot products and the quotient
-//    and the error of x + y x_c, times |e|, is the sum of 12.4uS from step 1, 12.4uy|e| from x_c, and 2.1uS from the
-//    product and the difference.
-// 4. If the weights are accepted, y <= 1, and the foot is off by 26.9uS along e and by 28.6uS + r along h. Two
-//    points of T are at most |h| apart along h, so r counts only as r' <= min(r, |h|), and sqrt(d^2 + r'^2) <=
-//    d + r|h| / 2d < d + 3.4uS. With the 7uM of the rounded point, |p - q| <= d + 42.7uS + 7uM < d + 156uM.
-// 5. If the weights are rejected, the computed foot is outside T, so the segment from the exact foot
-//    to it crosses an edge, after a fraction s of its length. As s|y - Y| <= 1, hence s y <= 2,
-//    the part up to the edge is at most 42.4uS long along e, and as in step 4 along h. So an edge is
-//    within d + 54.6uS of p, and step 1 finds a point within d + 54.6uS + 49.1uM < d + 239uM.
-// 6. The smallest computed square wins. The roots of computed squares err by at most 7.1u relative to each
-//    other, 25uM. Then q is moved into the box of T, by no more than its distance from T: 239 + 25 + 7 = 271.
+// Let p be a vertex, T = abc a triangle of B whose longest edge is e = b - a, d the exact distance from p to T, and q
+// the point that closest_point (point_triangle.cpp, whose names are used here) returns. q is within 7uM of T, so
+// |p - q| >= d - 7uM. The steps below derive the other side, |p - q| <= d + 271uM. (Tests have found at most 10uM.)
 //
-// Over all triangles, again the smallest computed square wins, 25uM, and its triangle is within
-// 7uM of q: 303uM. Computing the distance errs by 4u, 14uM. 320uM covers the sum. Coordinates and
-// distances that are scaled back to subnormal numbers are off by less than 2^-1072.
+// 1. Closest points of edges. Dot products of two computed differences err by 5.1u times both lengths; squares of
+//    lengths have the relative error 5.1u, and their inverses 6.2u. So on an edge of length l, the position
+//    along * inverse of the point nearest to p errs by 12.4u * S / l. This moves the point by 12.4uS, and rounding the
+//    point moves it by 6uM: it is within d_edge + 49.1uM of p, where d_edge is the distance from p to the edge. (If
+//    l < 2^-500, where squares underflow, every point of the edge is that near.) If the point of T nearest to p is on
+//    an edge, d_edge is d for this edge, so a point within d + 49.1uM is found. Otherwise the nearest point is the foot
+//    of the perpendicular from p; let it be a + X * e + Y * h, where h is the height over e.
+// 2. If |h| <= 46uS (T is thin): the line along h through the nearest point crosses T on a length of at most
+//    |h| < 160uM. So an edge is within 80uM of this point, and step 1 finds a point within d + 80uM + 49.1uM of p.
+// 3. If |h| > 46uS: let f = c - a. x_c = f.e / e.e, the position along e at which h begins, errs by 12.4u, and
+//    f - x_c * e is rounded by 4.1u|e|. So h after its first step is off by 4.1u|e| across e and by 16.5u|e| along e.
+//    The second step leaves an error of 5.3u|h| + 230u^2 * |e| < 10.3u|h| along e and of b = 5.2u|e| < 0.113|h| across
+//    e. The error of y = h.ap / h.h, times |h|, is the sum of
+//       6u|e|                   from b in the plane of T, where ap has the part Y|h| along h
+//       13.1u|e|                from the error left along e, where ap has the part X|e|
+//       r = 6.7u * d|e| / |h|   from b out of the plane, where ap has the part d: h is tilted
+//       9.5uS                   from rounding the two dot products and the quotient
+//    The error of x + y * x_c, times |e|, is the sum of 12.4uS from step 1, 12.4u * y|e| from x_c, and 2.1uS
+//    (if y <= 1) from the product and the difference.
+// 4. If the weights are accepted: y <= 1, so the computed foot is off by (12.4 + 12.4 + 2.1)uS = 26.9uS along e and by
+//    (6 + 13.1 + 9.5)uS + r = 28.6uS + r along h. Two points of T are at most |h| apart along h, so r counts only as
+//    r' <= min(r, |h|), and it adds at most sqrt(d^2 + r'^2) - d <= r|h| / 2d < 3.4uS. As
+//    sqrt(26.9^2 + 28.6^2) + 3.4 < 42.7, and the point is rounded by 7uM, |p - q| <= d + 42.7uS + 7uM < d + 156uM.
+// 5. If the weights are rejected: the computed foot is outside T, so the segment from the exact foot to it crosses an
+//    edge, after a fraction s of its length. As s|y - Y| <= 1, hence s * y <= 2, the part of the segment up to the edge
+//    is at most (12.4 + 24.8 + 5.2)uS = 42.4uS long along e, and 28.6uS + r long along h. As
+//    sqrt(42.4^2 + 28.6^2) + 3.4 < 54.6, an edge is within d + 54.6uS of p, and step 1 finds a point within d + 54.6uS
+//    + 49.1uM < d + 239uM.
+// 6. The candidate with the smallest computed square wins. The roots of computed squares err by at most 7.1u relative
+//    to each other, 25uM. Then q is moved into the box of T, by at most its distance from T, 7uM. 239 + 25 + 7 = 271.
+//
+// Over all triangles, again the smallest computed square wins, which costs 25uM, and its triangle is within 7uM of q:
+// 271uM + 25uM + 7uM = 303uM. Computing the distance from p to q errs by 4u * S < 14uM. 320uM covers the sum, 317uM.
+// Coordinates and distances that are scaled back to subnormal numbers are off by less than 2^-1072.
 double field_error(double magnitude) { return 320 * unit_roundoff * magnitude + 0x1p-1072; }
 
 std::string_view to_string(Field::Of of) {

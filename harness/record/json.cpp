@@ -40,7 +40,7 @@ namespace {
 template <class Row> json rows_json(const Columns<Row>& columns, const std::vector<Row>& rows) {
     json out = json::object();
     for (const Row& row : rows) {
-        const json one = row_json(columns, row);  // outlives its items()
+        const json one = row_json(columns, row);  // a variable, because items() refers to it
         for (const auto& [name, value] : one.items()) out[name].push_back(value);
     }
     return out;

@@ -13,7 +13,7 @@ namespace hausbench {
 nlohmann::json to_json(const Outcome& outcome);
 Outcome outcome_from_json(const nlohmann::json& json);
 
-// Convert a double to and from JSON. JSON has no NaN or infinity: these become texts.
+// Convert a double to and from JSON. JSON has no NaN or infinity: these become the texts "nan", "inf" and "-inf".
 nlohmann::json number(double value);
 double number(const nlohmann::json& json);
 

@@ -13,7 +13,7 @@
 
 namespace hausbench {
 
-// Number of values of an enumeration that a column holds by name.
+// Number of values of an enumeration E that columns store by name; specialised for each such enumeration.
 template <class E> inline constexpr int count_of = 0;
 
 // How a case ended; results/README.md defines each status.
@@ -25,7 +25,8 @@ template <> inline constexpr int count_of<RowStatus> = 10;
 // Returns the status of a row for a solver's own status: converged, below_floor and above_cutoff become `ok`.
 RowStatus row_status(Status status);
 
-// Returns whether the solver ended by itself and would do so again: its answer is timed, and may have fields.
+// Returns whether the status (ok, floor or budget) says that the solver ended by itself, so that it would end in the
+// same way again. Only such an answer is timed, and may have fields.
 bool is_timed(RowStatus status);
 
 struct Repeat {
@@ -34,20 +35,21 @@ struct Repeat {
     std::int64_t iterations = 1;
 };
 
-// The first answer to a case in the process of a round, before anything is warmed up: the time
-// for a single question.
+// The time of the first answer to a case in the process of a round. Nothing is warmed up yet, so this is the cost of a
+// single question.
 struct FirstAnswer {
     int round = 0;
     double wall_seconds = 0, cpu_seconds = 0;
     double reported_seconds = unknown;  // see Result
 };
 
+// The time to build one structure, or the solver's private data.
 struct Preparation {
     int round = 0;
     std::string name;
     double seconds = 0;
     std::int64_t bytes = 0;
-    int shared = 0;
+    int shared = 0;  // 1: was built before, for another pair or the other direction
 };
 
 using Facts = std::map<std::string, std::string>;
@@ -78,7 +80,7 @@ struct Outcome {
     bool stages_asked = false;
     std::vector<TraceSample> trace;
     double proven_upper = unknown;  // by a checked certificate of this answer; NaN: none
-    std::string fields_sha256;      // hash of the field file beside the journal (field_file.h)
+    std::string fields_sha256;  // hash of the file with the row's fields, in the folder of the journal (field_file.h)
     bool from_trace = false;
     // True if other work of the run may have shared the machine, so that times are not comparable.
     bool side_by_side = false;
@@ -89,8 +91,8 @@ bool same_answer(const Outcome& a, const Outcome& b);  // same status and bounds
 
 // The result of re-checking a bound, see check/verify.h.
 enum class Verdict {
-    holds,        // lower: proven by its witness; upper: above every verified lower bound
-    unsound,      // lower above what its witness shows, or upper below a verified lower bound
+    holds,        // lower: proven by its witness; upper: not below any verified lower bound
+    unsound,      // lower: above what its witness shows; upper: below a verified lower bound
     no_witness,   // the solver gives none, so the lower bound cannot be re-checked
     not_checked,  // no bounds, or the shapes are not available
 };

@@ -26,7 +26,7 @@ struct Row {
     bool is_reference = false;              // this row is itself a reference answer
 };
 
-// One row of /fields: a field of a case. Its values are [begin, end) of the values of all fields.
+// One row of /fields: a field of a case. Its values are the entries [begin, end) of /fields/values.
 struct FieldRecord {
     std::string name;
     Field::Of of = Field::Of::vertices;
@@ -41,11 +41,12 @@ struct ModelRecord {
     std::string name, sha256, kind, precision, source, licence, note, polynomial;
     std::int64_t elements = 0, vertices = 0, unreferenced = -1;
     double diagonal = 0, longest_side = 0;
-    std::array<double, 6> box = no_box;  // from, to in x, y and z
+    std::array<double, 6> box = no_box;  // least x, greatest x, then y and z likewise
     std::string path = {}, file_sha256 = {};
 };
 
-// Work that was left out or could not be, and why; or the cost of the reference answers.
+// An entry of the ledger: work that was left out, or that could not be left out, and why; or the cost of the reference
+// answers.
 struct LedgerEntry {
     std::string kind;  // not_built | not_prepared | not_run | prepared_again | reference
     std::string subject, what, reason;

@@ -5,23 +5,24 @@
 
 namespace hausbench {
 
+// An estimate with its interval [low, high] from n values.
 struct Estimate {
     double value = 0, low = 0, high = 0;
     double confidence = 0;  // of [low, high]; 0 if there is only one value
     std::size_t n = 0;
 };
 
-// Returns the median, with the narrowest pair of order statistics x(k), x(n+1-k) that covers the
-// true median with a confidence of at least 95 % (binomial); if n is too small for that, [min,
-// max] with its confidence 1 - 2^(1-n). Throws if `values` is empty.
+// Returns the median of n values. Its interval is [x(k), x(n+1-k)], where x(k) is the k-th smallest value and k is the
+// largest for which the interval covers the true median with a confidence of at least 95 % (binomial). If n is too
+// small for that, the interval is [min, max], with its confidence 1 - 2^(1-n). Throws if `values` is empty.
 Estimate median(std::vector<double> values);
 
-// Returns exp(median) of the logarithms of candidate[i] / base[i], paired by position; ignores
-// the end of the longer list.
+// Returns the median of the ratios candidate[i] / base[i], computed from their logarithms; ignores the end of the
+// longer list.
 Estimate paired_ratio(const std::vector<double>& base, const std::vector<double>& candidate);
 
-// Returns "faster" or "slower" if the interval excludes 1 with 95 % confidence, which takes at
-// least six rounds; otherwise the reason why neither is known.
+// Returns "faster" or "slower" if the interval excludes 1 with 95 % confidence, which needs at least six rounds;
+// otherwise the reason why neither is known.
 const char* verdict_of(const Estimate& ratio);
 
 double geometric_mean(const std::vector<double>& values);

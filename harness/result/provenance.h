@@ -28,8 +28,8 @@ const Build& this_build();
 std::string version_text();  // one line: version, commit, build type, compiler
 const Machine& this_machine();
 
-// Returns the build of a solver: the id of the program, or a hash of program and plug-in if a
-// plug-in contains the solver. Resuming and the column `build` use it.
+// Returns the build of a solver: the id of the program or, if a plug-in contains the solver, a hash of program and
+// plug-in. A resumed run keeps only answers of the same build; the column `build` stores it.
 const std::string& build_of(const std::string& solver);
 
 // Returns the SHA-256 of each plug-in by file, computed at the first call.
@@ -41,13 +41,14 @@ std::string plugins_json();
 // Returns JSON with the title of each solver by its name.
 std::string titles_json();
 
-// The build of the program that made each row of a result. For a solver in a plug-in, column
-// `build` is a hash of the program and the plug-in; its times are still comparable with the times
-// of built-in solvers, because one program ran both.
+// Tells which build of the program made a row, given the column `build` of the row. For a solver in a plug-in this
+// column is a hash of program and plug-in, but the times of the solver are still comparable with times of built-in
+// solvers, because one program ran both.
 class Programs {
 public:
-    explicit Programs(const std::map<std::string, std::string>& texts);  // attributes of a result
+    explicit Programs(const std::map<std::string, std::string>& texts);  // ResultFile::texts
 
+    // Returns the build of the program alone.
     const std::string& of(const std::string& build) const { return with_plugin_.contains(build) ? program_ : build; }
 
 private:

@@ -32,15 +32,17 @@ public:
     using InputError::InputError;
 };
 
-// Throws NewerResult, and InputError for a file that is missing, not a regular file, not HDF5,
-// cut short, or not a result of hausbench.
+// Reads a result. Throws NewerResult, and InputError for a file that is missing, not a regular file, not HDF5, cut
+// short, or not a result of hausbench.
 ResultFile read_result(const std::filesystem::path& file);
 
-// The experiment of an earlier result: the name of its file and its text. For a missing or damaged
-// file both are empty; for a file of an old version the name is empty. Throws NewerResult.
+// The experiment of an earlier result.
 struct EarlierExperiment {
-    std::string file, toml;
+    std::string file, toml;  // the name of the experiment's file, and its text
 };
+
+// Returns the experiment that a result holds. If the result is missing or damaged, both members are empty; if an old
+// version wrote it, the name is empty. Throws NewerResult.
 EarlierExperiment experiment_of(const std::filesystem::path& result);
 
 }  // namespace hausbench

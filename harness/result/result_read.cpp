@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Reads the columns of a group into `whole`, which has one entry per row; `part` returns the part
-// of an entry that the columns belong to. A missing column leaves the default, because older
-// files lack some columns; `needed` lists the columns that must be there.
+// Reads the columns of a group into `whole`, which has one entry per row; `part` returns the part of an entry that the
+// columns belong to, such as the outcome of a row. If a column is missing, its members keep their defaults, because
+// older files lack some columns; `needed`, below, lists the columns that must be there.
 template <class Row, class Whole, class Part>
 void read_columns(const h5::File& file, const std::string& group, const Columns<Row>& columns,
                   std::vector<Whole>& whole, Part part) {
@@ -76,7 +76,7 @@ std::vector<Row> read_answers(const h5::File& file, const std::string& group) {
 }
 
 std::vector<Row> read_references(const h5::File& file) {
-    if (!file.has("references")) return {};  // of an older program
+    if (!file.has("references")) return {};  // an older program wrote the file
     std::vector<Row> rows = read_answers(file, "references");
     for (Row& row : rows) row.is_reference = true;
     return rows;
@@ -105,10 +105,11 @@ std::vector<Row> read_cases(const h5::File& file) {
     return rows;
 }
 
+// Reads a group with several rows per case into the outcomes of the cases.
 template <class Detail>
 void read_details(const h5::File& file, const std::string& group, const Columns<Detail>& columns,
                   std::vector<Row>& rows, std::vector<Detail> Outcome::*member) {
-    if (!file.has(group)) return;  // of an older program
+    if (!file.has(group)) return;  // an older program wrote the file
     const auto of = file.read_integers(group + "/case");
     std::vector<Detail> all(of.size());
     read_columns(file, group, columns, all, std::identity{});
@@ -125,7 +126,7 @@ void read_traces(const h5::File& file, std::vector<Row>& rows) {
     const auto begins = file.read_integers("cases/trace_begin"), ends = file.read_integers("cases/trace_end");
     if (begins.size() != rows.size() || ends.size() != rows.size())
         throw std::runtime_error("cases/trace_begin and trace_end are not as many as the cases");
-    std::int64_t used = 0;  // traces do not overlap, or a small file could fill the memory
+    std::int64_t used = 0;  // traces must not share samples, otherwise a small file could fill the memory
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (begins[i] >= ends[i]) continue;
         if (begins[i] < used) throw std::runtime_error("two cases share samples of a trace");
@@ -136,12 +137,12 @@ void read_traces(const h5::File& file, std::vector<Row>& rows) {
 }
 
 void read_fields(const h5::File& file, std::vector<Row>& rows) {
-    if (!file.has("fields")) return;  // of an older program
+    if (!file.has("fields")) return;  // an older program wrote the file
     const auto of = file.read_integers("fields/case");
     const auto values = file.read_doubles("fields/values");
     std::vector<FieldRecord> all(of.size());
     read_columns(file, "fields", field_columns(), all, std::identity{});
-    std::int64_t used = 0;  // as in read_traces()
+    std::int64_t used = 0;  // fields must not share values, as in read_traces()
     for (std::size_t i = 0; i < of.size(); ++i) {
         const FieldRecord& one = all[i];
         if (of[i] < 0 || std::size_t(of[i]) >= rows.size())
@@ -189,6 +190,7 @@ void expect_result(const fs::path& file, const h5::File& in) {
                                      file.string(), schema));
 }
 
+// Reads the file without protection from crashes of the HDF5 library; see read_in_a_copy().
 ResultFile read_trusting(const fs::path& file) {
     const h5::File in(file, h5::Open::read);
     expect_result(file, in);
@@ -226,9 +228,10 @@ ResultFile read_trusting(const fs::path& file) {
     return result;
 }
 
-// Reads the file in a child process first, within limits of time and memory, and returns whether
-// its schema is newer. The HDF5 library crashes on some damaged files, and a file without a seal,
-// changed by another program, may be one; so this process reads a file only if the child survives.
+// Calls `read` in a child process, a copy of this one, within limits of time and memory. Throws if the child does not
+// survive: the HDF5 library crashes on some damaged files, so this process may read a file only after the child has
+// read it. (A seal detects damage, but a file that another program has changed has no seal.) Returns whether a newer
+// program wrote the file.
 bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
     constexpr int out_of_memory = 4, newer = 5;
     const auto bytes = std::int64_t(fs::file_size(file));
@@ -237,7 +240,7 @@ bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
     launch.work = [&](int) {
         const rlimit nothing{0, 0}, enough{rlim_t(5 + bytes / 1'000'000), rlim_t(6 + bytes / 1'000'000)};
         ::setrlimit(RLIMIT_CORE, &nothing);
-        ::setrlimit(RLIMIT_CPU, &enough);  // seconds; it reads 100 MB/s, and loops for ever on some files
+        ::setrlimit(RLIMIT_CPU, &enough);  // seconds, as HDF5 loops for ever on some files; it reads 100 MB/s
         try {
             read();
         } catch (const NewerResult&) {
@@ -246,12 +249,12 @@ bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
             return out_of_memory;
         } catch (const std::length_error&) {
             return out_of_memory;
-        } catch (...) {  // this process will get the same error
+        } catch (...) {  // this process will get the same error when it reads the file
         }
         return 0;
     };
-    const std::int64_t most = (std::int64_t(4) << 30) + 16 * bytes;  // a damaged count asks for more
-    const ChildLimits limits{.seconds = 60 + double(bytes) / 1e6,    // a slow disk
+    const std::int64_t most = (std::int64_t(4) << 30) + 16 * bytes;  // a damaged count may ask for more
+    const ChildLimits limits{.seconds = 60 + double(bytes) / 1e6,    // enough for a slow disk
                              .resident_bytes = resident_of(::getpid()) + std::min(most, spare_bytes())};
     Child copy(std::move(launch));
     const Child::End end = copy.wait(limits);

@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Writes columns of `whole`, which has one entry per row; `part` returns the part of an entry
-// that the columns belong to.
+// Writes the columns of a group from `whole`, which has one entry per row; `part` returns the part of an entry that the
+// columns belong to, such as the outcome of a row.
 template <class Row, class Whole, class Part>
 void write_columns(h5::File& file, const std::string& group, const Columns<Row>& columns,
                    const std::vector<Whole>& whole, Part part) {
