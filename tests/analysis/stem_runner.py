@@ -10,6 +10,10 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import synthetic
+import synthetic_sacht
+import synthetic_tang
+import synthetic_zhang
 from synthetic import ResultFile
 
 from analysis.__main__ import main
@@ -19,14 +23,20 @@ from analysis.shared.shapes import Mesh
 Made = tuple[list[dict[str, str]], dict[str, list[list[str]]], str]
 Make = Callable[[ResultFile], Made]
 
-_rendered: set[str] = set()  # stems rendered in this process
+# Stems with a synthetic file. test_stems.py renders their figures.
+STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
+         "error_vs_time": synthetic.error_vs_time, "points_speed": synthetic.points_speed, "cliffs": synthetic.cliffs,
+         "points_hostile": synthetic.points_hostile, **synthetic_zhang.STEMS, **synthetic_sacht.STEMS, **synthetic_tang.STEMS}
+
+MAGIC = {".pdf": b"%PDF", ".png": b"\x89PNG"}
+_rendered = set(STEMS)  # and stems rendered in this process
 TETRAHEDRON = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
 
 
 def stem_runner(folder: Path) -> Make:
     """Returns a function that runs a file and returns the CSV, the Markdown rows by their first cell, and the whole Markdown.
 
-    The figure of a stem is made each time, but rendered only the first time, because rendering takes most of the time.
+    Every call makes the figure of the stem, but it is rendered at most once, because rendering takes most of the time.
     """
     def run(file: ResultFile) -> Made:
         file.write(folder)
@@ -34,8 +44,8 @@ def stem_runner(folder: Path) -> Make:
             if file.stem in _rendered:
                 patch.setattr(report, "save_figure", lambda figure, *_: plt.close(figure) or [])
             assert main([file.stem, "--results", str(folder), "--out", str(folder)]) == 0
-        for suffix, magic in (("pdf", b"%PDF"), ("png", b"\x89PNG")) if file.stem not in _rendered else ():
-            paths = [*(folder / "figures").glob(f"{file.stem}.{suffix}"), *(folder / "figures").glob(f"{file.stem}-*.{suffix}")]
+        for suffix, magic in MAGIC.items() if file.stem not in _rendered else ():
+            paths = [*(folder / "figures").glob(f"{file.stem}{suffix}"), *(folder / "figures").glob(f"{file.stem}-*{suffix}")]
             assert paths and all(path.read_bytes().startswith(magic) and path.stat().st_size > 5000 for path in paths)
         _rendered.add(file.stem)
         text = (folder / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")

@@ -15,12 +15,12 @@ from typing import Any
 import pytest
 import synthetic
 import synthetic_tang
+from stem_runner import STEMS
 from synthetic import ResultFile, spread
 from test_meshes import peers
 from test_over_pairs import fig2
 from test_over_pairs import fig10 as orders
 from test_scaling import file_of
-from test_stems import STEMS
 
 from analysis import pareto, winners
 from analysis.points import points_speed

@@ -230,8 +230,8 @@ def test_a_time_of_0_is_no_factor(tmp_path: Path) -> None:
     assert "the share of the 2 cases" in text and "1 case is left out: a time is 0, too short for the clock." in text
 
 
-@pytest.mark.parametrize(("width", "inches"), [("single", 3.5), ("double", 7.16), ("5.5", 5.5)])
-@pytest.mark.parametrize("check", ["holds", "not checked (no witness)"])  # the latter has a footnote
+# "not checked" adds a footnote.
+@pytest.mark.parametrize(("width", "inches", "check"), [("single", 3.5, "holds"), ("double", 7.16, "not checked (no witness)"), ("5.5", 5.5, "not checked (no witness)")])
 def test_figures_are_as_wide_as_asked(tmp_path: Path, width: str, inches: float, check: str) -> None:
     file = sweep(poses=3, scenes=("x", "y", "z", "u", "v"), lower_check=check)
     assert run(file, tmp_path, "--width", width, "--format", "svg,png") == 0
