@@ -23,11 +23,11 @@ namespace {
 
 struct Row {
     std::string part, scene, contender;
-    Index elements;             // build: triangles; query: points; certification: 1
+    Index elements;             // triangles of the mesh (build), query points (query), or 1 (certification)
     double nanoseconds;         // per element, median over rounds
     Estimate ratio;             // time divided by the time of the first contender of this part and scene
     std::size_t bytes;          // 0: unknown
-    double largest_difference;  // between its results and the first contender's, as a fraction of a diagonal
+    double largest_difference;  // of a distance or bound from the first contender's, as a fraction of a diagonal
 };
 
 void print(const Row& row) {

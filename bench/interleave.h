@@ -16,7 +16,7 @@ inline double cpu_seconds() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// One of several pieces of code to compare. Each round calls all three functions in this order and times the second.
+// One of several pieces of code to compare. Each round calls its three functions in this order, and times only `timed`.
 struct Contender {
     std::function<void()> before, timed, after;
 };

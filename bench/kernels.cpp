@@ -219,7 +219,7 @@ template <class Tree> void closest(benchmark::State& state, Subject& subject, As
     }
 }
 
-// Times queries without hints in structures that are not trees; builds the structure first, untimed.
+// Times queries without hints, for a structure that Subject does not keep. Building the structure is not timed.
 template <class Built> void closest_cold(benchmark::State& state, const Subject& subject) {
     const Built built(subject.mesh);
     Counters counters;
@@ -230,8 +230,8 @@ template <class Built> void closest_cold(benchmark::State& state, const Subject&
     count(state, static_cast<std::size_t>(subject.queries.rows()));
 }
 
-// Times the lower and the upper bound of the distance from one point to a swept sphere volume, for one volume of each
-// node, up to 4096 nodes.
+// Times the lower and the upper bound on the distance from one point to a swept sphere volume. Takes the first volume
+// of each node, for up to 4096 nodes.
 void swept_bounds(benchmark::State& state, Subject& subject) {
     const SweptSphereBvh& tree = subject.tree(subject.swept);
     const Vec3 point = subject.queries.row(0);

@@ -42,7 +42,8 @@ double derived(const ModelInfo& model, double origin) {
     const auto number = [&](const char* name) { return model.numbers.at(name); };
     const std::string& operation = model.recipe;
     // Let a mesh have V vertices and T triangles. It has at most 3 * T edges, so one level adds at most 3 * T vertices
-    // and makes 4 * T triangles. n levels make 4^n * T triangles and at most V + 4^n * T vertices.
+    // and makes 4 * T triangles. n levels make 4^n * T triangles and at most V + 4^n * T vertices, because
+    // 3 * T * (1 + 4 + ... + 4^(n-1)) < 4^n * T.
     if (operation == "subdivide") return 2 * std::pow(4, number("levels")) * origin;
     if (operation == "repeat") return number("count") * origin;
     if (operation == "sample") return 2 * number("count");

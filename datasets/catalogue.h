@@ -78,9 +78,9 @@ public:
     // Returns the shape of a model, which it makes unless it is cached, or the reason why the model is missing.
     //
     // Fetched files are looked up in CACHE/raw/<sha256>/<file name>, where datasets/fetch.py puts them, and their
-    // SHA-256 is checked. Throws InputError, with the model and both hashes, if it differs, and for a file that is not
-    // a regular file. Shapes are cached in CACHE/shapes/<key>.h5. The key is a hash of the recipe or operation and of
-    // the bytes of all inputs, so that an outdated shape is never used after the manifest was edited.
+    // SHA-256 is checked. Throws InputError if the hash differs (the message has both hashes), and for a file that is
+    // not a regular file. Shapes are cached in CACHE/shapes/<key>.h5. The key is a hash of the recipe or operation and
+    // of the bytes of all inputs, so that an outdated shape is never used after the manifest was edited.
     std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) const;
 
 private:

@@ -49,8 +49,8 @@ std::vector<Index> connected_parts(const TriangleMesh& mesh);
 
 // Simplify by edge collapse to this number of triangles; remesh with edges of about this length. Both first make the
 // mesh a manifold: they weld it, drop degenerate and duplicate faces, orient the others, and duplicate vertices so that
-// at most two faces meet at an edge. Throw InputError if that fails, or if no more edges can be collapsed while the
-// number of triangles is still more than 10 % too large. In derive_cgal.cpp.
+// at most two faces meet at an edge. Throw InputError if that fails. simplify() also throws if it can collapse no more
+// edges and the number of triangles is still more than 10 % too large. In derive_cgal.cpp.
 TriangleMesh simplify(const TriangleMesh& mesh, Index triangles);
 TriangleMesh remesh(const TriangleMesh& mesh, double edge_length);
 

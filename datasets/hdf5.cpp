@@ -246,7 +246,7 @@ private:
         if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT)
             at_.fail("is a view of other datasets, which is not read");
         if (H5Pget_external_count(creation) != 0) at_.fail("is kept in another file, which is not read");
-        constexpr std::size_t most_bytes_of_one = 1032;  // from one stored byte, by deflate, the strongest filter
+        constexpr std::size_t most_bytes_of_one = 1032;  // of a stored byte, by deflate, the strongest filter
         const auto values = static_cast<std::size_t>(at_.check(H5Sget_simple_extent_npoints(space)));
         const std::size_t stored = H5Dget_storage_size(object_);
         if (stored > std::filesystem::file_size(at_.file)) at_.fail("is larger than its file");
@@ -287,8 +287,8 @@ void File::close() {
     Place{path_}.check(H5Fclose(std::exchange(id_, -1)));
 }
 
-// Writes the bytes of the file in memory without the library. If the library itself failed to write a file, it could
-// not close the file and would crash at exit.
+// Copies the bytes of the file from the library's memory and writes them to disk without the library. If HDF5 itself
+// fails to write a file, it cannot close the file and crashes at exit.
 void File::save() const {
     const Place at{path_};
     at.check(H5Fflush(id_, H5F_SCOPE_LOCAL));

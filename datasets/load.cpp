@@ -126,7 +126,7 @@ std::string extension_of(const std::filesystem::path& file) {
     return extension.empty() ? "" : extension.substr(1);
 }
 
-// A gzipped file may inflate to this multiple of its size, and to this number of bytes in any case. gzip shrinks
+// A gzipped file may inflate to `inflation` times its size, and to `inflated_anyway` bytes in any case. gzip shrinks
 // numbers to about a tenth; only a repetition of the same bytes, as in a file made to fill the memory, shrinks to a
 // thousandth.
 constexpr std::size_t inflation = 200, inflated_anyway = std::size_t{1} << 26;

@@ -10,11 +10,11 @@
 
 namespace hausbench {
 
-// Facts about how a shape was read, for the rows of a result.
+// How a shape was read or made.
 struct LoadReport {
     std::string format;                 // "obj", "ply", "stl", "off", ...: the format it was read as
     std::string precision = "float64";  // of the reader; "float32" for assimp, which rounds coordinates
-    bool float32 = false;               // coordinates are float32 values, because of the file or of the reader
+    bool float32 = false;               // some coordinates were rounded to float32, in the file or by the reader
     // Number of vertices that no face uses, which were dropped; empty if it is not known.
     std::optional<std::int64_t> unreferenced = 0;
     std::int64_t polygons = 0;  // faces of more than three corners, which were split into triangles

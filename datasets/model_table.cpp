@@ -130,7 +130,7 @@ private:
         check_operation(where(content_), read_numbers("operation", operations()), model_.numbers);
     }
 
-    // Returns the recipe or operation of this name, after reading its numbers from the table into `model_`.
+    // Returns the recipe or operation with the name model_.recipe, after reading its numbers into model_.numbers.
     const Recipe& read_numbers(const char* key, const std::vector<Recipe>& known) {
         const Recipe& recipe =
             find_recipe(known, model_.recipe, fmt::format("{}: unknown {}", where(*content_.get(key)), key));

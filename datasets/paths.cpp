@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 namespace {
 
 // Returns whether a file or folder belongs to this user, to root or to the owner of the program, and no other user may
-// write to it. Its group may write to it if it is root's, or the owner's personal group: the group with the owner's
-// name that `adduser` creates for each user.
+// write to it. Write permission for a group is accepted only for root's group and for the owner's personal group, which
+// `adduser` creates with the name of the user.
 bool is_ours(const fs::path& place) {
     struct stat state {
     }, program{};

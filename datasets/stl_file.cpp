@@ -1,5 +1,6 @@
 // Reads STL. A file counts as binary if its size matches the number of triangles in its header, even if it begins with
-// "solid", as some writers begin binary files, too. Keywords of a text file may be in upper or lower case.
+// "solid" like a text file, because some programs write such binary files. Keywords of a text file may be in upper or
+// lower case.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/readers.h"

@@ -22,8 +22,8 @@ namespace {
 
 constexpr int deepest = 256;  // levels of nodes; each takes a few hundred bytes of stack
 
-// Limits on a scene, because USE can repeat nodes so often that a small file fills the memory. The number of parts may
-// be 200 times the size of the file in bytes, and 2^18 in any case.
+// Limits on a scene, because USE can repeat nodes so often that a small file fills the memory. The scene may have
+// `parts_a_byte` parts for each byte of the file, and `parts_anyway` parts in any case.
 constexpr std::size_t parts_a_byte = 200,
                       parts_anyway = std::size_t{1} << 18;  // a part: a node, point or corner, each time it occurs
 
@@ -193,8 +193,8 @@ struct Placement {
     Vec3 shift = Vec3::Zero();
 };
 
-// Returns the point of the unit circle at an angle in radians. Subtracts the nearest multiple of pi / 2, which
-// circle_near_zero() requires, and turns the point by as many quarters.
+// Returns the point of the unit circle at an angle in radians. Subtracts the nearest multiple of pi / 2, because
+// circle_near_zero() requires a small angle, and then turns the point by as many quarters of a turn.
 Circle circle_at(double angle) {
     constexpr double quarter = 1.5707963267948966, and_more = 6.123233995736766e-17;  // their sum is pi / 2
     const double within = std::fmod(angle, 4 * quarter), quarters = std::round(within / quarter);
