@@ -49,7 +49,7 @@ struct MissingModel {
 class Catalogue {
 public:
     // Reads the models of the manifest, and of corpus.toml if it is in the same folder (corpus.h). Without a manifest
-    // (an empty path) there are no models. `program` is the hausbench executable, which is started to read foreign
+    // (an empty path) the catalogue is empty. `program` is the hausbench executable, which is started to read foreign
     // files (separate_process.h). Throws InputError for an unparsable manifest, an unknown key (the message has the
     // nearest known one), or a model that is derived from itself or from one that does not exist.
     Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program);

@@ -26,7 +26,7 @@ struct Filling {
 };
 
 // A table of a file. The functions that return a value throw InputError if it has the wrong type or range, or if the
-// key is missing and there is no default; `otherwise` is the default.
+// key is missing and the function has no parameter `otherwise`, the default.
 class TomlReader {
 public:
     // In messages, `name` is the name of the table, such as "[[scene]]", and `before_line` separates the file from the
