@@ -1,6 +1,8 @@
-// Compares kernels with Embree and CGAL, and `guthe` with and without certification, as ratios within one run.
+// Compares our closest-point structures with Embree and CGAL, and the solver `guthe` with and without certified bounds.
 //
-// Writes CSV to standard output and progress to standard error; bench/report.py makes the table.
+// The contenders of a comparison run in turn within one process (interleave.h), so the ratios of their times are
+// reliable even if the speed of the machine varies. Writes CSV to standard output and progress to standard error;
+// bench/report.py makes the table.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -21,11 +23,11 @@ namespace {
 
 struct Row {
     std::string part, scene, contender;
-    Index elements;             // the divisor of `nanoseconds`
+    Index elements;             // triangles of the mesh (build), query points (query), or 1 (certification)
     double nanoseconds;         // per element, median over rounds
-    Estimate ratio;             // to the first contender of this part and scene, over rounds
-    std::size_t bytes;          // 0: not known
-    double largest_difference;  // from the distances of the first contender, in diagonals of the target
+    Estimate ratio;             // time divided by the time of the first contender of this part and scene
+    std::size_t bytes;          // 0: unknown
+    double largest_difference;  // of a distance or bound from the first contender's, as a fraction of a diagonal
 };
 
 void print(const Row& row) {
@@ -48,7 +50,8 @@ Rivals rivals() {
 void compare_builds(const std::string& model, int rounds) {
     const TriangleMesh mesh = model_mesh(model);
     Rivals all = rivals();
-    std::erase_if(all, [](const auto& rival) { return rival->name() == "BVH (warm start)"; });  // the same structure
+    // Leaves out the warm start, which only changes queries and is built like "BVH".
+    std::erase_if(all, [](const auto& rival) { return rival->name() == "BVH (warm start)"; });
     std::vector<Contender> contenders;
     std::vector<std::size_t> bytes(all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -87,7 +90,8 @@ void compare_queries(const std::string& near, const std::string& model, int roun
     }
 }
 
-// Preparing is the same in both variants and is not timed.
+// Times `guthe` on a pair of meshes without and with certified bounds. Only solving is timed, because both variants
+// prepare the meshes in the same way.
 void compare_certification(const std::string& source, const std::string& target, int rounds) {
     const Scene scene{model_mesh(source), model_mesh(target)};
     const SolverEntry& guthe = find_solver("guthe");
@@ -115,7 +119,8 @@ void compare_certification(const std::string& source, const std::string& target,
     }
 }
 
-// Returns how many comparisons could be made.
+// Runs the named parts, or all if `parts` is empty. Skips a comparison if a model was not fetched. Returns the number
+// of comparisons that ran.
 int run(int rounds, const std::vector<std::string>& parts) {
     const auto wants = [&](const char* part) {
         return parts.empty() || std::find(parts.begin(), parts.end(), part) != parts.end();

@@ -16,11 +16,14 @@ inline double cpu_seconds() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+// One of several pieces of code to compare. Each round calls its three functions in this order, and times only `timed`.
 struct Contender {
     std::function<void()> before, timed, after;
 };
 
-// Returns seconds[c][r], the time of contender c in round r. Rounds go forth and back (ABBA); the first one is not kept.
+// Returns seconds[c][r], the time of contender c in round r. Every other round runs the contenders in reverse order
+// (ABBA), so that a steady change in the machine's speed favours none of them. A round for warming up comes first and
+// is not counted.
 inline std::vector<std::vector<double>> interleave(const std::vector<Contender>& contenders, int rounds) {
     std::vector<std::vector<double>> seconds(contenders.size());
     for (int round = -1; round < rounds; ++round) {

@@ -2,10 +2,13 @@
 //
 //   kernel_bench --meshes=torus:187,bunny,dragon [--benchmark_filter=closest ...]
 //
-// A mesh is torus:N (2 N^2 triangles, generated) or a model of datasets/manifest.toml. With the suffix +R, as in
-// bunny+1e6, it gets a stray triangle R diagonals away; the queries stay the same. `each` is the time of one
-// pair, of one triangle built or of one query; `bytes` is the size of the structure. Benchmarks that run one
-// after the other meet different disturbances; for a comparison, use compare.cpp, which times contenders in turn.
+// A mesh is torus:N (generated, with 2 * N^2 triangles) or a model of datasets/manifest.toml. With the suffix +R, as
+// in bunny+1e6, one more triangle is added at a distance of R diagonals; the query points stay the same.
+//
+// In the output, `each` is the time of one item: a pair of a point and a triangle, a triangle or vertex of a
+// structure that is built, or a query. `bytes` is the size of the structure. Do not compare two benchmarks of one run
+// with each other, because the machine may have been disturbed during one of them. compare.cpp, which times its
+// contenders in turn, is made for comparisons.
 #include "algorithms/error.h"
 #include "algorithms/kernel/textbook.h"
 #include "algorithms/kernel/triangle_block.h"
@@ -30,6 +33,7 @@
 namespace hausbench {
 namespace {
 
+// Adds the counter `each`: the time per item, if one iteration processes this many items.
 void count(benchmark::State& state, std::size_t items) {
     state.counters["each"] = benchmark::Counter(
         static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
@@ -44,13 +48,15 @@ Vec3 random_vector(const Random& random, std::uint64_t& next) {
 
 constexpr std::size_t pairs = 4096;
 
+// Point i belongs to triangle i. The blocks contain the same triangles in the same order.
 struct Pairs {
     std::vector<Triangle> triangles;
     std::vector<Vec3> points;
     std::vector<TriangleBlock> blocks;
 };
 
-// Points about as near as the triangles are large, so that corners, edges and insides all occur.
+// Returns random triangles and points in the cube [-1, 1]^3. The points are about as far from the triangles as the
+// triangles are large, so that the closest points include corners, points on edges and points inside.
 const Pairs& random_pairs() {
     static const Pairs made = [] {
         Pairs all;
@@ -83,6 +89,7 @@ template <class Kernel> void point_triangle(benchmark::State& state, const Kerne
     count(state, pairs);
 }
 
+// Times one point against all triangles of a block at once.
 void point_block(benchmark::State& state) {
     const Pairs& all = random_pairs();
     BlockFeet feet;
@@ -113,7 +120,8 @@ void register_pairs() {
 
 // --- structures ------------------------------------------------------------------------------------------------------
 
-// A mesh and its query points, which are off its vertices by up to 1 % of the diagonal. Trees are built on first use.
+// A mesh, its query points and its trees. The query points are its vertices, each moved at random by up to 1 % of the
+// diagonal along every axis. A tree is built when a benchmark first asks for it.
 struct Subject {
     std::string name;
     TriangleMesh mesh;
@@ -126,6 +134,7 @@ struct Subject {
         if (!place) place = std::make_unique<Tree>(mesh);
         return *place;
     }
+    // Return the tree of the argument's type; the argument itself is not used.
     const TriangleBvh& get(const TriangleBvh*) { return tree(bvh); }
     const TriangleOctree& get(const TriangleOctree*) { return tree(octree); }
 };
@@ -158,7 +167,7 @@ std::unique_ptr<Subject> subject(const std::string& name) {
     return made;
 }
 
-// Not inlined, because `hausbench track` finds the instructions by this name.
+// Not inlined, because `hausbench track` counts the instructions of the function with this name (bench/tracking).
 template <class Built, class Input> [[gnu::noinline]] std::unique_ptr<Built> make_structure(const Input& input) {
     return std::make_unique<Built>(input);
 }
@@ -175,6 +184,9 @@ template <class Built, class Input> void build(benchmark::State& state, const In
     count(state, items);
 }
 
+// The kinds of closest-point queries. `cold` has no hints. `warm` first tests the closest triangle of the previous
+// query. `radius` considers only triangles up to 1 % of the diagonal away; `enough` stops at the first triangle within
+// that distance. `certified` asks for a lower bound on the exact distance; `textbook` uses textbook_closest_point().
 enum class Ask { cold, warm, radius, enough, certified, textbook };
 
 template <class Tree> void closest(benchmark::State& state, Subject& subject, Ask ask) {
@@ -207,7 +219,7 @@ template <class Tree> void closest(benchmark::State& state, Subject& subject, As
     }
 }
 
-// Times queries of a structure that keeps no hints.
+// Times queries without hints, for a structure that Subject does not keep. Building the structure is not timed.
 template <class Built> void closest_cold(benchmark::State& state, const Subject& subject) {
     const Built built(subject.mesh);
     Counters counters;
@@ -218,7 +230,8 @@ template <class Built> void closest_cold(benchmark::State& state, const Subject&
     count(state, static_cast<std::size_t>(subject.queries.rows()));
 }
 
-// Times both bounds of the distance from one point to each volume.
+// Times the lower and the upper bound on the distance from one point to a swept sphere volume. Takes the first volume
+// of each node, for up to 4096 nodes.
 void swept_bounds(benchmark::State& state, Subject& subject) {
     const SweptSphereBvh& tree = subject.tree(subject.swept);
     const Vec3 point = subject.queries.row(0);
@@ -254,7 +267,7 @@ void register_subject(Subject& s) {
         add(fmt::format("closest/octree/{}", name),
             [&s, how = ask](auto& state) { closest<TriangleOctree>(state, s, how); });
     }
-    if (s.name.find('+') != std::string::npos) return;  // the stray triangle only matters to trees over triangles
+    if (s.name.find('+') != std::string::npos) return;  // the added triangle is a test of the BVH and the octree only
     add("build/swept_bvh", [&s, triangles](auto& state) { build<SweptSphereBvh>(state, s.mesh, triangles); });
     add("build/triangle_blocks", [&s, triangles](auto& state) { build<TriangleBlocks>(state, s.mesh, triangles); });
     add("build/triangle_grid", [&s, triangles](auto& state) { build<TriangleGrid>(state, s.mesh, triangles); });

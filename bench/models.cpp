@@ -12,7 +12,7 @@
 namespace hausbench {
 
 TriangleMesh model_mesh(const std::string& name) {
-    // The program reads foreign files in a separate process.
+    // The catalogue starts this program to read foreign files in a separate process.
     const char* program = std::getenv("HAUSBENCH_PROGRAM");
     const Catalogue catalogue(
         project_root() / "datasets" / "manifest.toml", cache_folder(),

@@ -1,5 +1,5 @@
-// CGAL's AABB_tree over triangles in Simple_cartesian<double>, its fastest kernel, with its
-// default search structure (accelerate_distance_queries), which counts as building.
+// CGAL's AABB_tree over triangles in Simple_cartesian<double>, its fastest kernel. The time of build() includes
+// accelerate_distance_queries(), which builds CGAL's default search structure for a first guess at the closest point.
 #include "bench/closest_rival.h"
 
 #include <CGAL/AABB_traits.h>

@@ -1,6 +1,7 @@
-// Intel Embree 3: one thread, the default build quality (medium) and the default scene flags
-// (compact and robust off). Everything is in single precision. The callback comes from Embree's
-// closest_point tutorial: Ericson, Real-Time Collision Detection, 2005, section 5.1.5, in float.
+// Intel Embree 3: one thread, the default build quality (medium) and the default scene flags (compact and robust off).
+// Everything is in single precision. Embree finds the triangles near a point and calls measure() for each;
+// closest_point() is the function of Embree's closest_point tutorial, after Ericson, Real-Time Collision Detection,
+// 2005, section 5.1.5.
 #include "bench/closest_rival.h"
 
 #include "algorithms/error.h"
@@ -59,7 +60,7 @@ public:
 
     void take(const TriangleMesh& mesh) override {
         vertices_.assign(static_cast<std::size_t>(mesh.vertices.rows()) + 1,
-                         {});  // Embree reads 16 bytes at the last vertex
+                         {});  // one more, because Embree reads 16 bytes for each vertex, also for the last
         for (Index i = 0; i < mesh.vertices.rows(); ++i) {
             const auto row = mesh.vertices.row(i).cast<float>();
             vertices_[static_cast<std::size_t>(i)] = {row[0], row[1], row[2]};
@@ -112,6 +113,7 @@ private:
         Float3 point;
     };
 
+    // Embree calls this for each triangle within the radius of a query. Lowers the radius to the triangle's distance.
     static bool measure(RTCPointQueryFunctionArguments* arguments) {
         Query& query = *static_cast<Query*>(arguments->userPtr);
         const auto row = query.embree->triangles_.row(static_cast<Index>(arguments->primID));
@@ -128,6 +130,7 @@ private:
         return true;  // the radius has changed
     }
 
+    // Embree calls this for each allocation, and with negative `bytes` when memory is freed.
     static bool count_bytes(void* self, ssize_t bytes, bool) {
         static_cast<Embree*>(self)->bytes_ += bytes;
         return true;

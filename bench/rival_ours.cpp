@@ -10,6 +10,7 @@
 namespace hausbench {
 namespace {
 
+// A structure of this project. If `warm`, each query first tests the closest triangle of the previous query.
 template <class Tree> class Ours final : public ClosestRival {
 public:
     Ours(std::string name, bool warm) : name_(std::move(name)), warm_(warm) {}

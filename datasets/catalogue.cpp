@@ -22,6 +22,7 @@ namespace {
 
 double of_shape(const Shape& shape) { return double(points_of(shape).rows()) + double(element_count(shape)); }
 
+// These two functions do the work of estimated_elements(), for a generated and for a derived model.
 double generated(const ModelInfo& model) {
     if (model.written) return of_shape(*model.written);
     const auto number = [&](const char* name) { return model.numbers.at(name); };
@@ -40,25 +41,27 @@ double generated(const ModelInfo& model) {
 double derived(const ModelInfo& model, double origin) {
     const auto number = [&](const char* name) { return model.numbers.at(name); };
     const std::string& operation = model.recipe;
-    // V vertices and T triangles become 4^n T triangles and at most V + 4^n T vertices, as a mesh
-    // has at most 3 T edges to split.
+    // Let a mesh have V vertices and T triangles. It has at most 3 * T edges, so one level adds at most 3 * T vertices
+    // and makes 4 * T triangles. n levels make 4^n * T triangles and at most V + 4^n * T vertices, because
+    // 3 * T * (1 + 4 + ... + 4^(n-1)) < 4^n * T.
     if (operation == "subdivide") return 2 * std::pow(4, number("levels")) * origin;
     if (operation == "repeat") return number("count") * origin;
     if (operation == "sample") return 2 * number("count");
     if (operation == "triangulate") return 36 * number("cells") * number("cells");
     if (operation == "remesh") return 10 / (number("edge") * number("edge"));
-    return 2 * origin + 4;  // two_clusters; all others add at most one element
+    return 2 * origin + 4;  // two_clusters doubles the shape; all others add at most a triangle and its vertices
 }
 
-// Estimates the number of points plus triangles of a model. `origin` is the same number for its origin, or the
-// bytes of its file. An upper bound, except for `triangulate` and `remesh`, whose size depends on the shape.
+// Estimates the number of points plus triangles of a model. `origin` is the same number for the model that it is
+// derived from, or the number of bytes of the file that it is read from. The estimate is an upper bound, except for the
+// operations `triangulate` and `remesh`, whose results depend on the shape.
 double estimated_elements(const ModelInfo& model, double origin) {
     if (model.source == "generated") return generated(model);
     if (model.source == "derived") return derived(model, origin);
-    return origin / 4;  // the densest format takes four bytes for each
+    return origin / 4;  // the densest format takes four bytes for each point or triangle
 }
 
-constexpr int most_derivations = 100;  // in a chain from one file or recipe
+constexpr int most_derivations = 100;  // limit on the length of a chain of models, each derived from the next
 
 // Part of every key of the shape cache. Increase it whenever a reader, a recipe or an operation changes its output.
 constexpr std::string_view shapes_version = "2";
@@ -145,7 +148,8 @@ void Catalogue::keep_apart(std::filesystem::path folder, double most_bytes) {
     most_bytes_ = most_bytes;
 }
 
-// Returns the existing file, or else the file to write.
+// Returns the path of a cached shape: in the cache, or in the folder of keep_apart() if that was called and the cache
+// does not have the shape.
 std::filesystem::path Catalogue::shape_file(const std::string& key) const {
     const std::filesystem::path cached = cache_ / "shapes" / (key + ".h5");
     return apart_.empty() || std::filesystem::exists(cached) ? cached : apart_ / (key + ".h5");
@@ -153,7 +157,7 @@ std::filesystem::path Catalogue::shape_file(const std::string& key) const {
 
 void Catalogue::expect_room(const ModelInfo& model, const Input& input) const {
     if (apart_.empty()) return;
-    constexpr double bytes_an_element = 24;  // for a point; the three indices of a triangle take half
+    constexpr double bytes_an_element = 24;  // three coordinates of a point; a triangle's three indices take half
     const double bytes = bytes_an_element * estimated_elements(model, input.size);
     double taken = 0;
     for (const auto& file : std::filesystem::directory_iterator(apart_)) taken += double(file.file_size());
@@ -183,7 +187,7 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
     if (!std::filesystem::is_regular_file(file))
         throw InputError(fmt::format("model '{}': {} is not a regular file: name a file that holds a shape", model.name,
                                      file.string()));
-    if (std::filesystem::file_size(file) == 0)  // includes files of the kernel, some of which never end
+    if (std::filesystem::file_size(file) == 0)  // also true for files in /proc, some of which never end
         throw InputError(
             fmt::format("model '{}': {} is empty: name a file that holds a shape", model.name, file.string()));
     const std::string found = sha256_of_file(file);
@@ -198,7 +202,8 @@ std::variant<Catalogue::Input, MissingModel> Catalogue::input_of(const ModelInfo
 
 LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
     if (const auto* mesh = model.written ? std::get_if<TriangleMesh>(&*model.written) : nullptr) {
-        LoadReport report{"generated"};  // drops unused vertices, as the readers of files do
+        LoadReport report{"generated"};
+        // Unused vertices are dropped, as they are from files.
         TriangleMesh used = without_unused(mesh->vertices, mesh->triangles);
         report.unreferenced = mesh->vertices.rows() - used.vertices.rows();
         return {std::move(used), report};

@@ -1,4 +1,4 @@
-// Models by name: the origin of each, and its shape once it is fetched, generated or derived.
+// Models by name: the table that says how to get each one, and its shape once it is fetched, generated or derived.
 #pragma once
 
 #include "datasets/load.h"
@@ -16,17 +16,18 @@ namespace hausbench {
 struct ModelInfo {
     std::string name;
     std::string source;  // "generated", "debian", "npm", "file", "derived"
-    std::string note;    // remark, such as the model that it stands in for
+    std::string note;    // remark for readers, such as the published model that this one replaces
     std::string licence;
-    // debian, npm, file
+    // If the source is debian, npm or file: the file.
     std::string package, version, path, sha256, format;
-    std::filesystem::path folder;  // folder that a relative path starts from
-    // generated: a recipe; derived: an operation, and the model `from`
+    std::filesystem::path folder;  // a relative `path` starts from it
+    // If the source is generated: the recipe. If it is derived: the operation (in `recipe`) and the model to apply it
+    // to.
     std::string recipe, from;
     std::map<std::string, double> numbers;  // parameters of the recipe or operation
-    // The shape, if its table contains it: recipe "surface", or listed coordinates.
+    // The shape itself, if the table contains it: an algebraic surface, or a list of coordinates.
     std::optional<Shape> written;
-    bool of_corpus = false;  // in datasets/corpus.toml, or made by a rule of corpus.h
+    bool of_corpus = false;  // listed in datasets/corpus.toml, or derived by a rule (corpus.h)
 
     bool by_rule() const { return of_corpus && source == "derived"; }
 };
@@ -37,8 +38,8 @@ struct ResolvedModel {
     LoadReport report;
     ShapeKind kind = ShapeKind::mesh;
     Index elements = 0, vertices = 0;
-    double diagonal = 0, longest_side = 0;  // of the box of its points
-    std::string file_sha256 = {};           // of the file that was read; empty: none
+    double diagonal = 0, longest_side = 0;  // of the bounding box of its points
+    std::string file_sha256 = {};           // of the file that was read; empty: no file
 };
 
 struct MissingModel {
@@ -47,13 +48,15 @@ struct MissingModel {
 
 class Catalogue {
 public:
-    // An empty path means no models. Also reads corpus.toml beside the manifest, if there is one (corpus.h). `program`
-    // is the hausbench executable that reads foreign files (separate_process.h). Throws InputError for an unparsable manifest,
-    // an unknown key (names the nearest), or a derived model whose origin does not exist or depends on itself.
+    // Reads the models of the manifest, and of corpus.toml if it is in the same folder (corpus.h). Without a manifest
+    // (an empty path) the catalogue is empty. `program` is the hausbench executable, which is started to read foreign
+    // files (separate_process.h). Throws InputError for an unparsable manifest, an unknown key (the message has the
+    // nearest known one), or a model that is derived from itself or from one that does not exist.
     Catalogue(const std::filesystem::path& manifest, std::filesystem::path cache, std::filesystem::path program);
 
-    // Adds models that `file` defines; pointers to earlier models become invalid. A new model replaces one
-    // that a rule of the corpus made. Throws InputError if any other model has the same name, and as above.
+    // Adds models that `file` defines. Pointers to earlier models become invalid. A new model replaces a model of the
+    // same name that a rule of the corpus derived. Throws InputError for any other model of the same name, and for a
+    // model that is derived from itself or from one that does not exist.
     void add(const std::filesystem::path& file, std::vector<ModelInfo> models);
 
     bool has(const std::string& name) const;
@@ -67,25 +70,27 @@ public:
     // Creates the folders that resolve() writes to. Throws InputError if they cannot be created.
     void make_folders() const;
 
-    // From now on writes new shapes to this folder and only reads the cache. resolve() throws
-    // InputError before it makes a shape if the folder would then hold more than an estimated
-    // `most_bytes`. For models that a foreign file defines.
+    // Protects the cache and the disk from models that an untrusted file defines. From now on new shapes are written to
+    // this folder, and the cache is only read. Before resolve() makes a shape, it estimates the size of the folder with
+    // this shape, and throws InputError if that is more than `most_bytes`.
     void keep_apart(std::filesystem::path folder, double most_bytes);
 
-    // Returns the shape of a model, or the reason why it is missing. Fetched files are looked up in
-    // CACHE/raw/<sha256>/<file name>, where datasets/fetch.py puts them, and their SHA-256 is checked; a
-    // mismatch throws InputError with the model and both hashes, and so does a file that is not a regular
-    // file. Shapes are cached in CACHE/shapes/<key>.h5; the key is a hash of the recipe, the operation
-    // and the bytes of all inputs, so that a stale shape is never used after the manifest was edited.
+    // Returns the shape of a model, which it makes unless it is cached, or the reason why the model is missing.
+    //
+    // Fetched files are looked up in CACHE/raw/<sha256>/<file name>, where datasets/fetch.py puts them, and their
+    // SHA-256 is checked. Throws InputError if the hash differs (the message has both hashes), and for a file that is
+    // not a regular file. Shapes are cached in CACHE/shapes/<key>.h5. The key is a hash of the recipe or operation and
+    // of the bytes of all inputs, so that an outdated shape is never used after the manifest was edited.
     std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) const;
 
 private:
-    // The input of a model: the shape of its origin if it is derived, else the file that is read, if there is one.
+    // The input of a model. If the model is derived, this is the shape file of the model that it is derived from, its
+    // *origin*; if it comes from a file, this file; otherwise nothing.
     struct Input {
         std::filesystem::path file;
-        std::string sha256;    // if a file is read
-        std::string identity;  // identifies the contents
-        double size = 0;       // a file: bytes; a shape: points plus triangles
+        std::string sha256;    // of the file that the model comes from; otherwise empty
+        std::string identity;  // identifies the contents; part of the key of the new shape
+        double size = 0;       // of a file: bytes; of a shape: points plus triangles
     };
     std::variant<Input, MissingModel> input_of(const ModelInfo& model) const;
     LoadedShape made(const ModelInfo& model, const Input& input) const;
@@ -93,7 +98,7 @@ private:
     void expect_room(const ModelInfo& model, const Input& input) const;
 
     std::filesystem::path cache_, program_;
-    std::filesystem::path apart_;  // see keep_apart()
+    std::filesystem::path apart_;  // the folder of keep_apart(); empty: not called
     double most_bytes_ = 0;
     std::vector<ModelInfo> models_;
     std::map<std::string, std::size_t> index_;  // from name to position in models_

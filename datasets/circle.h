@@ -1,14 +1,16 @@
-// Cosines and sines with the same bits on every machine. The C library's results depend on its
-// version and on the processor.
+// Cosines and sines with the same bits on every machine, unlike those from the C library, which depend on its version
+// and on the processor.
 #pragma once
 
 namespace hausbench {
 
+// A point of the unit circle.
 struct Circle {
     double cosine, sine;
 };
 
-// Returns cosine and sine by their Taylor series, to a few units in the last place; |angle| <= pi / 4.
+// Returns the cosine and sine of an angle in radians, by their Taylor series. Requires |angle| <= pi / 4. The error is
+// a few units in the last place.
 inline Circle circle_near_zero(double angle) {
     double cosine = 1, sine = angle, term_c = 1, term_s = angle;
     for (int i = 1; i <= 10; ++i) {
@@ -20,7 +22,7 @@ inline Circle circle_near_zero(double angle) {
     return {cosine, sine};
 }
 
-// Returns the point turned to the left by a number of quarter turns.
+// Returns the point after this number of quarter turns counterclockwise.
 inline Circle turned(Circle circle, int quarters) {
     for (; quarters > 0; --quarters) circle = {-circle.sine, circle.cosine};
     return circle;

@@ -12,8 +12,8 @@
 namespace hausbench {
 namespace {
 
-// The two lists of a part in corpus.toml: the key of its tables, and the key of its models that
-// manifest.toml has. The first part is the corpus, the second the rest of the whole corpus.
+// One of the two parts of corpus.toml: the corpus, and the rest of the whole corpus. A part lists its meshes under two
+// keys: `models` is the key of its tables [KEY.NAME], and `manifest` the key of a list of names of manifest.toml.
 struct Part {
     const char *models, *manifest;
 };
@@ -74,7 +74,7 @@ Corpus read_corpus(const std::filesystem::path& file, const std::vector<ModelInf
                                             part.manifest, name, nearest_hint(name, {there.begin(), there.end()})));
             corpus.whole.push_back(name);
         }
-        if (corpus.names.empty()) corpus.names = corpus.whole;  // the first part
+        if (corpus.names.empty()) corpus.names = corpus.whole;  // `whole` has only the first part so far
     }
     for (auto* names : {&corpus.names, &corpus.whole}) std::sort(names->begin(), names->end());
     const auto twice = std::adjacent_find(corpus.whole.begin(), corpus.whole.end());

@@ -39,12 +39,13 @@ PointSet choose_points(const Points& points, Index count, std::uint64_t seed) {
 }
 
 PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t seed) {
-    std::vector<double> area_up_to;
+    std::vector<double> area_up_to;  // twice the area of the triangles up to each one, in scaled coordinates
     double area = 0;
     const auto corner = [&](Eigen::Index t, int k) -> Vec3 {
         return mesh.vertices.row(mesh.triangles(t, k)).transpose();
     };
-    // Scales by a power of two, so that no area underflows next to the whole area: the norm squares it.
+    // Scales the mesh by a power of two to an extent of about 1. Otherwise the areas of a tiny mesh would underflow
+    // when norm() squares them.
     const double extent = longest_side(mesh.vertices);
     const int exponent = extent > 0 && std::isfinite(extent) ? -std::ilogb(extent) : 0;
     const auto edge = [&](Eigen::Index t, int k) -> Vec3 {
@@ -92,7 +93,7 @@ Shape normalised(const Given& g) {
     return with_points(g, points);
 }
 
-// Returns `distance` times (2, 1, 2) / 3, a unit vector: the box grows along every axis.
+// Returns a vector of length `distance`, along (2, 1, 2) / 3, so that the bounding box grows along every axis.
 Eigen::RowVector3d away(const Given& g) { return g.real("distance") * Eigen::RowVector3d(2, 1, 2) / 3; }
 
 Points stacked(const Points& above, const Points& below) {
@@ -126,7 +127,7 @@ Shape with_copy(const Given& g) {
     return TriangleMesh{all, triangles};
 }
 
-// Rotates by the unit quaternion (1, t axis / |axis|) / sqrt(1 + t^2).
+// Rotates by the unit quaternion (1, t * axis / |axis|) / sqrt(1 + t^2), where t is the tangent of half the angle.
 Shape rotated(const Given& g) {
     const Vec3 axis = at_unit_scale(g.xyz());
     const double t = g.real("t");

@@ -24,6 +24,7 @@ namespace SMS = CGAL::Surface_mesh_simplification;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
+// Returns the mesh as a manifold (see derive.h). Throws InputError if that is not possible.
 SurfaceMesh manifold(const TriangleMesh& soup, const char* operation) {
     const TriangleMesh mesh = weld(soup);
     std::vector<Kernel::Point_3> points;
@@ -36,7 +37,7 @@ SurfaceMesh manifold(const TriangleMesh& soup, const char* operation) {
             faces.push_back({corner(0), corner(1), corner(2)});
     }
     PMP::merge_duplicate_polygons_in_polygon_soup(points, faces);
-    PMP::orient_polygon_soup(points, faces);  // duplicates vertices that several surfaces share
+    PMP::orient_polygon_soup(points, faces);  // also duplicates vertices at which several surfaces touch
     PMP::remove_isolated_points_in_polygon_soup(points, faces);
     if (faces.empty() || !PMP::is_polygon_soup_a_polygon_mesh(faces))
         throw InputError(std::string(operation) + ": the mesh cannot be made a manifold");
@@ -61,7 +62,7 @@ TriangleMesh soup(const SurfaceMesh& mesh) {
     return result;
 }
 
-// A stop condition on triangles: CGAL 5.5 can only count edges.
+// A condition for CGAL's edge collapse to stop. CGAL 5.5 itself can only stop at a number of edges.
 struct FewEnoughTriangles {
     std::size_t triangles;
 

@@ -1,4 +1,4 @@
-// Operations for cases whose distance is known: for coordinates with few bits the results are exact.
+// Operations that are exact if the coordinates have few bits; they make shapes whose distance is known.
 #include "datasets/derive.h"
 
 #include "algorithms/error.h"
@@ -27,7 +27,8 @@ Shape nudged(const Given& g) {
     return with_points(g, points);
 }
 
-// Repeats all elements. A mesh copies its vertices too, or else repeats its faces over the same vertices.
+// Repeats all elements `count` times. If `vertices` is 1, each copy of a mesh has its own vertices; otherwise all
+// copies of its faces use the same vertices.
 Shape repeated(const Given& g) {
     const Points& points = g.points();
     const Index count = g.whole("count");
@@ -80,7 +81,7 @@ Shape shuffled(const Given& g) {
 
 std::vector<Recipe> exact_operations() {
     const NumberSpec x = coordinate("x"), y = coordinate("y"), z = coordinate("z");
-    const NumberSpec fx{"x"}, fy{"y"}, fz{"z"};  // factors
+    const NumberSpec fx{"x"}, fy{"y"}, fz{"z"};  // factors for the coordinates
     return {{"move",
              "by lengths",
              {x, y, z},

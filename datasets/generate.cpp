@@ -14,16 +14,17 @@
 namespace hausbench {
 namespace {
 
-// Returns the point at k/n of a turn: by the Taylor series, after exact reduction to an eighth of a turn in integers.
+// Returns the point of the unit circle after k/n of a turn, 0 <= k < n. Reduces the angle to an eighth of a turn
+// exactly, in integers, and then uses the Taylor series.
 Circle circle_point(std::int64_t k, std::int64_t n) {
     const std::int64_t eighth = 8 * k / n;         // 0..7
     const std::int64_t rest = 8 * k - eighth * n;  // position within the eighth, in units of 1/n
-    const bool mirrored = eighth % 2 == 1;         // odd eighths run backwards from the next quarter
+    const bool mirrored = eighth % 2 == 1;         // in an odd eighth, the angle is measured back from its end
     const double part = static_cast<double>(mirrored ? n - rest : rest) / static_cast<double>(n);
     Circle point = circle_near_zero(part * 0.78539816339744830961);
     if (mirrored) std::swap(point.cosine, point.sine);
     point = turned(point, static_cast<int>(eighth / 2));
-    return {point.cosine + 0.0, point.sine + 0.0};
+    return {point.cosine + 0.0, point.sine + 0.0};  // + 0.0 turns -0 into +0
 }
 
 class MeshBuilder {
@@ -33,11 +34,12 @@ public:
         return static_cast<Index>(points_.size() - 1);
     }
     void triangle(Index a, Index b, Index c) { triangles_.push_back({a, b, c}); }
-    void square(Index a, Index b, Index c, Index d) {  // corners in order; cut from a to c
+    void square(Index a, Index b, Index c, Index d) {  // corners in cyclic order; split from a to c
         triangle(a, b, c);
         triangle(a, c, d);
     }
-    // For vertices numbered row by row; joins the last row and column with the first.
+    // Adds the squares of a grid whose vertices are numbered row by row and whose last row and column are joined to the
+    // first ones.
     void closed_grid(Index rows, Index columns) {
         for (Index i = 0; i < rows; ++i)
             for (Index j = 0; j < columns; ++j) {
@@ -73,7 +75,8 @@ TriangleMesh icosphere(const Given& g) {
             corners.emplace_back(a, b, 0);
             corners.emplace_back(b, 0, a);
         }
-    // The faces are the triples of corners whose distances are an edge length, 2; the next larger distance is 3.2.
+    // Three corners form a face if their distances are all an edge length, which is 2. The next larger distance is 3.2,
+    // so a squared distance below 5 means an edge.
     const auto joined = [&](std::size_t i, std::size_t j) { return (corners[i] - corners[j]).squaredNorm() < 5; };
     MeshBuilder builder;
     for (const Vec3& p : corners) builder.vertex(p.x(), p.y(), p.z());
@@ -141,8 +144,8 @@ TriangleMesh torus(const Given& g) {
     return builder.mesh();
 }
 
-// Sweeps a rectangle from bore to rim around the axis. The rim follows the teeth: a quarter of
-// each is tip, a quarter is root, with straight flanks between them.
+// Sweeps a rectangle, which extends from the bore to the rim, around the axis. The rim follows the teeth: a quarter of
+// each tooth is its tip and a quarter is its root, with straight flanks between them.
 TriangleMesh gear(const Given& g) {
     const int steps = g.whole("steps"), rings = g.whole("rings"), layers = g.whole("layers");
     const double outer = g.real("outer"), root = g.real("root"), bore = g.real("bore"), height = g.real("height");
@@ -251,7 +254,7 @@ const std::vector<Recipe>& recipes() {
 
 namespace {
 
-// Makes the message one line: names and places may come from strings with line breaks.
+// Throws InputError. The message becomes one line, because names in it may come from strings with line breaks.
 [[noreturn]] void refuse(std::string why) { throw InputError(one_line(std::move(why))); }
 
 }  // namespace

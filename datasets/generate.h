@@ -1,5 +1,5 @@
-// Shapes made by recipes that use only + - x / and sqrt, so that the result has the same bits on
-// every x86-64; a test checks the hashes.
+// Recipes that generate shapes. They use only +, -, *, / and sqrt, so that the shapes have the same bits on every
+// x86-64 machine; a test checks their hashes.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -19,7 +19,7 @@ struct NumberSpec {
     std::string name;
     bool whole = false;
     double least = -1e300, most = 1e300;  // the allowed range, ends included
-    bool required = true;                 // if not required and not given, it is absent from Numbers
+    bool required = true;                 // otherwise it may be absent from Numbers
 };
 
 inline NumberSpec whole_number(const char* name, double least, double most) { return {name, true, least, most}; }
@@ -27,7 +27,7 @@ inline NumberSpec seed_number(const char* name = "seed") { return whole_number(n
 inline NumberSpec coordinate(const char* name) { return {name, false, -1e100, 1e100}; }
 inline NumberSpec length(const char* name, double least = 1e-100) { return {name, false, least, 1e100}; }
 
-// The input of a recipe: its numbers, and for the operations of derive.h also a shape.
+// The input of a recipe: its numbers and, for an operation of derive.h, the shape that it is applied to.
 struct Given {
     const Numbers& numbers;
     const Shape* origin = nullptr;
@@ -51,18 +51,20 @@ template <class List> std::vector<std::string> names_of(const List& list) {
     return names;
 }
 
-// Throws InputError for an unknown name; the message begins with `what` ("unknown recipe") and names the nearest.
+// Returns the recipe of this name. Throws InputError if there is none; the message begins with `what` ("unknown
+// recipe") and has the nearest known name.
 const Recipe& find_recipe(const std::vector<Recipe>& list, const std::string& name, const std::string& what);
 
-// `hausbench list keys` explains them.
+// All recipes. `hausbench list keys` prints them with their explanations.
 const std::vector<Recipe>& recipes();
-std::vector<Recipe> point_recipes();  // the recipes for points, in point_recipes.cpp
+std::vector<Recipe> point_recipes();  // the recipes for point sets, in point_recipes.cpp
 
-// Throws InputError for an unknown name (names the nearest), a missing one, a fraction where an
-// integer is required, or a number out of range. `where` begins every message.
+// Throws InputError if a number has a name that the recipe does not know (the message has the nearest known one), if a
+// required number is missing, or if a number is out of range or a fraction instead of an integer. Every message begins
+// with `where`.
 void check_numbers(const std::string& where, const Recipe& recipe, const Numbers& numbers);
 
-// Requires numbers that passed check_numbers(). Throws InputError for an unknown recipe.
+// Makes a shape. Requires numbers that passed check_numbers(). Throws InputError for an unknown recipe.
 Shape generate(const std::string& recipe, const Numbers& numbers);
 
 }  // namespace hausbench

@@ -17,17 +17,18 @@ class Sha256 {
 public:
     Sha256();
     Sha256& add(const void* bytes, std::size_t count);
-    // Hashes the length, too, so that two fields cannot be confused with one.
+    // Also adds the length of the text, so that "ab", "c" and "a", "bc" give different hashes.
     Sha256& add(std::string_view text);
-    // Hashes the rest of the stream, but at most `most` bytes.
+    // Adds the rest of the stream, but at most `most` bytes.
     Sha256& add_stream(std::istream& in, std::uint64_t most);
-    std::string hex();  // 64 lower-case digits; ends the hash
+    // Returns the hash as 64 lower-case hexadecimal digits. Nothing can be added after this call.
+    std::string hex();
 
 private:
     std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
 };
 
-// Throws InputError if the file cannot be read.
+// Returns the hash of the file's bytes. Throws InputError if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);
 
 }  // namespace hausbench

@@ -36,7 +36,8 @@ namespace {
 
 static_assert(std::is_same_v<hid_t, std::int64_t>, "File::id_ holds an hid_t");
 
-// Returns the library's message about the first error.
+// Returns why the last call of the library failed: the innermost message of its error stack, which is the most
+// specific.
 std::string library_message() {
     std::string text;
     const auto visit = [](unsigned, const H5E_error2_t* error, void* data) -> herr_t {
@@ -46,10 +47,10 @@ std::string library_message() {
     };
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &text);
     H5Eclear2(H5E_DEFAULT);
-    return text.empty() ? "HDF5 gave no reason" : printable(text);  // it may quote the file
+    return text.empty() ? "HDF5 gave no reason" : printable(text);  // the text may quote bytes of the file
 }
 
-// The place that messages name: a file, or an object in it.
+// The file, or the object in it, that an operation works on; error messages begin with it.
 struct Place {
     const std::filesystem::path& file;
     std::string object = "";
@@ -107,7 +108,7 @@ void write_dataset(hid_t file, const Place& at, hid_t type, const void* values, 
     const hsize_t extent[2] = {count / columns, columns};
     const Id space(at, H5Screate_simple(columns > 1 ? 2 : 1, extent, nullptr), H5Sclose);
     const Id creation(at, H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    at.check(H5Pset_obj_track_times(creation, 0));  // same contents give the same bytes
+    at.check(H5Pset_obj_track_times(creation, 0));  // no times, so that the same contents give the same bytes
     const Id dataset(at, H5Dcreate2(file, at.object.c_str(), type, space, links_with_groups(at), creation, H5P_DEFAULT),
                      H5Dclose);
     if (count > 0) at.check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
@@ -117,7 +118,7 @@ std::string group_name(const std::string& group) { return group.empty() ? "/" : 
 
 std::string attribute_name(const std::string& group, const std::string& name) { return group_name(group) + "@" + name; }
 
-// H5Lexists requires that every parent of the path exists.
+// Returns whether a path exists. Checks its parents one by one, because H5Lexists fails if a parent does not exist.
 bool exists(hid_t file, const std::string& name) {
     if (name.empty() || name == "/") return true;
     for (std::size_t slash = name.find('/', 1);; slash = name.find('/', slash + 1)) {
@@ -135,7 +136,7 @@ std::string file_of(hid_t object) {
     return name;
 }
 
-// Refuses objects in other files, to which a link may lead.
+// Throws if an object is in another file: a link may lead there.
 void expect_in(hid_t file, hid_t object, const Place& at) {
     if (file_of(object) != file_of(file)) at.fail("is in another file, which is not read");
 }
@@ -158,8 +159,8 @@ void write_attribute(hid_t file, const Place& at, const std::string& group, cons
     at.check(H5Awrite(attribute, type, value));
 }
 
-// The values of a dataset or an attribute. A file's claims about them are not trusted: only
-// values stored in this file itself are read, and no more of them than it has room for.
+// The values of a dataset or an attribute. A damaged or malicious file may describe them wrongly, so only values that
+// are stored in this file itself are read, and only if the file is large enough to contain as many as it claims.
 class Values {
 public:
     static Values of_dataset(hid_t file, const Place& at) {
@@ -215,7 +216,8 @@ private:
         return values;
     }
 
-    // Reads the wider type and checks its values, because the library clamps values that do not fit without an error.
+    // Reads values as the type Wide, of 64 bits, and checks that they fit T. The library itself would clamp values that
+    // do not fit, without an error.
     template <class T, class Wide> std::vector<T> narrowed() const {
         std::vector<T> values;
         for (const Wide value : raw<Wide>(native<Wide>())) {
@@ -225,7 +227,8 @@ private:
         return values;
     }
 
-    // Returns 1 if an attribute holds one value, else fails: more values would be written past the end of the buffer.
+    // Returns 1 if an attribute has one value, otherwise throws: H5Aread would write more values past the end of the
+    // buffer.
     std::size_t one() const {
         const Id space(at_, H5Aget_space(object_), H5Sclose);
         if (H5Sget_simple_extent_type(space) == H5S_NULL || H5Sget_simple_extent_npoints(space) != 1)
@@ -243,7 +246,7 @@ private:
         if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT)
             at_.fail("is a view of other datasets, which is not read");
         if (H5Pget_external_count(creation) != 0) at_.fail("is kept in another file, which is not read");
-        constexpr std::size_t most_bytes_of_one = 1032;  // for deflate, the library's strongest filter
+        constexpr std::size_t most_bytes_of_one = 1032;  // of a stored byte, by deflate, the strongest filter
         const auto values = static_cast<std::size_t>(at_.check(H5Sget_simple_extent_npoints(space)));
         const std::size_t stored = H5Dget_storage_size(object_);
         if (stored > std::filesystem::file_size(at_.file)) at_.fail("is larger than its file");
@@ -260,11 +263,11 @@ private:
 }  // namespace
 
 File::File(const std::filesystem::path& file, Open how) : path_(file), created_(how == Open::create) {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors become exceptions; print nothing
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // prints no errors: they become exceptions
     H5Eclear2(H5E_DEFAULT);
     const Place at{path_};
     if (created_) {
-        constexpr std::size_t growth = 1 << 20;  // bytes
+        constexpr std::size_t growth = 1 << 20;  // bytes by which the file in memory grows at a time
         const Id access(at, H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
         at.check(H5Pset_fapl_core(access, growth, 0));
         id_ = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
@@ -284,8 +287,8 @@ void File::close() {
     Place{path_}.check(H5Fclose(std::exchange(id_, -1)));
 }
 
-// Takes the bytes from memory and writes them here, because the library cannot close a file that
-// it failed to write, and then crashes at exit.
+// Copies the bytes of the file from the library's memory and writes them to disk without the library. If HDF5 itself
+// fails to write a file, it cannot close the file and crashes at exit.
 void File::save() const {
     const Place at{path_};
     at.check(H5Fflush(id_, H5F_SCOPE_LOCAL));

@@ -18,19 +18,19 @@ public:
     File(const File&) = delete;
     File& operator=(const File&) = delete;
 
-    // Writes a created file at once and flushes it to disk (fsync); without this call nothing is
-    // written. The file is built in memory, so writing takes twice its size there.
+    // Closes the file. A created file is in memory until then: this call writes it to disk in one piece, and flushes it
+    // (fsync). Without this call nothing is written. Writing takes twice the size of the file in memory.
     void close();
 
-    // Datasets: `name` may contain groups ("cases/lower"), which are created as needed. `columns`
-    // > 1 makes a matrix, row-major.
+    // Writes a dataset. `name` may contain groups ("cases/lower"), which are created as needed. If `columns` > 1, the
+    // dataset is a matrix, whose values are given row by row.
     template <class T>  // double, or a signed or unsigned integer of 64 bits, or one of 32
     void write(const std::string& name, const std::vector<T>& values, std::size_t columns = 1);
-    // Writes variable-length UTF-8 strings.
+    // Writes a dataset of variable-length UTF-8 strings.
     void write(const std::string& name, const std::vector<std::string>& values);
 
     std::vector<double> read_doubles(const std::string& name) const;
-    // These read any integer type whose values fit.
+    // The next three read integers of any type, and throw if a value does not fit the type that they return.
     std::vector<std::int64_t> read_integers(const std::string& name) const;
     std::vector<std::uint64_t> read_unsigned(const std::string& name) const;
     std::vector<std::int32_t> read_indices(const std::string& name) const;
@@ -39,7 +39,8 @@ public:
     bool has(const std::string& name) const;
     std::vector<std::string> children(const std::string& group) const;
 
-    // Attributes of a group ("" or "/" is the root). Writing creates the group if needed.
+    // Attributes of a group ("" or "/" is the root). Writing creates the group if needed and replaces an attribute of
+    // the same name.
     void attribute(const std::string& group, const std::string& name, const std::string& value);
     void attribute(const std::string& group, const std::string& name, std::int64_t value);
     std::string text_attribute(const std::string& group, const std::string& name) const;

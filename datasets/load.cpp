@@ -43,7 +43,8 @@ void check(const std::string& name, const Soup& soup) {
                                              soup.points.size()));
 }
 
-// Removes corners equal to their predecessor while more than three remain.
+// Returns the face without corners that repeat their predecessor. If fewer than three corners remain, returns the first
+// three of the face, a degenerate triangle, instead.
 std::vector<std::size_t> without_repeats(const std::vector<std::size_t>& face) {
     std::vector<std::size_t> corners;
     for (const std::size_t v : face)
@@ -52,7 +53,8 @@ std::vector<std::size_t> without_repeats(const std::vector<std::size_t>& face) {
     return corners.size() < 3 ? std::vector(face.begin(), face.begin() + 3) : corners;
 }
 
-// Returns the triangles of all faces, three corners each.
+// Returns the corners of the triangles of all faces, three for each triangle. Counts in `polygons` the faces that it
+// splits.
 std::vector<Index> triangles_of(const Soup& soup, std::int64_t& polygons) {
     std::vector<Index> corners;
     for (const auto& face : soup.faces) {
@@ -106,7 +108,7 @@ LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool m
         throw InputError(name + ": has more triangles than can be numbered");
     TriangleMesh mesh = without_unused(
         points, Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3));
-    // A format that repeats vertices has no unused ones.
+    // With `merge`, the dropped vertices are repetitions of others, not unreferenced vertices of the file.
     if (report.unreferenced && !merge) report.unreferenced = points.rows() - mesh.vertices.rows();
     return {std::move(mesh), report};
 }
@@ -124,7 +126,9 @@ std::string extension_of(const std::filesystem::path& file) {
     return extension.empty() ? "" : extension.substr(1);
 }
 
-// Limits on inflation. gzip shrinks numbers to about a tenth; only pure repetition shrinks to a thousandth.
+// A gzipped file may inflate to `inflation` times its size, and to `inflated_anyway` bytes in any case. gzip shrinks
+// numbers to about a tenth; only a repetition of the same bytes, as in a file made to fill the memory, shrinks to a
+// thousandth.
 constexpr std::size_t inflation = 200, inflated_anyway = std::size_t{1} << 26;
 
 // Returns the whole file, decompressed if it is gzipped (zlib tests the first two bytes).
@@ -139,7 +143,7 @@ std::string read_all(const std::filesystem::path& file) {
         const int count = gzread(in.get(), buffer.data(), static_cast<unsigned>(buffer.size()));
         int code = 0;
         const std::string why = gzerror(in.get(), &code);
-        // For a truncated archive gzread reports no error but sets this code.
+        // For a truncated archive gzread returns no error, but gzerror gives a code.
         if (count < 0 || (count == 0 && code != Z_OK)) throw InputError(file.string() + ": cannot be inflated: " + why);
         if (count == 0) return bytes;
         bytes.append(buffer.data(), static_cast<std::size_t>(count));

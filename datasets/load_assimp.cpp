@@ -22,10 +22,11 @@ void refuse_utf16(const std::filesystem::path& file) {
 }
 
 struct Tally {
-    std::int64_t meshes = 0, polygons = 0;
+    std::int64_t meshes = 0, polygons = 0;  // polygons: faces of more than three corners
 };
 
-// Counts every instance of a mesh, since the soup contains each.
+// Counts the meshes of a node and of all nodes below it. A mesh that several nodes use counts once for each, because
+// the soup contains a copy for each.
 void count(const aiScene& scene, const aiNode& node, Tally& tally) {
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
         const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
@@ -35,11 +36,12 @@ void count(const aiScene& scene, const aiNode& node, Tally& tally) {
     for (unsigned i = 0; i < node.mNumChildren; ++i) count(scene, *node.mChildren[i], tally);
 }
 
-// Returns null if assimp cannot read the file; the importer then has the reason. `extension` is the file's own.
+// Returns null if assimp cannot read the file; the importer then has the reason. `extension` is the extension of the
+// file, and `format` the extension that assimp should assume instead, if it is not empty.
 const aiScene* read_scene(Assimp::Importer& importer, const std::filesystem::path& file, const std::string& extension,
                           const std::string& format) {
     if (format.empty() || format == extension)
-        return importer.ReadFile(file.string(), 0);  // not from memory, as it may refer to other files
+        return importer.ReadFile(file.string(), 0);  // by its path, because the file may refer to others beside it
     std::ifstream in(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     return importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str());
@@ -73,7 +75,7 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     Tally tally;
     if (scene && scene->mRootNode) {
         count(*scene, *scene->mRootNode, tally);
-        // Applies every node's transformation to the vertices of a separate copy of the mesh.
+        // Gives each node its own copies of its meshes, and applies the node's transformation to their vertices.
         if (tally.meshes > 0)
             scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
     }

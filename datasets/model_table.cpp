@@ -14,12 +14,12 @@
 namespace hausbench {
 namespace {
 
-// Returns the source of a model whose table in an experiment does not give it.
+// Returns the source of a model of an experiment if its table has no key `source`.
 std::string kind_of_model(const toml::table& content) {
     return content.contains("path") ? "file" : content.contains("from") ? "derived" : "generated";
 }
 
-// One [model.NAME] table.
+// Reads one [model.NAME] table.
 class ModelTable {
 public:
     ModelTable(const TomlReader& in, const std::string& name, const toml::table& content, const std::string& from)
@@ -73,7 +73,7 @@ private:
         model_.path = required("path");
         model_.sha256 = package ? required("sha256") : table_.text("sha256", "");
         model_.format = table_.text("format", "");
-        table_.allow({"triangles"});  // information for readers of the manifest
+        table_.allow({"triangles"});  // not used; for human readers of the manifest
         if (!model_.sha256.empty() &&
             (model_.sha256.size() != 64 || model_.sha256.find_first_not_of("0123456789abcdef") != std::string::npos))
             table_.fail(*content_.get("sha256"), "sha256 must be 64 digits of 0-9 and a-f");
@@ -88,7 +88,7 @@ private:
             check_numbers(where(content_), read_numbers("recipe", recipes()), model_.numbers);
     }
 
-    // Reads the coordinates that the table lists.
+    // Reads `vertices` and `triangles`, or `points`.
     void read_listed() {
         model_.recipe = "listed";
         if (!content_.contains("vertices")) {
@@ -130,7 +130,7 @@ private:
         check_operation(where(content_), read_numbers("operation", operations()), model_.numbers);
     }
 
-    // Returns the recipe or operation that the model names, and reads its numbers.
+    // Returns the recipe or operation with the name model_.recipe, after reading its numbers into model_.numbers.
     const Recipe& read_numbers(const char* key, const std::vector<Recipe>& known) {
         const Recipe& recipe =
             find_recipe(known, model_.recipe, fmt::format("{}: unknown {}", where(*content_.get(key)), key));

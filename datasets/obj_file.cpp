@@ -9,7 +9,8 @@
 namespace hausbench::readers {
 namespace {
 
-// Removes a UTF-8 byte order mark; converts UTF-16 to ASCII (other characters occur only in names and comments).
+// Returns the text without a byte order mark. Converts UTF-16 to ASCII, with '?' for other characters, which occur only
+// in names and comments.
 std::string as_ascii(std::string_view bytes) {
     if (bytes.starts_with("\xef\xbb\xbf")) return std::string(bytes.substr(3));
     const bool little = bytes.starts_with("\xff\xfe"), big = bytes.starts_with("\xfe\xff");
@@ -22,8 +23,8 @@ std::string as_ascii(std::string_view bytes) {
     return narrow;
 }
 
-// Removes the first line from `bytes` and returns it, joined with the following lines as long as
-// a backslash ends it; counts lines in `number`.
+// Removes the first line from `bytes` and returns it. While it ends with a backslash, also removes the next line and
+// appends it. Adds the number of removed lines to `number`.
 std::string next_statement(std::string_view& bytes, std::uint32_t& number) {
     std::string statement;
     for (bool goes_on = true; goes_on && !bytes.empty(); ++number) {
@@ -34,7 +35,8 @@ std::string next_statement(std::string_view& bytes, std::uint32_t& number) {
     return statement;
 }
 
-// Returns the vertices of a face. Ignores texture and normal of a corner, which follow slashes.
+// Returns the vertices of a face, numbered from 0; finish() checks that they exist. Ignores the texture and the normal
+// of a corner, which follow slashes. `points` is the number of vertices read so far.
 std::vector<std::size_t> face_of(const std::string& name, std::string_view line, std::uint32_t number,
                                  std::size_t points) {
     std::vector<std::size_t> face;

@@ -1,5 +1,5 @@
-// Reads OFF as text: a header, whose keyword may be missing, then one line for each vertex and
-// for each face. Ignores colours, normals and texture coordinates after the numbers that it uses.
+// Reads OFF as text: a header, whose keyword may be missing, then one line for each vertex and for each face. Ignores
+// the colours, normals and texture coordinates that may follow in a line.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/readers.h"
@@ -15,15 +15,16 @@ namespace {
 
 struct Line {
     std::string_view text;
-    std::uint32_t number;
+    std::uint32_t number;  // in the file, from 1
 };
 
 struct OffHeader {
-    bool four = false;  // 4OFF: a fourth number divides the three
-    std::size_t points = 0, faces = 0, lines = 0;
+    bool four = false;  // 4OFF: a vertex has a fourth number, by which x, y and z are divided
+    std::size_t points = 0, faces = 0, lines = 0;  // `lines`: of the header itself
 };
 
-// Returns an integer below `end`, or nothing. Some files write integers with a decimal point.
+// Returns an integer from 0 to end - 1, or nothing if the word is not one. Some files write integers with a decimal
+// point.
 std::optional<std::size_t> number_below(std::size_t end, std::string_view word) {
     const auto value = decimal(word);
     if (!value || !(*value >= 0 && *value < static_cast<double>(end)) || std::floor(*value) != *value)
@@ -31,10 +32,11 @@ std::optional<std::size_t> number_below(std::size_t end, std::string_view word) 
     return static_cast<std::size_t>(*value);
 }
 
+// Returns the number of vertices or faces that the header of a file of `size` bytes announces.
 std::size_t count_of(const std::string& name, std::string_view word, const char* what, std::size_t size) {
     const std::string_view number = word.substr(0, word.find(','));
-    // The shortest line of either kind has two characters. A header with a larger count is wrong
-    // and would cost memory.
+    // The line of a vertex or face takes at least two bytes, so a count above size / 2 is wrong. Refusing it here saves
+    // the memory for that many elements.
     if (const auto value = number_below(size / 2 + 1, number)) return *value;
     const bool whole = bool(number_below(std::numeric_limits<std::size_t>::max(), number));
     throw InputError(
@@ -98,7 +100,7 @@ void add_face(const std::string& name, Line line, Soup& soup) {
 Soup read_off(const std::string& name, std::string_view bytes) {
     if (bytes.find('\0') != std::string_view::npos)
         throw InputError(name + ": binary OFF is not supported: convert it to text");
-    std::vector<Line> lines;  // except empty ones
+    std::vector<Line> lines;  // without empty lines and comments
     std::string_view rest = bytes;
     for (std::uint32_t number = 1; !rest.empty(); ++number) {
         const std::string_view line = next_line(rest);

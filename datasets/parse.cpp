@@ -47,8 +47,8 @@ template <class Real> std::optional<Real> decimal(std::string_view text) {
     Real value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (end != text.data() + text.size() || text.empty()) return std::nullopt;
-    // Too large, or so small that it rounds to a subnormal or to zero: from_chars does not round
-    // these; strtod does, and correctly.
+    // from_chars leaves the value unset if a number is too large, or so small that it rounds to a subnormal number or
+    // to zero. strtod rounds these correctly.
     if (error == std::errc::result_out_of_range) {
         const std::string copy(text);
         if constexpr (sizeof(Real) == sizeof(float))

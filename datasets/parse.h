@@ -26,11 +26,11 @@ std::string_view next_word(std::string_view& line);
 // Removes the first line, up to \n, \r\n or \r (old Macs), from `bytes` and returns it without the line end.
 std::string_view next_line(std::string_view& bytes);
 
-// Returns the nearest number of this precision to a decimal number; infinity beyond the largest.
-// Returns nothing if the text is not a number.
+// Returns the double or float nearest to a decimal number; infinity if the number is too large. Returns nothing if the
+// text is not a number.
 template <class Real = double> std::optional<Real> decimal(std::string_view text);
 
-// Returns nothing if the text is not an integer or does not fit.
+// Returns an integer, or nothing if the text is not an integer or the integer does not fit the type.
 template <class Integer> std::optional<Integer> whole(std::string_view text) {
     Integer value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -42,9 +42,9 @@ struct Stored {
     char kind = 'F';
     std::uint64_t size = 4;
 
-    bool known() const;
+    bool known() const;  // whether value() can read it
     bool is_float32() const { return kind == 'F' && size == 4; }
-    double value(const char* at) const;  // in this machine's byte order
+    double value(const char* at) const;  // of the bytes at this address, in this machine's byte order
 };
 
 }  // namespace hausbench::readers

@@ -18,8 +18,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns whether the place belongs to this user, to root or to the owner of the program, and no
-// other user may write to it. A group may, if the owner is its only member, as `adduser` creates it.
+// Returns whether a file or folder belongs to this user, to root or to the owner of the program, and no other user may
+// write to it. Write permission for a group is accepted only for root's group and for the owner's personal group, which
+// `adduser` creates with the name of the user.
 bool is_ours(const fs::path& place) {
     struct stat state {
     }, program{};
@@ -32,12 +33,13 @@ bool is_ours(const fs::path& place) {
     return user && members && user->pw_gid == state.st_gid && std::string_view(user->pw_name) == members->gr_name;
 }
 
-// Returns whether a folder is share/hausbench of an installation. That is not a project: results
-// and the cache do not belong there.
+// Returns whether a folder is share/hausbench of an installation. Though it has a manifest, it is not a project:
+// results and the cache do not belong there.
 bool is_installed(const fs::path& folder) {
     return folder.filename() == "hausbench" && folder.parent_path().filename() == "share";
 }
 
+// Returns whether a folder is the root of a project. Throws InputError if it is, but another user can write to it.
 bool is_root(const fs::path& folder) {
     if (is_installed(folder)) return false;
     std::error_code unreadable;

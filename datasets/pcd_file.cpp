@@ -21,17 +21,17 @@ struct Field {
     std::string_view name;
     Stored type;
     std::uint64_t count = 1;
-    std::uint64_t offset = 0, column = 0;  // bytes from the start of a record; number in a text line
+    std::uint64_t offset = 0, column = 0;  // position in bytes within the data of a point; index in a line of text
 };
 
-constexpr std::uint64_t most = std::uint64_t{1} << 40;
+constexpr std::uint64_t most = std::uint64_t{1} << 40;  // limit on the numbers in a header; larger ones are damage
 
 struct PcdHeader {
     std::vector<Field> fields;
-    std::array<Field, 3> axes;
-    std::uint64_t points = 0, record = 0;  // number of points; bytes of one
-    std::string_view data, body;
-    std::uint32_t lines = 0;  // of the header
+    std::array<Field, 3> axes;             // the fields x, y and z
+    std::uint64_t points = 0, record = 0;  // number of points; bytes of one point
+    std::string_view data, body;           // the word after DATA; the bytes after the header
+    std::uint32_t lines = 0;               // of the header
 };
 
 class PcdHeaderReader {
@@ -128,7 +128,8 @@ private:
     std::map<std::string_view, std::uint64_t> counts_;
 };
 
-// Reads points stored record by record or, in a compressed file, field by field.
+// Reads binary points. They are stored point by point or, if `by_field` as in a compressed file, field by field: the x
+// of all points, then the y of all points, and so on.
 Soup from_binary(const std::string& name, const PcdHeader& header, std::string_view body, bool by_field) {
     if (header.points > 0 && body.size() / header.points < header.record)
         throw InputError(fmt::format("{}: is truncated: {} points of {} bytes are announced, and {} bytes are there",
@@ -155,7 +156,8 @@ std::string inflated(const std::string& name, std::string_view body) {
     if (body.size() < 8 || body.size() - 8 < packed)
         throw InputError(fmt::format("{}: is truncated: {} compressed bytes are announced, and {} are there", name,
                                      packed, body.size() < 8 ? 0 : body.size() - 8));
-    // LZF writes at most 264 bytes for each 3 that it reads. A larger number means damage and would only take memory.
+    // LZF writes at most 264 bytes for each 3 that it reads, 88 for one. If the header announces more, the file is
+    // damaged, and allocating that much memory would be a waste.
     if (full / 88 > packed) throw InputError(name + ": is damaged: its bytes cannot inflate to the announced size");
     std::string out(full, '\0');
     if (lzf_decompress(body.data() + 8, packed, out.data(), full) != full)
@@ -182,7 +184,7 @@ Soup read_pcd(const std::string& name, std::string_view bytes) {
         soup = from_binary(name, header, header.body, false);
     } else if (header.data == "binary_compressed") {
         const std::string fields = inflated(name, header.body);
-        // With another number of points, each field would begin at another place.
+        // More bytes mean that the number of points is wrong; then all fields after the first would begin elsewhere.
         if (fields.size() > header.points * header.record)
             throw InputError(fmt::format("{}: is damaged: {} points of {} bytes are announced, and {} bytes are there",
                                          name, header.points, header.record, fields.size()));

@@ -1,5 +1,5 @@
-// Reads PLY, text or binary in either byte order, with numbers and lists of any type. Ignores
-// everything except x, y and z of vertices and the vertex numbers of faces.
+// Reads PLY as text or binary, in either byte order, with numbers and lists of any type. Ignores everything except x, y
+// and z of the vertices and the vertex numbers of the faces.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/readers.h"
@@ -22,9 +22,10 @@ const std::map<std::string, Stored, std::less<>> types = {
 struct Property {
     std::string_view name;
     Stored type;
-    std::optional<Stored> count = std::nullopt;  // only for a list
+    std::optional<Stored> count = std::nullopt;  // type of the length of a list; empty if it is not a list
 
     bool is_corners() const { return count && (name == "vertex_index" || name == "vertex_indices"); }
+    // Returns 0, 1 or 2 for x, y or z; otherwise -1.
     int axis() const { return !count && name.size() == 1 && name >= "x" && name <= "z" ? name[0] - 'x' : -1; }
 };
 
@@ -45,7 +46,7 @@ public:
         read_header();
         if (format_ != "ascii" && format_ != "binary_little_endian" && format_ != "binary_big_endian")
             refuse_file(fmt::format("unknown PLY format '{}'", shown(format_)));
-        std::uint64_t least = 0;  // bytes implied by the counts in the header
+        std::uint64_t least = 0;  // least number of bytes that the announced elements can take
         for (const Element& element : elements_) least += checked(element);
         if (points_ == 0) refuse_file("holds no vertices");
         if (body_.size() + (text() ? 1 : 0) < least)
@@ -54,7 +55,7 @@ public:
                             "{} bytes found after it",
                             points_, faces_, least, body_.size()));
         for (const Element& element : elements_) {
-            if (element.properties.empty()) continue;  // it takes no bytes, so its count may be anything
+            if (element.properties.empty()) continue;  // takes no bytes, so there is nothing to read
             for (std::uint64_t i = 0; i < element.count; ++i) read_one(element);
         }
         return std::move(soup_);
@@ -74,7 +75,7 @@ private:
             if (keyword == "format") format_ = next_word(line);
             if (keyword == "element") add_element(line);
             if (keyword == "property") add_property(line);
-            if (keyword == "end_header") return;  // other words are comments that some writers do not mark
+            if (keyword == "end_header") return;  // ignores other lines: comments, which some writers do not mark
         }
         refuse_file("has no end_header line: truncated, or not a PLY file");
     }
@@ -106,7 +107,9 @@ private:
         return type->second;
     }
 
-    // Refuses an element that cannot belong to a mesh. Returns the least number of bytes that it takes.
+    // Checks an element of the header and counts its vertices or faces. Refuses triangle strips, vertices without x, y
+    // and z, and faces without a list of vertices. Returns the least number of bytes that all elements of this kind can
+    // take.
     std::uint64_t checked(const Element& element) {
         if (element.name == "tristrips" && element.count > 0)
             refuse_file("triangle strips are not supported: convert the file to faces");
@@ -164,7 +167,7 @@ private:
     double number(Stored type) {
         if (text()) {
             const std::string_view word = next_word_of_body();
-            // Rounds once; going through a double could give another float.
+            // Reads a float32 as such, so that it is rounded once. Rounding to double first could give another float.
             const auto value = type.is_float32() ? std::optional<double>(decimal<float>(word)) : decimal(word);
             if (!value || !std::isfinite(*value)) end_early();
             return *value;
@@ -177,7 +180,7 @@ private:
         return type.value(bytes.data());
     }
 
-    // Returns an integer. A negative vertex number becomes a large one, which finish() refuses.
+    // Reads an integer. A negative vertex number becomes a very large one, which finish() refuses.
     std::size_t whole_number(Stored type) {
         const double value = number(type);
         if (std::floor(value) != value || std::abs(value) > 0x1p53) end_early();
@@ -194,9 +197,9 @@ private:
 
     const std::string& name_;
     std::string_view body_, format_;
-    std::uint32_t line_ = 0;  // of the header
+    std::uint32_t line_ = 0;  // current line of the header
     std::vector<Element> elements_;
-    std::uint64_t points_ = 0, faces_ = 0;  // as announced
+    std::uint64_t points_ = 0, faces_ = 0;  // numbers that the header announces
     Soup soup_;
 };
 

@@ -1,11 +1,12 @@
 // Reads point clouds as lines of decimal numbers: .xyz, .pts, .csv, and the points of a text PCD file (pcd_file.cpp).
 //
-// A line has x, y and z, and then anything else (intensity, colours, normals), which is ignored. The separator
-// of a line is ';' if it contains one, else ',' if it contains one, else white space. '#' begins a comment,
-// and so does "//" at the beginning of a line. A line with a single integer gives the number of points (.pts,
-// some .xyz). The first line may be a header, with columns named x, y and z in any order and in upper or lower
-// case; a header of a .csv file without these names is skipped. In a .csv file no line may have more columns
-// than the header, because decimal commas, or a separator within quotes, would shift the numbers.
+// A line has x, y and z, and then anything else (intensity, colours, normals), which is ignored. The separator of a
+// line is ';' if the line contains one, otherwise ',' if it contains one, otherwise white space. '#' begins a comment,
+// and so does "//" at the beginning of a line. A line with a single integer gives the number of points (.pts, some
+// .xyz). The first line may be a header, with columns named x, y and z in any order and in upper or lower case; a
+// header of a .csv file without these names is skipped. A line of a .csv file with more columns than the header is an
+// error: it probably has decimal commas, or a separator within quotes, and its numbers would be read from the wrong
+// columns.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/point_lines.h"
@@ -36,8 +37,8 @@ void split(std::string_view line, std::vector<std::string_view>& fields) {
     }
 }
 
-// Returns whether no field begins like a number. A line with such a field is a point, and an
-// error if it cannot be read.
+// Returns whether a line may be a header: no field is empty or begins like a number. Any other line must be a point,
+// and is an error if it cannot be read as one.
 bool names(const std::vector<std::string_view>& fields) {
     return std::none_of(fields.begin(), fields.end(), [](std::string_view field) {
         return field.empty() || std::string_view("0123456789+-.").find(field.front()) != std::string_view::npos;
@@ -87,7 +88,7 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
 bool PointLines::take_header(std::uint32_t number) {
     std::array<std::size_t, 3> columns{};
     int found = 0;
-    for (std::size_t i = fields_.size(); i-- > 0;)  // backwards: the first of two columns with one name counts
+    for (std::size_t i = fields_.size(); i-- > 0;)  // backwards, so that the first of two columns named "x" counts
         for (std::size_t k = 0; k < 3; ++k)
             if (lower_case(fields_[i]) == std::string(1, "xyz"[k])) {
                 columns[k] = i;

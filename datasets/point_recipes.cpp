@@ -6,8 +6,8 @@
 namespace hausbench {
 namespace {
 
-// Returns a vector whose coordinates are close to normal, with variance 1: the sum of 12 uniform
-// numbers less 6. Takes 36 random numbers.
+// Returns a random vector whose coordinates are close to normally distributed, with mean 0 and variance 1: each is the
+// sum of 12 uniform numbers, minus 6. Uses the random numbers 36 * which, ..., 36 * which + 35.
 Vec3 normal(const Random& random, std::uint64_t which) {
     Vec3 vector;
     std::uint64_t counter = 36 * which;
@@ -19,11 +19,12 @@ Vec3 normal(const Random& random, std::uint64_t which) {
     return vector;
 }
 
+// Returns a random point of the cube [0, 1)^3, from the random numbers 3 * which, ..., 3 * which + 2.
 Vec3 uniform(const Random& random, std::uint64_t which) {
     return {random.uniform(3 * which), random.uniform(3 * which + 1), random.uniform(3 * which + 2)};
 }
 
-// Returns the set of point(random, i) for each i below `count`.
+// Returns the points point(random, i) for all i below the number `count` of the recipe.
 template <class F> PointSet each(const Given& g, F&& point) {
     const Random random(g.seed());
     PointSet set{Points(g.whole("count"), 3)};

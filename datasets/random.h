@@ -1,5 +1,5 @@
-// Random numbers that are the same on every machine: a hash of the seed and a counter
-// (kernel/splitmix.h), never a std:: distribution.
+// Random numbers that are the same on every machine. Each is a hash of the seed and a counter (kernel/splitmix.h);
+// the distributions of the standard library differ from one library to another.
 #pragma once
 
 #include "algorithms/kernel/splitmix.h"
@@ -10,10 +10,10 @@ class Random {
 public:
     explicit Random(std::uint64_t seed) : key_(splitmix(seed + golden_step)) {}
 
-    // Returns the number at one place of the sequence, independent of the order of calls.
+    // Returns 64 random bits: number `counter` of the sequence. The order of calls does not matter.
     std::uint64_t bits(std::uint64_t counter) const { return splitmix(key_ + (counter + 1) * golden_step); }
 
-    // Returns a multiple of 2^-53 in [0, 1).
+    // Returns number `counter` of the sequence as a multiple of 2^-53 in [0, 1).
     double uniform(std::uint64_t counter) const { return static_cast<double>(bits(counter) >> 11) * 0x1p-53; }
 
 private:

@@ -13,40 +13,45 @@
 
 namespace hausbench::readers {
 
-// The contents of a file: faces of any number of corners over shared vertices.
+// The contents of a file: points, and faces with any number of corners, which are indices into `points`. Without faces
+// it is a point cloud.
 struct Soup {
     std::vector<Vec3> points;
     std::vector<std::vector<std::size_t>> faces;
-    // Line numbers in the file, from 1; empty for binary formats.
+    // The line of each point and face, from 1, for error messages; empty if the reader does not know it.
     std::vector<std::uint32_t> point_lines, face_lines;
-    std::int64_t objects = 1;
-    bool float32 = false;  // a coordinate is stored as float32
+    std::int64_t objects = 1;  // number of solids, groups or meshes
+    bool float32 = false;      // some coordinates are stored as float32
 };
 
-// Adds the point given by the first three words of a line. Throws InputError for fewer words, and
-// for a word that is not a number.
+// Adds the point whose coordinates are the first three words of `line`, which has this line number. Throws InputError
+// for fewer words, and for a word that is not a number.
 void add_point(const std::string& name, std::string_view line, std::uint32_t number, Soup& soup);
 
-// Read one format each; finish() then checks the soup. `name` begins every message of the
-// InputErrors that they throw. Each is in the file named after it.
+// Each function reads one format and is in the file of the same name: read_obj() in obj_file.cpp. They throw
+// InputError, with messages that begin with `name`, the name of the file. Coordinates may still be infinite or NaN, and
+// indices out of range: finish() checks them.
 Soup read_obj(const std::string& name, std::string_view bytes);
 Soup read_off(const std::string& name, std::string_view bytes);
-Soup read_stl(const std::string& name, std::string_view bytes);  // repeats equal points
+Soup read_stl(const std::string& name, std::string_view bytes);  // repeats a point for each of its triangles
 Soup read_ply(const std::string& name, std::string_view bytes);
-Soup read_vrml(const std::string& name, std::string_view bytes);  // repeats equal points
+Soup read_vrml(const std::string& name, std::string_view bytes);  // repeats points that several shapes share
 Soup read_pcd(const std::string& name, std::string_view bytes);
-Soup read_xyz(const std::string& name, std::string_view bytes);  // .pts too; point_file.cpp
-Soup read_csv(const std::string& name, std::string_view bytes);  // point_file.cpp
+Soup read_xyz(const std::string& name, std::string_view bytes);  // also .pts; in point_file.cpp
+Soup read_csv(const std::string& name, std::string_view bytes);  // in point_file.cpp
 
-// Returns triples of positions 0..n-1 in the polygon: a fan if it is convex, else by ear clipping
-// in its mean plane. n >= 3.
+// Splits a polygon with n >= 3 corners into n - 2 triangles, whose corners are indices into `corners`. A convex polygon
+// becomes a fan; any other is split by ear clipping, as seen along its mean normal.
 std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& corners);
 
-// An empty `format` means the file's extension.
+// Reads a file through the library assimp, in single precision. `format` ("3ds", ...) overrides the file's extension;
+// empty: the extension counts.
 LoadedShape load_with_assimp(const std::filesystem::path& file, const std::string& format);
 
-// Checks every number, drops faces with fewer than three corners and unused vertices, and splits
-// faces into triangles. `merge` first merges equal vertices (-0 = +0), for formats that repeat them.
+// Makes the shape from a soup: checks all coordinates and indices, drops faces with fewer than three corners, splits
+// the other faces into triangles, and drops unused vertices. A soup without faces becomes a point set. `merge` is for
+// formats that repeat shared vertices: vertices with equal coordinates (-0 equals +0) are merged before unused ones are
+// dropped. Returns the shape with `report`, in which it fills in the numbers that it knows. Throws InputError.
 LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool merge = false);
 
 }  // namespace hausbench::readers

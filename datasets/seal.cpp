@@ -14,8 +14,9 @@ namespace {
 constexpr std::string_view seal_mark = "\nsha256 ";
 constexpr std::size_t seal_length = seal_mark.size() + 64 + 1;
 
-// Returns the end of the data of an HDF5 file, according to its first bytes, or nothing if they are not
-// understood. See "Superblock" in the HDF5 File Format Specification: versions 0 to 3, addresses of 8 bytes.
+// Returns the number of bytes of an HDF5 file's data, the "end of file address" in its superblock, or nothing if the
+// file does not begin with a superblock of version 0 to 3 with addresses of 8 bytes. See "Superblock" in the HDF5 File
+// Format Specification.
 std::optional<std::uint64_t> end_of_data(std::istream& in) {
     constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
     std::array<char, 64> block{};

@@ -19,16 +19,18 @@ std::string last_line(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
     const std::size_t newline = text.rfind('\n');
     text = newline == std::string::npos ? text : text.substr(newline + 1);
-    constexpr std::string_view prefix = "hausbench: ";  // which the program puts before its messages
-    return printable(text.starts_with(prefix) ? text.substr(prefix.size()) : text);  // it may quote the file
+    constexpr std::string_view prefix = "hausbench: ";  // the child puts it before its messages
+    // Made printable, because the message may quote bytes of the file.
+    return printable(text.starts_with(prefix) ? text.substr(prefix.size()) : text);
 }
 
-// The words that errors use for the work of the process.
+// The words for a process in error messages.
 struct Task {
     std::string subject, doer, cause;  // "a.obj", "the reader", "the file is damaged"
 };
 
-// Runs the program to its end. Throws InputError if it fails.
+// Runs a program, whose path and arguments are `words`, until it ends. Throws InputError if it fails or exceeds a
+// limit.
 void run(const Task& task, std::vector<std::string> words, double seconds_limit, std::int64_t bytes_limit) {
     const std::string program = words.front();
     if (bytes_limit == 0) bytes_limit = spare_bytes();
@@ -59,12 +61,12 @@ void run(const Task& task, std::vector<std::string> words, double seconds_limit,
 
 LoadedShape load_separately(const std::filesystem::path& program, const std::filesystem::path& file,
                             const std::string& format, double seconds_limit, std::int64_t bytes_limit) {
-    const HoldInterrupts hold;  // destroyed after the folder
+    const HoldInterrupts hold;  // declared first, so that Ctrl-C ends this process only after the folder is removed
     const ScratchFolder folder("load");
     const std::filesystem::path out = folder.path() / "shape.h5";
     std::vector<std::string> words = {program.string(), "load"};
     if (!format.empty()) words.insert(words.end(), {"--format", format});
-    words.insert(words.end(), {"--", file.string(), out.string()});  // its name may begin with a dash
+    words.insert(words.end(), {"--", file.string(), out.string()});  // "--", because a path may begin with a dash
     run({file.string(), "the reader", "the file is damaged"}, std::move(words), seconds_limit, bytes_limit);
     return read_shape(out);
 }

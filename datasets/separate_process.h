@@ -8,15 +8,15 @@
 
 namespace hausbench {
 
-// Runs `program load [--format F] -- FILE OUT.h5` (a hidden verb of the harness) and reads the shape that it
-// wrote. Throws InputError with the child's own message, or "the reader was killed by signal N", or "did not
-// finish within N s", or "was stopped when it took more than N MB of memory". `bytes_limit` limits the resident
-// set (a limit on the address space would stop sanitizer builds at once); 0: three quarters of the free memory.
+// Runs `program load [--format F] -- FILE OUT.h5`, a hidden command of hausbench, and reads the shape that it wrote.
+// Throws InputError with the child's own message, or "the reader was killed by signal N", or "did not finish within
+// N s", or "was stopped when it took more than N MB of memory". `bytes_limit` limits the resident set, not the address
+// space, of which sanitizer builds reserve far more than they use; 0: three quarters of the free memory.
 LoadedShape load_separately(const std::filesystem::path& program, const std::filesystem::path& file,
                             const std::string& format = "", double seconds_limit = 120, std::int64_t bytes_limit = 0);
 
-// Runs derive() in a separate process, `program derive --set NAME=VALUE... -- OPERATION ORIGIN.h5
-// OUT.h5`; same errors.
+// Runs derive() in a separate process: `program derive --set NAME=VALUE... -- OPERATION ORIGIN.h5 OUT.h5`. `origin` is
+// the file of the shape that the operation is applied to. Throws InputError in the same cases as load_separately().
 LoadedShape derive_separately(const std::filesystem::path& program, const std::string& operation,
                               const Numbers& numbers, const std::filesystem::path& origin, double seconds_limit = 120,
                               std::int64_t bytes_limit = 0);

@@ -61,7 +61,8 @@ LoadedShape read_unchecked(const std::filesystem::path& path, const std::string&
 }  // namespace
 
 void write_shape(const std::filesystem::path& path, const LoadedShape& loaded, const std::string& made_from) {
-    // The process number separates two writers of the same file. The last rename wins, and both write the same shape.
+    // The process number in the name keeps apart two processes that write the same file. Whichever renames last
+    // replaces the other's file, which has the same shape.
     std::filesystem::path temporary = path;
     temporary += fmt::format(".{}.part", ::getpid());
     try {

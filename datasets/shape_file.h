@@ -1,4 +1,5 @@
-// Shapes in the cache format of this project: HDF5, float64 coordinates, int32 indices. Reading returns the same bits.
+// Files of shapes in the cache: HDF5 with float64 coordinates and int32 indices. Reading a file returns exactly the
+// bits that were written.
 #pragma once
 
 #include "datasets/load.h"
@@ -8,15 +9,17 @@
 
 namespace hausbench {
 
-// Writes a complete file or none. `made_from` identifies everything that the shape was made from,
-// such as the bytes of its raw file; empty: unknown.
+// Writes a complete file or none. `made_from` is a key that identifies everything the shape was made from, such as a
+// hash of the recipe and of the bytes of the input file; empty: unknown. Throws InputError if the file cannot be
+// written.
 void write_shape(const std::filesystem::path& file, const LoadedShape& shape, const std::string& made_from = "");
 
-// Throws InputError, also if the file has a shape made from something other than `made_from`; empty: not checked.
+// Reads a file of write_shape(). Throws InputError if that is not possible, if the shape is invalid, or if the file was
+// written with another `made_from`; an empty `made_from` is not compared.
 LoadedShape read_shape(const std::filesystem::path& file, const std::string& made_from = "");
 
-// Returns the SHA-256 (hex) of kind, counts, coordinates and indices, or of a surface's
-// polynomial and box: two shapes with the same hash are the same input.
+// Returns the SHA-256 (hexadecimal) of the kind, counts, coordinates and indices of a shape, or of the polynomial and
+// box of a surface. Two shapes with the same hash count as the same input.
 std::string content_hash(const Shape& shape);
 
 // Returns the reason why a shape is invalid: no points, a coordinate that is not finite, an index

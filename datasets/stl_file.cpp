@@ -1,5 +1,6 @@
-// Reads STL. A file is binary if its size matches the number of triangles in its header, even if
-// it begins with "solid". Keywords of a text file may be in upper or lower case.
+// Reads STL. A file counts as binary if its size matches the number of triangles in its header, even if it begins with
+// "solid" like a text file, because some programs write such binary files. Keywords of a text file may be in upper or
+// lower case.
 #include "algorithms/error.h"
 #include "datasets/parse.h"
 #include "datasets/readers.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::size_t header = 84, facet = 50;  // bytes
 
-// Returns the number of facets, if the file is binary.
+// Returns the number of facets in the header of a binary file.
 std::size_t facets_of(std::string_view bytes) {
     std::uint32_t facets = 0;
     if (bytes.size() >= header) std::memcpy(&facets, bytes.data() + 80, sizeof facets);
@@ -22,7 +23,7 @@ std::size_t facets_of(std::string_view bytes) {
 
 Soup read_binary(const std::string& name, std::string_view bytes) {
     const std::size_t facets = facets_of(bytes), expected = header + facet * facets;
-    // A longer file was usually transferred as text, so its coordinates are wrong.
+    // A file that is too long was usually transferred as text, which inserts bytes; its coordinates would be wrong.
     if (bytes.size() != expected)
         throw InputError(fmt::format("{}: is {}, or not an STL file: {} facets take {} bytes, {} bytes found", name,
                                      bytes.size() < expected ? "truncated" : "damaged", facets, expected,

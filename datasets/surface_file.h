@@ -1,7 +1,7 @@
 // Algebraic surfaces as text: files NAME.surface.toml, and models of recipe "surface" in the manifest.
 //
 //     polynomial = "x^2/4 + y^2/4 - z^2/9"     # the surface is the zero set; see kernel/polynomial.h
-//     box = [[-2, 2], [-2, 2], [-2, 2]]        # in x, y and z
+//     box = [[-2, 2], [-2, 2], [-2, 2]]        # the ranges of x, y and z
 #pragma once
 
 #include "algorithms/scene.h"
@@ -12,11 +12,11 @@
 
 namespace hausbench {
 
-// Reads these two keys and ignores others. Throws InputError for a missing key, an invalid
-// polynomial (with the column), or a box that is not three pairs of numbers or has no volume.
+// Reads the keys `polynomial` and `box` of a table, and ignores others. Throws InputError for a missing key, an invalid
+// polynomial (the message has the column), or a box that is not three pairs of numbers or has no volume.
 AlgebraicSurface read_surface(const TomlReader& table);
 
-// Also throws InputError for invalid TOML and for other keys.
+// Reads a file NAME.surface.toml. Throws like read_surface(), and also for invalid TOML and for other keys.
 AlgebraicSurface read_surface_file(const std::filesystem::path& file);
 
 // Returns a description: "x^2 + y^2 - 1 = 0 in [-2, 2] x [-2, 2] x [-2, 2]".

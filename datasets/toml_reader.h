@@ -1,5 +1,5 @@
-// Reads tables of a TOML file key by key. Every message has the file, the line and the key, and
-// for a wrong key the nearest known one.
+// Reads tables of a TOML file key by key. Every error message has the file, the line and the key; for an unknown key,
+// it also has the nearest known one.
 #pragma once
 
 #include <toml++/toml.h>
@@ -13,22 +13,24 @@
 
 namespace hausbench {
 
-// Throws InputError with file and line.
+// Throws InputError, with file and line, if the file cannot be read or is not valid TOML.
 toml::table parse_toml(const std::filesystem::path& file);
 
-// The replacement for every {} in a table: `text` within strings, and `number` if the string is
-// "{}" or "-{}" and stands for a number.
+// The replacement for {} in a table that is read several times, such as a scene with a list of severities: it is read
+// once with each of them. In a text, every {} becomes `text`. If a number is expected, the string "{}" means `number`
+// and "-{}" means -number.
 struct Filling {
     std::string text;
     double number = 0;
-    std::size_t index = 0;  // position among all fillings
+    std::size_t index = 0;  // position in the list
 };
 
-// All functions except find() and where() throw InputError if a value has the wrong type or
-// range. `otherwise` is the default for a missing key.
+// A table of a file. The functions that return a value throw InputError if it has the wrong type or range, or if the
+// key is missing and the function has no parameter `otherwise`, the default.
 class TomlReader {
 public:
-    // `name` is the table's name in messages, such as "[[scene]]"; `before_line` separates file and line in them.
+    // In messages, `name` is the name of the table, such as "[[scene]]", and `before_line` separates the file from the
+    // line number.
     TomlReader(std::filesystem::path file, const toml::table& table, std::string name = "",
                std::string before_line = ": line ");
 
@@ -45,14 +47,16 @@ public:
     double positive(const toml::node& node, std::string_view key,
                     double most = std::numeric_limits<double>::max()) const;
     double length(std::string_view key, double otherwise) const;  // 0 or more
-    // Returns an empty list if the key is missing.
+    // Returns a list of strings; empty if the key is missing. `of` is the word for them in messages, such as "names of
+    // models".
     std::vector<std::string> texts(std::string_view key, std::string_view of = "texts") const;
 
-    // Makes more keys known. A key is also known if one of the functions above asked for it.
+    // refuse_other_keys() throws InputError if the table has an unknown key. A key is known if a function above asked
+    // for it, or if it was passed to allow().
     void allow(const std::vector<std::string>& keys) const;
     void refuse_other_keys() const;
 
-    std::string where(const toml::node& node) const;  // "FILE: line 3"
+    std::string where(const toml::node& node) const;  // returns "FILE: line 3"
     [[noreturn]] void fail(const toml::node& node, const std::string& what) const;
     [[noreturn]] void fail(const std::string& what) const { fail(table_, what); }
 

@@ -5,16 +5,17 @@
 namespace hausbench::readers {
 namespace {
 
-// Returns twice the signed area of the triangle at a corner, seen along the normal: positive if
-// the polygon turns left.
+// Returns a positive number if the path from a over b to c turns left, as seen from the side to which the normal
+// points; a negative number if it turns right.
 double turn(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) {
     return (b - a).cross(c - a).dot(normal);
 }
 
 }  // namespace
 
-// Ear clipping (Meisters, "Polygons have ears", 1975), O(n^3) at worst. If the polygon crosses
-// itself and has no ear left, cuts corners in order.
+// Ear clipping (Meisters, "Polygons have ears", 1975): cuts off one ear after the other, a corner where the polygon
+// turns left and whose triangle contains no other corner. A polygon that crosses itself may have no ear; then the
+// second of the remaining corners is cut off. O(n^3) at worst.
 std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& corners) {
     const std::size_t n = corners.size();
     std::vector<std::array<std::size_t, 3>> triangles;
@@ -35,7 +36,7 @@ std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& cor
         }
         return true;
     };
-    // Starts at the second corner, so that a convex polygon becomes a fan around its first corner.
+    // Tries the second corner first, so that a convex polygon becomes a fan around its first corner.
     while (left.size() > 3) {
         std::size_t at = 0;
         while (at < left.size() && !is_ear(at)) ++at;

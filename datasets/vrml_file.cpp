@@ -1,6 +1,6 @@
-// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, placed by the Transforms
-// around it; USE repeats a node named by DEF. Ignores everything without a surface (colours,
-// lights, scripts, lines, points). Refuses visible shapes other than IndexedFaceSet.
+// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, moved by the Transform nodes that contain it. USE
+// repeats a node that DEF named. Ignores everything without a surface (colours, lights, scripts, lines, points).
+// Refuses visible shapes other than IndexedFaceSet.
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
 #include "datasets/circle.h"
@@ -21,8 +21,11 @@ namespace hausbench::readers {
 namespace {
 
 constexpr int deepest = 256;  // levels of nodes; each takes a few hundred bytes of stack
+
+// Limits on a scene, because USE can repeat nodes so often that a small file fills the memory. The scene may have
+// `parts_a_byte` parts for each byte of the file, and `parts_anyway` parts in any case.
 constexpr std::size_t parts_a_byte = 200,
-                      parts_anyway = std::size_t{1} << 18;  // nodes, points and corners, repeated by USE or not
+                      parts_anyway = std::size_t{1} << 18;  // a part: a node, point or corner, each time it occurs
 
 struct Word {
     std::string_view text;
@@ -38,7 +41,7 @@ struct VrmlField {
 
 struct Node {
     Word type;
-    std::map<std::string_view, VrmlField> fields;  // only the ones that are read
+    std::map<std::string_view, VrmlField> fields;  // only the fields that VrmlScene needs
 
     const VrmlField& field(std::string_view name) const {
         static const VrmlField none;
@@ -71,7 +74,7 @@ public:
     }
 
 private:
-    // Returns the first character of the next word; 0 at the end.
+    // Skips white space and comments. Returns the first character of the next word, without removing it; 0 at the end.
     char peek() {
         while (!rest_.empty()) {
             const char c = rest_[0];
@@ -103,7 +106,8 @@ private:
         return word;
     }
 
-    // Skips ROUTE a TO b, which moves nothing here. Refuses statements that define new kinds of nodes.
+    // Returns whether a word begins the statement ROUTE a TO b, and skips the rest of it: it connects events, which
+    // have no effect here. Refuses statements that define new kinds of nodes.
     bool is_statement(const Word& word) {
         if (word.text == "PROTO" || word.text == "EXTERNPROTO")
             refuse(name_, word.line, fmt::format("{} is not supported: convert the file to OBJ or STL", word.text));
@@ -112,7 +116,7 @@ private:
         return true;
     }
 
-    // Reads a node or a plain word.
+    // Reads a node or a plain word, and adds it to the field.
     void read_value(VrmlField& field, int depth) {
         const Word word = next();
         if (is_statement(word)) return;
@@ -158,7 +162,7 @@ private:
         if (open.text != "{")
             refuse(name_, open.line, fmt::format("'{}' where {} needs a '{{'", shown(open.text), shown(type.text)));
         Node& node = nodes_.emplace_back(Node{type, {}});
-        if (type.text == "Script") {  // declares fields of any name and type
+        if (type.text == "Script") {  // skipped, because it may declare fields of any name and type
             for (int open_braces = 1; open_braces > 0;) {
                 const Word word = next();
                 open_braces += word.text == "{" ? 1 : word.text == "}" ? -1 : 0;
@@ -179,16 +183,18 @@ private:
     const std::string& name_;
     std::string_view rest_;
     std::uint32_t line_ = 1;
-    std::deque<Node> nodes_;  // flat, so that a deep tree is freed without recursion
+    std::deque<Node> nodes_;  // all nodes in one list, so that a deep tree is freed without recursion
     std::map<std::string_view, const Node*> defined_;
 };
 
-// The effect of the Transforms above a node on its points: matrix * p + shift.
+// The combined effect of the Transform nodes that contain a node: a point p moves to matrix * p + shift.
 struct Placement {
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
     Vec3 shift = Vec3::Zero();
 };
 
+// Returns the point of the unit circle at an angle in radians. Subtracts the nearest multiple of pi / 2, because
+// circle_near_zero() requires a small angle, and then turns the point by as many quarters of a turn.
 Circle circle_at(double angle) {
     constexpr double quarter = 1.5707963267948966, and_more = 6.123233995736766e-17;  // their sum is pi / 2
     const double within = std::fmod(angle, 4 * quarter), quarters = std::round(within / quarter);
@@ -213,6 +219,7 @@ public:
 private:
     [[noreturn]] void refuse_at(const Word& word, const std::string& why) const { refuse(name_, word.line, why); }
 
+    // Refuses the file if these parts exceed the limit for the whole scene.
     void spend(const Node& node, std::size_t parts) {
         if (parts > parts_left_)
             refuse_at(
@@ -230,7 +237,7 @@ private:
         return *value;
     }
 
-    // Returns the numbers of a field of a Transform.
+    // Returns the n numbers of a field. If the node does not have the field, each is `unless_given`.
     template <int n>
     Eigen::Matrix<double, n, 1> vector(const Node& node, std::string_view name, double unless_given) const {
         const auto& words = node.field(name).words;
@@ -241,7 +248,7 @@ private:
         return values;
     }
 
-    // Returns the rotation given by an axis and an angle, by the right-hand rule.
+    // Returns the rotation that a field gives as an axis and an angle, by the right-hand rule.
     Eigen::Matrix3d rotation(const Node& node, std::string_view name) const {
         const auto values = vector<4>(node, name, 0);
         if (values[3] == 0) return Eigen::Matrix3d::Identity();
@@ -254,7 +261,8 @@ private:
         return along + cosine * (Eigen::Matrix3d::Identity() - along) + sine * across;
     }
 
-    // VRML97, 6.52: translation * center * rotation * scaleOrientation * scale * -scaleOrientation * -center.
+    // Returns the effect of a Transform node. By section 6.52 of VRML97 it is the product translation * center *
+    // rotation * scaleOrientation * scale * -scaleOrientation * -center, where a minus means the inverse.
     Placement placement(const Node& node) const {
         const Vec3 scale = vector<3>(node, "scale", 1), center = vector<3>(node, "center", 0);
         const Eigen::Matrix3d oriented = rotation(node, "scaleOrientation");
@@ -315,7 +323,8 @@ private:
         add_faces(node.field("coordIndex").words, first, backwards != (at.matrix.determinant() < 0));
     }
 
-    // Adds faces. -1 ends a face; the last face may lack it.
+    // Adds the faces of a coordIndex list. -1 ends a face; it may be missing after the last one. `first` is the index
+    // in the soup of the vertex that the list calls 0. `backwards` reverses the corners of each face.
     void add_faces(const std::vector<Word>& corners, std::size_t first, bool backwards) {
         std::vector<std::size_t> face;
         for (std::size_t i = 0; i <= corners.size(); ++i) {

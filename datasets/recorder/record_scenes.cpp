@@ -2,12 +2,12 @@
 //
 //     record_scenes domino|bunnies|domino_soft|bunnies_soft MODELS FILE
 //
-// MODELS is a folder with NAME.off for each model (hausbench export). Bodies are rigid and of uniform
-// density, and Bullet gets the triangles of their meshes, not hulls. Contacts are rigid, which is
-// Bullet's default and was used by the engine of the paper (Havok): bodies overlap by about a thousandth
-// of their size. In the soft scenes contacts are springs with dampers, and bodies overlap by some per
-// cent, as in the penalty-based simulations that need the penetration depth. All steps have the same
-// length. Bullet uses one thread here and no clock, so runs on one machine write the same file.
+// MODELS is a folder with a file NAME.off for each model, written by `hausbench export`. Bodies are rigid and of
+// uniform density, and Bullet gets the triangles of their meshes, not convex hulls. Contacts are rigid, as they are by
+// default in Bullet and in the engine of the paper (Havok): bodies overlap by about a thousandth of their size. In the
+// soft scenes, contacts are springs with dampers, and bodies overlap by a few per cent, as in the penalty-based
+// simulations that need the penetration depth. All steps have the same length. Bullet uses one thread here and no
+// clock, so all runs on one machine write the same file.
 #include "datasets/random.h"
 #include "world.h"
 
@@ -31,7 +31,8 @@ namespace {
 using Eigen::Matrix3d, Eigen::Quaterniond, Eigen::Vector3d;
 namespace pmp = CGAL::Polygon_mesh_processing;
 
-// The seven numbers of a pose as written, and the mesh in the pose that these numbers give.
+// A body as recorded: the text of the seven numbers of its pose, rounded to nine digits, and its mesh moved by exactly
+// the pose that this text gives.
 struct Posed {
     std::string text;
     Mesh mesh;
@@ -58,7 +59,7 @@ Posed posed(const Model& model, const Pose& pose) {
     return result;
 }
 
-// Returns a line for each pair of bodies that overlap now.
+// Returns the lines for one frame, one for each pair of bodies that overlap.
 std::string pairs(const World& world, int frame) {
     std::vector<Posed> all;
     for (std::size_t i = 0; i < world.size(); ++i) all.push_back(posed(world.model(i), world.pose(i)));
@@ -87,6 +88,7 @@ private:
     std::map<std::string, std::unique_ptr<Model>> read_;
 };
 
+// Returns the least z coordinate of the turned model.
 double lowest(const Model& model, const Quaterniond& turn) {
     double z = std::numeric_limits<double>::infinity();
     for (const auto vertex : model.mesh.vertices()) z = std::min(z, (turn * to_eigen(model.mesh.point(vertex))).z());
@@ -102,7 +104,7 @@ struct Plan {
 void soften(Settings& settings, double stiffness, double damping) {
     settings.stiffness = stiffness;
     settings.damping = damping;
-    settings.step = 1e-3;  // short, because the springs are stiff
+    settings.step = 1e-3;  // seconds; short, because the springs are stiff
     settings.iterations = 50;
 }
 
@@ -125,13 +127,13 @@ Plan domino(Models& models, bool soft) {
     return plan;
 }
 
-// Builds layers of up to seven bunnies, turned and moved at random.
+// Builds the scene of the falling bunnies: layers of up to seven, each bunny turned at random and moved a little.
 Plan bunnies(Models& models, bool soft) {
     Plan plan{"Falling Bunnies: fifty bunnies fall into a heap.", {}, {}};
     plan.settings.friction = 0.8;
     if (soft) {
         soften(plan.settings, 800, 60);
-        plan.settings.drag = 0.7;  // else the last bunnies are too fast for such soft springs
+        plan.settings.drag = 0.7;  // without it, the last bunnies are too fast for such soft springs
     }
     plan.settings.steps_per_frame = soft ? 100 : 24;
     plan.settings.frames = soft ? 30 : 40;

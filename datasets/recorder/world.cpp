@@ -14,7 +14,8 @@ using Eigen::Matrix3d, Eigen::Quaterniond, Eigen::Vector3d;
 
 namespace {
 
-// Computes volume, frame and inertia by summing the tetrahedra between the origin and each triangle.
+// Computes volume, frame and inertia: sums of signed integrals over the tetrahedra that the origin forms with each
+// triangle.
 void weigh(Model& model) {
     Vector3d first = Vector3d::Zero();
     Matrix3d second = Matrix3d::Zero();
@@ -68,7 +69,7 @@ std::unique_ptr<Model> read_model(const std::string& folder, const std::string& 
 World::World(const Settings& settings) : settings_(settings) {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
     world_.setGravity(btVector3(0, 0, -settings.gravity));
-    world_.getSolverInfo().m_splitImpulse = settings.rigid();  // it pushes bodies apart whatever the stiffness
+    world_.getSolverInfo().m_splitImpulse = settings.rigid();  // off if soft: it pushes bodies apart at any stiffness
     world_.getSolverInfo().m_numIterations = settings.iterations;
     bodies_.push_back(std::make_unique<btRigidBody>(0, nullptr, &ground_));
     bodies_.back()->setFriction(settings.friction);

@@ -22,15 +22,15 @@ struct Pose {
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();
 };
 
-// A closed mesh, and its frame in Bullet: the origin is the centre of mass, the axes are the
-// principal axes of inertia.
+// A closed mesh, and its copy for Bullet. Bullet needs coordinates whose origin is the centre of mass and whose axes
+// are the principal axes of inertia; `frame` converts them to the coordinates of the mesh.
 struct Model {
     std::string name;
     Mesh mesh;
     double volume = 0;
-    Pose frame;               // from Bullet's frame to the mesh's frame
-    Eigen::Vector3d inertia;  // for density 1
-    // Bullet's copy, which `shape` points into.
+    Pose frame;               // a point q of Bullet's copy is the point turn * q + shift of the mesh
+    Eigen::Vector3d inertia;  // about the principal axes, for density 1
+    // Bullet's copy of the mesh. `shape` has pointers into these vectors.
     std::vector<double> coordinates;
     std::vector<int> corners;
     std::unique_ptr<btTriangleIndexVertexArray> triangles;
@@ -47,12 +47,13 @@ struct Settings {
     double step = 1.0 / 240;  // seconds; Bullet's default for fast bodies
     int iterations = 10;      // of Bullet's solver; its default
     double gravity = 9.81;
-    double density = 20;  // gives a bunny and a letter a mass of about 1
+    double density = 20;  // so that a bunny or a letter has a mass of about 1
     // Spring and damper at each point of contact between a body and the ground. Between two bodies the springs
     // are in series, with half the stiffness; Bullet adds up the damping. Stiffness 0 means rigid contacts.
     double stiffness = 0, damping = 0;
     double friction = 0;
     double drag = 0;  // share of its velocity that a body loses per second
+    // A frame is a state of the simulation that is recorded.
     int steps_per_frame = 0, frames = 0;
 
     bool rigid() const { return stiffness == 0; }
@@ -62,7 +63,7 @@ struct Body {
     const Model* model;
     Pose pose;  // initial pose of the mesh
     Eigen::Vector3d velocity;
-    bool asleep;  // until something touches it
+    bool asleep;  // does not move until another body touches it
 };
 
 // A simulation of bodies over the ground z = 0.
@@ -90,7 +91,7 @@ private:
     btSequentialImpulseConstraintSolver solver_;
     btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
     btStaticPlaneShape ground_{btVector3(0, 0, 1), 0};
-    std::vector<std::unique_ptr<btRigidBody>> bodies_;  // the ground first
+    std::vector<std::unique_ptr<btRigidBody>> bodies_;  // bodies_[0] is the ground
     std::vector<const Model*> models_;
 };
 
