@@ -77,7 +77,7 @@ def why(line: Line) -> str:
     counted work that does not hold either rules out the machine.
     """
     if line.verdict is None:
-        return line.entry.untested or "no verdict yet"
+        return line.entry.untested or "Not measured at the sizes of the claim yet."
     counted = {str(one["outcome"]) for one in dict(line.verdict["counted"]).values()}  # type: ignore[call-overload]
     said = [line.entry.differs] if line.entry.differs and line.outcome in (FAILS, OPEN) else []
     if line.outcome in (FAILS, OPEN) and HOLDS in counted and not counted & {FAILS, OPEN}:

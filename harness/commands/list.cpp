@@ -213,7 +213,7 @@ std::string one_solver(const json& s, const Paper& paper) {
         line(s["certified"].get<bool>() ? "certified: its bounds hold under rounding"
                                         : "not certified: its bounds hold in exact arithmetic, or it promises less");
     if (!wrong.empty()) text += line("known to be wrong: " + wrong);
-    text += line("may need " + joined(s["may_need"], "no structure"));
+    text += line(s["may_need"].empty() ? "needs no structure" : "may need " + joined(s["may_need"], ""));
     if (!s["parameters"].empty())
         text += line("parameters (measure --set NAME=VALUE; [solver.parameters] of an experiment)", 0);
     for (const json& p : s["parameters"]) {

@@ -84,13 +84,17 @@ std::string more_fields(const Measured& m, bool known) {
     for (const auto* one : {&m.forward, &m.backward})
         for (const double bound : {(*one ? **one : Result{}).bounds.lower, (*one ? **one : Result{}).bounds.upper})
             fields.push_back(*one ? number_field(bound) : "");
+    fields.push_back(known ? number_field(m.result.bounds.gap()) : "");
+    fields.push_back(m.tolerance_of == "lower" ? "" : number_field(m.tolerance_absolute));
+    fields.emplace_back(m.certified ? "yes" : "no");
     return fmt::format("{}", fmt::join(fields, ","));
 }
 
 constexpr const char* columns =
     "A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,warnings,error,witness_direction,source_x,source_y,"
-    "source_z,target_x,target_y,target_z,lower_a_to_b,upper_a_to_b,lower_b_to_a,upper_b_to_a\n";
-const std::string no_more_fields(10, ',');
+    "source_z,target_x,target_y,target_z,lower_a_to_b,upper_a_to_b,lower_b_to_a,upper_b_to_a,gap,"
+    "tolerance_absolute,certified\n";
+const std::string no_more_fields(13, ',');
 
 }  // namespace
 

@@ -133,8 +133,12 @@ std::string answer_text(const std::string& name, const Result& r, double diagona
     std::string text = fmt::format("{:<10} {} in [{:.17g}, {:.17g}]\n", "distance", name, b.lower, b.upper);
     if (diagonal > 0 && std::isfinite(diagonal) && std::isfinite(b.upper))
         text += fmt::format("           [{:.6g}, {:.6g}] of A's diagonal\n", b.lower / diagonal, b.upper / diagonal);
-    return text + fmt::format("           gap {:.3g}, {}{}\n", b.gap(), to_string(r.status),
-                              r.note.empty() ? "" : ": " + r.note);
+    std::string end = to_string(r.status);
+    if (r.status == Status::below_floor || r.status == Status::above_cutoff)
+        end = "not narrowed further because the answer is known";
+    else if (r.status != Status::converged)
+        end = "not converged: " + end;
+    return text + fmt::format("           gap {:.3g}, {}{}\n", b.gap(), end, r.note.empty() ? "" : ": " + r.note);
 }
 
 std::string witness_text(const Result& r, const Measured& m) {
@@ -191,22 +195,22 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
     text += fmt::format("solver     {} ({}), tolerance {:g} {}\n", m.solver,
                         m.certified ? "certified" : "not certified", request.tolerance, tolerance_text(m, request));
     if (m.failed) return text + fmt::format("distance   no answer: {}\n", m.failed->reason);
+    const std::string name = request.penetration ? "depth" : request.symmetric ? "H(A,B)" : "h(A,B)";
+    if (request.cutoff) {
+        constexpr const char* answers[] = {"is at most", "is above", "", "may be above or below"};
+        text += fmt::format("answer     {} {} {:.9g}\n", name, answers[exit_code(m, request)], *request.cutoff);
+    }
     if (request.symmetric) {
-        for (const auto& [name, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {
-            if (*one) text += answer_text(name, **one, m.source.diagonal) + witness_text(**one, m);
+        for (const auto& [direction, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {
+            if (*one) text += answer_text(direction, **one, m.source.diagonal) + witness_text(**one, m);
         }
-        text += answer_text("H(A,B)", m.result, m.source.diagonal);
+        text += answer_text(name, m.result, m.source.diagonal);
         if (m.forward && m.backward)
             text += "           the larger of the two\n";
         else
             text += witness_text(m.result, m);
     } else {
-        text += answer_text(request.penetration ? "depth" : "h(A,B)", m.result, m.source.diagonal) +
-                witness_text(m.result, m);
-    }
-    if (request.cutoff) {
-        constexpr const char* answers[] = {"no, it is at most that", "yes", "", "open"};
-        text += fmt::format("above {:.9g}? {}\n", *request.cutoff, answers[exit_code(m, request)]);
+        text += answer_text(name, m.result, m.source.diagonal) + witness_text(m.result, m);
     }
     constexpr const char* larger =
         ", which is larger than the upper bound above, for the run that proves it came less far; allow it more time";

@@ -43,7 +43,7 @@ def test_every_claim_has_a_line_and_every_quote_stands_once(paper: str) -> None:
     page = paper_page.markdown(paper, paper_page.lines_of(paper, [], []))
     for entry in claims.entries(paper).values():
         judged_as = f" ({entry.judged_as})" if entry.judged_as else ""
-        assert f"{entry.in_general or entry.text}{judged_as} | **{UNTESTED}** | {entry.untested or 'no verdict yet'} |" in page.replace("\\|", "|")
+        assert f"{entry.in_general or entry.text}{judged_as} | **{UNTESTED}** | {entry.untested or 'Not measured at the sizes of the claim yet.'} |" in page.replace("\\|", "|")
         assert not entry.quote or f"“{entry.quote}”" in page
     assert page.count(f"**{UNTESTED}**") == len(claims.entries(paper)) and "{" not in page
 

@@ -78,13 +78,15 @@ def test_is_it_above(hausbench: Program, tetrahedron: Path, raised: Path, more: 
         done = hausbench("measure", tetrahedron, raised, "--cutoff", cutoff, "--tolerance", "1e3", "--json", *more)
         said = json.loads(done.stdout)
         assert done.returncode == code and said["above_cutoff"] is answer and said["status"] == status
-    assert "above 0.2? yes" in hausbench("measure", tetrahedron, raised, "--cutoff", "0.2", *more).stdout
-    assert "no, it is at most that" in hausbench("measure", tetrahedron, raised, "--cutoff", "0.3", *more).stdout
+    name = "H(A,B)" if more else "h(A,B)"
+    for cutoff, answer in (("0.2", "is above 0.2"), ("0.3", "is at most 0.3")):
+        said = hausbench("measure", tetrahedron, raised, "--cutoff", cutoff, *more).stdout
+        assert f"\nanswer     {name} {answer}\n" in said and "because the answer is known" in said and "below_floor" not in said
 
 
 def test_a_question_that_stays_open(hausbench: Program, tetrahedron: Path, raised: Path) -> None:
     done = hausbench("measure", tetrahedron, raised, "--cutoff", "0.2", "--time-limit", "0", "--solver", "guthe")
-    assert done.returncode == 3 and "above 0.2? open" in done.stdout
+    assert done.returncode == 3 and "answer     h(A,B) may be above or below 0.2" in done.stdout
     assert "--cutoff" in hausbench.fails("measure", tetrahedron, raised, "--cutoff", "-1")
 
 

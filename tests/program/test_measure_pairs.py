@@ -34,6 +34,7 @@ def test_files_of_one_name_are_a_pair(hausbench: Program, folders: Path) -> None
     for row in found:
         alone = json.loads(hausbench("measure", row["A"], row["B"], "--json").stdout)
         assert (float(row["lower"]), float(row["upper"])) == (alone["lower"], alone["upper"]) and row["solver"] == "cover" and row["error"] == ""
+        assert float(row["tolerance_absolute"]) == alone["tolerance_absolute"] >= float(row["gap"]) == alone["upper"] - alone["lower"] and row["certified"] == "yes"
     assert [row["B"] for row in rows(hausbench("measure", folders / "a" / "*.off", folders / "b" / "one.obj").stdout)] == [str(folders / "b" / "one.obj")] * 2
     assert len(rows(hausbench("measure", folders / "a" / "one.off", folders / "b" / "*.obj").stdout)) == 2
 
