@@ -77,7 +77,8 @@ void check_contract(const SolverEntry& entry) {
     } catch (const ContractError&) {
         throw;
     } catch (const InputError&) {
-        // The constructor may reject the defaults, for example if the user must give one of two strings.
+        // This is allowed: the constructor may reject the defaults, for example if the user must give one of two
+        // strings.
     }
 }
 

@@ -26,7 +26,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
-// Largest number of candidates in a hint. More would make a one-line message unreadable.
+// The largest number of names in a hint, because a longer message would be hard to read.
 constexpr std::size_t names_shown = 20;
 
 }  // namespace
@@ -42,8 +42,8 @@ std::string nearest_hint(std::string_view wrong, const std::vector<std::string>&
             nearest = &candidate;
         }
     }
-    // If more than a third of the letters differ, it is probably another word, not a typing error. But short words may
-    // differ in two letters, and words of up to three letters in one.
+    // If more than a third of the letters differ, the name is probably another word, not a typing error. Short names
+    // may differ in two letters, and names of up to three letters in one.
     const std::size_t length = std::max(wrong.size(), nearest->size());
     const std::size_t allowed = length <= 3 ? 1 : std::max<std::size_t>(2, length / 3);
     if (least <= allowed) return fmt::format(" (did you mean '{}'?)", *nearest);

@@ -1,4 +1,4 @@
-// Errors that a user can fix. The message is one line: the file or key, the line or value that is wrong, and how to
+// Errors that the user can correct. Each message is one line that says where the error is, what is wrong, and how to
 // correct it.
 #pragma once
 
@@ -15,11 +15,12 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-// Returns a hint to append to an error about an unknown name: " (did you mean 'x'?)" if a candidate differs from
-// `wrong` in few letters, else " (known: a, b, c)" with the first 20 of them, or "" if `candidates` is empty.
+// Returns a hint to append to an error about an unknown name: " (did you mean 'x'?)" if a candidate is similar to
+// `wrong`, and otherwise " (known: a, b, c)" with the first 20 candidates. Returns an empty string if there are no
+// candidates.
 std::string nearest_hint(std::string_view wrong, const std::vector<std::string>& candidates);
 
-// Returns text from outside this program as one line that is safe to print (see printable()), cut to 1000 bytes.
+// Returns text from outside this program as one line of at most 1000 bytes that is safe to print (see printable()).
 std::string one_line(std::string text);
 
 }  // namespace hausbench

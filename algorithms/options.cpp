@@ -16,7 +16,7 @@ std::string type_name(const ParameterValue& value) {
     return names[value.index()];
 }
 
-// Checks a value that the user gave. Returns it in the type of the parameter: an integer for a real parameter becomes a
+// Returns a value that the user gave, after checking it. An integer that was given for a real parameter is converted to
 // double.
 ParameterValue checked(std::string_view solver, const ParameterSpec& spec, const ParameterValue& value) {
     const std::string where = fmt::format("solver '{}', parameter '{}'", solver, spec.name);

@@ -1,5 +1,5 @@
-// Parameters of solvers. A ParameterSpec declares one with type, unit and default. An Options object checks the values
-// that a user gives; the solver's constructor then reads them by name.
+// Parameters of solvers. A ParameterSpec declares the type, unit and default of one parameter. An Options object checks
+// the values that the user gives; the solver's constructor then reads them by name.
 #pragma once
 
 #include <cstdint>
@@ -20,20 +20,20 @@ std::string to_string(const ParameterValue& value);
 // The declaration of one parameter.
 struct ParameterSpec {
     std::string name;
-    ParameterValue default_value;  // the alternative that it holds is the type of the parameter
+    ParameterValue default_value;  // its type is the type of the parameter
     std::string unit = {};         // empty: none
     std::string paper_value = {};  // as printed in the paper; empty: the paper has no such parameter
     std::string description;
     std::vector<std::string> choices = {};  // allowed values of a string; empty: any
     double least = -1e300, most = 1e300;    // for numbers: the allowed range, ends included
-    // For strings: checks a value. Returns the error, to be printed after the value, and how to correct it; or an empty
-    // string if the value is valid. If it rejects the default value, the user must give the parameter.
+    // For strings: checks a value. Returns an error message to print after the value, or an empty string if the value
+    // is valid. A parameter whose default is not valid must be given by the user.
     std::string (*problem)(const std::string& value) = nullptr;
-    // For strings: the value is a shell command. The contents of the files that it names are then part of the identity
-    // of a case, so results are measured again after a file has changed.
+    // For strings: the value is a shell command. If a file that the command names changes, earlier results of the
+    // command are not reused.
     bool command = false;
 
-    // Returns whether the user must give the parameter; see `problem`.
+    // Returns whether `problem` rejects the default, so that the user must give a value.
     bool required() const;
 };
 
@@ -42,13 +42,13 @@ using ParameterMap = std::map<std::string, ParameterValue>;
 // The values of all parameters of one solver: the values given by the user, and defaults for the rest.
 class Options {
 public:
-    // Throws InputError for an unknown name, a wrong type, a value outside the range or the choices, a value that
-    // `problem` rejects, or a missing required parameter. An integer is accepted for a real parameter. Relative paths
-    // in the values are relative to `folder`, which must be absolute, or to the current folder if `folder` is empty.
+    // Checks the values that the user gave, and adds the defaults. Throws InputError for an unknown name, an invalid
+    // value, or a missing required parameter. An integer is accepted for a real parameter. Relative paths in values
+    // start at `folder`, an absolute path, or at the current folder if `folder` is empty.
     Options(std::string_view solver, const std::vector<ParameterSpec>& specs, const ParameterMap& given,
             std::filesystem::path folder = {});
 
-    // Return a value by name. Throw std::logic_error for a name that was not declared or is of another type.
+    // Return the value of a parameter. Throw std::logic_error if it was not declared or has another type.
     bool flag(const std::string& name) const;
     std::int64_t integer(const std::string& name) const;
     double real(const std::string& name) const;

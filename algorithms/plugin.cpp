@@ -23,8 +23,8 @@ std::vector<Plugin>& list_of_plugins() {
     return list;
 }
 
-// Returns whether the file is truncated: whether it ends before the last segment that its ELF header lists. dlopen()
-// would crash on such a file (SIGBUS).
+// Returns whether the file is truncated, that is, shorter than its ELF program header says. dlopen() would crash on
+// such a file (SIGBUS).
 bool is_cut_short(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     Elf64_Ehdr header{};
@@ -54,8 +54,8 @@ template <class Function> Function* symbol(void* library, const char* name, cons
     return reinterpret_cast<Function*>(address);
 }
 
-// Checks the structures that the new solvers may need. If another solver declares a structure of the same name, both
-// may share one object, so the layout must be the same too.
+// Throws InputError if a new solver and another solver declare structures with the same name but different layouts,
+// because the two solvers may share one object.
 void check_structures(const std::vector<SolverEntry>& entries, const fs::path& file) {
     for (const SolverEntry& own : entries) {
         for (const Need& need : own.info.may_need) {

@@ -5,8 +5,8 @@
 //     HAUSBENCH_PLUGIN(my_solver(), my_other_solver())   // expressions of type SolverEntry
 //
 // Build it against the installed headers and library with find_package(hausbench); tests/outside_plugin/ is an example.
-// C++ objects pass between a plug-in and the program, so both must be built with the same interface, C++ library and
-// Eigen. load_plugin() refuses a plug-in in which `plugin_interface` or plugin_layout() differs from the program's.
+// C++ objects pass between a plug-in and the program, so both must be built with the same headers, C++ library and
+// Eigen. load_plugin() refuses a plug-in whose `plugin_interface` or plugin_layout() is not the same as the program's.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -18,13 +18,15 @@
 
 namespace hausbench {
 
-// Increase it with every change of meaning in the public headers. plugin_layout() does not notice such a change.
+// Increase this with every change of meaning in the public headers: plugin_layout() notices only changed sizes and
+// library versions.
 inline constexpr int plugin_interface = 11;
 
 #define HAUSBENCH_TEXT_OF(x) #x
 #define HAUSBENCH_TEXT(x) HAUSBENCH_TEXT_OF(x)
 
-// Returns the versions of the libraries whose objects pass between plug-in and program, and the sizes of these objects.
+// Describes the binary interface: the versions of Eigen and libstdc++, and the sizes of the objects that pass between a
+// plug-in and the program.
 inline std::string plugin_layout() {
     std::string text =
         "Eigen " HAUSBENCH_TEXT(EIGEN_WORLD_VERSION) "." HAUSBENCH_TEXT(EIGEN_MAJOR_VERSION) ", alignment " +
@@ -37,8 +39,8 @@ inline std::string plugin_layout() {
     return text;
 }
 
-// HAUSBENCH_COMPILED: how the including file is compiled, such as "optimized, no assertions, GCC 12.2.0", as far as
-// predefined macros tell (GCC has none for -fsanitize=undefined).
+// HAUSBENCH_COMPILED says how the including file is compiled, such as "optimized, no assertions, GCC 12.2.0". It omits
+// -fsanitize=undefined, for which GCC predefines no macro.
 #ifdef __OPTIMIZE__
 #define HAUSBENCH_OPTIMIZED "optimized"
 #else
@@ -91,15 +93,15 @@ void load_plugin(const std::filesystem::path& file);
 struct Plugin {
     std::filesystem::path file;        // absolute
     std::vector<std::string> solvers;  // names
-    std::string compiled;              // HAUSBENCH_COMPILED of the file with HAUSBENCH_PLUGIN(...)
+    std::string compiled;              // its HAUSBENCH_COMPILED
 };
 const std::vector<Plugin>& plugins();  // in the order of loading
 
 // Returns the plug-in that a solver comes from; null for a built-in solver.
 const Plugin* plugin_of(std::string_view solver);
 
-// Returns a warning, one line, for each plug-in that is compiled without optimization while this program is optimized:
-// their times are not comparable.
+// Returns a one-line warning for each plug-in that was compiled without optimization, if this program is optimized:
+// their times are then not comparable.
 std::vector<std::string> slow_plugins();
 
 }  // namespace hausbench

@@ -57,7 +57,7 @@ PreparedShape::PreparedShape(Scaled scaled)
 PreparedShape::Scaled PreparedShape::scaled(Shape shape, int exponent) {
     Points& points = points_of(shape);
     std::optional<Points> original;
-    // Only a coordinate that becomes subnormal can be rounded. If none does, no copy of the original is needed.
+    // Scaling rounds only coordinates that become subnormal. If there are none, no copy of the original is needed.
     if (std::ldexp(smallest_nonzero(points), exponent) < std::numeric_limits<double>::min()) original = points;
     const bool exact = scale(points, exponent);
     if (exact) original.reset();

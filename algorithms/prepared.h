@@ -1,5 +1,5 @@
-// Structures, such as a BVH over the target: data that is built over one shape before any query, and timed separately.
-// Only the structures that a solver returns from needs() are built.
+// Structures: data, such as a BVH, that is built over one shape before any query, and timed separately. Only the
+// structures that a solver returns from needs() are built.
 //
 // A structure is a type with
 //
@@ -39,23 +39,23 @@ enum class Side { source, target };
 
 class PreparedShape;
 
-// A structure whose type is erased, with its cost.
+// A structure after it was built, stored without its type, and the cost of building it.
 struct BuiltStructure {
-    std::shared_ptr<const void> object;  // a Type, see Prepared::get()
+    std::shared_ptr<const void> object;  // Prepared::get() casts it back to its type
     std::size_t bytes = 0;
     double seconds = 0;  // wall time
 };
 
-// How to build a structure of a given type with given parameters; see structure_kind().
+// Describes a kind of structure, with its parameters, and how to build it. Made by structure_kind().
 struct StructureKind {
     std::string name;  // structure_name, and the text of the parameters if there are any: "BVH", "samples (n = 3)"
-    // structure_layout and sizeof(Type). A plug-in may share a structure with the program only if both have the same.
+    // structure_layout and sizeof(Type). A plug-in may share a structure with the program only if both are the same.
     std::string layout;
     std::function<bool(ShapeKind)> fits;  // whether it can be built over such a shape
-    std::function<BuiltStructure(const PreparedShape&, const Threads&)> build;  // leaves `seconds` at 0
+    std::function<BuiltStructure(const PreparedShape&, const Threads&)> build;  // does not set `seconds`
 };
 
-// StructureParameters<Type> is Type::Parameters, or WithoutParameters<Type> if Type has no such member.
+// StructureParameters<Type> is Type::Parameters if Type has parameters, and WithoutParameters<Type> otherwise.
 template <class Type> struct WithoutParameters {
     std::string text() const { return {}; }
 };
@@ -71,13 +71,14 @@ template <class Type> using StructureParameters = typename ParametersOf<Type>::t
 const Shape& shape_of(const PreparedShape& shape);
 const TriangleMesh& triangles_of(const PreparedShape& shape);
 
-// True if the constructor of Type takes a `const From&`, then its parameters if it has any, and perhaps Threads.
+// True if Type can be constructed from a `const From&`, followed by its parameters (if it has any) and, optionally, a
+// `const Threads&`.
 template <class Type, class From> inline constexpr bool structure_from = requires { typename Type::Parameters; }
 ? std::constructible_from<Type, const From&, StructureParameters<Type>> ||
         std::constructible_from<Type, const From&, StructureParameters<Type>, const Threads&>
     : std::constructible_from<Type, const From&> || std::constructible_from<Type, const From&, const Threads&>;
 
-// Returns how to build a Type with these parameters. If the constructor accepts several kinds of shapes, a mesh is
+// Describes how to build a Type with these parameters. If the constructor accepts several kinds of input, a mesh is
 // preferred to points, and points to a Shape.
 template <class Type> StructureKind structure_kind(const StructureParameters<Type>& parameters = {}) {
     constexpr bool parametric = requires { typename Type::Parameters; };
@@ -125,7 +126,8 @@ struct Need {
 };
 using Needs = std::vector<Need>;
 
-// Makes a Need, for Solver::needs() and SolverInfo::may_need: need<TriangleBvh>(Side::target).
+// Makes a Need, to be returned from Solver::needs() or listed in SolverInfo::may_need. Example:
+// need<TriangleBvh>(Side::target).
 template <class Type> Need need(Side side, const StructureParameters<Type>& parameters = {}) {
     return {structure_kind<Type>(parameters), side};
 }
@@ -140,10 +142,10 @@ struct PreparationTime {
     bool shared = false;  // the structure existed already, built for another scene with this shape
 };
 
-// A shape scaled by a power of two, with the structures built over it so far. Several scenes may share it.
+// A shape, scaled by a power of two, and the structures built over it so far. Several scenes may share it.
 class PreparedShape {
 public:
-    // Takes the shape unscaled (exponent 0), without copying it.
+    // Uses the shape without scaling (exponent 0) and without copying it.
     explicit PreparedShape(SharedShape shape);
 
     // Multiplies every coordinate by 2^exponent. Keeps a copy of the original coordinates only if this rounds one of
@@ -154,24 +156,24 @@ public:
     int exponent() const { return exponent_; }
 
     // Returns an upper bound on how far the scaling moved any point by rounding, as a scaled length: 0 if it was exact,
-    // else 2^-1074. (Only a coordinate that underflows is rounded, by at most 2^-1075.)
+    // else 2^-1074. Only a coordinate that underflows is rounded, by at most 2^-1075.
     double lost() const { return lost_; }
 
-    // Return the largest |coordinate|, and the smallest one that is not 0, both scaled. If every coordinate is 0, they
-    // are 0 and infinity.
+    // Return the largest |coordinate| and the smallest nonzero |coordinate|, after scaling. If all coordinates are 0,
+    // largest() is 0 and smallest() is infinity.
     double largest() const { return largest_; }
     double smallest() const { return smallest_; }
 
-    // Returns the coordinates before scaling, to the bit.
+    // Returns the coordinates before scaling, bit for bit.
     Points original() const;
 
-    // Returns the mesh itself, or for a point set a mesh with one triangle (i, i, i) per point, made by the first call.
-    // Throws std::logic_error for a surface.
+    // Returns the shape as a mesh. A point set becomes a mesh with one triangle (i, i, i) per point, which the first
+    // call makes. Throws std::logic_error for a surface.
     const TriangleMesh& triangles() const;
 
-    // Returns the structure. The first call builds and times it, with at most `threads`; later calls return the same
-    // object, at the same address. Sets `*before`, if not null, to whether the structure existed before this call.
-    // Throws std::logic_error if the structure does not fit the shape.
+    // Returns the structure over this shape. The first call builds and times it, with at most `threads`; later calls
+    // return the same object. Sets `*before`, if not null, to whether the structure existed before this call. Throws
+    // std::logic_error if the structure cannot be built over such a shape.
     const BuiltStructure& structure(const StructureKind& kind, const Threads& threads = Threads(),
                                     bool* before = nullptr);
 
@@ -201,33 +203,33 @@ int scale_exponent(double largest);
 // The structures that one solver declared for the two shapes of a scene.
 class Prepared {
 public:
-    // Builds the needed structures that do not exist yet, one after the other. Each takes O(n log n) time.
+    // Builds the needed structures that do not exist yet, one after the other.
     Prepared(const Scene& scene, const Needs& needs, const Threads& threads = Threads());
     Prepared(std::shared_ptr<PreparedShape> source, std::shared_ptr<PreparedShape> target, const Needs& needs,
              const Threads& threads = Threads());
 
-    // Returns whether the structure was declared, so that get() returns it.
+    // Returns whether the solver declared the structure in needs(), so that get() may be called.
     template <class Type> bool has(Side side, const StructureParameters<Type>& parameters = {}) const {
         return declared_.contains(to_string(need<Type>(side, parameters)));
     }
 
-    // Returns the structure over that side, which is not moved by any pose. Throws std::logic_error if the solver did
-    // not declare it in needs().
+    // Returns the structure over the source or the target, which no pose has moved. Throws std::logic_error if the
+    // solver did not declare it in needs().
     template <class Type> const Type& get(Side side, const StructureParameters<Type>& parameters = {}) const {
         return *static_cast<const Type*>(use(to_string(need<Type>(side, parameters))));
     }
 
-    // Returns the mesh of that side, or a triangle for each point of a point set; see PreparedShape::triangles().
+    // Returns the source or the target as a mesh; see PreparedShape::triangles().
     const TriangleMesh& triangles(Side side) const { return shapes_[static_cast<std::size_t>(side)]->triangles(); }
 
-    // Returns the threads with which Solver::prepare() may build its private data.
+    // Returns the threads that Solver::prepare() may use to build its private data.
     const Threads& threads() const { return threads_; }
 
-    // Returns the cost of each structure, measured when it was built, be it for this scene or an earlier one.
+    // Returns the cost of building each structure, even if it was built earlier, for another scene.
     const std::vector<PreparationTime>& times() const { return times_; }
 
-    // Returns how often get() has returned each structure, by the name that to_string(Need) gives; structures that were
-    // never used are absent. The contract test fails if a solver declares a structure and never uses it.
+    // Returns how often get() has returned each structure, by the structure's name, as to_string(Need) gives it. Unused
+    // structures are absent, so that a test can find needless declarations.
     std::map<std::string, int> uses() const;
 
 private:

@@ -32,8 +32,8 @@ Character first_character(std::string_view text) {
 
 bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0) || c == 0x2028 || c == 0x2029; }
 
-// Returns whether the character is invisible: it sets the direction of writing or has no width. Names that differ only
-// in such characters look the same.
+// Returns whether the character is invisible: it has no width or only sets the direction of writing. Names that differ
+// only in such characters look the same.
 bool is_hidden(char32_t c) {
     return c == 0x61c || (c >= 0x200b && c <= 0x200f) || (c >= 0x202a && c <= 0x202e) || (c >= 0x2060 && c <= 0x2069) ||
            c == 0xfeff || (c >= 0xe0000 && c <= 0xe007f);

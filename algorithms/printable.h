@@ -11,9 +11,9 @@ namespace hausbench {
 // become spaces; direction marks, zero-width characters and invalid bytes become question marks.
 std::string printable(std::string_view text);
 
-// Does the same, but keeps line breaks and, if `colours` is set, the colour codes that this program writes. All
-// standard output of the program passes through this function. Text from outside must pass through printable() before
-// it is inserted into the output, because this function cannot tell whose line breaks they are.
+// Like printable(), but keeps line breaks and, if `colours` is set, the colour codes that this program writes. All
+// standard output of the program passes through this function. Pass text from outside through printable() before
+// inserting it into the output, because this function cannot tell whose line breaks they are.
 std::string printable_lines(std::string_view text, bool colours);
 
 }  // namespace hausbench

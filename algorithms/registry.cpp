@@ -6,8 +6,8 @@
 
 namespace hausbench {
 
-// Declares the function NAME_solver() of each solver; the solver's own file defines it. CMake writes solvers.inc, with
-// a line SOLVER(NAME) for each hausbench_solver(NAME ...) in a CMakeLists.txt.
+// Declares the function NAME_solver() of each solver, which the solver's own file defines. CMake writes solvers.inc: it
+// has a line SOLVER(NAME) for each hausbench_solver(NAME ...) in a CMakeLists.txt.
 #define SOLVER(name) SolverEntry name##_solver();
 #include "solvers.inc"
 #undef SOLVER

@@ -11,9 +11,9 @@ namespace hausbench {
 // Returns the built-in solvers, then the solvers of plug-ins in the order of loading.
 const std::vector<SolverEntry>& solvers();
 
-// Adds the solvers of a plug-in. Call it before looking up any solver, because it invalidates references into
-// solvers(). Throws InputError if a solver has no name, no `make` function, or a name that is already in use; then
-// nothing is added. The message begins with `origin`.
+// Adds the solvers of a plug-in. Call this before looking up any solver, because it invalidates references into
+// solvers(). Adds nothing and throws InputError if a solver has no name or no `make` function, or if its name is
+// already in use. The error message begins with `origin`.
 void add_solvers(const std::vector<SolverEntry>& more, const std::string& origin);
 
 // A solver that was left out of this program because its library was missing or switched off.
@@ -22,8 +22,8 @@ struct NotBuilt {
 };
 const std::vector<NotBuilt>& solvers_not_built();
 
-// Returns a solver by name. Throws InputError if there is none: the message suggests a similar name or, if the solver
-// was left out of this program, gives the reason.
+// Returns a solver by name. Throws InputError if there is no such solver. The message then suggests a similar name, or
+// says why the solver was left out of this program.
 const SolverEntry& find_solver(std::string_view name);
 
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// Shapes, and the scene, which pairs a source A with a target B.
+// Shapes, and scenes, which pair a source shape A with a target shape B.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -26,7 +26,7 @@ Points& points_of(Shape& shape);
 // Returns the number of points of a point set or of triangles of a mesh; 1 for a surface.
 Index element_count(const Shape& shape);
 
-// Return the mesh, or the surface, that the shape is. Throw std::bad_variant_access for a shape of another kind.
+// Return the mesh or the surface in a shape. Throw std::bad_variant_access if the shape is of another kind.
 inline const TriangleMesh& mesh_of(const Shape& shape) { return std::get<TriangleMesh>(shape); }
 inline const AlgebraicSurface& surface_of(const Shape& shape) { return std::get<AlgebraicSurface>(shape); }
 
@@ -44,7 +44,7 @@ private:
     std::shared_ptr<const Shape> shape_;
 };
 
-// A source A and a target B before any motion. The poses of a Query move them; the scene itself does not change.
+// A source A and a target B before any motion. Queries move them by poses; the scene itself does not change.
 struct Scene {
     SharedShape source, target;
 };

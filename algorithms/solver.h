@@ -40,7 +40,7 @@
 
 namespace hausbench {
 
-// The kinds of shapes that a solver accepts on one side.
+// The kinds of shapes that a solver accepts as its source, or as its target.
 struct ShapeSet {
     bool points = false, mesh = false, surface = false;
     bool contains(ShapeKind kind) const {
@@ -48,10 +48,11 @@ struct ShapeSet {
     }
 };
 
-// The largest gap, upper - lower, with which an answer counts as converged.
+// The largest gap between upper and lower bound at which an answer counts as converged.
 struct Tolerance {
     // absolute: `value` is a length.
-    // lower: `value` is a fraction of the lower bound. For a distance of 0, only an upper bound of exactly 0 converges.
+    // lower: `value` is a fraction of the lower bound. If the distance is 0, an answer then converges only when its
+    // upper bound is exactly 0.
     enum class Of { absolute, lower };
     Of of = Of::absolute;
     double value = 0;
@@ -60,7 +61,7 @@ struct Tolerance {
     double gap(double lower) const { return of == Of::absolute ? value : value * lower; }
 };
 
-// Why a solver stopped. The bounds hold whatever the status.
+// The reason why a solver stopped. The bounds are valid whatever the status.
 enum class Status {
     converged,     // the gap, upper - max(lower, floor), is within the tolerance
     below_floor,   // upper <= floor
@@ -74,7 +75,7 @@ enum class Status {
 };
 std::string_view to_string(Status status);
 
-// lower <= the distance <= upper. The defaults always hold.
+// Bounds on a distance: lower <= distance <= upper. The defaults are valid for every distance.
 struct Bounds {
     double lower = 0;
     double upper = std::numeric_limits<double>::infinity();
@@ -82,31 +83,31 @@ struct Bounds {
     double gap() const { return upper - lower; }
 };
 
-// The pair of points that attains the lower bound, up to rounding: a far point of one shape, and the point of the other
-// shape that is closest to it. source_point always lies on A posed and target_point on B posed. `direction` says which
-// of them is the far point: source_point for source_to_target (h(A,B)), target_point for target_to_source (h(B,A)).
+// The pair of points that attains the lower bound, up to rounding: a point of one shape that is far from the other
+// shape, and the closest point of the other shape. source_point lies on A and target_point on B, both after their
+// motion. The far one is source_point for source_to_target, h(A,B), and target_point for target_to_source, h(B,A).
 struct Witness {
     enum class Direction { source_to_target, target_to_source };
-    // NaN: not known.
+    // NaN if unknown.
     Vec3 source_point = Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), target_point = source_point;
-    // The index of the point or triangle on which each point lies; -1: not known.
+    // The index of the point or triangle on which each point lies; -1 if unknown.
     Index source_element = -1, target_element = -1;
     Direction direction = Direction::source_to_target;
 };
 std::string_view to_string(Witness::Direction direction);
 
 // Facts that a solver reports about its run, by name. Each is a number, such as the share of points that were culled,
-// or a text, such as the algorithm that was chosen. A number whose name begins with `length_prefix` is a length:
-// Session scales it back to the unit of the input. The scaling rounds to nearest, so the number is not a bound.
+// or a text, such as the chosen algorithm. A number whose name begins with `length_prefix` is a length. Session scales
+// it back to the unit of the input, which rounds it, so it is not a bound.
 inline constexpr std::string_view length_prefix = "length: ";
 using Reported = std::map<std::string, std::variant<double, std::string>>;
 
 // One value for each vertex or each element (point or triangle) of A, such as the upper bound of each triangle.
 struct Field {
-    // Pieces are parts of triangles that are cut to draw pictures. A solver makes no fields of pieces; only as_fields()
-    // in harness/record/fields.h does.
+    // `pieces` are parts into which triangles are cut to draw pictures. Only as_fields() (harness/record/fields.h)
+    // makes fields of pieces; solvers do not.
     enum class Of { vertices, elements, pieces };
-    // lower, upper: bounds, which are lengths. number: a value without a unit.
+    // `lower` and `upper` are bounds on distances, with the unit of a length. `number` has no unit.
     enum class Meaning { lower, upper, number };
     std::string name;
     Of of = Of::elements;
@@ -115,8 +116,9 @@ struct Field {
 };
 using Fields = std::vector<Field>;
 
-// A proof of the upper bound `proven` that can be checked without the solver. `format` says how to read `bytes`. The
-// bytes contain no length, so the proof stays valid when Session scales `proven` back to the unit of the input.
+// A proof of the upper bound `proven` that can be checked without the solver. `bytes` holds the proof, in the format
+// named by `format`. It contains no lengths, so it stays valid when Session scales `proven` back to the unit of the
+// input.
 struct Certificate {
     std::string format;
     Witness::Direction direction = Witness::Direction::source_to_target;  // target_to_source: proves h(B,A)
@@ -131,25 +133,26 @@ struct Result {
     Counters counters;
     Reported reported = {};
 
-    // If the status is not `converged`: one line with the reason, such as an error of an outside program. Empty if the
-    // status says enough.
+    // One line with the reason for a status other than `converged`, such as an error of an outside program. Empty if
+    // the status says enough.
     std::string note = {};
 
-    // Set only if the query wants them. H(A,B) has two certificates, one for each direction, or none.
+    // Extra output that the query asked for (Query::wanted). H(A,B) has two certificates, one for each direction, or
+    // none.
     std::optional<Fields> fields = {};
     std::vector<Certificate> certificates = {};
     std::string why_no_certificate = {};  // one line, if a certificate was wanted and there is none
 
-    // Set only if a program outside this process did the work: the seconds that it reports (else NaN), and the peak of
-    // its resident memory in bytes (else -1).
+    // Set only if an outside program did the work: the seconds that it reports (otherwise NaN), and its peak resident
+    // memory in bytes (otherwise -1).
     double reported_seconds = std::numeric_limits<double>::quiet_NaN();
     std::int64_t outside_bytes = -1;
 };
 
-// directed: h(A,B). symmetric: H(A,B) = max(h(A,B), h(B,A)).
-// penetration: the penetration depth of two solids (Tang et al. 2009, section 7.3; composed/penetration/). The boundary
-// of each connected part of their common volume consists of a part of A's surface and a part of B's surface. The depth
-// is the largest H between these two, over all connected parts.
+// The quantity to compute. `directed` is h(A,B), and `symmetric` is H(A,B) = max(h(A,B), h(B,A)).
+// `penetration` is the penetration depth of two solids (Tang et al. 2009, section 7.3; composed/penetration/). The
+// boundary of each connected part of their common volume consists of a part of A's surface and a part of B's surface.
+// The depth is the largest H between these two, over all connected parts.
 enum class Quantity { directed, symmetric, penetration };
 inline constexpr Quantity quantities[] = {Quantity::directed, Quantity::symmetric, Quantity::penetration};
 std::string_view to_string(Quantity quantity);
@@ -171,9 +174,9 @@ struct Query {
     Pose source_pose, target_pose;
     Tolerance tolerance;
 
-    // Two lengths at which a solver may stop early, whatever the tolerance. To ask "is the distance above d?", set
-    // floor = cutoff = d; the tolerance is then ignored. A solver never returns the floor as its lower bound: the lower
-    // bound is always proven, and the witness belongs to it.
+    // Lengths at which a solver may stop early, whatever the tolerance. To ask "is the distance above d?", set both to
+    // d; the tolerance is then ignored. The returned lower bound is never just the floor: it is proven and has a
+    // witness.
     double floor = 0;                                                  // may stop once upper <= floor
     double cutoff = std::numeric_limits<double>::infinity();           // may stop once lower > cutoff
     double time_limit = std::numeric_limits<double>::infinity();       // seconds of wall time
@@ -181,8 +184,8 @@ struct Query {
     int threads = 1;  // most threads to use; the bounds must not depend on the number
     Wanted wanted;
 
-    // Returns the status with which a solver may stop at these bounds, or nothing if they are too far apart. The gap is
-    // upper - max(lower, floor), because the caller does not care about distances below the floor.
+    // Returns the status with which a solver may stop at these bounds. Returns nothing if they are too far apart.
+    // Distances below the floor do not matter to the caller, so the gap is upper - max(lower, floor).
     std::optional<Status> answer(double lower, double upper) const {
         if (lower > cutoff) return Status::above_cutoff;
         const bool asks = floor >= cutoff;
@@ -192,12 +195,12 @@ struct Query {
     }
 };
 
-// Properties shared by all later queries; lets a solver skip preparation that none of them needs.
+// Properties of all later queries. They let a solver skip preparation that no query needs.
 struct QuerySet {
     bool moves = false;     // some pose of A is not the identity
     std::size_t count = 1;  // number of queries
-    // The smallest absolute tolerance, in the unit of the input even if the scene is scaled; 0: not known, or the
-    // tolerance is a fraction of the lower bound.
+    // The smallest absolute tolerance of any query, in the unit of the input even if the scene is scaled. 0: unknown,
+    // or the tolerance is a fraction of the lower bound.
     double finest_tolerance = 0;
     bool target_moves = false;   // some pose of B is not the identity
     bool target_copied = false;  // some answer needs a posed copy of B, see session/moving_target.h
@@ -205,16 +208,16 @@ struct QuerySet {
     int threads = 1;             // most threads for a query, and for building structures
 };
 
-// Data that a solver keeps between the queries of a chain, a series of queries about nearby poses. An example is the
-// last witness, which is a good first guess for the next pose. A State may speed up an answer but never changes the
-// meaning of a bound. The next query may go to another instance of the solver that is prepared for the same shapes, so
-// a State must not refer to the instance that made it.
+// Data that a solver keeps between queries about nearby poses, called a chain of queries; for example, the last witness
+// is a good first guess for the next pose. A State may speed up an answer, but bounds are valid whatever it contains.
+// The next query may go to another solver instance for the same shapes, so a State must not refer to the instance that
+// made it.
 class State {
 public:
     virtual ~State() = default;
 
-    // Takes hints from the State of the other direction of H(A,B) at the same pose. A point of A and a point of B that
-    // were found close to each other there are close here too. Called only for solvers with Ability::shared_pairs.
+    // Takes hints from the opposite direction of H(A,B) at the same pose: points of A and B that were close in that
+    // direction are close in this one. Called only for solvers with Ability::shared_pairs.
     virtual void learn_from(const State& /*opposite*/) {}
 };
 
@@ -224,9 +227,9 @@ class Solver {
 public:
     virtual ~Solver() = default;
 
-    // Returns whether the bounds hold under rounding with the options of this instance. Called only if
-    // SolverInfo::certified is set. The harness makes an instance for this call alone, so a constructor should do no
-    // more than read options.
+    // Returns whether the bounds are valid despite rounding errors, with the options of this instance. Called only if
+    // SolverInfo::certified is set. The harness makes an instance for this call alone, so the constructor should only
+    // read options.
     virtual bool certified() const { return true; }
 
     // Returns the structures that this scene and these queries require. Keep it cheap.
@@ -238,17 +241,16 @@ public:
     // Returns the memory that prepare() allocated, in bytes; 0 if it is negligible.
     virtual std::size_t prepared_bytes() const { return 0; }
 
-    // Returns the State for a new chain of queries; null if the solver lacks Ability::warm.
+    // Returns the State for a new chain of queries. Returns null if the solver lacks Ability::warm.
     virtual std::unique_ptr<State> begin() const { return nullptr; }
 
-    // Answers a query. Several threads may call it at the same time, so it must change nothing but `state`, `trace` and
-    // its own local variables. `state` is null or comes from begin() and belongs to one chain of queries; queries
-    // without a state, or of other chains, must not affect each other. Never throws because the input is hard: return
-    // `stalled` with bounds that hold.
+    // Answers a query. Several threads may call it at the same time, so it may change only `state`, `trace` and local
+    // variables. `state` is null or comes from begin(); each chain of queries has its own, and chains must not affect
+    // each other. If the input is too hard, do not throw: return Status::stalled with valid bounds.
     virtual Result solve(const Query& query, State* state, Trace& trace) const = 0;
 };
 
-// Abilities beyond bounding h(A,B) for a moving source.
+// Optional abilities of a solver, beyond answers for a moving source and a fixed target.
 enum class Ability {
     traces,         // offers its bounds to Trace::record() while it runs
     moving_target,  // honours Query::target_pose
@@ -258,37 +260,37 @@ enum class Ability {
     fields,         // gives Result::fields if wanted
     certificates,   // gives Result::certificates if wanted and if time allows
 
-    // The tolerance decides only when the solver stops. So the trace of a run with a fine tolerance contains the
-    // answers to coarser ones, bit for bit, and the harness reads them from the trace instead of solving again.
+    // The tolerance affects only when the solver stops. So the trace of a run with a fine tolerance contains the
+    // answers to coarser ones, bit for bit, and the harness need not solve again for these.
     coarser_answers,
 
-    // The solver permits slightly wider bounds. If both shapes are meshes and the target moves rigidly, Session may
-    // then move the source the other way, which saves building structures over a posed copy of the target.
+    // The solver permits slightly wider bounds if both shapes are meshes and the target moves rigidly. Session may then
+    // move the source the opposite way instead, and need not build structures over a moved copy of the target.
     undone_motion,
 };
 std::string_view to_string(Ability ability);
 
-// Declares a solver: its names, the scenes and queries that it accepts, and its parameters. It does not depend on the
-// values of the parameters.
+// Declares a solver: its names, the scenes and queries that it accepts, and its parameters. The declaration is the same
+// for all values of the parameters.
 struct SolverInfo {
     std::string name;   // as in experiment files
     std::string title;  // as in tables and legends
     std::string paper;  // key in papers.bib; empty: our own, and the title ends with "(ours)"
     ShapeSet source, target;
 
-    // The bounds hold under rounding; the solver's file derives the error. Solver::certified() may withdraw this for
-    // some values of the parameters.
+    // The bounds are valid despite rounding errors; the solver's file derives the error. Solver::certified() may
+    // withdraw this for some values of the parameters.
     bool certified = false;
 
-    // If not empty: describes an error of the paper that is kept on purpose, so that bounds may be wrong. Such a solver
-    // cannot be `certified`.
+    // An error of the paper that the solver reproduces on purpose, so that bounds may be wrong; empty if there is none.
+    // A solver with such an error cannot be `certified`.
     std::string known_wrong = {};
 
-    // The answer does not depend on the tolerance: the exact distance, or bounds of fixed width.
+    // The answer does not depend on the tolerance, because it is the exact distance or has bounds of fixed width.
     bool ignores_tolerance = false;
 
-    // The solver receives the scene as it was loaded, unscaled. Meant for libraries and programs by others, so that
-    // their limits show.
+    // The solver receives the scene as loaded, without scaling. Meant for libraries and programs by others, to show
+    // their limits.
     bool original_coordinates = false;
 
     std::vector<Quantity> quantities = {Quantity::directed};
@@ -302,8 +304,8 @@ struct SolverInfo {
     bool can(Ability ability) const { return abilities.contains(ability); }
 };
 
-// A solver as it is registered: its declaration, and the function that makes an instance. `make` must read every
-// parameter, may throw only InputError, and must not return null (contract.h).
+// A registered solver: its declaration, and the function that makes an instance. `make` must read every parameter,
+// throw only InputError, and not return null (contract.h).
 struct SolverEntry {
     SolverInfo info;
     std::unique_ptr<Solver> (*make)(const Options&);

@@ -1,5 +1,5 @@
-// The bounds over time: a solver reports its bounds to a Trace while it runs. A Trace is off by default, and timed runs
-// leave it off, so that they do not pay for it.
+// Records how the bounds of a solver change while it runs. A Trace is off by default; timed runs leave it off, so that
+// they do not pay for it.
 #pragma once
 
 #include <chrono>
@@ -15,20 +15,20 @@ struct TraceSample {
     double lower, upper;
 };
 
-// The samples of one run. Keeps only samples that differ enough from the last one, see record().
+// The recorded bounds of one run. record() skips samples that hardly differ from the last one, to save memory.
 class Trace {
 public:
     enum class Mode { off, on };
 
-    // `marks` are coarser tolerances, as lengths, in decreasing order. The first sample whose gap is at most a mark is
-    // always kept. So the trace of a run with a fine tolerance contains the answers to the coarser ones, bit for bit.
+    // `marks` are tolerances, as lengths, in decreasing order. The first sample whose gap is at most a mark is always
+    // kept, so the trace contains the answer to each of these tolerances, bit for bit.
     explicit Trace(Mode mode = Mode::off, std::vector<double> marks = {})
         : on_(mode == Mode::on), marks_(std::move(marks)) {}
 
     bool on() const { return on_; }
 
-    // Starts a run; removes all samples. The solver works on shapes that are scaled by 2^exponent, so record() will
-    // compare its gaps with the marks times 2^exponent.
+    // Starts a run and removes all samples. If the solver works on shapes that are scaled by 2^exponent, pass the
+    // exponent: the marks are then scaled in the same way.
     void start(int exponent = 0) {
         samples_.clear();
         next_mark_ = 0;
@@ -37,13 +37,14 @@ public:
         begin_ = std::chrono::steady_clock::now();
     }
 
-    // Call it wherever the solver tests whether the gap is small enough. A sample is kept if its gap is at least 3 %
-    // smaller than the gap of the last kept sample, or if it is the first at or below a mark. So while the gap shrinks
-    // from 1 to 1e-16, at most about 1200 samples are kept (0.97^1200 is about 1e-16), plus one for each mark.
+    // Offers the current bounds as a sample. Call it wherever the solver tests whether the gap is small enough. A
+    // sample is kept if its gap is at least 3 % smaller than the gap of the last kept sample, or if it is the first at
+    // or below a mark. So while the gap shrinks from 1 to 1e-16, at most about 1200 samples are kept (0.97^1200 is
+    // about 1e-16), plus one for each mark.
     void record(double lower, double upper) {
         if (!on_) return;
         const double gap = upper - lower;
-        // Until an upper bound is known, a sample is kept if its lower bound is over 3 % larger than the last one.
+        // Until an upper bound is known, keep samples whose lower bound is more than 3 % larger than the last one.
         if (std::isinf(gap)) {
             if (samples_.empty() || lower > 1.03 * samples_.back().lower) keep(lower, upper);
             return;
@@ -54,7 +55,7 @@ public:
         keep(lower, upper);
     }
 
-    // Ends a run: keeps its final bounds as the last sample.
+    // Ends a run and keeps its final bounds as the last sample.
     void finish(double lower, double upper) {
         if (on_) keep(lower, upper);
     }

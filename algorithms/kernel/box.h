@@ -8,7 +8,7 @@
 
 namespace hausbench {
 
-// A closed box, given by its least and its largest corner. A new box is empty; add() enlarges it.
+// A closed box, given by its smallest and its largest corner. A new box is empty; add() enlarges it.
 struct Box {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
@@ -23,10 +23,10 @@ struct Box {
     }
 };
 
-// Returns the squared distance from p to the box, rounded after each operation. The result is at most the computed
-// squared_length(p - q) (triangle.h) for every q in the box, so a search may skip the box without any slack for
-// rounding. The reason: both functions take the same differences, squares and sums in the same order, and rounded
-// operations are monotone.
+// Returns the squared distance from p to the box, rounded after each operation. It never exceeds the computed squared
+// distance from p to a point of the box (squared_length() in triangle.h), so a search may compare the two without slack
+// for rounding. The reason is that both functions perform the same operations in the same order, and rounding is
+// monotone.
 inline double squared_distance_to_box(const Vec3& p, const Box& box) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = std::max(std::max(box.low[k] - p[k], p[k] - box.high[k]), 0.0);

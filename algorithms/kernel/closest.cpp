@@ -22,7 +22,7 @@ ClosestPoint closest_by_scan(const TriangleMesh& mesh, const Vec3& point, const 
 void certify(const Vec3& point, const Triangle& triangle, double nearest, double& least, Counters& counters) {
     if (squared_distance_to_box(point, box_of(triangle)) > nearest) return;
     ++counters.point_triangle_distances;
-    // Leaves of trees store the corners with the longest edge first; with that order, all structures get the same bits.
+    // Use the same order of corners as search trees, the longest edge first, so that results have the same bits.
     const Triangle turned = longest_edge_first(triangle);
     const TrianglePoint foot = closest_point(point, turned);
     least = std::min(least, distance_certainly_at_least(point, turned, foot.point));

@@ -1,5 +1,4 @@
-// Counters of the work done by a query. Unlike times, they are the same on every machine, so results report both.
-// Functions take a Counters& instead of changing global variables.
+// Counters of the work that a query does. Unlike times, counts are the same on every machine, so results contain both.
 #pragma once
 
 #include <array>
@@ -16,7 +15,7 @@ struct Counters {
     std::uint64_t bound_tests = 0;   // upper bounds computed for triangles or other parts of A
     std::uint64_t subdivisions = 0;  // triangles or other parts of A that were split
     std::uint64_t queue_pushes = 0;
-    std::uint64_t box_distances = 0;           // from a box to a box, or to the part of a surface inside a box
+    std::uint64_t box_distances = 0;           // distances from a box to a box, or to a surface inside a box
     std::uint64_t polynomial_evaluations = 0;  // bounds on a polynomial over a box
 
     bool operator==(const Counters&) const = default;
@@ -28,8 +27,8 @@ struct CounterField {
     std::uint64_t Counters::*member;
 };
 
-// The names of all counters. Files, tables and tests get the counters from this list, so a new one is added only here
-// and in Counters.
+// The names of all counters. Files, tables and tests loop over this list, so a new counter needs only a member above
+// and an entry here.
 inline constexpr std::array<CounterField, 9> counter_fields{{
     {"point_distances", &Counters::point_distances},
     {"point_triangle_distances", &Counters::point_triangle_distances},

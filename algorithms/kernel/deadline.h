@@ -6,8 +6,8 @@
 
 namespace hausbench {
 
-// A deadline that passes the given number of seconds after its construction. Infinity sets no limit, and the clock is
-// then never read.
+// A deadline that passes a given number of seconds after construction. With infinity, it never passes, and the clock is
+// not read.
 class Deadline {
 public:
     explicit Deadline(double seconds) : seconds_(seconds), limited_(std::isfinite(seconds)) {

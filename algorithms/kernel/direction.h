@@ -1,4 +1,4 @@
-// Scaling of very long and very short vectors before they are normalised.
+// Rescales very long or very short vectors, so that normalising them neither overflows nor underflows.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -8,8 +8,8 @@
 namespace hausbench {
 
 // Returns v times the power of two that brings its largest |coordinate| into [1, 2), so that the squared length neither
-// underflows nor overflows. The product is exact, except that a coordinate may underflow if it is negligible compared
-// with the largest. Zero and non-finite vectors are returned unchanged.
+// overflows nor underflows. The result is exact, except that coordinates much smaller than the largest may underflow.
+// Zero and non-finite vectors are returned unchanged.
 inline Vec3 at_unit_scale(const Vec3& v) {
     const double largest = v.cwiseAbs().maxCoeff();
     if (!(largest > 0) || !v.allFinite()) return v;

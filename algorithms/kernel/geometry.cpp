@@ -9,8 +9,8 @@ double diagonal(const Points& points) {
     const Eigen::RowVector3d extent = points.colwise().maxCoeff() - points.colwise().minCoeff();
     const double largest = extent.maxCoeff();
     if (!(largest > 0) || std::isinf(largest)) return largest;
-    // Scaled by a power of two, the largest side is in [1, 2): no square overflows, and squares that underflow are
-    // negligible.
+    // Scale the sides by a power of two that brings the largest into [1, 2). Then no square overflows, and squares that
+    // underflow are negligible.
     const int exponent = std::ilogb(largest);
     const double x = std::ldexp(extent.x(), -exponent);
     const double y = std::ldexp(extent.y(), -exponent);

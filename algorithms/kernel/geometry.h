@@ -1,6 +1,6 @@
-// The basic types: vectors, point sets, triangle meshes, algebraic surfaces, and poses.
+// Basic types: vectors, point sets, triangle meshes, algebraic surfaces and poses.
 //
-// Lengths are in the unit of the data; no function here rescales them. Sessions do (session/scaled.h).
+// Lengths are in the unit of the input. Nothing here rescales them; session/scaled.h does.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,24 +18,24 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-// A set of points. It is never empty, and all coordinates are finite; loading a file checks both.
+// A set of points. File loaders check that it is not empty and that all coordinates are finite.
 struct PointSet {
     Points points;
 };
 
 // A triangle soup: no adjacency, orientation or manifoldness is assumed, and degenerate triangles are allowed. Every
-// vertex belongs to a triangle; loaders drop the other vertices and report how many they dropped.
+// vertex belongs to a triangle; file loaders drop unused vertices and report how many.
 struct TriangleMesh {
     Points vertices;
     Triangles triangles;
 };
 
-// The points of a closed box at which a polynomial in x, y, z is zero. Like every shape, the surface must not be empty;
-// a solver that finds it empty throws InputError in prepare().
+// The points of a closed box at which a polynomial in x, y, z is zero. Like every shape, the surface must not be empty.
+// A solver that finds it empty throws InputError in prepare().
 struct AlgebraicSurface {
-    // For the syntax, see kernel/polynomial.h. Coefficients are exact: "0.1" is one tenth, not the nearest double.
+    // The syntax is in kernel/polynomial.h. Coefficients are exact: "0.1" is one tenth, not the nearest double.
     std::string polynomial;
-    Points box;  // two rows, the least and the largest corner; the first is smaller in each coordinate
+    Points box;  // two rows: the smallest and the largest corner, which differ in every coordinate
 };
 
 // Returns the length of the diagonal of the bounding box of the points; 0 for an empty set.
@@ -56,12 +56,12 @@ struct Pose {
     bool is_identity() const;
 };
 
-// Returns the points, moved by a pose. Coordinate k of a point (x, y, z) becomes
+// Returns the points moved by a pose. Coordinate k of a point (x, y, z) becomes
 //     ((r(k,0) * x + r(k,1) * y) + r(k,2) * z) + t(k),   where r is the rotation and t the translation,
 // rounded after each operation, in this order. The identity returns the same bits.
 //
-// In all comments, the "posed" points, and the "posed" mesh that has them as vertices, are these rounded ones; every
-// bound and witness refers to them. Algebraic surfaces cannot be moved: a session accepts only the identity for them.
+// In all comments, "posed" points and meshes are the ones with these rounded coordinates; every bound and witness
+// refers to them. Algebraic surfaces cannot be moved: a session accepts only the identity for them.
 Points posed(const Points& points, const Pose& pose);
 
 }  // namespace hausbench

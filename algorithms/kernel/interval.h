@@ -6,8 +6,7 @@
 //
 // CGAL's type was chosen for its speed: it takes about 3 times as long as plain doubles. It keeps (-low, high) in one
 // SSE register, so that rounding upward is right for both ends. Boost.Interval takes about 28 times as long as doubles
-// with its default policy, which sets and restores the rounding mode in each operation. Without that policy it is
-// nearly as fast as CGAL's type, but does not set the mode at all.
+// with its default policy, which sets and restores the rounding mode in each operation.
 #pragma once
 
 #ifndef __ROUNDING_MATH__
@@ -21,16 +20,17 @@ namespace hausbench {
 
 using Interval = CGAL::Interval_nt<false>;
 
-// Sets the rounding mode to upward for its lifetime, and restores it afterwards.
+// Sets the rounding mode to upward for its lifetime, and then restores the previous mode.
 using UpwardRounding = CGAL::Protect_FPU_rounding<true>;
 
-// Returns an interval that contains the n-th power of every number in x, for n >= 0. Apart from rounding, it is the
-// smallest one; so even powers are never below 0, unlike the product x * x of intervals. O(log n).
+// Returns the smallest interval, up to rounding, that contains the n-th power of every number in x, for n >= 0. Even
+// powers are never negative, whereas x * x may be, because interval multiplication treats its factors as independent.
+// O(log n).
 inline Interval power(const Interval& x, int n) {
     if (n == 0) return Interval(1.0);
     if (n == 1) return x;
     if (n % 2 == 0) return CGAL::square(power(x, n / 2));
-    // Not Interval(x.inf()): that constructor expects a finite number, and an end may be infinite.
+    // Pass each end twice, because the constructor with one argument requires a finite number.
     const Interval low(x.inf(), x.inf()), high(x.sup(), x.sup());
     const Interval at_low = CGAL::square(power(low, n / 2)) * low, at_high = CGAL::square(power(high, n / 2)) * high;
     return Interval(at_low.inf(), at_high.sup());

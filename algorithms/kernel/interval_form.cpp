@@ -6,8 +6,8 @@
 namespace hausbench {
 namespace {
 
-// Computes the middle and half widths of a box. The middle need not be exact, because the half widths are measured from
-// it; they are rounded up, because the rounding mode is upward.
+// Computes the middle and the half widths of a box. The half widths are measured from the middle as rounded, and are
+// rounded up, so that middle +- half contains the box. Requires UpwardRounding.
 void centre(const Box& box, Vec3& middle, Vec3& half) {
     for (int k = 0; k < 3; ++k) {
         middle[k] = 0.5 * box.low[k] + 0.5 * box.high[k];
@@ -24,18 +24,18 @@ Interval unbounded() {
     return {-most, most};
 }
 
-// The numbers m + s.u + e v with e >= 0, where u in [-1, 1]^3 is the position in the box, and v in [-1, 1] is unknown.
+// A value in affine arithmetic: a linear function m + s.u of the position u in [-1, 1]^3 in the box, with an error of
+// at most e.
 struct Affine {
     Interval m;
     std::array<Interval, 3> s;
     double e = 0;
 };
 
-// Returns an upper bound on |s.u + e v|.
+// Returns an upper bound on the distance of the value from its constant part m.
 double radius(const Affine& a) { return magnitude(a.s[0]) + magnitude(a.s[1]) + magnitude(a.s[2]) + a.e; }
 
-// Returns numbers that include all products of a number in `a` and a number in `b`. All parts that are not linear in u
-// go into e.
+// Returns the product of two affine values. All parts that are not linear in the position u go into the error e.
 Affine operator*(const Affine& a, const Affine& b) {
     Affine out;
     out.m = a.m * b.m;
@@ -58,8 +58,8 @@ FormEvaluator::FormEvaluator(const Polynomial& polynomial)
     sums_.resize((kept + 1) * (kept + 1) * (kept + 1));
 }
 
-// Computes the expanded powers of m + h u along each axis, each from the previous one. Here, m is the middle of the
-// box, measured from the origin of the polynomial, and h is its half width.
+// Computes the powers (m + h u)^p along each axis, expanded in u. Here m is the middle of the box relative to the
+// polynomial's origin, h its half width, and u in [-1, 1] the position in the box.
 void FormEvaluator::set_powers(const Vec3& middle, const Vec3& half) {
     for (std::size_t k = 0; k < 3; ++k) {
         const Eigen::Index axis = Eigen::Index(k);
@@ -75,7 +75,7 @@ void FormEvaluator::set_powers(const Vec3& middle, const Vec3& half) {
             for (std::size_t q = 1; q <= std::size_t(next.top); ++q)
                 next.low[q] = m * last.low[q] + h * last.low[q - 1];
             products_ += 2 * std::uint64_t(next.top) + 1;
-            if (p > kept) {  // as `kept` is even, u times u^kept is an odd power
+            if (p > kept) {  // `kept` is even, so u times u^kept is an odd power
                 next.even = m * last.even + h * last.odd;
                 next.odd = m * last.odd + h * (last.even + last.low[kept]);
                 products_ += 4;
@@ -102,13 +102,15 @@ void FormEvaluator::add(const Polynomial::Term& term) {
     if (term.powers[0] + term.powers[1] + term.powers[2] > kept) add_beyond(x, y, z);
 }
 
-// Adds bounds on the monomials of one term whose total degree is above `kept`. x, y and z are the expanded powers of
-// the term; x includes its coefficient. If all powers of a monomial are even, its value without the coefficient is in
-// [0, 1]. The coefficients of these monomials have the same sign, so their sum lies between 0 and the sum of the
-// coefficients; this interval is added to rest_. All other monomials are bounded by the absolute values of their
-// coefficients, whose sum is added to others_.
+// Adds bounds on the monomials of total degree above `kept` that arise from one term of the polynomial. x, y and z are
+// the expanded powers of the term; x includes its coefficient.
+//
+// If all powers of a monomial are even, its value without the coefficient is in [0, 1]. The coefficients of these
+// monomials have the same sign, so their sum lies between 0 and the sum of the coefficients; this interval is added to
+// rest_. All other monomials are bounded by the absolute values of their coefficients, whose sum is added to others_.
 void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
-    // Coefficients are indexed by degree, or by half the degree; the last entry is for all degrees above `kept`.
+    // `all` holds absolute values of coefficients, by degree; `even` holds coefficients of even powers, by half the
+    // degree. The last entry of each is the sum for all degrees above `kept`.
     constexpr int n = kept + 2, half = kept / 2 + 2;
     const Power* of[3] = {&x, &y, &z};
     double all[3][n], all_from[n + 1];
@@ -121,7 +123,7 @@ void FormEvaluator::add_beyond(const Power& x, const Power& y, const Power& z) {
         all[k][n - 1] = magnitude(of[k]->even) + magnitude(of[k]->odd);
         even[k][half - 1] = of[k]->even;
     }
-    // Returns the sum of all products a[i] * b[j] * c[k] of total degree above `kept`.
+    // Returns the sum of all products a[i] * b[j] * c[k] whose total degree is above `kept`.
     const auto beyond = [](auto* a, auto* b, auto* c, auto* c_from, int size) {
         c_from[size] = 0.0;  // c_from[i] becomes the sum of c[i] to c[size - 1]
         for (int i = size - 1; i >= 0; --i) c_from[i] = c_from[i + 1] + c[i];

@@ -11,11 +11,11 @@
 namespace hausbench {
 namespace {
 
-constexpr int bits = 10;  // of a Morton key, per coordinate
+constexpr int bits = 10;  // bits of a Morton key per coordinate
 constexpr double cells = 1 << bits;
 constexpr std::size_t few = 32;  // up to this many points with equal keys are not sorted further
 
-// Spreads the ten bits of x: inserts two zero bits before each.
+// Inserts two zero bits before each of the ten bits of x, so that three coordinates can be interleaved.
 std::uint32_t spread(std::uint32_t x) {
     x = (x | (x << 16)) & 0x030000ff;
     x = (x | (x << 8)) & 0x0300f00f;
@@ -23,15 +23,14 @@ std::uint32_t spread(std::uint32_t x) {
     return (x | (x << 2)) & 0x09249249;
 }
 
-// One step down the Hilbert curve. The curve visits the eight octants of a cube in an order that depends on the corner
-// `entry` at which it enters the cube and on the axis `along` which it leaves the cube. These two are the state:
-// 3 * entry + along. The step maps a state and an octant to the number of the octant in this order, which is one octal
-// digit of the position on the curve, and to the state for the octant itself.
+// One step down the Hilbert curve, from a cube into one of its octants. The curve visits the eight octants in an order
+// that depends on the corner `entry` where it enters the cube, and on the axis `along` of the edge from there to its
+// exit. These two are the state, 3 * entry + along. Each state and octant has a step, with the number of the octant in
+// this order (an octal digit of the position on the curve) and the state for the octant.
 struct HilbertStep {
     std::uint8_t digits, state;
 };
 
-// Returns the steps, indexed by state and octant.
 constexpr std::array<std::array<HilbertStep, 8>, 24> hilbert_single_steps() {
     std::array<std::array<HilbertStep, 8>, 24> steps{};
     const auto turned_left = [](unsigned x, unsigned by) { return (x << by | x >> (3 - by)) & 7; };
@@ -54,7 +53,8 @@ constexpr std::array<std::array<HilbertStep, 8>, 24> hilbert_single_steps() {
     return steps;
 }
 
-// Returns two steps in one, indexed by state and two octants: six bits of a Morton key.
+// Returns a table for two steps down the Hilbert curve at once, indexed by the state and two octants (six bits of a
+// Morton key).
 constexpr std::array<std::array<HilbertStep, 64>, 24> hilbert_double_steps() {
     constexpr auto single = hilbert_single_steps();
     std::array<std::array<HilbertStep, 64>, 24> steps{};
@@ -67,13 +67,14 @@ constexpr std::array<std::array<HilbertStep, 64>, 24> hilbert_double_steps() {
     return steps;
 }
 
-// A key in the upper half and the row of its point in the lower half, so that sorting takes a single number.
+// The key of a point in the upper 32 bits and its row in the lower 32 bits, so that points can be sorted as plain
+// integers.
 using Item = std::uint64_t;
 Item item_of(std::uint32_t key, Index row) { return (Item{key} << 32) | static_cast<std::uint32_t>(row); }
 Index row_of(Item item) { return static_cast<Index>(item & 0xffffffff); }
 std::uint32_t key_of(Item item) { return static_cast<std::uint32_t>(item >> 32); }
 
-// Sorts items by key. If the rows ascend before the call, rows with equal keys ascend after it. `room` is a scratch
+// Sorts items by key. If the input is ordered by row, items with equal keys stay in this order. `room` is a scratch
 // buffer.
 void sort_items(std::span<Item> items, std::vector<Item>& room) {
     if (items.size() < 1024) {
@@ -103,9 +104,9 @@ template <Curve curve> std::uint32_t key_along(const MortonFrame& frame, const d
     return curve == Curve::hilbert ? hilbert_key(key) : key;
 }
 
-// Sorts each run of more than `few` items with equal keys by the keys of a smaller frame, then does the same with the
-// runs of equal keys in that frame. Stops at a run that the smaller frame does not split, because of rounding or
-// because all its points are equal. The items keep the keys that they have in `outer`.
+// Sorts items with equal keys further: each run of more than `few` of them is sorted by the keys of a smaller frame,
+// and so on, recursively. Stops at a run that the smaller frame does not split, because all its points are equal or
+// because of rounding. All items keep their keys in `outer`.
 template <Curve curve>
 void refine_runs(const Points& points, std::span<Item> items, const MortonFrame& outer, std::vector<Item>& room) {
     for (std::size_t begin = 0; begin < items.size();) {
@@ -148,7 +149,7 @@ std::uint32_t MortonFrame::key(const double* point) const {
     return key;
 }
 
-// Returns the position of coordinate x in the cube as a number below 2^52. Its highest bit says in which half of the
+// Returns the position of x along an axis of the cube as a 52-bit integer. Its highest bit says in which half of the
 // cube x lies, the next bit in which half of that half, and so on.
 std::uint64_t MortonFrame::halvings_of(double x, int axis) const {
     constexpr double places = 0x1p52;
@@ -157,8 +158,9 @@ std::uint64_t MortonFrame::halvings_of(double x, int axis) const {
 }
 
 bool MortonFrame::before(const double* first, const double* second) const {
-    // In Morton order, the axis on which the points are separated by the earliest halving decides; x before y before z.
-    std::uint64_t highest = 0;  // the bits that differ on that axis
+    // The first halving that separates the points decides their order. If it separates them along several axes, x
+    // decides before y, and y before z.
+    std::uint64_t highest = 0;  // the bits that differ along the deciding axis
     bool less = false;
     for (int k = 0; k < 3; ++k) {
         const std::uint64_t a = halvings_of(first[k], k), b = halvings_of(second[k], k), differ = a ^ b;

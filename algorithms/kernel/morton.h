@@ -1,8 +1,8 @@
-// Sorts points along a space-filling curve, in Morton order (Z order) or Hilbert order: points that are neighbours in
-// the order are mostly neighbours in space.
+// Sorts points along a space-filling curve (Morton or Hilbert), so that points that are neighbours in the order are
+// mostly neighbours in space. Rounding errors in the order do not matter: trees and search orders depend on it, but
+// bounds do not.
 //
-// Source: Morton, A computer oriented geodetic data base, 1966. The order of work and the shape of trees depend on this
-// order, but bounds do not, so its rounding errors do not matter.
+// Source: Morton, A computer oriented geodetic data base, 1966.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -13,23 +13,23 @@
 
 namespace hausbench {
 
-// A cube around a box, in which points get keys to sort by. The cube is halved along each axis ten times, which gives
-// 2^10 cells along each axis, 2^30 in all. Points outside are clamped to the faces of the cube.
+// A cube divided into 2^10 cells along each axis, 2^30 in all. Each cell has a key; sorting points by the keys of their
+// cells puts them in Morton order. Points outside the cube are clamped to its faces.
 class MortonFrame {
 public:
     explicit MortonFrame(const Box& box);
 
-    // Returns the Morton key of the point's cell. It has 30 bits, three for each halving: the highest three say in
-    // which half of the cube the cell lies along x, y and z, the next three in which half of that half, and so on.
+    // Returns the Morton key of the cell that contains the point. It has 30 bits: the highest three say in which half
+    // of the cube the cell lies along x, y and z, the next three in which half of that half, and so on.
     std::uint32_t key(const double* point) const;
 
-    // Returns whether `first` precedes `second` in Morton order. Compares with 52 halvings, so it also tells apart
+    // Returns whether `first` precedes `second` in Morton order. Compares 52 bits per coordinate, so it also orders
     // points of the same cell.
     bool before(const double* first, const double* second) const;
 
-    // Returns a smaller frame, to sort points of one cell whose bounding box is `box`. Among the cubes that arise by
-    // halving this frame again and again, it is the smallest that contains the box; so sorting by its keys continues
-    // the Morton order of this frame. If 52 halvings do not separate the points, returns the frame of the box itself.
+    // Returns a smaller cube in which the points of one cell can be sorted further; `box` is their bounding box. Among
+    // the cubes that arise by halving this cube repeatedly, it is the smallest around the box, so sorting in it
+    // continues the same Morton order. If 52 halvings do not separate the points, returns a cube around the box itself.
     MortonFrame inside(const Box& box) const;
 
 private:
@@ -41,23 +41,22 @@ private:
 };
 
 // Returns the chosen rows of `points` (all rows if `chosen` is null) in Morton order. If a cell contains more than 32
-// points, they are sorted again in a smaller frame, and so on; so a cluster is sorted as well as the rest, however
-// small it is beside the whole. The last 32 points or fewer of a cell are sorted by row. Apart from these, two sets
-// sorted in the same frame follow the same curve.
+// points, they are sorted again in a smaller frame, and so on, so dense clusters are sorted as well as the rest. Up to
+// 32 points in one cell are ordered by row. Apart from these, two sets sorted in the same frame follow the same curve.
 //
-// Takes O(n) memory and, because it is a radix sort, O(n) time for tame data: data in which few cells need a smaller
-// frame. A smaller frame is smaller by a factor of at least 2^10, so data that mix scales may take another O(n) for
-// each factor of 2^10 between the scales.
+// Takes O(n) memory. Takes O(n) time, by radix sort, if few cells need a smaller frame. A smaller frame is at least
+// 2^10 times smaller, so data that mix scales may take another O(n) for each factor of 2^10 between the scales.
 std::vector<Index> morton_order(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame);
 
-// Returns the position of a cell on the Hilbert curve through all 2^30 cells of a frame, given the Morton key of the
-// cell. Consecutive cells of the Hilbert curve are always neighbours in space, whereas the Morton curve jumps. So a run
-// of consecutive points has a smaller bounding box in Hilbert order.
+// Converts the Morton key of a cell to the cell's position on the Hilbert curve through all 2^30 cells. Consecutive
+// cells of the Hilbert curve are always neighbours in space, whereas the Morton curve jumps. So a run of consecutive
+// points has a smaller bounding box in Hilbert order.
 // Source: Hamilton and Rau-Chaplin, Compact Hilbert indices, 2008: the same curve, here as a table of 24 states.
 std::uint32_t hilbert_key(std::uint32_t morton_key);
 
-// Returns all rows sorted by the Hilbert keys of their cells. If a cell contains more than 32 points, they are sorted
-// along another Hilbert curve, through a smaller frame, as in morton_order() and at the same cost.
+// Returns the rows of all points in the order of the Hilbert keys of their cells. If a cell contains more than 32
+// points, they are sorted again along a smaller Hilbert curve inside the cell. Takes as much time and memory as
+// morton_order().
 std::vector<Index> hilbert_order(const Points& points, const MortonFrame& frame, const Threads& threads = Threads());
 
 }  // namespace hausbench

@@ -12,7 +12,7 @@ namespace {
 
 namespace tbb = oneapi::tbb;
 
-// Sets the floating-point environment for its lifetime, and restores the previous one afterwards.
+// Sets the floating-point environment, such as the rounding mode, for its lifetime, and then restores the previous one.
 class Environment {
 public:
     explicit Environment(const std::fenv_t& wanted) {
@@ -46,7 +46,7 @@ void Threads::run(std::size_t count, int most, void* job, void (*one)(void* job,
             throw;                                         // task_group rethrows it in the caller
         }
     };
-    // Not more threads than cores: oneTBB would not start them, but print a warning.
+    // Use at most one thread per core: oneTBB would not start more, but it would print a warning.
     most = std::min(most, std::max(tbb::info::default_concurrency(), 1));
     const int wanted = static_cast<int>(std::min(static_cast<std::size_t>(most), count));
     tbb::task_arena arena(wanted);

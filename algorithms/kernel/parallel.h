@@ -23,25 +23,25 @@
 
 namespace hausbench {
 
-// The half-open range of the items of one block.
+// The range [begin, end) of the items of one block.
 struct Part {
     std::size_t begin, end;
     std::size_t size() const { return end - begin; }
 };
-// Returns the items of block number `block` if `items` items are cut into `blocks` blocks. The sizes of the blocks
-// differ by at most one.
+// Cuts `items` items into `blocks` blocks whose sizes differ by at most one, and returns the range of block number
+// `block`.
 inline Part part(std::size_t items, std::size_t block, std::size_t blocks) {
     const std::size_t size = items / blocks, longer = items % blocks;  // items * block / blocks could overflow
     const std::size_t begin = block * size + std::min(block, longer);
     return {begin, begin + size + (block < longer ? 1 : 0)};
 }
 
-// Returns the largest number of blocks for which each block has at least `least` items; one if there are too few items.
+// Returns the largest number of blocks with at least `least` items each, but at least 1.
 inline std::size_t blocks_of(std::size_t items, std::size_t least) {
     return std::max<std::size_t>(items / std::max<std::size_t>(least, 1), 1);
 }
 
-// A limit on the number of threads, and the loops that run on so many threads.
+// Runs parallel loops on a limited number of threads.
 class Threads {
 public:
     explicit Threads(int most = 1) : most_(std::max(most, 1)) {}
@@ -49,16 +49,16 @@ public:
     int most() const { return most_; }
 
     // Calls body(block) or body(block, worker) once for each block from 0 to count - 1, and returns when all calls have
-    // returned. At most most() calls run at a time, one of them in the calling thread. The order of the blocks, and the
-    // worker that gets a block, may differ from run to run.
+    // returned. No more than most() calls run at a time, one of them in the calling thread. The order of the blocks,
+    // and the worker of each block, may differ from run to run.
     //
     // Workers are numbered from 0 to most() - 1, and calls that run at the same time have different workers. So each
     // worker may have its own scratch buffer, as long as data that one block leaves there does not change the result of
     // another block.
     //
-    // The threads belong to a oneTBB arena of their own, so thread counts that other code sets for oneTBB do not
-    // matter. There are never more threads than cores. Starting them takes some ten microseconds. Each thread works in
-    // the floating-point environment of the caller, so it has the same rounding mode.
+    // The threads belong to their own oneTBB arena, so thread counts that other code sets for oneTBB do not matter.
+    // There are never more threads than cores. Each thread works in the floating-point environment of the caller, so it
+    // has the same rounding mode.
     //
     // If a body throws, no further block is started, and the exception is rethrown once the running blocks are done.
     // After a loop, do not fork() unless the child calls exec(), because fork() does not copy the threads.
@@ -86,11 +86,10 @@ private:
             body(block);
     }
 
-    // The body of a loop and, under the thread sanitizer, two atomics. oneTBB is not compiled with the sanitizer, which
-    // therefore does not see how oneTBB passes work from thread to thread, and would report false races. The atomics
-    // show it the order again: each block sees everything done before the loop, and the code after the loop sees
-    // everything done by the blocks. They order no block before another, so a race between two blocks is still
-    // reported.
+    // The body of a loop and, under the thread sanitizer, two atomics that prevent false reports of races. oneTBB is
+    // not compiled with the sanitizer, so the sanitizer does not see how work passes between threads. The atomics show
+    // it that every block runs after the code before the loop and before the code after the loop. They do not order the
+    // blocks among themselves, so a race between two blocks is still reported.
     template <class Body> struct Job {
         const Body& body;
 #ifdef __SANITIZE_THREAD__

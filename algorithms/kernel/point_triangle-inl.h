@@ -1,8 +1,8 @@
-// closest_point (point_triangle.h) for several points and triangles at a time, one pair in each lane of a vector.
-// Compiled once for every target (instruction set): include it after hwy/foreach_target.h.
+// A vectorised closest_point() (point_triangle.h) for several points and triangles at a time, one pair in each lane.
+// Compiled once for each instruction set, which Highway calls a target: include this file after hwy/foreach_target.h.
 //
-// On every target, each lane has the same bits as the scalar function, because it takes the same operations in the same
-// order, without fused multiply-add and without approximate reciprocals.
+// Every target gives the same bits as the scalar function, because it performs the same operations in the same order,
+// without fused multiply-add and without approximate reciprocals.
 #include "algorithms/kernel/triangle_block.h"
 
 #include <hwy/highway.h>
@@ -18,8 +18,8 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four lanes at most. A leaf of a tree has eight triangles, of which only a few are near enough to be measured, so
-// eight lanes would mostly be wasted.
+// At most four lanes. A leaf of a search tree has eight triangles, but usually only a few are near enough to need their
+// distances, so eight lanes would mostly be wasted.
 using Doubles = hn::CappedTag<double, 4>;
 using V = hn::Vec<Doubles>;
 
@@ -40,7 +40,7 @@ HWY_INLINE V3 set(const Vec3& a) {
     const Doubles d;
     return {hn::Set(d, a[0]), hn::Set(d, a[1]), hn::Set(d, a[2])};
 }
-// Loads a vector of x, y and z from the three rows of a block, starting at `lane`.
+// Loads the x, y and z of neighbouring lanes, beginning with `lane`, from the three rows of a block.
 HWY_INLINE V3 load(const double (&rows)[3][block_width], std::size_t lane) {
     const Doubles d;
     return {hn::Load(d, rows[0] + lane), hn::Load(d, rows[1] + lane), hn::Load(d, rows[2] + lane)};
@@ -64,7 +64,8 @@ HWY_INLINE V squared_distance_to_box(const V3& p, const VBox& box) {
     return dot(d, d);
 }
 
-// Returns the closest point of an edge; the parameters are the same as in point_triangle.cpp.
+// Returns the point of an edge that is closest to a query point p, in each lane. `along` is (to - from).(p - from),
+// `length` the squared length of the edge, and `inverse` is 1 / length.
 HWY_INLINE V3 closest_on_edge(const V3& from, const V3& to, V along, V length, V inverse) {
     const Doubles d;
     const V one = hn::Set(d, 1.0);
@@ -73,7 +74,7 @@ HWY_INLINE V3 closest_on_edge(const V3& from, const V3& to, V along, V length, V
     return hn::Sub(one, t) * from + t * to;
 }
 
-// A foot is the closest point of a triangle, as seen from a query point; here one in each lane.
+// The point of a triangle that is closest to a query point, in each lane.
 struct VFoot {
     V squared;  // squared distance from the query point
     V3 point;
@@ -89,7 +90,8 @@ HWY_INLINE void offer(const V3& p, const V3& q, VFoot& best) {
                   hn::IfThenElse(nearer, q.z, best.point.z)};
 }
 
-// Returns the closest point of triangle abc in each lane. ab must be its longest edge, and `box` its bounding box.
+// Returns the point of triangle abc closest to p, in each lane. ab must be the longest edge, and `box` the bounding
+// box.
 HWY_INLINE VFoot closest_point(const V3& p, const V3& a, const V3& b, const V3& c, const VBox& box) {
     const Doubles d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);

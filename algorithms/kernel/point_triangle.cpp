@@ -11,9 +11,10 @@ Vec3 cross(const Vec3& x, const Vec3& y) {
     return {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
 }
 
-// Returns the closest point of an edge. With p the query point: `along` is (to - from).(p - from), `length` the squared
-// length of the edge, and `inverse` is 1 / length. Triangles without area give NaN here and below; a comparison with
-// NaN is false, and the code relies on this. The order of operations is the same as in point_triangle-inl.h.
+// Returns the point of an edge that is closest to a query point p. `along` is (to - from).(p - from), `length` the
+// squared length of the edge, and `inverse` is 1 / length. Triangles without area may give NaN here and in
+// closest_point(); the code relies on comparisons with NaN being false. point_triangle-inl.h must perform the same
+// operations in the same order.
 Vec3 closest_on_edge(const Vec3& from, const Vec3& to, double along, double length, double inverse) {
     double t = along < length ? std::min(along * inverse, 1.0) : 1.0;
     t = along > 0 ? t : 0.0;
@@ -63,7 +64,8 @@ double distance_certainly_at_least(const Vec3& p, const Triangle& triangle, cons
         const double least = std::min({dot(n, w[0]), dot(n, w[1]), dot(n, w[2])});
         best = std::max(best, least / length - (9 * unit_roundoff * size + 0x1p-600));
     };
-    // Subtracts from n its part along an edge. The second step removes the part that rounding leaves in the first.
+    // Makes n orthogonal to an edge by subtracting its component along the edge. The second step removes the component
+    // that rounding leaves in the first.
     const auto without = [](Vec3 n, const Vec3& edge) {
         const double length = squared_length(edge);
         if (!(length > 0)) return n;
@@ -75,8 +77,8 @@ double distance_certainly_at_least(const Vec3& p, const Triangle& triangle, cons
     const Vec3 edges[3] = {triangle.b - triangle.a, triangle.c - triangle.b, triangle.a - triangle.c};
     try_direction(direct);
     for (const Vec3& edge : edges) try_direction(without(direct, edge));
-    // The normal is the cross product of the two shorter edges, made orthogonal to the longest edge, along which a tilt
-    // would weaken the bound most.
+    // Compute the normal from the two shorter edges, then make it orthogonal to the longest edge, because a tilt along
+    // the longest edge would weaken the bound most.
     int longest = 0;
     for (int k = 1; k < 3; ++k) {
         if (squared_length(edges[k]) > squared_length(edges[longest])) longest = k;

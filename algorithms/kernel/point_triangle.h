@@ -1,4 +1,4 @@
-// The point of a triangle that is closest to a given point, and a proven lower bound on its distance. Degenerate
+// Finds the point of a triangle that is closest to a given point, and a proven lower bound on the distance. Degenerate
 // triangles are handled as accurately as others.
 #pragma once
 
@@ -6,10 +6,10 @@
 
 namespace hausbench {
 
-// The closest point of a triangle, as seen from a query point p.
+// The point of a triangle that is closest to a query point p.
 struct TrianglePoint {
     double squared_distance;  // squared_length(p - point), rounded after each operation
-    Vec3 point;               // exactly inside the box of the triangle; no coordinate is -0
+    Vec3 point;               // in the bounding box of the triangle, without any slack; no coordinate is -0
 };
 
 // Returns the point of the triangle closest to p. |Coordinates| may be up to 2^400. Triangles without area (segments,
@@ -19,10 +19,10 @@ struct TrianglePoint {
 // and h = (c - a) - x_c e the height of c over ab; the code makes h orthogonal to e a second time, because rounding
 // leaves a part along e. In the plane of the triangle, the foot of the perpendicular from p is
 //     a + x e + y h  =  (1 - x + y x_c - y) a  +  (x - y x_c) b  +  y c.
-// The foot is a candidate if none of these three weights is negative (in the code, `x` is the second weight). The other
-// candidates are the closest points of the three edges. The nearest candidate is returned. No product of more than two
-// lengths occurs. (The usual method, in textbook.h, has products of four lengths. On a thin triangle, with one very
-// short edge or with an angle of almost 180 degrees, these err by the size of the triangle.)
+// This foot is a candidate for the closest point if none of the three weights is negative (in the code, `x` is the
+// second weight). The other candidates are the closest points of the three edges. The nearest candidate is returned. No
+// product of more than two lengths occurs. (The usual method, in textbook.h, has products of four lengths. On a thin
+// triangle, with one very short edge or with an angle of almost 180 degrees, these err by the size of the triangle.)
 //
 // Error. Let u = 2^-53, M be the largest |coordinate| of p and the triangle, q the returned point (taken as exact), and
 // d the exact distance from p to the triangle.
@@ -52,9 +52,9 @@ TrianglePoint closest_point(const Vec3& p, const Triangle& triangle);
 // Returns a proven lower bound on the exact distance from p to the triangle. It holds for any q, and is tight if q is
 // the point that closest_point returned.
 //
-// Let n be any vector except 0. Along n, every point of the triangle is at least as far from p as the nearest corner:
-// the distance is at least min over corners v of n.(p - v) / |n|. The function returns the best bound for several n:
-// p - q, its parts perpendicular to each edge, and the normal of the triangle.
+// Method. Let n be any vector except 0. Along n, every point of the triangle is at least as far from p as the nearest
+// corner: the distance is at least min over corners v of n.(p - v) / |n|. The function returns the largest of these
+// bounds for several n: p - q, its parts perpendicular to each edge, and the normal of the triangle.
 //
 // Rounding, for one corner. w = fl(p - v) errs by u |w_k| in coordinate k, and the products and sums by 3u, so the dot
 // product m = n.w is off by at most 4.01u sum |n_k| |w_k| <= 4.01u |n| |w|. The length |n| errs by 2.5u, and the

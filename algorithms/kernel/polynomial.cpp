@@ -18,11 +18,12 @@ constexpr std::size_t most_products =
 constexpr int deepest = 100;  // nested parentheses; a limit, because each level takes some 500 bytes of stack
 
 using Powers = std::array<int, 3>;
-using Sum = std::map<Powers, Interval>;  // a polynomial that is multiplied out: powers and coefficient of each term
+using Sum = std::map<Powers, Interval>;  // an expanded polynomial: maps the powers of each term to its coefficient
 
 bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
 
-// Throws an InputError whose message is one line. Line breaks in the text become blanks, so columns stay right.
+// Throws an InputError with a one-line message. Control characters in the text, such as line breaks, become spaces, so
+// that column numbers stay correct.
 [[noreturn]] void refuse(std::string_view text, const std::string& what) {
     std::string message = fmt::format("polynomial '{}': {}", text, what);
     std::replace_if(
@@ -30,8 +31,8 @@ bool is_zero(const Interval& x) { return x.inf() == 0 && x.sup() == 0; }
     throw InputError(message);
 }
 
-// Reads a text by recursive descent with one character of lookahead, and multiplies it out. The functions of the
-// grammar in polynomial.h: sum() reads a sum, term() a product, raised() a power, and atom() an atom.
+// A recursive descent parser that expands the polynomial while reading it. sum(), term(), raised() and atom() read the
+// rules "sum", "product", "power" and "atom" of the grammar in polynomial.h.
 class Reader {
 public:
     Reader(std::string_view text, const Vec3& origin) : text_(text), origin_(origin) {}
@@ -185,8 +186,8 @@ private:
         fail(fmt::format("'{}' where a number, x, y, z or '(' is expected", c));
     }
 
-    // Reads the digits one at a time in interval arithmetic. So a number with few digits is exact, and the interval
-    // contains the number if it has more digits than a double can hold.
+    // Reads a decimal number, digit by digit, in interval arithmetic. The result is an interval that contains the
+    // number; it is exact for integers that fit in a double.
     Interval number() {
         const std::size_t from = at_;
         Interval value(0.0);
@@ -243,7 +244,7 @@ Polynomial::Polynomial(std::string_view text, const Vec3& origin) : origin_(orig
         refuse(text, "is a constant, which has no surface: write one in x, y and z");
 }
 
-// Along an axis on which the box is near 0, the origin stays 0. So most surfaces keep the origin 0.
+// Moves the origin to the middle of the box only along axes on which the box is far from 0, compared with its size.
 Polynomial Polynomial::of(const AlgebraicSurface& surface) {
     Vec3 origin = Vec3::Zero();
     for (int k = 0; k < 3; ++k) {
@@ -261,7 +262,8 @@ Polynomial Polynomial::of(const AlgebraicSurface& surface) {
     return polynomial;
 }
 
-// Multiplying by a power of two keeps the zeros. A coefficient that underflows stays inside its interval.
+// Multiplies the polynomial by a power of two if its values in the box may be very large (above 2^100) or are all very
+// small (below 2^-100). This keeps its zeros. A coefficient that underflows stays inside its interval.
 void Polynomial::normalise(const Points& box) {
     const UpwardRounding upward;
     std::array<Interval, 3> x;

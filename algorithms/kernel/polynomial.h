@@ -5,8 +5,8 @@
 //     power   = atom [ ^ digits ]                  such as x^2
 //     atom    = number | x | y | z | ( sum )
 //
-// Numbers are decimal ("2", "0.125", "1e-3"). Coefficients are not rounded: if no double is equal to one, it is kept as
-// an interval that contains it. For 1/9, the ends of the interval are two neighbouring doubles.
+// Numbers are decimal ("2", "0.125", "1e-3"). Coefficients are never rounded: one that no double equals, such as 1/9,
+// is stored as an interval that contains it.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -19,8 +19,8 @@
 
 namespace hausbench {
 
-// A polynomial in x, y and z, multiplied out: a sum of terms. Each term is a coefficient times powers of x - o_x,
-// y - o_y and z - o_z, where o is the origin.
+// A polynomial in x, y and z, expanded into a sum of terms. Each term is a coefficient times powers of x - o_x, y - o_y
+// and z - o_z, where o is origin().
 class Polynomial {
 public:
     struct Term {
@@ -28,40 +28,41 @@ public:
         Interval coefficient;
     };
 
-    // Reads a text in x, y and z, and multiplies it out to terms with this origin. Throws InputError for text that does
-    // not match the grammar above (the message gives the column, counted from 1, and says what to change), powers above
-    // 40, more than 100 nested parentheses, more than 10 million products of terms, a polynomial without x, y and z,
-    // and coefficients that are not finite. Sets the rounding mode itself.
+    // Parses a polynomial and expands it around `origin`. Throws InputError if the text does not match the grammar
+    // above; the message gives the column, counted from 1, and says what to change. Also throws InputError for a
+    // constant, powers above 40, more than 100 nested parentheses, a coefficient that is not finite, or more than 10
+    // million products of terms. Does not require UpwardRounding.
     explicit Polynomial(std::string_view text, const Vec3& origin = Vec3::Zero());
 
     // Returns the polynomial of a surface in a form that is accurate in the surface's box.
     //
     // If the box is far from 0, the origin is the middle of the box: with origin 0, large terms such as x^2 would
-    // cancel each other and lose the shape of the surface. The text is read with x replaced by o_x + (x - o_x) before
-    // anything is multiplied out, so a factor such as (x - 1000000)^2 loses no precision. A text that was multiplied
-    // out by its author has lost it already, in its rounded coefficients.
+    // cancel each other and lose the shape of the surface. x is replaced with o_x + (x - o_x) before anything is
+    // expanded, so a factor such as (x - 1000000)^2 loses no precision. A text that its author has already expanded has
+    // lost precision in its rounded coefficients.
     //
     // If some values in the box may exceed 2^100, or all are below 2^-100, the polynomial is multiplied by a power of
     // two, so that squares of its values neither overflow nor underflow. This does not change the zeros. Throws like
     // the constructor.
     static Polynomial of(const AlgebraicSurface& surface);
 
-    // The origin matters only to code that reads terms(). All functions take points in the original coordinates.
+    // Returns the point around which the polynomial is expanded. Only code that reads terms() needs it: all functions
+    // take points in the original coordinates.
     const Vec3& origin() const { return origin_; }
 
-    // Sorted by powers. No coefficient is exactly 0.
+    // Returns the terms, sorted by powers. No coefficient is exactly 0.
     const std::vector<Term>& terms() const { return terms_; }
     int degree(int axis) const { return degrees_[static_cast<std::size_t>(axis)]; }
 
-    Polynomial derivative(int axis) const;  // sets the rounding mode itself, too
+    Polynomial derivative(int axis) const;  // does not require UpwardRounding
 
-    // Returns the value as computed with doubles, without an error bound: use it only for results that are proven in
+    // Returns the value computed with doubles, without an error bound. Use it only for results that are verified in
     // another way. O(terms).
     double value(const Vec3& at) const;
     double value(const Vec3& at, Vec3& gradient) const;
 
-    // Returns an interval that contains the values at all points of a box. It is computed term by term, so it is wide
-    // if terms cancel each other (see interval_form.h). Requires UpwardRounding.
+    // Returns an interval that contains all values in a box. It is computed term by term, so it is wide if terms cancel
+    // each other; interval_form.h has tighter bounds. Requires UpwardRounding.
     Interval natural(const std::array<Interval, 3>& box) const;
 
 private:
@@ -75,9 +76,9 @@ private:
     std::array<int, 3> degrees_{};
 };
 
-// Returns a message if the data do not define a surface, or an empty string if they do. The possible reasons are a text
-// that is not a polynomial, a box whose corners are not finite, a box without volume, and a polynomial whose values
-// overflow in the box.
+// Checks whether the data define a surface. Returns an error message if the text is not a polynomial, if the box has a
+// coordinate that is not finite, if the box has no volume, or if the polynomial overflows in the box. Returns an empty
+// string if the data are valid.
 std::string surface_problem(const AlgebraicSurface& surface);
 
 }  // namespace hausbench

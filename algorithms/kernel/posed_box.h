@@ -1,9 +1,9 @@
-// Bounds on the computed squared distances between all points of two boxes, one of which may be moved by a pose. The
-// bounds need no slack for rounding.
+// Bounds on the computed squared distances between all points of two boxes, one of which may be moved by a pose. They
+// need no slack for rounding.
 //
-// The squared distance between two points is always computed as ((ax-bx)^2 + (ay-by)^2) + (az-bz)^2, rounded after each
-// operation. Rounding is monotone: x <= y implies fl(x) <= fl(y). So the same operations, applied to the ends of
-// intervals that contain the coordinates, give bounds on the computed result for any coordinates in these intervals.
+// The reason: squared distances are always computed as ((ax-bx)^2 + (ay-by)^2) + (az-bz)^2, rounded after each
+// operation, and rounding is monotone (x <= y implies round(x) <= round(y)). So the same operations, applied to the
+// ends of intervals that contain the coordinates, bound the computed result for all coordinates in these intervals.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -13,13 +13,12 @@
 
 namespace hausbench {
 
-// Returns a box that contains the computed posed(p) (geometry.h) of every point p of a shape that lies in `box`.
-// `within` must be a box around all posed points of the shape; the result is clipped to it, because the box around a
-// rotated box is larger than its content. Clipping also removes a corner that overflowed. For the identity, the result
-// is `box`.
+// Returns a box that contains the computed posed(p) (geometry.h) of every point p of a shape in `box`. `within` must
+// contain all posed points of the shape. The result is clipped to it, because the box around a rotated box is larger
+// than its content. Clipping also removes a corner that overflowed. For the identity, the result is `box`.
 //
-// The least coordinates come from the operations of posed(), in their order, on those ends of `box` that make each
-// product as small as possible; for the largest coordinates, as large as possible.
+// The smallest coordinates come from the operations of posed(), in their order, on those ends of `box` that make each
+// product as small as possible. For the largest coordinates, the ends make each product as large as possible.
 inline Box posed_box(const Box& box, const Pose& pose, const Box& within) {
     if (pose.is_identity()) return box;
     Box result;
@@ -45,21 +44,21 @@ inline Box box_of(const Points& points) {
     return box;
 }
 
-// Returns a lower bound on the squared distance, as computed, between any point of one box and any point of the other.
+// Returns a lower bound on the computed squared distance between any point of one box and any point of the other.
 inline double squared_distance_at_least(const Box& a, const Box& b) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = std::max(std::max(b.low[k] - a.high[k], a.low[k] - b.high[k]), 0.0);
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// Returns an upper bound on the same distances.
+// Returns an upper bound on the computed squared distance between any point of one box and any point of the other.
 inline double squared_distance_at_most(const Box& a, const Box& b) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = std::max(b.high[k] - a.low[k], a.high[k] - b.low[k]);
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// Returns the squared distance from p to the farthest corner of the box: no point of the box is farther from p.
+// Returns the squared distance from p to the farthest corner of the box: an upper bound for all points of the box.
 inline double squared_distance_at_most(const Vec3& p, const Box& box) {
     double d[3];
     for (int k = 0; k < 3; ++k) d[k] = std::max(box.high[k] - p[k], p[k] - box.low[k]);

@@ -27,7 +27,7 @@ double sum(const Norms& n) {
     return s;
 }
 
-// Adds the product of two polynomials to `out`, without its terms of degrees above `most`.
+// Adds the product of two polynomials to `out`, except for terms of degree above `most`.
 void multiply(const TaylorModel& a, const TaylorModel& b, int most, TaylorModel& out) {
     for (int d = 0; d <= most; ++d) {
         const std::size_t from = TaylorModel::start(d);
@@ -73,7 +73,7 @@ Interval TaylorModel::range() const {
 // Let a, h and b be the coefficients of u^2, u v and u. If a < 0, completing the square gives, for every v,
 //     a u^2 + (h v + b) u = a (u + (h v + b) / (2 a))^2 - (h v + b)^2 / (4 a) <= (h v + b)^2 / (-4 a).
 // The right side is a quadratic polynomial in v alone. Together with the terms v and v^2 of p, it is bounded by
-// most_on_line(). If the coefficient of v^2 is the smaller one, u and v change roles. Terms of degree 3 and more are
+// most_on_line(). If the coefficient of v^2 is the smaller one, u and v are exchanged. Terms of degree 3 and more are
 // bounded by their absolute values.
 double TaylorModel::at_most() const {
     double higher = error;
@@ -97,12 +97,12 @@ TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most) {
     return out;
 }
 
-// The error covers three things:
+// The error of the result is the sum of three parts:
 //   - the dropped products of terms whose degrees sum to more than `order`: `beyond`,
 //   - the products with the errors of a and b,
 //   - rounding. The coefficient of u^i v^j is a sum of (i + 1) (j + 1) products, which is at most 25, for u^4 v^4. Each
 //     product is rounded, and so is each sum. Over all coefficients together, rounding costs at most 1.01 * 26 epsilon
-//     times the sum of the absolute values of all products, which is at most all_a * all_b; 27 epsilon is used.
+//     times the sum of the absolute values of all products, which is at most all_a * all_b. The code uses 27 epsilon.
 TaylorModel operator*(const TaylorModel& a, const TaylorModel& b) {
     TaylorModel out;
     multiply(a, b, TaylorModel::order, out);
@@ -125,9 +125,9 @@ TaylorModel operator+(const TaylorModel& a, const TaylorModel& b) {
         out.c[i] = a.c[i] + b.c[i];
         rounded += std::abs(out.c[i]);
     }
-    // Rounding a sum costs at most epsilon |exact sum| <= epsilon (1 + epsilon) |rounded sum|, for which 2 epsilon is
-    // used; sums do not underflow. A negative sum that overflows is rounded upward to a finite number and so would not
-    // be noticed; therefore models so large get an infinite error.
+    // Rounding a sum upward costs at most epsilon |exact sum| <= epsilon (1 + epsilon) |rounded sum|; the code uses 2
+    // epsilon (epsilon is 2^-52). Sums do not underflow. A negative sum that overflows is rounded up to a finite
+    // number, which nothing would notice, so models that large get an infinite error.
     out.error =
         rounded < 0x1p1000 ? a.error + b.error + 2 * epsilon * rounded : std::numeric_limits<double>::infinity();
     return out;

@@ -17,40 +17,42 @@ struct TaylorModel {
     static constexpr int order = 8;
     static constexpr std::size_t count = (order + 1) * (order + 2) / 2;
 
-    std::array<double, count> c{};  // of 1, u, v, u^2, u v, v^2, u^3, ..., v^8
+    std::array<double, count> c{};  // coefficients of 1, u, v, u^2, u v, v^2, u^3, ..., v^8
     double error = 0;
 
     // Returns the index in `c` of the first coefficient of a degree.
     static constexpr std::size_t start(int degree) { return std::size_t(degree) * std::size_t(degree + 1) / 2; }
-    // Returns the exact model of middle + half * u if `which` is 0, and of middle + half * v otherwise.
+    // Returns the exact model of middle + half * u (for `which` = 0) or middle + half * v (for `which` = 1).
     static TaylorModel variable(double middle, double half, int which);
 
-    // Returns an upper bound on |f(u, v) - p(0, 0)|.
+    // Returns an upper bound on how far values of the function are from the constant term of the polynomial.
     double spread() const;
-    // Returns an interval that contains all values of f.
+    // Returns an interval that contains all values of the function.
     Interval range() const;
-    // Returns an upper bound on f. It is tighter than range().sup() if f has a maximum, because it completes the
-    // squares in the quadratic part instead of adding the absolute values of its terms.
+    // Returns an upper bound on the function. If the function has a maximum inside, the bound is tighter than
+    // range().sup(), because it completes the squares in the quadratic part.
     double at_most() const;
 };
 
-// Returns the product of the polynomials without its terms of degrees above `most`. The result has error 0, so it
-// proves nothing: use it only to find a polynomial whose properties are proven later.
+// Multiplies the polynomials of two models and drops the terms of degree above `most`. The result has no error bound:
+// use it only to find a polynomial whose properties are proven later.
 TaylorModel product(const TaylorModel& a, const TaylorModel& b, int most);
 
-// Return models of the product and the sum of two functions, and of a function times any number in `factor`.
+// Return Taylor models of the product and the sum of two functions, and of a function times a number. The last one
+// holds for every number in the interval `factor`.
 TaylorModel operator*(const TaylorModel& a, const TaylorModel& b);
 TaylorModel operator+(const TaylorModel& a, const TaylorModel& b);
 TaylorModel operator*(const TaylorModel& a, const Interval& factor);
 
-// The powers of three models that stand for x, y and z, to evaluate polynomials in x, y, z at these models. If `most`
-// is below `order`, all degrees above it are dropped and results have no error bounds, as in product().
+// Evaluates polynomials in x, y and z at three Taylor models, from the powers of these models. If `most` is below
+// TaylorModel::order, terms of higher degree than `most` are dropped, and results have no error bounds.
 class ModelPowers {
 public:
-    // Computes the powers of each model up to the degree of f along its axis. `at` holds the models of x, y and z.
+    // Computes the powers of the models `at`, which stand for x, y and z, up to the degree of f in each variable.
     ModelPowers(const std::array<TaylorModel, 3>& at, const Polynomial& f, int most = TaylorModel::order);
 
-    // Returns the model of f(x, y, z). This f must have the origin of the constructor's f, and no higher degrees.
+    // Returns the Taylor model of f(x, y, z). f must have the same origin as the polynomial that the constructor
+    // received, and no higher degrees.
     TaylorModel value(const Polynomial& f) const;
 
 private:

@@ -1,4 +1,4 @@
-// Blocks of eight triangles or points, stored side by side for vector instructions, and their closest points.
+// Blocks of eight triangles or points, laid out for vector instructions, and closest point queries on whole blocks.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -10,7 +10,7 @@ namespace hausbench {
 
 inline constexpr int block_width = 8;  // the same on every machine, whatever the width of its vectors
 
-// One to eight triangles, one in each lane.
+// One to eight triangles, one in each vector lane.
 struct alignas(64) TriangleBlock {
     double corner[3][3][block_width];  // [corner][coordinate][lane]; corners 0 and 1 are the ends of the longest edge
     Index triangle[block_width];       // indices in the mesh
@@ -40,17 +40,17 @@ struct alignas(64) PointBlock {
     double coordinate[3][block_width];
 };
 
-// A foot is the closest point of a triangle, as seen from a query point; here one in each lane. It has the same bits as
-// closest_point(point, triangle).
+// The closest points of triangles to query points, one in each lane, with the same bits as closest_point()
+// (point_triangle.h).
 struct alignas(64) BlockFeet {
     double squared_distance[block_width];
     double point[3][block_width];
 };
 
-// Finds the closest point of each triangle of the block to one point.
+// Finds, for each triangle of a block, the point that is closest to `point`.
 void closest_points(const Vec3& point, const TriangleBlock& block, BlockFeet& feet);
 
-// Finds the closest point of one triangle to each point of the block.
+// Finds, for each point of a block, the closest point of `triangle`.
 void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet);
 
 }  // namespace hausbench

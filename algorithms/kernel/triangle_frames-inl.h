@@ -1,8 +1,8 @@
-// The squared distances from points to triangles that are given by their frames (triangle_frames.h), several at a time.
-// Compiled once for every target (instruction set): include it after hwy/foreach_target.h.
+// Computes squared distances from points to triangles, several at a time. Each triangle is stored in its own coordinate
+// system, its frame (triangle_frames.h). Compiled once for each instruction set, which Highway calls a target: include
+// this file after hwy/foreach_target.h.
 //
-// The results have the same bits on every target, because each lane takes the same operations, without fused
-// multiply-add.
+// Results have the same bits on every target, because each performs the same operations, without fused multiply-add.
 #include "algorithms/kernel/triangle_frames.h"
 
 #include <hwy/highway.h>
@@ -18,13 +18,13 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Vectors of up to sixteen floats or eight doubles. With fewer than sixteen lanes, sixteen triangles take several
-// steps.
+// Vectors of up to sixteen floats or eight doubles. If a vector has fewer than sixteen lanes, sixteen triangles take
+// several vectors.
 template <class T> using FrameLanes = hn::CappedTag<T, sizeof(T) == 4 ? 16 : 8>;
 
-// Returns the squared distance between one point and one triangle in each lane. row(i) returns row i (frame_row) of the
-// frames as a vector; px, py and pz are the coordinates of the points. For one point and several triangles, px, py and
-// pz have the same number in all lanes. For several points and one triangle, row(i) has the same number in all lanes.
+// Returns the squared distance between one point and one triangle in each lane. px, py and pz are the coordinates of
+// the points; row(i) returns row i of the frames (see frame_row). To combine one point with several triangles, repeat
+// its coordinates in all lanes. To combine one triangle with several points, repeat its rows.
 template <class D, class Rows>
 HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::Vec<D> py, hn::Vec<D> pz) {
     using Numbers = hn::Vec<D>;
@@ -38,10 +38,10 @@ HWY_INLINE hn::Vec<D> squared_in_lanes(D d, const Rows& row, hn::Vec<D> px, hn::
     const Numbers beyond = hn::Sub(x, hn::Min(hn::Max(x, zero), length));
     Numbers squared = hn::Add(hn::Mul(beyond, beyond), hn::Mul(y, y));
     Numbers inner = y;
-    // Lowers `squared` to the squared distance from one edge, and `inner` to the distance from its line, which is
-    // negative on the outer side. The edge starts at the corner with y = 0 whose x is smaller by from_x than the x of
-    // the point. `t` is the coordinate along the edge, and `across` the signed distance from its line, positive on the
-    // right. `right` says on which side of the edge the triangle is.
+    // Updates two minima for one edge of the triangle: `squared`, the squared distance from the edges, and `inner`, the
+    // signed distance from their lines, which is negative outside. The edge starts at y = 0, and from_x is the x of the
+    // point minus the x of this start. `right`: the triangle is on the right of the edge. `t` is the point's coordinate
+    // along the edge, and `across` its signed distance from the line, positive on the right.
     const auto edge = [&](std::size_t direction, std::size_t edge_length, Numbers from_x, bool right) HWY_ATTR {
         const Numbers ux = row(direction), uy = row(direction + 1);
         const Numbers t = hn::Add(hn::Mul(from_x, ux), hn::Mul(y, uy));
@@ -62,7 +62,7 @@ HWY_INLINE hn::Vec<FrameLanes<T>> squared_in_frames(const Rows& row, hn::Vec<Fra
     return squared_in_lanes(FrameLanes<T>(), row, px, py, pz);
 }
 
-// Returns a mask of up to sixteen lanes as a number: bit i is lane i.
+// Converts a mask of up to sixteen lanes to an integer whose bit i is lane i.
 template <class D> HWY_INLINE unsigned lane_bits(D d, hn::Mask<D> mask) {
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, mask, bits);

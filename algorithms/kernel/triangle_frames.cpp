@@ -27,7 +27,7 @@ HWY_INLINE V dot(const Vector& a, const Vector& b) {
 HWY_INLINE Vector choose(hn::Mask<D> mask, const Vector& yes, const Vector& no) {
     return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
-// Returns 1 / length, or 1 in the lanes in which the length is 0.
+// Returns 1 / length, or 1 in lanes whose length is 0.
 HWY_INLINE V inverse_or_one(V length) {
     const V one = hn::Set(D(), 1.0);
     return hn::Div(one, hn::IfThenElse(hn::Gt(length, hn::Zero(D())), length, one));
@@ -40,7 +40,7 @@ HWY_INLINE void store(V value, float* to) {
 }
 HWY_INLINE void store(V value, double* to) { hn::StoreU(value, D(), to); }
 
-// The corners of a triangle in each lane, renamed cyclically so that ab is the longest edge.
+// The corners of one triangle in each lane, rotated cyclically so that ab is the longest edge.
 struct Corners {
     Vector a, b, c;
 };
@@ -62,10 +62,10 @@ HWY_INLINE Corners longest_edge_first(const CornerRows& corners, std::size_t lan
             choose(qr_longest, p, choose(rp_longest, q, r))};
 }
 
-// Returns the axis h, which is orthogonal to e in the plane of the triangle. g is c - a minus its part along e. It is
-// scaled to length 1 and then made orthogonal to e again, because rounding may have left a part along e that is large
-// compared with a short g. For a flat triangle, h may be any direction orthogonal to e: it is made from a coordinate
-// axis that is not near e.
+// Returns the unit vector h that is orthogonal to e, the direction of the longest edge ab, in the plane of the
+// triangle. `g` is c - a minus its component along e. Rounding may leave a component along e that is large compared
+// with a short g, so g is scaled to length 1 and made orthogonal to e again. For a flat triangle, any direction
+// orthogonal to e will do; it is made from a coordinate axis that is not near e.
 HWY_INLINE Vector direction_across(const Vector& e, const Vector& g, hn::Mask<D> is_flat) {
     const D d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -80,7 +80,7 @@ HWY_INLINE Vector cross(const Vector& e, const Vector& h) {
             hn::Sub(hn::Mul(e.x, h.y), hn::Mul(e.y, h.x))};
 }
 
-// Makes the frames of one vector of triangles, starting at `lane`.
+// Computes the frames of the triangles in one vector, beginning with lane `lane`.
 template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t lane, TriangleFrames<T>& frames) {
     const D d;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -105,8 +105,8 @@ template <class T> HWY_INLINE void frame(const CornerRows& corners, std::size_t 
     }
     put(frame_row::length, length);
     const V y_c = hn::Max(dot(w, h), zero);
-    // Stores the edge from a or b to c; (x, y_c) is c minus that corner. In a flat triangle, both edges are replaced
-    // with ab, in opposite directions, so no point off the line is on the inner side of both.
+    // Stores the edge from corner a or b to c; (x, y_c) is c minus that corner. In a flat triangle, both edges are
+    // stored as ab, in opposite directions, so that no point off the line counts as inside.
     const auto put_edge = [&](std::size_t direction, std::size_t edge_length, V x, V along_ab) HWY_ATTR {
         const V size = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y_c, y_c))), inverse = inverse_or_one(size);
         put(direction, hn::IfThenElse(is_flat, along_ab, hn::Mul(x, inverse)));

@@ -1,5 +1,5 @@
-// The distances from a point to sixteen triangles at a time. Each triangle is stored in a coordinate system of its own,
-// its *frame*, in which a distance takes only products, sums and comparisons.
+// Computes the distances from a point to sixteen triangles at a time. Each triangle is stored in its own coordinate
+// system, its *frame*, in which a distance takes only products, sums and comparisons.
 //
 // The frame of a triangle has its origin at a corner a. Its axes, of length 1, are e along the longest edge ab, h in
 // the plane of the triangle towards the third corner c, and the normal n. So b has the coordinates (L, 0, 0) and c has
@@ -71,26 +71,28 @@ namespace hausbench {
 
 inline constexpr std::size_t frames_width = 16;
 
-// The rows of TriangleFrames, by number. Each row has one number per triangle.
+// Indices of the rows of TriangleFrames. Each row has one number per triangle.
 namespace frame_row {
 inline constexpr std::size_t e = 0, h = 3, n = 6;  // the axes: three rows each
 inline constexpr std::size_t shift = 9;            // three rows: minus the coordinates of a along e, h and n
 inline constexpr std::size_t length = 12;          // L, the length of ab
-// The edges from a to c and from b to c: two rows for the direction, along e and h, and one for the length.
+// The edges ac and bc: two rows for the unit direction (its components along e and h), and one for the length.
 inline constexpr std::size_t ac = 13, ac_length = 15, bc = 16, bc_length = 18;
 inline constexpr std::size_t count = 19;
 }  // namespace frame_row
 
-// The three constants of the error bound at the top of this file: frame_error, u and frame_underflow.
+// Constants of the error bound at the top of this file: a computed distance errs by at most frame_error *
+// frame_roundoff * D + frame_underflow. D is the largest distance of a corner from the origin plus the distance of the
+// point from the origin.
 template <class T> inline constexpr double frame_error = sizeof(T) == 4 ? 64 : 256;
 template <class T> inline constexpr double frame_roundoff = sizeof(T) == 4 ? 0x1p-24 : 0x1p-53;
 template <class T> inline constexpr double frame_underflow = sizeof(T) == 4 ? 0x1p-60 : 0x1p-500;
 
-// A triangle whose longest edge is at most this long is treated as a point, and a triangle whose height is at most
-// twice this is replaced with its longest edge; see "Underflow" above.
+// Underflow could spoil the frames of smaller triangles. A triangle whose longest edge is at most this long is treated
+// as a point, and a triangle whose height is at most twice this is replaced with its longest edge.
 inline constexpr double frame_point = 0x1p-502;
 
-// The frames of sixteen triangles, one in each lane; frame_row says which number is in which row.
+// The frames of sixteen triangles, one in each lane. frame_row lists the rows.
 template <class T> struct alignas(64) TriangleFrames { T row[frame_row::count][frames_width]; };
 
 // The corners of sixteen triangles: row[3 * v + k] has coordinate k of corner v, one triangle in each lane.
@@ -104,12 +106,11 @@ struct alignas(64) CornerRows {
     }
 };
 
-// Makes the frames of sixteen triangles.
 void make_frames(const CornerRows& corners, TriangleFrames<float>& frames);
 void make_frames(const CornerRows& corners, TriangleFrames<double>& frames);
 
-// Computes the squared distances from a point to all sixteen triangles. For tests; code that must be fast inlines
-// squared_in_frames() of triangle_frames-inl.h.
+// Computes the squared distances from a point to all sixteen triangles. Meant for tests; code that must be fast inlines
+// squared_in_frames() (triangle_frames-inl.h).
 void squared_distances(const TriangleFrames<float>& frames, const float (&point)[3], float (&squared)[frames_width]);
 void squared_distances(const TriangleFrames<double>& frames, const double (&point)[3], double (&squared)[frames_width]);
 

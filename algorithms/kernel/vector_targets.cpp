@@ -1,9 +1,9 @@
-// The functions that Highway's headers expect from Highway's library. They say which instruction sets ("targets") the
-// processor has, and which one is in use.
+// Implements the functions that Highway's headers expect from Highway's library. They say which instruction sets
+// ("targets") the processor has, and which one is in use.
 //
-// Highway's own library is not linked. Debian has it only as a shared library, whose initialiser measures a timer with
-// the instruction `rdtscp`, although this project does not need that timer. Some virtual machines hide the instruction,
-// and valgrind then ends the program before main().
+// Highway's own library is not linked, because Debian has it only as a shared library, whose initialiser sets up a
+// timer with the instruction `rdtscp`. Some virtual machines hide this instruction, and valgrind then ends the program
+// before main(). This project does not need the timer.
 #undef HWY_SHARED_DEFINE  // makes these functions hidden symbols, so that a plug-in does not export them
 #include <hwy/targets.h>
 
@@ -22,9 +22,9 @@ namespace {
 std::atomic<std::int64_t> targets_for_test{0};  // 0: SupportedTargets() returns the targets of the processor
 ChosenTarget chosen_target;
 
-// Returns the targets whose instructions the processor has and the operating system enables, as bits. A target is
-// included only if the processor has every feature that the compiler may use for it (HWY_TARGET_STR_... in
-// hwy/ops/set_macros-inl.h).
+// Returns the instruction sets that the processor has and the operating system enables, as a bit mask. A target is
+// included only if the processor has every feature that the compiler may use for it; Highway lists these features in
+// HWY_TARGET_STR_... (hwy/ops/set_macros-inl.h).
 std::int64_t targets_of_processor() {
     std::int64_t targets = HWY_ENABLED_BASELINE | HWY_SCALAR | HWY_EMU128;
 #if HWY_ARCH_X86
