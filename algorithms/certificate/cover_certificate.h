@@ -82,7 +82,6 @@ public:
     void back_to(std::size_t mark) { bytes_.resize(mark); }
     void clear() { bytes_.clear(); }
 
-    // Appends a tree or subtree that was written to another object.
     void append(const CertificateTree& other) { bytes_ += other.bytes_; }
 
     const std::string& bytes() const { return bytes_; }

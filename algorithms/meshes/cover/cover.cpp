@@ -182,8 +182,7 @@ void CoverSearch::merge(CoverOutcome outcome) {
     std::move(outcome.undecided.begin(), outcome.undecided.end(), std::back_inserter(undecided_));
 }
 
-// Measures the distance to B of the point that was farthest at the previous pose, because it is likely to be farthest
-// again.
+// Measures the distance to B of the previous pose's farthest point, which is likely to be farthest again.
 void CoverSearch::measure_previous() {
     if (!warm_start_ || warm_start_->source < 0) return;
     const auto v = pair_.source.triangles.row(warm_start_->source);

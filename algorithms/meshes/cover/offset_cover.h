@@ -105,7 +105,6 @@ public:
     // times the unit roundoff.
     virtual Index measure(const double (&point)[3], double slack, Index near) = 0;
 
-    // Returns the current threshold tau.
     virtual double threshold() const = 0;
 
     // Returns whether a point at this distance from B should be measured, because that may raise the threshold
@@ -160,7 +159,7 @@ template <class T> struct OffsetCover {
     // `near`, too. Does not update `within`.
     void set_threshold(double tau);
 
-    // Enlarges `squared` and `within` to hold at least this many points.
+    // Makes room in `squared` and `within` for this many points.
     void make_rows(std::size_t points);
 };
 

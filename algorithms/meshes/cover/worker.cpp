@@ -156,8 +156,8 @@ std::array<CoverPiece, 2> CoverWorker::halve(const CoverPiece& piece) {
              {second, piece.source, proofs[1], piece.upper, landmark, level}}};
 }
 
-// Tries to finish a half of a piece with the upper bound from one triangle of B, the one nearest to the landmark of the
-// half. Returns true if the bound is too large and the half needs more work.
+// Tries to finish one half of a piece with the upper bound from a single triangle of B, the one nearest to its
+// landmark. Returns true if the half needs more work.
 bool CoverWorker::is_open(CoverPiece& half) {
     const Index near = half.landmark.near;
     const CornerBound bound = by_corners(half, near);
