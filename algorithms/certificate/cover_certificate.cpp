@@ -7,7 +7,7 @@
 namespace hausbench {
 namespace {
 
-// The kinds of nodes, as in the two lowest bits of the first number of a node.
+// The kind of a node, which is stored in the two lowest bits of its first number.
 enum Node : std::uint64_t { cut_node, one_leaf, centre_leaf, vertex_leaf };
 
 }  // namespace
@@ -19,7 +19,8 @@ void CertificateTree::number(std::uint64_t value) {
     bytes_.push_back(static_cast<char>(value));
 }
 
-// Writes t as eight bytes, the lowest byte first whatever the byte order of the machine. Writes nothing for a corner.
+// Writes the fraction t of a point on an edge as eight bytes, the lowest first on every machine. Writes nothing for a
+// corner.
 void CertificateTree::parameter(const CutPoint& point) {
     if (point.t < 0) return;
     const auto bits = std::bit_cast<std::uint64_t>(point.t);

@@ -40,49 +40,48 @@ namespace hausbench {
 
 inline constexpr std::string_view cover_certificate_format = "hausbench cover 1";
 inline constexpr std::size_t most_certificate_corners = 64;  // per polygon
-// While the checker reads a tree, it keeps the polygons whose subtrees are still to come. It refuses a tree for which
-// these are more than this.
+// The checker keeps all polygons whose subtrees it has not read yet. It refuses a tree that needs more of them than
+// this.
 inline constexpr std::size_t most_certificate_pending = 4096;
 
-// The point where a cut meets the boundary of a polygon: a corner, or the point at the fraction t of an edge. A point
-// on an edge becomes a new corner of both children, even if t is 0 or 1, so the number of corners of the children
-// does not depend on t.
+// A point where a cut meets the boundary of a polygon: a corner, or a point on an edge. A point on an edge becomes a
+// new corner of both parts even if it coincides with an end of the edge, so the number of corners does not depend on t.
 struct CutPoint {
     static CutPoint corner(std::size_t i) { return {i, -1, false}; }
-    // The fraction t of the way from corner `edge` to the next corner.
+    // Returns the point at fraction t of the way from corner `edge` to the next corner.
     static CutPoint along(std::size_t edge, double t) { return {edge, t, false}; }
-    // The fraction t of the way from the corner after `edge` back to corner `edge`.
+    // Returns the point at fraction t of the way back, from the corner after `edge` to corner `edge`.
     static CutPoint back(std::size_t edge, double t) { return {edge, t, true}; }
 
     std::size_t place;  // index of the corner or edge
     double t;           // in [0, 1]; negative if the point is a corner
-    bool backward;      // whether t is measured as in back()
+    bool backward;      // whether t counts from the far end, as in back()
 };
 
-// The tree of one triangle of A. A solver writes it node by node, in preorder. Not to be shared by threads.
+// The tree of one triangle of A, which shows how the triangle is cut into polygons. A solver writes it node by node,
+// each node before its children. Not thread-safe.
 class CertificateTree {
 public:
-    // Writes a node that is cut along the line from P to Q. The first child has the corners P, the corners after P
-    // and before Q, and Q. The second child has the corners Q, the corners after Q and before P, and P. Each child
-    // must have at least three corners, and P and Q must not lie on the same edge.
+    // Writes a polygon that is cut in two along the line from p to q. The first child has the corners p, those after p
+    // and before q, and q. The second child has the corners q, those after q and before p, and p. Each child must have
+    // at least three corners, and p and q must not lie on the same edge.
     void cut(const CutPoint& p, const CutPoint& q);
 
-    // Each of the next three functions writes a leaf, with a different bound on the distance of the polygon to B:
-    // - one: the largest distance of a corner to triangle k of B. This is never more than the other two.
+    // Each of the next three functions writes a polygon that is not cut, with a different bound on its distance to B:
+    // - one: the largest distance from a corner to triangle k of B. This is never more than the other two bounds.
     // - centre: the distance from the mean c of the corners to triangle k, plus the largest distance from c to a
     //   corner.
-    // - vertex: the same with vertex v of A as c (an index into its points). One measured vertex can serve for many
-    //   polygons, so their corners need not be measured.
+    // - vertex: like centre, but with vertex v of A instead of c. One measured vertex can serve many polygons, so their
+    //   corners need not be measured.
     void one(Index k);
     void centre(Index k);
     void vertex(Index v, Index k);
 
-    // mark() returns the present end of the tree; back_to() removes everything written since then.
+    // mark() returns the current end of the tree. back_to() removes everything written after that.
     std::size_t mark() const { return bytes_.size(); }
     void back_to(std::size_t mark) { bytes_.resize(mark); }
     void clear() { bytes_.clear(); }
 
-    // Appends a tree or subtree that was written to another object.
     void append(const CertificateTree& other) { bytes_ += other.bytes_; }
 
     const std::string& bytes() const { return bytes_; }
@@ -94,8 +93,8 @@ private:
     std::string bytes_;
 };
 
-// The trees of all triangles of A, set in any order. Several threads may set the trees of different triangles at
-// the same time.
+// Joins the trees of all triangles of A into a certificate. The trees may be set in any order, and by several threads
+// for different triangles.
 class CertificateBuilder {
 public:
     explicit CertificateBuilder(Index triangles) : trees_(static_cast<std::size_t>(triangles)) {}
@@ -103,11 +102,11 @@ public:
     // Replaces any earlier tree of the triangle.
     void set(Index triangle, const CertificateTree& tree) { trees_[static_cast<std::size_t>(triangle)] = tree.bytes(); }
 
-    // Returns the certificate of h(A,B) <= proven, or nothing if some triangle has no tree. Takes O(bytes).
+    // Returns the certificate of h(A,B) <= proven. Returns nothing if some triangle has no tree.
     std::optional<Certificate> finish(double proven) const;
 
 private:
-    // A tree of one leaf has at most 10 bytes, which a string stores without allocating memory.
+    // A tree of one node has at most 10 bytes, which a string stores without allocating memory.
     std::vector<std::string> trees_;
 };
 

@@ -18,25 +18,24 @@
 // is *settled*: it needs no further work (search/source_regions.h). If regions are off, every vertex of A is measured.
 //
 // Split: `midpoint`, as published, makes four pieces of the same shape, so the pieces of a thin triangle are thin, too.
-// After k levels there are 4^k of them, although 2^k pieces could be as short. `longest_edge` (ours) halves the longest
-// edge, which soon cuts a thin triangle into compact pieces.
+// `longest_edge` (ours) halves the longest edge, which soon cuts a thin triangle into compact pieces.
 //
 // Certified: upper bounds are widened for rounding as in kernel/rounding.h. The lower bound that purges pieces is not
-// certified. This is safe, because the upper bound of the result also covers purged pieces. Only the farthest point at
-// the end is certified, by support planes (kernel/point_triangle.h). With certify = false nothing is widened or
-// certified; with kernel = textbook distances are computed as in textbooks. Both exist for comparison only, and their
-// bounds may be wrong.
+// certified, which is safe: the upper bound of the result also covers purged pieces. Only the farthest point at the end
+// is certified, by support planes (kernel/point_triangle.h). For comparison only, certify = false widens and certifies
+// nothing, and kernel = textbook computes distances as in textbooks; their bounds may be wrong.
+//
 // Warm start (ours, if the caller gives a State; search/warm_start.h): the farthest point of the previous pose is
-// measured first. A triangle of A is settled without a query if it is close enough to a triangle of B that was nearest
-// to one of its corners at the previous pose. The query for a vertex starts at the triangle that was nearest then.
+// measured first. The query for a vertex starts at the triangle of B that was nearest then. A triangle of A is settled
+// without a query if it is close enough to a triangle of B that was nearest to one of its corners then.
 //
 // Fields: for each triangle of A, "lower" and "upper" bounds of the largest distance of its points to B, and the
 // "level" of its smallest piece: the number of splits that made it. The bounds are only as tight as the search
 // needed; triangles that cannot contain the farthest point are not split further.
 //
-// Certificate: the pieces of the search, each with the triangle S of its bound (search/piece_proofs.h). If the search
-// bounded a whole group by the distance from its box to one point of S, the certificate still names S for each triangle
-// of the group: the distances from the corners to S are not larger than that bound.
+// Certificate: the pieces of the search, each with the triangle S of its bound (search/piece_proofs.h). If a whole
+// group was bounded by the distance from its box to one point of S, S also serves for each triangle of the group,
+// because the distances from the corners to S are not larger than that bound.
 //
 // Budget: subdivisions. Time: O(n log m) for the vertices and O(log m) per subdivision on well-behaved data, for n
 // triangles of A and m of B. Memory: O(n + m), and 168 bytes per piece in the queue.
@@ -61,7 +60,7 @@ struct GuthePiece {
     std::array<MeasuredPoint, 3> corners;
     double upper;
     Index source;            // triangle of A
-    Index best;              // the triangle S of B with the least bound
+    Index best;              // the triangle of B that gives the least bound
     int level;               // number of splits that made the piece
     PieceProofs::Node node;  // the node of the piece, if a certificate is wanted
 };
@@ -133,7 +132,8 @@ void GutheSearch::push(const GuthePiece& piece) {
     queue_.push(piece);
 }
 
-// Queues the triangles of A, each with the least bound over the triangles of B nearest to its corners.
+// Queues the triangles of A. For the upper bound of each, tries the triangles of B nearest to its corners and takes the
+// best.
 void GutheSearch::push_triangles() {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         if (vertices_.settled(i)) continue;
@@ -152,7 +152,8 @@ void GutheSearch::push_triangles() {
     }
 }
 
-// Returns the largest squared distance from a corner of the piece to a triangle of B. Uses known distances if it can.
+// Returns the largest squared distance from a corner of the piece to a triangle of B. Reuses the known distance of a
+// corner to which this triangle is nearest.
 double GutheSearch::squared_to_farthest(const GuthePiece& piece, Index triangle) {
     const Triangle near = target_.triangle(triangle);
     double most = 0;
@@ -168,7 +169,7 @@ double GutheSearch::squared_to_farthest(const GuthePiece& piece, Index triangle)
     return most;
 }
 
-// Returns the vertices of a cut as a block of eight points; unused lanes repeat the last vertex.
+// Returns the vertices of a cut triangle as a block of eight points; unused lanes repeat the last vertex.
 PointBlock block_of(const Cut<MeasuredPoint>& cut) {
     PointBlock block;
     for (std::size_t lane = 0; lane < block_width; ++lane) {
@@ -178,8 +179,8 @@ PointBlock block_of(const Cut<MeasuredPoint>& cut) {
     return block;
 }
 
-// Splits a piece and queues the parts. The bound of each part is the least over the triangles of B that are nearest
-// to a vertex of the cut, old or new, and the triangle that was best for the piece.
+// Splits a piece and queues the parts. For the upper bound of each part, tries the triangles of B nearest to the old
+// and new vertices and the triangle that was best for the piece, and takes the best.
 void GutheSearch::split(const GuthePiece& piece) {
     ++counters_.subdivisions;
     const int level = piece.level + 1;

@@ -5,8 +5,7 @@
 //
 // Samples: each triangle of A gets a grid whose points divide every edge into n steps (kernel/rounding.h). L is the
 // length of the longest edge, and n is the least number for which L / n is at most `step` times the diagonal of A's
-// box. Metro is given a number of samples per unit of area, MESH a step as a fraction of the diagonal. A grid has about
-// as many samples per triangle as either of them, except on thin triangles, which get more samples here.
+// box. Thin triangles get more samples than in Metro and MESH, other triangles about as many.
 //
 // Upper bound of a triangle: the largest distance of its samples to B, plus the covering radius r = L / (n * sqrt(3)).
 // Every point of the triangle is within r of a sample; kernel/rounding.h derives r and its rounding. So the gap is at
@@ -20,8 +19,7 @@
 // search stops before it reaches the triangle. If it is at most Query::floor, the triangle is not sampled. An edge that
 // two triangles share with the same n is measured once.
 //
-// Fields: for each triangle of A, "lower" and "upper" bounds of the largest distance of its points to B, and its number
-// of "steps", n.
+// Fields: as in guthe.cpp, but with the number n of "steps" instead of the "level".
 //
 // Budget: samples other than the vertices of A, which are always measured. Time: logarithmic in the size of B for each
 // sample, on well-behaved data. Memory: proportional to the size of A and B; only samples at vertices and the farthest
@@ -43,12 +41,12 @@
 namespace hausbench {
 namespace {
 
-constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // of an edge; an int and a double hold it exactly
+constexpr std::int64_t most_steps = std::int64_t{1} << 30;  // per edge; an int and a double hold it exactly
 
 // The samples of an edge, without its ends.
 struct EdgeSamples {
-    std::int64_t steps = 0;                // the n for which the edge was sampled last; 0: not yet
-    MeasuredPoint farthest{Vec3::Zero()};  // the sample farthest from B
+    std::int64_t steps = 0;  // the number of steps when the edge was last sampled; 0: not yet
+    MeasuredPoint farthest{Vec3::Zero()};
 };
 
 // The sampling of one query.
@@ -101,7 +99,7 @@ private:
     SearchBounds bounds_;
     SourceVertices vertices_;
     std::vector<double> rest_;  // entry i: the largest upper bound of triangles i and later, from vertices alone
-    std::unordered_map<std::uint64_t, EdgeSamples> edges_;  // the key has the numbers of both ends
+    std::unordered_map<std::uint64_t, EdgeSamples> edges_;  // the key has the indices of both ends
     std::uint64_t samples_ = 0;                             // number of samples, without the vertices of A
     Index near_ = -1;  // where the next query starts: the triangle of B nearest to a neighbouring sample
     std::optional<Status> stopped_;
@@ -137,9 +135,9 @@ void Sampling::bound_by_corners() {
     }
 }
 
-// Returns a status if the search may stop because of the floor or the cutoff. `rest` is an upper bound for the
-// triangles that are not sampled yet. The tolerance never stops the search, so that the same samples are taken for
-// every tolerance.
+// Returns a status if the search may stop because of the floor or the cutoff, and nothing otherwise. `rest` is an upper
+// bound for the triangles that are not sampled yet. The tolerance never stops the search, so every tolerance gets the
+// same samples.
 std::optional<Status> Sampling::end(double rest) {
     const double high = std::max(bounds_.settled(), rest);
     if (trace_.on()) trace_.record(bounds_.certified_lower(), high);
@@ -149,8 +147,8 @@ std::optional<Status> Sampling::end(double rest) {
     return query.answer(bounds_.certified_lower(), high);
 }
 
-// Measures a sample, and sets `farthest` to it if it is farther from B. Returns false if the budget or the time is
-// spent.
+// Measures the distance of a sample to B. Sets `farthest` to the sample if it is farther from B than `farthest` was.
+// Returns false if the budget or the time is spent.
 bool Sampling::measure(const Vec3& point, Index i, MeasuredPoint& farthest) {
     if (samples_ >= query_.budget) stopped_ = Status::budget;
     if (samples_ % 64 == 0 && bounds_.out_of_time()) stopped_ = Status::time_limit;
@@ -187,13 +185,13 @@ bool Sampling::sample_inside(Index i, std::int64_t n, MeasuredPoint& farthest) {
             if (!measure(grid_point(a, b, c, j, k, n), i, farthest)) return false;
             if (k == 1) first = near_;
         }
-        near_ = first;  // the next row starts beside the first sample of this row
+        near_ = first;  // the next row starts next to the first sample of this row
     }
     return true;
 }
 
-// Samples a triangle and settles it with its upper bound; `by_corners` is the upper bound from its vertices alone.
-// Returns false, without settling it, if the budget or the time was spent.
+// Samples a triangle and records its upper bound, which is at most `by_corners`, the bound from its vertices alone.
+// Returns false, without recording a bound, if the budget or the time was spent.
 bool Sampling::sample_triangle(Index i, std::int64_t n, double by_corners) {
     const auto v = a_.triangles.row(i);
     const auto corners = vertices_.corners(i);

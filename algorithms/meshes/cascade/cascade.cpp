@@ -26,8 +26,8 @@ struct CascadePiece {
     PieceProofs::Node node;  // the node of the piece, if a certificate is wanted
 };
 
-// Returns the number of splits for which the triangles of A and all pieces together are at most max_factor times the
-// triangles of A. A split makes four pieces or two.
+// Returns the number of splits that max_factor allows: triangles of A and pieces together may be max_factor times the
+// triangles of A. A split makes four pieces, or two if it halves the longest edge.
 std::uint64_t subdivisions_of(const Cascade& cascade, Index triangles) {
     const double pieces = (cascade.max_factor - 1) * static_cast<double>(triangles);
     const double most = std::floor(pieces / (cascade.split == Split::midpoint ? 4 : 2));
@@ -94,8 +94,8 @@ private:
     Query query_;
     Counters counters_;
     std::optional<ElementBounds> elements_;  // set only if fields are wanted
-    // Set only if fields are wanted: for each triangle of A, the last bound computed for a piece of it, as a number of
-    // PieceBound; 0: exact.
+    // For each triangle of A, the bound computed last for one of its pieces: a PieceBound, or 0 for an exact one. Empty
+    // if no fields are wanted.
     std::vector<double> last_bound_;
     Stages stages_;
     std::optional<PieceProofs> proofs_;  // set only if a certificate is wanted
@@ -129,8 +129,8 @@ double CascadeSearch::bound(PieceBound which, const CascadePiece& piece) {
     return three;
 }
 
-// Computes upper bounds of a piece until one settles it, and returns whether one did. Lowers `piece.upper` to the least
-// of them.
+// Computes upper bounds of a piece one after another, and lowers `piece.upper` to the least of them. Returns true as
+// soon as a bound is so small that the piece needs no further work, and false if none is.
 bool CascadeSearch::bound(CascadePiece& piece) {
     const auto lower = [&](double upper, double which) {
         piece.upper = std::min(piece.upper, upper);

@@ -25,7 +25,8 @@
 namespace hausbench {
 namespace {
 
-// Returns an error message if this is not a valid value of the parameter `order`, and otherwise an empty string.
+// Returns an error message if this is not a valid value of the parameter `order`. Returns an empty string if it is
+// valid.
 std::string problem_of_order(const std::string& order) {
     std::string digits = order;
     std::sort(digits.begin(), digits.end());

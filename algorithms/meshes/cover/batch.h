@@ -1,4 +1,5 @@
-// A batch of pieces of A that are covered together. They share their corners and the triangles of B near them.
+// Collects the corners of neighbouring pieces of A without duplicates, so that the distances of each corner to B are
+// computed once.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -13,16 +14,16 @@
 
 namespace hausbench {
 
-// The corners of a batch of pieces. A corner that several pieces share is stored once.
+// The corners of up to eight pieces (triangles of A or parts of one). Corners that pieces share are stored once.
 struct CoverBatch {
     static constexpr std::size_t most_pieces = 8;
 
     std::array<Vec3, 3 * most_pieces> corner;
-    std::array<std::array<std::size_t, 3>, most_pieces> of_piece;  // the corners of each piece, as indices
-    CoverPoints<float> points;                                     // all corners in local coordinates
-    LocalUnits place;                                              // the local coordinates
-    Vec3 centre;                                                   // the origin of the local coordinates
-    double radius = 0;                                             // largest distance of a corner from `centre`
+    std::array<std::array<std::size_t, 3>, most_pieces> of_piece;  // for each piece, indices into `corner`
+    CoverPoints<float> points;                                     // the corners in local coordinates
+    LocalUnits place;
+    Vec3 centre;        // the origin of the local coordinates
+    double radius = 0;  // the largest distance from `centre` to a corner
 
     CoverBatch(std::span<const CoverPiece> pieces, double magnitude) {
         Box box;
@@ -53,9 +54,9 @@ struct CoverBatch {
     }
 
 private:
-    static constexpr std::size_t slots = 64;  // of the hash table: more than twice the number of corners
+    static constexpr std::size_t slots = 64;  // of the hash table; there are at most 24 corners
 
-    // Returns a hash of the bits of a point.
+    // Returns the slot at which to begin the search for a point: six bits of a hash of its coordinates.
     static std::size_t slot_of(const Vec3& at) {
         std::uint64_t mixed = 0;
         for (const double x : at) mixed = (mixed ^ std::bit_cast<std::uint64_t>(x)) * golden_step;

@@ -1,36 +1,36 @@
 // Threshold cover (ours). Shows that every triangle of A is within a threshold tau of B, where tau is slightly larger
 // than the lower bound on h(A,B).
 //
-// 1. Lower bound l. Measure the distance to B from one vertex in each of a few groups of neighbouring triangles of A,
-//    then in each quarter of a group, down to clusters of 16 triangles (meshes/cover/groups.h). The largest distance so
-//    far is l, and tau = l + max(0.9 * tolerance, least_gap), where least_gap is more than any bound is widened for
-//    rounding. A group is settled, which means that the search is done with it, if the distance of its vertex plus the
-//    distance from the vertex to the farthest point of the group's box is at most tau.
-// 2. Cover the triangles of the remaining clusters, up to eight at a time. Start with the clusters that are most likely
-//    to contain the farthest point, so that l is nearly final early. Gather the triangles of B near the eight once, in
-//    single precision (structures/triangle_blocks.h), and compute the distances of all corners to them. If all three
-//    corners of a triangle are within tau of one triangle S of B, so is the whole triangle, because the set of points
-//    within tau of S is convex. Otherwise several triangles of B may cover it together (meshes/cover/offset_cover.h).
-// 3. Cover the triangles for which single precision was not enough in double precision, at the end, when tau is nearly
-//    final. If a corner is not within tau of any gathered triangle, measure its distance to all of B, which may raise l
-//    and tau. If l and tau differ by less than the rounding errors around a piece, the piece gets an upper bound that
-//    exceeds tau by these errors.
-// The search needs neither a queue nor repeatedly improved bounds: each triangle is covered once, and most triangles
-// are covered in step 2 without a query for a closest point.
+// 1. Lower bound l. Measure the distance to B from a vertex of each of a few groups of neighbouring triangles of A,
+//    then of each quarter of a group, down to clusters of 16 triangles (meshes/cover/groups.h). l is the largest
+//    distance so far, and tau = l + max(0.9 * tolerance, least_gap), where least_gap is more than rounding adds to any
+//    bound. A group is *settled* (needs no further work) if the distance of its vertex, plus the distance from the
+//    vertex to the farthest point of the group's box, is at most tau.
+// 2. Cover the triangles of the remaining clusters, up to eight at a time. Start with the clusters that most likely
+//    contain the farthest point, so that l is nearly final early. Gather the triangles of B near the eight in single
+//    precision (structures/triangle_blocks.h), and compute the distances of all corners to them. If all corners of a
+//    triangle are within tau of one triangle S of B, so is the whole triangle, because the set of points within tau of
+//    S is convex. Otherwise several triangles of B may cover it together (meshes/cover/offset_cover.h).
+// 3. At the end, when tau is nearly final, cover the remaining triangles in double precision. If a corner is not within
+//    tau of any gathered triangle, measure its distance to all of B, which may raise l and tau. If l and tau differ by
+//    less than the rounding errors around a piece, the upper bound of the piece exceeds tau by these errors.
 //
-// Upper bound: the largest bound that settled a group or piece, which may be less than tau. Lower bound and witness: as
-// in guthe.cpp.
-// Rounding: covers work in local coordinates around a few triangles, so their errors depend on the size of these
-// triangles and not on the size of the meshes (meshes/cover/offset_cover.h). Groups follow kernel/rounding.h, and so do
-// triangles that are halved before they are covered, because too many triangles of B are near them.
+// The search needs no queue: each triangle is covered once, most of them in step 2, without a query for a closest
+// point.
 //
-// Rounds: the work is divided into parts, and a round consists of a few parts, which several threads may share. All
-// parts of a round start from the same l, and their results are merged in order, so the answer does not depend on the
-// number of threads. Rounds grow from one part to 64, so that most parts start from a good l.
+// Upper bound: the largest bound of a settled group or piece. Lower bound and witness: as in guthe.cpp.
 //
-// Sequences of poses, and both directions of H (ours as well). A triangle of B often settles a group without a query if
-// it was nearest to a vertex of the group at the previous pose, or if, in the other direction, the triangle of A
-// nearest to one of its vertices was in the group. The farthest point of the previous pose is measured first.
+// Rounding: covers use local coordinates around a few triangles, so their errors depend on the size of these triangles,
+// not on the size of the meshes (meshes/cover/offset_cover.h). Groups follow kernel/rounding.h, and so do triangles
+// that are halved before they are covered.
+//
+// Rounds: the work is divided into parts, and threads share the parts of a round. All parts of a round start from the
+// same l, and their results are merged in order, so the answer does not depend on the number of threads. Rounds grow
+// from one part to 64, so that most parts start from a good l.
+//
+// Sequences of poses, and both directions of H (ours as well): a group is first bounded by a triangle of B that was
+// near it at the previous pose, or in the search of the other direction. This often saves a query. The farthest point
+// of the previous pose is measured first.
 //
 // Fields: as in guthe.cpp.
 // Budget: cuts, including halvings. If a budget is given, a round is a single group, cluster or piece, because several
@@ -56,12 +56,13 @@
 namespace hausbench {
 namespace {
 
-constexpr std::size_t first_clusters = 32;  // the most promising clusters, which are finished before the others
-// The number of groups, clusters or pieces in a part, and the largest number of parts in a round.
+constexpr std::size_t first_clusters = 32;  // the clusters most likely to have the farthest point, finished first
+// The work is divided into parts of this many groups, clusters or pieces of A. Threads do up to most_parts_of_round
+// parts; then their results are merged.
 constexpr std::size_t groups_of_part = 16, clusters_of_part = 8, pieces_of_part = 4, most_parts_of_round = 64;
 
-// Returns a gap between l and tau that exceeds the widening of any bound for rounding. Covers in double precision may
-// need a larger gap and make sure of it themselves (CoverWorker::threshold()).
+// Returns the least gap between the lower bound on h(A,B) and the threshold tau. This is more than rounding adds to an
+// upper bound; CoverWorker::threshold() enlarges the gap if double precision needs more.
 double least_gap_of(const MeshPair& pair) { return 64 * unit_roundoff * pair.magnitude; }
 
 Index* partners_of(WarmStart* warm_start, const MeshPair& pair) {
@@ -137,9 +138,9 @@ private:
     std::optional<Status> stop_;
 };
 
-// Calls item(worker, i) for every i < count, in rounds of parts of `of_part` items each (see "Rounds" above).
-// upper_of_rest(i) returns the largest upper bound of everything not settled yet, once the items before i are done. It
-// is needed for the trace, and to stop early if the query has a floor or a cutoff.
+// Calls item(worker, i) for each i < count, `of_part` items at a time, on several threads (see "Rounds" at the top of
+// this file). upper_of_rest(i) returns the largest upper bound of the work left after items 0 to i - 1. It is called
+// after each round if the query has a trace, a floor or a cutoff.
 template <class Item, class UpperOfRest>
 void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& item,
                             const UpperOfRest& upper_of_rest) {
@@ -181,7 +182,7 @@ void CoverSearch::merge(CoverOutcome outcome) {
     std::move(outcome.undecided.begin(), outcome.undecided.end(), std::back_inserter(undecided_));
 }
 
-// Measures the farthest point of the previous pose, which is likely to be farthest again.
+// Measures the distance to B of the previous pose's farthest point, which is likely to be farthest again.
 void CoverSearch::measure_previous() {
     if (!warm_start_ || warm_start_->source < 0) return;
     const auto v = pair_.source.triangles.row(warm_start_->source);
@@ -193,8 +194,9 @@ void CoverSearch::measure_previous() {
         bounds_.measure(warm_start_->point_in(t), warm_start_->target, warm_start_->source, level_of_closest_point);
 }
 
-// Bounds the groups level by level, from large groups to small ones. The few large groups make l nearly final before
-// the many small groups are measured.
+// Computes upper bounds on the distance to B for groups of triangles of A, from large groups down to clusters of 16
+// triangles. The few large groups come first, so that the lower bound is nearly final before the many small groups are
+// measured.
 void CoverSearch::measure_groups() {
     clusters_.assign(1, Cluster());
     clusters_[0].count = scene_.order.size();
@@ -223,8 +225,9 @@ void CoverSearch::cover_clusters(std::size_t begin, std::size_t end) {
         [&](std::size_t i) { return std::max(upper_of(clusters_, begin + i), upper_of(undecided_, 0)); });
 }
 
-// Settles the undecided pieces in double precision. Starts with the pieces that have the largest upper bounds, because
-// these may raise l. The clusters from `clusters_left` on are not covered yet.
+// Finishes, in double precision, the pieces of A for which single precision was not enough. Starts with the pieces that
+// have the largest upper bounds, because measuring them may raise the lower bound. Clusters from `clusters_left` on
+// have not been covered yet.
 void CoverSearch::decide_all(std::size_t clusters_left) {
     std::vector<CoverPiece> pieces;
     pieces.swap(undecided_);
@@ -262,8 +265,9 @@ Result CoverSearch::run() {
     }
     if (elements_) result.fields = bounds_.fields();
     if (proofs_) {
-        // The checker's own rounding costs up to (14 * cuts + 100) * u times the diagonal, for a polygon after so many
-        // nested cuts (certificate/cover_certificate.h). The margin of 4096u is enough for 280 nested cuts.
+        // Claims a little more than the upper bound, because the checker of the certificate rounds, too: by up to (14 *
+        // cuts + 100) * u * diagonal for a polygon made by that many nested cuts (certificate/cover_certificate.h; u =
+        // 2^-53). The 4096u are enough for 280 nested cuts.
         const auto proof = proofs_->finish(result.bounds.upper + 4096 * unit_roundoff * diagonal_of(pair_));
         if (proof)
             result.certificates = {*proof};
@@ -296,7 +300,7 @@ private:
     }
 
     const TriangleOrder* order_ = nullptr;
-    GroupBoxes boxes_;  // of A
+    GroupBoxes boxes_;
 };
 
 }  // namespace

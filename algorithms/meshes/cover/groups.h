@@ -1,4 +1,5 @@
-// Hierarchical groups of neighbouring triangles of A for threshold cover (meshes/cover/cover.cpp).
+// Bounding boxes of groups of neighbouring triangles of A. Threshold cover (meshes/cover/cover.cpp) bounds the distance
+// to B of whole groups before single triangles.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -9,14 +10,15 @@
 
 namespace hausbench {
 
-inline constexpr std::size_t cluster_triangles = 16;  // number of triangles in a cluster, the smallest kind of group
+inline constexpr std::size_t cluster_triangles = 16;  // in a cluster, the smallest kind of group
 
-// The bounding boxes of all groups of A, before any pose. Level 0 has the boxes of the clusters. Each box of a further
-// level contains four boxes of the level below; the last level has at most 64 boxes.
+// The bounding boxes of all groups of triangles of A, before A is moved by a pose. Level 0 has the boxes of clusters of
+// 16 triangles. Each box of a higher level contains four boxes of the level below; the last level has at most 64 boxes.
 class GroupBoxes {
 public:
     GroupBoxes() = default;
-    // Takes O(n) for n triangles. A group is a run of triangles in `order`, which keeps neighbours together.
+    // `order` lists all triangles such that neighbours follow each other; consecutive triangles form a group. Takes
+    // O(n).
     GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order);
 
     std::size_t levels() const { return boxes_.size(); }
@@ -28,12 +30,12 @@ private:
     std::vector<std::vector<Box>> boxes_;
 };
 
-// The bounding boxes of the groups after A was moved by a pose. Each box is computed on request. A cluster gets the
-// tightest box around its moved vertices; a larger group gets the box around its moved box (kernel/posed_box.h), which
-// is looser, but costs nothing per triangle.
+// The bounding boxes of the groups after A was moved by a pose, each computed on request. A cluster gets the tightest
+// box around its moved vertices. A larger group gets the box around its moved box (kernel/posed_box.h), which is looser
+// but takes constant time.
 class PosedGroupBoxes {
 public:
-    // Keeps references. `points` are the moved vertices of A; computing their box takes O(n).
+    // Keeps references. `points` are the vertices of A, moved by `pose`.
     PosedGroupBoxes(const GroupBoxes& boxes, const Triangles& triangles, const Points& points,
                     const std::vector<Index>& order, const Pose& pose);
 

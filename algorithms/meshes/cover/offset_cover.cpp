@@ -48,7 +48,7 @@ template <class T> void OffsetCover<T>::set_threshold(double tau) {
     limit.resize(NearTriangles<T>::stride);
     for (std::size_t k = 0; k < padded; ++k) {
         const double allowed = std::max(tau * (1 - 0x1p-50) - error(near, k), 0.0);
-        // The factor makes up for rounding the square to T, so the limit is never too large.
+        // Rounding the square to T may enlarge it; the last factor absorbs this, so the limit is never too large.
         limit[k] = allowed > 0 ? static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>)) : T(-1);
     }
     std::fill(limit.begin() + static_cast<std::ptrdiff_t>(count), limit.begin() + static_cast<std::ptrdiff_t>(padded),

@@ -5,13 +5,13 @@
 // corners of a polygon are within tau of one S, the whole polygon is within tau of S: S *covers* the polygon. A piece
 // starts as one polygon, and each polygon is treated as follows.
 //   1. If one triangle covers the polygon, it is done.
-//   2. Otherwise choose a triangle S that is *near* (within tau of) each corner of a run of neighbouring corners, and
-//      *peel*: cut off the part that S covers. The edge before the run leaves the offset of S at some point, and so
-//      does the edge after the run. These two points are the *exits*, and the cut goes from one to the other. S is near
-//      the run and the exits, so it covers the part that is cut off. The remaining polygon is treated in the same way.
+//   2. Otherwise choose a triangle S that is *near* (within tau of) all corners of a *run* of neighbouring corners, and
+//      *peel*: cut off the part that S covers. The edges before and after the run leave the offset of S at two points,
+//      the *exits*, and the cut goes from one exit to the other. S is near the run and the exits, so it covers the part
+//      that is cut off. The remaining polygon is treated in the same way.
 //   3. If a second triangle is near all other corners, look at sample points on the two edges. If each edge has a
-//      sample that both triangles are near, cut the polygon from one sample to the other: the first triangle covers
-//      one part and the second triangle covers the other part, so the polygon is done.
+//      sample that both triangles are near, cut the polygon from one sample to the other: each triangle covers one
+//      part, so the polygon is done.
 //   4. If peeling makes no progress, cut the polygon in two.
 //
 // Only the *gathered* triangles are tried: the triangles of B around the piece, which the caller has collected in
@@ -46,11 +46,13 @@ namespace hausbench {
 
 inline constexpr std::size_t most_polygon_corners = 16;
 
-// A convex polygon in local coordinates, |coordinate| <= 1.
+// A convex polygon cut out of a triangle of A. Coordinates are local: relative to a nearby origin, and scaled so that
+// |coordinate| <= 1.
 template <class T> struct CoverPolygon {
     std::size_t count = 0;
     T x[most_polygon_corners], y[most_polygon_corners], z[most_polygon_corners];
-    // For each corner, an upper bound on its distance from the exact point that it stands for, in units of u.
+    // For each corner, an upper bound on the distance by which rounding moved it, as a multiple of the unit roundoff of
+    // T.
     float slack[most_polygon_corners];
 
     void add(T px, T py, T pz, float corner_slack) {
@@ -61,7 +63,7 @@ template <class T> struct CoverPolygon {
     }
 };
 
-// A set of gathered triangles: bit k stands for triangle k of NearTriangles.
+// A set of triangles of B, as bits: bit k stands for triangle k of the NearTriangles in use.
 struct NearSet {
     static constexpr std::size_t words = NearTriangles<float>::most_triangles / 64;
     std::array<std::uint64_t, words> word{};
@@ -88,70 +90,73 @@ struct NearSet {
 
 inline constexpr std::size_t most_shared_points = 48;
 
-// Corners of several pieces, in local coordinates. Neighbouring pieces share corners, and each is measured once.
+// The corners of several pieces of A, in local coordinates. Shared corners are stored once, so that their distances to
+// B are computed once.
 template <class T> struct CoverPoints {
     std::size_t count = 0;
     T x[most_shared_points], y[most_shared_points], z[most_shared_points];
 };
 
-// The functions of a search that cover_surely() calls back. Points and lengths are local.
+// Callbacks from cover_surely() to the search that uses it. All points and lengths are in local coordinates.
 class CoverHost {
 public:
-    // Measures the distance from a point of the piece to all of B, not only to the gathered triangles. This may raise
-    // the threshold. The point may be off the piece by `slack`, in units of u. `near` is a triangle of B to try first.
-    // Returns the triangle of B nearest to the point.
+    // Returns the triangle of B nearest to a point of the piece; tries triangle `near` first. May raise threshold(),
+    // because the distance of the point is a lower bound on h(A,B). Rounding may have moved the point by up to `slack`
+    // times the unit roundoff.
     virtual Index measure(const double (&point)[3], double slack, Index near) = 0;
 
-    // Returns the present threshold tau.
     virtual double threshold() const = 0;
 
-    // Returns whether it is worth measuring a point at this distance, because it may raise the threshold much.
+    // Returns whether a point at this distance from B should be measured, because that may raise the threshold
+    // considerably.
     virtual bool promising(double distance) const = 0;
 
-    // Called before every step. Returns false if time or budget is spent.
+    // Returns false if the time or the budget is spent. Called before every step.
     virtual bool go_on() = 0;
 
 protected:
     ~CoverHost() = default;
 };
 
-// The data for covering the pieces around one local origin: the gathered triangles of B, the threshold, and the
-// distances measured so far. Reuse the object for the next origin, so that its buffers are not allocated again.
+// The data to show that neighbouring pieces of A are within a threshold of B: the triangles of B near them, and the
+// distances computed so far. Reusing the object avoids allocating its buffers again.
 template <class T> struct OffsetCover {
-    NearTriangles<T> near;  // the gathered triangles of B
-    double extent = 1.75;   // upper bound on |p| over all measured points p, in local units
+    NearTriangles<T> near;  // the triangles of B that are tried
+    double extent = 1.75;   // upper bound on the length of any measured point, in local units
     double threshold = 0;   // tau, in local units
-    // The largest upper bound that the search has recorded elsewhere, in local units. The final upper bound cannot be
-    // less, so if one triangle proves a bound of at most this, no triangle with a smaller bound is looked for.
+    // The largest upper bound accepted so far for other pieces, in local units. The final upper bound cannot be
+    // smaller, so the first triangle of B that proves a bound of at most this is good enough.
     double early_out = 0;
-    // For each triangle, the largest computed squared distance that proves distance <= threshold; -1: none does.
+    // For each triangle of `near`, the largest computed squared distance for which the exact distance is certainly at
+    // most the threshold. Negative if rounding errors are too large for that.
     std::vector<T> limit;
-    std::vector<T> squared;              // squared distances: one row per point, one column per triangle of `near`
-    std::vector<NearSet> within;         // for each point, the triangles whose squared distance is at most their limit
+    std::vector<T> squared;              // squared distances: a row per point, a column per triangle of `near` or `few`
+    std::vector<NearSet> within;         // for each point, the triangles certainly within the threshold
     std::vector<CoverPolygon<T>> stack;  // polygons still to be covered
-    // Certificate of the current piece; null if none is wanted.
+    // Receives the certificate of the current piece. Null if no certificate is wanted.
     CertificateTree* proof = nullptr;
-    std::uint64_t distances = 0, tests = 0, cuts = 0;  // work done, for the counters of the search
+    std::uint64_t distances = 0, tests = 0, cuts = 0;  // counters of the work done
 
-    // The largest slack of a corner. A cut that might make a corner with more is not made.
+    // The largest rounding error that a corner may have, in units of CoverPolygon::slack. Cuts that might exceed it are
+    // not made.
     static constexpr float most_slack = sizeof(T) == 4 ? 64 : 4096;
 
-    // The triangles of `near` that can still cover a part of the present polygon, and their limits
-    // (Engine::keep_few()).
+    // The triangles of `near` that are close enough to the current polygon to matter, and their limits. Set by
+    // Engine::keep_few().
     NearTriangles<T> few;
     std::vector<T> few_limit;
 
     T* squares(std::size_t point) { return squared.data() + point * NearTriangles<T>::stride; }
 
-    // Returns, in local units, the most by which the computed distance from a corner to triangle k can be less than the
-    // distance from the exact point that the corner stands for.
+    // Returns an upper bound on the rounding error of the distance from a corner to triangle k, in local units: the
+    // exact distance is at most the computed one plus this error.
     double error(const NearTriangles<T>& frames, std::size_t k) const {
         const double size = static_cast<double>(frames.row(frame_row::count)[k]);
         return frame_roundoff<T> * (near_error<T> * (extent + size) + most_slack) + frame_underflow<T>;
     }
 
-    // Sets the threshold, in local units, and the limits of all triangles. Call it after changing `near`, too. It does
-    // not update `within`.
+    // Sets the threshold, in local units, and computes the limits of all triangles from it. Call it after changing
+    // `near`, too. Does not update `within`.
     void set_threshold(double tau);
 
     // Makes room in `squared` and `within` for this many points.
@@ -160,22 +165,23 @@ template <class T> struct OffsetCover {
 
 struct CoverResult {
     bool covered = false;
-    double upper = 0;  // if covered: upper bound on the distance of every point of the piece to B, in local units
+    double upper = 0;  // if covered: upper bound on the distance to B of any point of the piece, in local units
 };
 
-// Measures all points. Point i fills row i of `squared` and entry i of `within`. Takes O(points * triangles).
+// Computes the squared distances from all points to all triangles of cover.near. Point i gets row i of cover.squared
+// and entry i of cover.within.
 void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points);
 
-// Tries to cover a piece in single precision, in at most most_work steps (a step covers, peels or cuts one polygon).
-// measure_shared() must have measured its corners; `points` are their indices. A failure proves nothing: the piece may
-// still be within tau.
+// Tries to show in single precision that a piece is within the threshold of B. Gives up after most_work polygons; the
+// piece may still be within the threshold then. measure_shared() must have measured the corners before; `points` are
+// their indices there.
 CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work);
 
-// Covers a piece in double precision. It always ends: measured points raise the threshold of the host, and a part that
-// is too small to be cut further, or that comes when the stack is full, gets the bound that it has, even if this is
-// above the threshold. Returns `covered == false` if the triangle nearest to a measured point must join `near`, which
-// has no room left. The host should then gather the triangles anew, with its new threshold.
+// Finds an upper bound on the distance from a piece to B in double precision. The host measures points that may be
+// beyond the threshold, which may raise the threshold. A part that must not be cut further gets the best bound found
+// for it, even one above the threshold. Returns covered == false only if cover.near has no room for another triangle of
+// B. Then gather the triangles anew, with the new threshold, and call again.
 CoverResult cover_surely(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
                          const TriangleMesh& target);
 

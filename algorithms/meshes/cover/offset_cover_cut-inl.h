@@ -1,5 +1,5 @@
-// Cutting in two: what happens to a polygon if peeling makes no progress (offset_cover.h). Compiled once for every
-// instruction set: include it after hwy/foreach_target.h.
+// The part of Engine (offset_cover_engine-inl.h) that cuts a polygon in two when peeling makes no progress (step 4 in
+// offset_cover.h). Compiled once for each instruction set, so include it after hwy/foreach_target.h.
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
 #if defined(HAUSBENCH_OFFSET_COVER_CUT_INL) == defined(HWY_TARGET_TOGGLE)
@@ -13,14 +13,14 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// The slack of the mean of up to 16 corners: an upper bound on its rounding error, in units of u. As |coordinate| <=
-// 1, every partial sum of one coordinate is at most 16, so each of the 15 sums errs by at most 16u. The division by
-// 16 reduces this to u for each sum, 15u in total, and adds u for its own rounding. So each coordinate errs by at
-// most 16u, and the point by sqrt(3) * 16u < 28u. The mean of fewer corners errs less.
+// Upper bound on the rounding error of the mean of up to 16 corners, as a multiple of the unit roundoff u. As
+// |coordinate| <= 1, every partial sum of one coordinate is at most 16, so each of the 15 sums errs by at most 16u. The
+// division by 16 reduces this to u for each sum, 15u in total, and adds u for its own rounding. So each coordinate errs
+// by at most 16u, and the point by sqrt(3) * 16u < 28u. The mean of fewer corners errs less.
 constexpr double slack_of_mean = 28;
 
-// Computes centre_, radius_ and slack_. Every point of the polygon is within radius_ of centre_, so its distance to a
-// triangle is at most the distance of the centre plus radius_.
+// Sets centre_ to the mean of the corners, radius_ to an upper bound on the distance from there to any point of the
+// polygon, and slack_ to the largest slack (rounding error) of a corner.
 template <class T> void Engine<T>::find_centre() {
     std::array<T, 3> sum{};
     for (std::size_t i = 0; i < piece_.count; ++i) {
@@ -41,10 +41,12 @@ template <class T> void Engine<T>::find_centre() {
     radius_ = std::sqrt(most) * (1 + 0x1p-50);
 }
 
-// Decides what to do with a polygon that cannot be peeled, from the triangle k nearest to its centre. Returns
-// `covered` if triangle k covers the polygon, and otherwise `cut`, with two exceptions. A polygon that must not be
-// cut is `lost` in single precision, and so is one whose centre is beyond the threshold. In double precision, a
-// polygon that must not be cut gets the bound of triangle k and counts as `covered`.
+// Decides what to do with a polygon when peeling makes no progress, using triangle k of B, the one nearest to the
+// centre of the polygon. Returns
+// - `covered` if the whole polygon is within the threshold of triangle k. In double precision, a polygon that must not
+//   be cut also counts as covered, with the bound from triangle k.
+// - `lost` in single precision, if the polygon must not be cut or its centre is beyond the threshold.
+// - `cut` otherwise.
 template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     find_centre();
     measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
@@ -55,14 +57,14 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
         measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
         k = nearest(centre_row);
     }
-    // Must not be cut: the polygon is hardly larger than the rounding error, the stack is too long, or the new corners
-    // would be too many or have too much slack. A cut adds at most 1.75 + 2.01 * 6 < 14 to the slack, because the three
-    // coordinate differences along an edge are at most 2 each.
+    // A polygon must not be cut if it is hardly larger than the rounding error, if too many polygons are on the stack,
+    // or if the new corners would be too many or have too much slack. A cut adds at most 1.75 + 2.01 * 6 < 14 to the
+    // slack (slack_of_cut()), because the three coordinate differences along an edge are at most 2 each.
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
                       slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
-    // The proof is the bound from the corners. The bound from the centre, its distance plus the radius, only tells
-    // whether triangle k, which the host may have just found, is near the whole polygon. In exact arithmetic the bound
-    // from the corners is never the larger of the two, but as computed it may be; so both must be within the threshold.
+    // The polygon gets the bound from its corners. The bound from its centre (distance plus radius) only tells whether
+    // triangle k is near the whole polygon. In exact arithmetic the bound from the corners is never the larger one, but
+    // rounding may make it so. So both must be within the threshold.
     const double by_corners = at_most(largest_square(k), k);
     if ((distance() + radius_ <= c_.threshold && by_corners <= c_.threshold) || (exact && tiny)) {
         covered_by(k, by_corners);
@@ -72,9 +74,9 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
     return Centre::cut;
 }
 
-// Chooses a cut along the prism over triangle k, which is bounded by three planes: each contains one edge of the
-// triangle and is perpendicular to the triangle. Takes the plane that cuts deepest into the polygon, and sets `side`
-// to the signed distances of the corners from it. Returns false if even this plane only grazes the polygon.
+// Chooses a plane through an edge of triangle k and perpendicular to the triangle, to cut the polygon with. Takes the
+// one of the three planes that cuts deepest into the polygon, and sets `side` to the signed distances of the corners of
+// the polygon from it. Returns false if even this plane only grazes the polygon.
 template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_polygon_corners]) const {
     const auto row = [&](std::size_t i) { return all_.row(i)[k]; };
     T sides[3][most_polygon_corners], best = 0;
@@ -102,10 +104,9 @@ template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_pol
     return true;
 }
 
-// Chooses a cut by a plane perpendicular to the longest edge, and sets `side` to numbers proportional to the signed
-// distances of the corners from the plane. Each end of the edge has a nearest triangle. The plane passes where the
-// edge is estimated to be equally far from both triangles, or through the midpoint of the edge if both ends have the
-// same one.
+// Chooses a plane perpendicular to the longest edge of the polygon, to cut the polygon with. Places it where the edge
+// is estimated to be equally far from the two triangles nearest to its ends, or at the midpoint if both ends have the
+// same nearest triangle. Sets `side` to numbers proportional to the signed distances of the corners from the plane.
 template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_corners]) {
     std::size_t a = 0;
     T longest = -1;
@@ -132,10 +133,9 @@ template <class T> void Engine<T>::across_longest_edge(T (&side)[most_polygon_co
     side[b] = (1 - t) * longest;
 }
 
-// Cuts the polygon in two between the corners where `side` is positive and the other corners: one part continues as the
-// present polygon, the other part goes to the stack. A sign that is wrong because of rounding does no harm, and neither
-// do positive corners that are not next to each other (only one run of them is taken): in any case the cut is a chord
-// between two points of the boundary, so both parts together are the polygon.
+// Cuts the polygon in two: one part has the corners where `side` is positive and is handled next; the other part goes
+// to the stack. Any cut between two points of the boundary is valid, so it does no harm if rounding makes a sign wrong,
+// or if the positive corners form several runs, of which only one is taken.
 template <class T> void Engine<T>::cut() {
     ++c_.cuts;
     T side[most_polygon_corners];
@@ -150,8 +150,8 @@ template <class T> void Engine<T>::cut() {
         float slack;
         CutPoint place;
     };
-    // Returns the point between two corners at which the boundary changes sides. This is corner `zero`, one of the two,
-    // if its `side` is 0.
+    // Returns the point between two corners at which `side` changes sign. If `side` is 0 at corner `zero`, which is one
+    // of the two, returns this corner.
     const auto crossing = [&](std::size_t from, std::size_t to, std::size_t zero) -> Crossing {
         if (side[zero] == 0)
             return {piece_.x[zero], piece_.y[zero], piece_.z[zero], piece_.slack[zero], CutPoint::corner(zero)};

@@ -1,6 +1,5 @@
-// The engine of offset_cover.h, which explains the method and its words: covers one piece, polygon by polygon. This
-// file has the main loop, the distances, and the test whether one triangle covers a polygon. Peeling is in
-// offset_cover_peel-inl.h, cutting in two in offset_cover_cut-inl.h. Compiled once for every instruction set: include
+// Shows that a piece of A is within a threshold of B, polygon by polygon, as explained in offset_cover.h. Peeling is in
+// offset_cover_peel-inl.h, cutting in two in offset_cover_cut-inl.h. Compiled once for each instruction set, so include
 // it after hwy/foreach_target.h.
 #include "algorithms/kernel/triangle_frames-inl.h"
 #include "algorithms/meshes/cover/offset_cover.h"
@@ -25,14 +24,15 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// Number of sample points that are measured at once against one triangle: half of them on the edge before a run of
-// corners, the other half on the edge after it.
+// Number of sample points whose distances to one triangle of B are computed at once: half of them on one edge of a
+// polygon, half on another.
 template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 8;
 
-// A peel computes the exits of this many triangles and takes the best one. The triangles are chosen by estimated exits.
+// Number of triangles of B that are compared before a part of a polygon is cut off.
 constexpr std::size_t tried_triangles = 3;
 
-// The triangles that may cover a polygon: all gathered triangles, or the few kept by keep_few().
+// The triangles of B that are tried for a polygon, and their limits: all of OffsetCover::near, or the few kept by
+// keep_few().
 template <class T> struct Candidates {
     const NearTriangles<T>* frames;
     const T* limit;
@@ -41,7 +41,7 @@ template <class T> struct Candidates {
     const T* row(std::size_t i) const { return frames->row(i); }
 };
 
-// Returns the triangles whose squared distance is at most their limit.
+// Returns the triangles certainly within the threshold of a point: their squared distance is at most their limit.
 template <class T> NearSet compare(const Candidates<T>& candidates, const T* squares) {
     using D = FrameLanes<T>;
     const D d;
@@ -50,7 +50,7 @@ template <class T> NearSet compare(const Candidates<T>& candidates, const T* squ
         const auto near = hn::Le(hn::LoadU(d, squares + k), hn::LoadU(d, candidates.limit + k));
         within.word[k / 64] |= std::uint64_t{mask_bits<T>(near)} << (k % 64);
     }
-    return within;  // no unused lane is in it, as their limits are -1
+    return within;  // without unused lanes, because their limits are -1
 }
 
 template <class T> HWY_INLINE void measure_all(const Candidates<T>& candidates, T x, T y, T z, T* squares) {
@@ -72,10 +72,10 @@ void measure_row(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t
 
 template <class T> struct SamplePoints { T x[samples<T>], y[samples<T>], z[samples<T>]; };
 
-// The distances of the sample points to one triangle.
+// The distances from the sample points to one triangle of B.
 template <class T> struct Sampled {
-    T square[samples<T>];  // squared distances
-    unsigned within;       // bit i: the squared distance of point i is at most the limit of the triangle
+    T square[samples<T>];
+    unsigned within;  // bit i: point i is certainly within the threshold of the triangle
 };
 template <class T>
 Sampled<T> measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k,
@@ -102,7 +102,7 @@ template <class T> void roots(const T (&squares)[samples<T>], T (&distances)[sam
         hn::StoreU(hn::Sqrt(hn::LoadU(d, squares + i)), d, distances + i);
 }
 
-// Covers one piece of A.
+// Shows that one piece of A is within the threshold of B (offset_cover.h).
 template <class T> class Engine {
 public:
     Engine(OffsetCover<T>& cover, CoverHost* host, const TriangleMesh* target, std::size_t most_work)
@@ -114,16 +114,16 @@ private:
     static constexpr bool exact = sizeof(T) == 8;
     static constexpr std::size_t centre_row = most_shared_points + most_polygon_corners + 2;
 
-    // Neighbouring corners of the polygon that have a near triangle in common.
+    // Consecutive corners of the polygon that are all within the threshold of the same triangle of B.
     struct Run {
         std::size_t begin = 0, length = 0;  // first corner, number of corners
-        NearSet common;                     // the triangles near all these corners
+        NearSet common;                     // all triangles for which this holds
     };
     static constexpr std::size_t half = samples<T> / 2, none = static_cast<std::size_t>(-1);
     struct Exits {
-        std::size_t triangle = 0;  // covers the part with the run
-        // The exits on the edges before and after the run, as fractions of these edges: 0 is at the run, 1 at the other
-        // end.
+        std::size_t triangle = 0;  // a triangle of B that covers the part of the polygon with the run
+        // How much of the edges before and after the run of corners is within the threshold of `triangle`, as fractions
+        // of the edges, counted from the run.
         T before = 0, after = 0;
         std::size_t second = none;  // a triangle that covers the other part, or `none`
         double upper = 0;           // only if `second` is set: upper bound for the whole polygon, from both triangles
@@ -166,16 +166,16 @@ private:
     std::size_t end_of(const Run& run) const { return (run.begin + run.length - 1) % piece_.count; }
     std::size_t last(std::size_t i) const { return i == 0 ? piece_.count - 1 : i - 1; }
     T square(std::size_t corner, std::size_t k) const { return c_.squares(row_[corner])[k]; }
-    // Returns the slack of a new corner at fraction t of the way from one corner to another (offset_cover.h). `length`,
-    // the sum of the absolute differences, is at least the |b - a| there. 1.75 and 2.01 instead of 1.74 and 2 cover the
-    // rounding in this expression.
+    // Returns an upper bound on the rounding error of a new corner at fraction t of the way between two corners, as a
+    // multiple of the unit roundoff (derived in offset_cover.h). `length` is at least the distance of the two corners;
+    // 1.75 and 2.01 instead of 1.74 and 2 absorb the rounding in this expression.
     float slack_of_cut(std::size_t from, std::size_t to, T t) const {
         const T length = std::abs(piece_.x[to] - piece_.x[from]) + std::abs(piece_.y[to] - piece_.y[from]) +
                          std::abs(piece_.z[to] - piece_.z[from]);
         return std::max(piece_.slack[from], piece_.slack[to]) + 1.75F + 2.01F * static_cast<float>(t * length);
     }
     const NearSet& within(std::size_t corner) const { return c_.within[row_[corner]]; }
-    // Records that triangle k covers a polygon, and that no point of the polygon is farther than `bound` from B.
+    // Records an upper bound on the distance from any point of a polygon to triangle k of B.
     void covered_by(std::size_t k, double bound) {
         upper_ = std::max(upper_, bound);
         if (c_.proof) c_.proof->one(all_.frames->triangle[k]);
@@ -184,7 +184,7 @@ private:
         c_.proof->cut(CutPoint::back(last(run.begin), static_cast<double>(out.before)),
                       CutPoint::along(end_of(run), static_cast<double>(out.after)));
     }
-    // Returns an upper bound on the exact distance to triangle k, from the computed squared distance.
+    // Returns an upper bound on the exact distance to triangle k, given the computed squared distance.
     double at_most(T square, std::size_t k) const {
         return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + c_.error(*all_.frames, k);
     }
@@ -209,13 +209,13 @@ private:
     const TriangleMesh* target_;  // null in single precision
     std::size_t most_work_, work_ = 0;
     double upper_ = 0;                         // largest upper bound of the polygons covered so far
-    CoverPolygon<T> piece_;                    // the present polygon
+    CoverPolygon<T> piece_;                    // the current polygon
     std::size_t row_[most_polygon_corners]{};  // for each corner, its row in c_.squared and its index in c_.within
     std::uint32_t used_ = 0;                   // bit i: row most_shared_points + i is in use
     int slow_ = 0;                             // number of consecutive peels that removed little
     int peels_ = 0;                            // number of peels since the last cut in two
-    bool spent_ = false;  // time or budget is spent: the remaining polygons get the bounds that they have
-    bool full_ = false;   // the triangle nearest to a measured point must join `near`, which has no room left
+    bool spent_ = false;  // time or budget is spent; the other polygons get the bounds that they have
+    bool full_ = false;   // a triangle must be added to `near`, which has no room left
     std::array<T, 3> centre_{};
     double radius_ = 0;  // largest distance of a corner of the polygon from centre_
     float slack_ = 0;    // largest slack of a corner of the polygon
@@ -288,8 +288,8 @@ template <class T> bool Engine<T>::pop() {
     return true;
 }
 
-// Gives the polygon the least upper bound that one triangle proves, even if it is above the threshold. As the distance
-// to a triangle is convex, the largest distance of a corner bounds the distance of the whole polygon.
+// Finishes the polygon with the least upper bound that a single triangle of B gives, even if it is above the threshold.
+// The distance to a triangle is convex, so its largest value over the polygon is at a corner.
 template <class T> void Engine<T>::settle() {
     double least = std::numeric_limits<double>::infinity();
     std::size_t best = 0;
@@ -303,8 +303,8 @@ template <class T> void Engine<T>::settle() {
     covered_by(best, least);
 }
 
-// Returns whether one triangle covers the polygon. If several do, records the one with the least upper bound, or the
-// first one found whose bound is at most early_out.
+// Returns whether all corners, and so the whole polygon, are within the threshold of one triangle of B. If several
+// triangles qualify, records the one with the least upper bound, or the first with a bound of at most early_out.
 template <class T> bool Engine<T>::one_for_all() {
     ++c_.tests;
     NearSet common = within(0);
@@ -325,9 +325,8 @@ template <class T> bool Engine<T>::one_for_all() {
     return true;
 }
 
-// Lets the host measure a point of the piece. The triangle nearest to the point joins the gathered triangles, and the
-// threshold follows the threshold of the host, which may have risen. Updates the limits, and the distances and near
-// triangles of all corners.
+// Calls CoverHost::measure() to find the triangle of B nearest to a point of the piece, which may raise the threshold.
+// Adds the triangle to `near`, or sets full_ if `near` is full. Updates distances and limits.
 template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t near) {
     const double point[3] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
     const Index found = host_->measure(point, slack, c_.near.triangle[near]);
@@ -351,8 +350,8 @@ template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t 
     }
 }
 
-// Returns whether every corner has a near triangle. In double precision, a corner that has none is measured first,
-// which may add one.
+// Returns whether every corner is within the threshold of some triangle of B that is tried. In double precision, calls
+// ask() for a corner that is not, which may add a triangle or raise the threshold.
 template <class T> bool Engine<T>::every_corner_near() {
     std::size_t asked = 0;
     for (std::size_t i = 0; i < piece_.count; ++i) {

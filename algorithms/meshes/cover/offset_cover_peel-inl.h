@@ -1,5 +1,5 @@
-// Peeling: cuts off the part of a polygon that one triangle covers (offset_cover.h). Compiled once for every
-// instruction set: include it after hwy/foreach_target.h.
+// Peeling: cuts off a part of a polygon of A that is within the threshold of one triangle of B (step 2 in
+// offset_cover.h). Compiled once for each instruction set, so include it after hwy/foreach_target.h.
 #include "algorithms/meshes/cover/offset_cover_engine-inl.h"
 
 #if defined(HAUSBENCH_OFFSET_COVER_PEEL_INL) == defined(HWY_TARGET_TOGGLE)
@@ -13,9 +13,9 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-constexpr std::size_t most_seconds = 4;  // number of triangles that by_two() tries for the part without the run
-constexpr std::size_t crowded = 12;      // a polygon with this many corners is cut in two instead of peeled
-// After this many peels a polygon is cut in two, because along a short edge each peel may remove next to nothing.
+constexpr std::size_t most_seconds = 4;  // number of triangles that by_two() tries as the second of two
+constexpr std::size_t crowded = 12;      // a polygon with this many corners is cut in two instead
+// After this many peels, a polygon is cut in two instead: along a short edge each peel may remove next to nothing.
 constexpr int most_peels = 8;
 
 template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
@@ -33,11 +33,10 @@ template <class T> typename Engine<T>::Run Engine<T>::longest_run() const {
     return best;
 }
 
-// Estimates for each triangle how far its offset reaches along the two edges beside the run: the sum of both exits,
-// from 0 to 2. Along an edge the distance to a triangle is convex, so it is at most the linear interpolation between
-// the distances at the ends. The estimated exit, at which the interpolation reaches the threshold, is therefore never
-// beyond the true one. `corners` are the two ends of the edge before the run, beginning at the run, and then the two
-// ends of the edge after it.
+// Estimates how much of two edges is within the threshold of each triangle of B: the sum of two fractions, from 0 to 2.
+// `corners` are the ends of the first edge, then of the second; the first end of each is within the threshold. The
+// distance to a triangle is convex along an edge, so it is at most the linear interpolation between the ends, and the
+// estimate is never too large.
 template <class T>
 void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
                                T (&estimate)[NearTriangles<T>::most_triangles]) {
@@ -58,8 +57,8 @@ void Engine<T>::estimate_exits(const Run& run, const std::size_t (&corners)[4],
     }
 }
 
-// Chooses up to tried_triangles triangles: of those near the whole run, the ones whose offsets are estimated to reach
-// farthest along the two edges. Returns their number.
+// Chooses up to tried_triangles of the triangles of B that are near all corners of the run: those with the best
+// estimates for the two adjoining edges. Returns their number.
 template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Tried, tried_triangles>& tried) {
     std::size_t count = 0;
     T estimate[NearTriangles<T>::most_triangles];
@@ -82,8 +81,8 @@ template <class T> std::size_t Engine<T>::choose(const Run& run, std::array<Trie
     return count;
 }
 
-// Sets the samples of one edge (side 0: before the run, 1: after it). They are evenly spaced between the fractions
-// `low` and `high` of the edge; the first one is a step beyond `low`, the last one is at `high`.
+// Sets the sample points of one edge (side 0: before the run of corners, 1: after it), evenly spaced from fraction
+// `low` to `high` of the edge. The last sample is at `high`; none is at `low`.
 template <class T>
 void Engine<T>::sample_edge(std::size_t side, std::size_t from, std::size_t to, T low, T high,
                             SamplePoints<T>& points) const {
@@ -101,9 +100,10 @@ template <class T> void Engine<T>::sample_edges(const Run& run, SamplePoints<T>&
     sample_edge(1, end, next(end), T(0), T(1), points);
 }
 
-// Looks for two triangles that cover the polygon together: one near the run, the other near all other corners, and both
-// near a common sample on each of the two edges. Cut between these two samples, the polygon has one part for each
-// triangle. Returns whether there is such a pair among those tried.
+// Looks for two triangles of B that cover the polygon together. The first must be near (within the threshold of) all
+// corners of the run, the second near all other corners, and both near a common sample point on each of the two edges
+// between. A cut from one of these samples to the other leaves one part for each triangle. Returns whether it found
+// such a pair.
 template <class T>
 bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const SamplePoints<T>& points, Exits& out) {
     const std::size_t end = end_of(run);
@@ -134,8 +134,8 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
     return out.second != none;
 }
 
-// Returns the exit of one of the two edges for a triangle, as a fraction of the edge. The first round uses the
-// samples in `tried`. In double precision, two more rounds sample the step that contains the exit more finely.
+// Returns how far one edge (side 0: before the run of corners, 1: after it) stays within the threshold of a triangle of
+// B, as a fraction of the edge. In double precision, two more rounds of samples refine the result.
 template <class T>
 T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const SamplePoints<T>& points) {
     const std::size_t end = end_of(run);
@@ -151,8 +151,8 @@ T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const
         }
         T distances[samples<T>];
         roots(sampled.square, distances);
-        // Sample s is the first one outside the offset. Interpolates linearly between its distance and the distance of
-        // the sample before it; as the distance is convex, the edge leaves the offset there or later.
+        // Finds the first sample beyond the threshold, and interpolates linearly between its distance and the distance
+        // of the sample before. The distance is convex along the edge, so the result is never too large.
         const auto s = static_cast<std::size_t>(std::countr_one(sampled.within >> (side * half) & ((1U << half) - 1)));
         if (s == half) return to;
         if (s > 0) near = distances[side * half + s - 1];
@@ -165,8 +165,8 @@ T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const
     return out;
 }
 
-// Returns two triangles that cover the polygon together, if by_two() finds them, and otherwise the chosen triangle that
-// removes most, with its exits.
+// Returns two triangles of B that cover the polygon together, if by_two() finds them. Otherwise returns the triangle
+// that can cut off the largest part of the polygon, and how far it reaches along the two edges.
 template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     std::array<Tried, tried_triangles> tried;
     const std::size_t count = choose(run, tried);
@@ -178,7 +178,7 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     T best_score = -1;
     for (std::size_t i = 0; i < count; ++i) {
         const T before = exit_of(run, tried[i], 0, points), after = exit_of(run, tried[i], 1, points);
-        // Peeling at a single corner removes a triangle, whose area is proportional to before * after.
+        // Cutting off a single corner removes a triangle, whose area is proportional to before * after.
         const T score = run.length == 1 ? before * after + T(0.01) * (before + after) : before + after;
         if (score <= best_score) continue;
         best_score = score;
@@ -189,17 +189,17 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     return best;
 }
 
-// Adds to `rest` the corner at fraction t of the edge from `inside` to `outside`. If the corner, as rounded, is not
-// within the limit of triangle k, tries again with a smaller t. Returns false if this does not help either, or if the
-// corner would have too much slack.
+// Adds to `rest` a corner at fraction t of the edge from corner `inside` to corner `outside`. Reduces t slightly, so
+// that the rounded corner is certainly within the threshold of triangle k. Returns false if no reduction that it tries
+// is enough, or if the rounding error of the corner would be too large.
 template <class T>
 bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t inside, std::size_t outside, T& t,
                          std::size_t k) {
     const float slack = slack_of_cut(inside, outside, t);
     if (slack > OffsetCover<T>::most_slack) return false;
     const std::size_t row = take_row();
-    // The fractions by which t is reduced. In double precision the first one is enough, except along an edge so short
-    // that rounding is a noticeable part of it.
+    // t is reduced by each of these fractions in turn. In double precision the first one is enough, except on an edge
+    // so short that rounding matters.
     constexpr std::array<T, 4> backs = exact ? std::array<T, 4>{T(0x1p-40), T(0x1p-28), T(0x1p-16), T(0x1p-4)}
                                              : std::array<T, 4>{T(0x1p-16), T(0x1p-12), T(0x1p-8), T(0x1p-4)};
     for (const T back : backs) {
@@ -217,9 +217,9 @@ bool Engine<T>::add_exit(CoverPolygon<T>& rest, std::size_t* rows, std::size_t i
     return false;
 }
 
-// Keeps only those gathered triangles that can cover a part of the polygon: their distance from its centre is at most
-// its radius plus the threshold. The proof does not depend on which triangles are kept. Does nothing if there are few
-// triangles anyway, or in double precision, because there measuring a point may add a triangle.
+// Drops the triangles of B that are too far away to matter for the polygon: farther from its centre than its radius
+// plus the threshold. Bounds stay valid whatever is dropped. Does nothing if there are few triangles, or in double
+// precision, where triangles may still be added.
 template <class T> void Engine<T>::keep_few() {
     using D = FrameLanes<T>;
     const D d;
@@ -230,7 +230,7 @@ template <class T> void Engine<T>::keep_few() {
     measure_all(all_, centre_[0], centre_[1], centre_[2], c_.squares(centre_row));
     c_.distances += count;
     const auto far = static_cast<T>((radius_ + c_.threshold) * (1 + 0x1p-20));
-    // The masks of the vectors, two bytes each. LoadMaskBits() may read eight bytes, hence six more at the end.
+    // The bit masks of the vectors, two bytes each. LoadMaskBits() may read eight bytes, hence six more at the end.
     std::array<std::uint8_t, 2 * NearTriangles<T>::most_triangles / least_lanes + 6> bits{};
     c_.few.clear(c_.near.units);
     for (std::size_t k = 0; k < count; k += lanes) {
@@ -262,9 +262,9 @@ template <class T> void Engine<T>::keep_few() {
     }
 }
 
-// Cuts off the part of the polygon that one triangle covers. The corners of this part, which are the run and both
-// exits, are within the offset of the triangle, and so is their convex hull. Returns `covered` if a second triangle
-// covers the rest, and `stuck` if little or nothing can be cut off.
+// Cuts off a part of the polygon that is within the threshold of one triangle of B: the convex hull of a run of corners
+// and of one point on each adjoining edge. Returns `covered` if a second triangle covers the rest, `stuck` if too
+// little can be cut off, and otherwise `peeled`.
 template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return Peel::stuck;
     const Run run = longest_run();

@@ -1,6 +1,6 @@
-// Builds the certificate of a threshold cover (certificate/cover_certificate.h). The certificate has one tree for each
-// triangle of A, but the pieces of a triangle are covered at different times and in any order. So each piece has a tree
-// of its own, and finish() joins them.
+// Builds the certificate of a threshold cover (certificate/cover_certificate.h). It has one tree for each triangle of
+// A. But the pieces of a triangle are finished at different times and in any order, so each piece has a tree of its
+// own, and finish() joins them.
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"
@@ -14,13 +14,13 @@ namespace hausbench {
 
 class CoverProofs {
 public:
-    // Pieces 0 to triangles - 1 are the triangles of A.
+    // Starts with one piece for each triangle of A; piece i is triangle i.
     explicit CoverProofs(Index triangles) : triangles_(triangles), pieces_(static_cast<std::size_t>(triangles)) {}
 
     CertificateTree& tree(Index piece) { return pieces_[static_cast<std::size_t>(piece)].tree; }
 
-    // Records that a piece is cut along the line from p to q. Returns the two new pieces: the first and the second
-    // child of CertificateTree::cut().
+    // Records that a piece is cut in two along the line from p to q. Returns the indices of the two new pieces, in the
+    // order of CertificateTree::cut().
     std::array<Index, 2> halve(Index piece, const CutPoint& p, const CutPoint& q) {
         const auto next = static_cast<Index>(pieces_.size());
         Piece& cut = pieces_[static_cast<std::size_t>(piece)];
@@ -30,8 +30,8 @@ public:
         return {next, next + 1};
     }
 
-    // Returns the certificate for the upper bound `proven`, or nothing if some piece has an empty tree, because the
-    // search ended before that piece was covered. Takes O(bytes).
+    // Returns the certificate for the upper bound `proven`. Returns nothing if the search ended before every piece was
+    // covered.
     std::optional<Certificate> finish(double proven) const {
         CertificateBuilder builder(triangles_);
         for (Index i = 0; i < triangles_; ++i) {
@@ -45,10 +45,11 @@ public:
 private:
     struct Piece {
         CertificateTree tree;
-        Index first = -1;  // the first of the two pieces that it was cut into, or -1
+        Index first = -1;  // the first of the two pieces that it was cut into; -1: not cut
     };
 
-    // Appends the trees of a piece and of all pieces that it was cut into. Returns false if one of them is empty.
+    // Appends to `whole` the tree of a piece and the trees of all pieces that it was cut into. Returns false if one of
+    // them is empty.
     bool append(Index piece, CertificateTree& whole) const {
         const Piece& own = pieces_[static_cast<std::size_t>(piece)];
         if (own.tree.bytes().empty()) return false;

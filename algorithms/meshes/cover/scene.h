@@ -1,7 +1,8 @@
-// The input and the outcome of a CoverWorker in threshold cover (meshes/cover/cover.cpp).
+// The input and the results of a CoverWorker, which does one part of the work of threshold cover
+// (meshes/cover/cover.cpp).
 //
-// To *settle* triangles of A or a piece is to record a proven upper bound on their distance to B; the search is then
-// done with them.
+// To *settle* triangles of A or a piece is to record a proven upper bound on their distance to B, after which the
+// search no longer looks at them.
 #pragma once
 
 #include "algorithms/meshes/cover/proofs.h"
@@ -17,9 +18,8 @@
 
 namespace hausbench {
 
-// A point with a known distance to a triangle of B. It bounds the distance of the triangles of A around it: the
-// distance from any of their points to B is at most the distance of the landmark plus the distance from that point to
-// it.
+// A point whose distance to a triangle of B is known. The distance of any point p to B is at most `distance` + |p -
+// at|, so a landmark bounds the distances of the triangles of A around it.
 struct Landmark {
     Vec3 at = Vec3::Zero();
     double distance = 0;  // to triangle `near`, as computed
@@ -27,10 +27,9 @@ struct Landmark {
     Index vertex = -1;    // if the landmark is a vertex of A: its index; otherwise -1
 };
 
-// An upper bound on the distance of some triangles of A to B, and the reason for it. If `vertex` is set, the bound is
-// the distance from this vertex of A to triangle `near` of B, plus at least the distance from the vertex to the
-// farthest corner of the triangles. If `vertex` is -1, the bound is the largest distance of a corner to triangle
-// `near`.
+// An upper bound on the distance of some triangles of A to B, and the reason for it. If `vertex` is -1, the bound is
+// the largest distance from a corner to triangle `near` of B. Otherwise it is at least the distance from this vertex of
+// A to triangle `near`, plus the distance from the vertex to the farthest corner.
 struct KnownUpper {
     double value = std::numeric_limits<double>::infinity();
     Index near = -1, vertex = -1;
@@ -40,15 +39,15 @@ struct KnownUpper {
     }
 };
 
-// A group of neighbouring triangles of A (groups.h), with the best upper bound known.
+// A group of neighbouring triangles of A, with the best known upper bound on its distance to B.
 struct Cluster {
     std::size_t begin = 0, count = 0;  // its triangles are entries begin to begin + count - 1 of CoverScene::order
     KnownUpper upper;
     Landmark landmark;
 };
 
-// Moves the `first` most promising clusters, those that may contain the farthest point of A, to the front. The others
-// keep their order, so that neighbours stay together.
+// Moves the `first` clusters that are most likely to contain the farthest point of A to the front. The others keep
+// their order, so that neighbours stay together.
 void order_clusters(std::vector<Cluster>& clusters, std::size_t first);
 
 // The data of one query. Keeps references.
@@ -59,14 +58,14 @@ struct CoverScene {
     const TriangleBlocks& blocks;     // of B
     const std::vector<Index>& order;  // the triangles of A in an order that keeps neighbours together
     const Query& query;
-    double magnitude;  // M of kernel/rounding.h: the largest |coordinate| of A, after its pose, and of B
-    double least_gap;  // tau exceeds the lower bound by at least this, unless floor = cutoff
-    // Receives bounds of each triangle of A for Result::fields; null if no fields are wanted. With `elements` or
-    // `proofs`, only one worker runs at a time.
+    double magnitude;  // the largest |coordinate| of B and of A, after its pose
+    double least_gap;  // the threshold exceeds the lower bound by at least this, unless floor = cutoff
+    // Receives the bounds of each triangle of A for Result::fields; null if no fields are wanted. If `elements` or
+    // `proofs` is set, only one worker runs at a time.
     ElementBounds* elements;
     CoverProofs* proofs;  // certificate under construction; null if none is wanted
-    // For each triangle of A, a triangle of B that is probably near it, or -1 (WarmStart::partner); null without a warm
-    // start. Workers that run at the same time use different entries.
+    // For each triangle of A, a triangle of B that is probably near it, or -1 if none is known. Null without a warm
+    // start (WarmStart::partner). Workers that run at the same time use different entries.
     Index* partner;
 };
 
@@ -82,21 +81,22 @@ struct CoverPiece {
     // Returns the largest distance from a point to a corner.
     double farthest_corner(const Vec3& from) const;
 
-    // Returns k if the longest edge goes from corner k to the next corner.
+    // Returns the number k of the longest edge, which goes from corner k to the next corner.
     std::size_t longest_edge() const;
 };
 
-// The unit of local coordinates (LocalUnits) is at least this fraction of the magnitude, even around a single point.
+// Least unit of local coordinates (LocalUnits), as a fraction of the largest coordinate, so that the unit is positive
+// even around a single point.
 inline constexpr double least_place = 0x1p-100;
 
-// If too many triangles of B are near a piece to try all of them, the piece is halved, but only up to this level. From
-// this level on, only some of the near triangles are tried.
+// If too many triangles of B are near a piece of A to try all of them, the piece is halved. After this many halvings,
+// only some of the near triangles are tried instead.
 inline constexpr int halvings_for_all_near = 8;
 
-// The outcome of one part of the work (see "Rounds" in cover.cpp).
+// The results of one part of the work (see "Rounds" in cover.cpp).
 struct CoverOutcome {
     Farthest farthest;
-    double settled = 0;                 // largest upper bound of anything settled
+    double settled = 0;                 // largest upper bound of a settled group or piece
     std::vector<Cluster> groups;        // groups that CoverWorker::narrow() did not settle
     std::vector<CoverPiece> undecided;  // pieces that single precision did not settle
     Counters counters;

@@ -15,7 +15,7 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t most_spare_rooms = 4;
-constexpr std::size_t most_looked_at = 32;  // by from_partner(), on either side of the middle of a group
+constexpr std::size_t most_looked_at = 32;  // triangles tried by from_partner() on either side of the middle of a group
 
 // This thread's pool of returned scratch buffers.
 std::vector<std::unique_ptr<CoverRoom::Covers>>& spare_rooms() {
@@ -33,7 +33,7 @@ CoverRoom::CoverRoom() {
     }
     covers_ = std::move(spare.back());
     spare.pop_back();
-    // All other members are set before they are read.
+    // Resets these members; all others are set before they are read.
     covers_->rough.proof = covers_->exact.proof = nullptr;
     covers_->rough.distances = covers_->rough.tests = covers_->rough.cuts = 0;
     covers_->exact.distances = covers_->exact.tests = covers_->exact.cuts = 0;
@@ -71,13 +71,12 @@ CoverOutcome CoverWorker::finish() {
 void CoverWorker::set_tau() {
     const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
     const Query& query = scene_.query;
-    // The question "is h above d?" is a query with floor = cutoff = d. Its answer needs no tolerance, so tau is then
-    // the larger one of lower bound and floor.
+    // A query with floor = cutoff only asks whether h(A,B) is above this value. Its answer needs no tolerance, so tau
+    // is then the larger of the lower bound and the floor.
     const bool asks = query.floor >= query.cutoff;
     tau_ = std::max(asks ? low : low + std::max(0.9 * query.tolerance.gap(low), scene_.least_gap), query.floor);
-    // Ends the search once the lower bound is above the cutoff. Only the certified lower bound, which is computed at
-    // the end and is slightly smaller, can give the answer `above_cutoff`; the margin is larger than this loss. (If
-    // it were not, the result would keep the status `stalled`.)
+    // Ends the search once the lower bound is clearly above the cutoff. The status becomes `above_cutoff` at the end,
+    // if the certified lower bound is above the cutoff, too; it is slightly smaller, hence the margin.
     if (!stop_ && low - 4096 * unit_roundoff * scene_.magnitude > query.cutoff) stop_ = Status::stalled;
 }
 
@@ -122,8 +121,8 @@ void CoverWorker::settle(const Cluster& cluster) {
     }
 }
 
-// Returns the upper bound of a piece that follows from the distances of its corners to one triangle of B: as the
-// distance to a triangle is convex, its largest value over the piece is at a corner.
+// Computes an upper bound on the distance of a piece to B: the largest distance from a corner to triangle `near` of B.
+// The distance to a triangle is convex, so its largest value over the piece is at a corner.
 CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index near) {
     CornerBound bound;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -138,8 +137,8 @@ CoverWorker::CornerBound CoverWorker::by_corners(const CoverPiece& piece, Index 
     return bound;
 }
 
-// Halves a piece at the midpoint of its longest edge and measures this midpoint, which becomes the landmark of both
-// halves. They inherit the upper bound of the piece.
+// Halves a piece at the midpoint of its longest edge, and measures the distance from the midpoint to B. The midpoint
+// becomes the landmark of both halves, which keep the upper bound of the piece.
 std::array<CoverPiece, 2> CoverWorker::halve(const CoverPiece& piece) {
     const std::size_t a = piece.longest_edge(), b = (a + 1) % 3, c = (a + 2) % 3;
     const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
@@ -157,14 +156,14 @@ std::array<CoverPiece, 2> CoverWorker::halve(const CoverPiece& piece) {
              {second, piece.source, proofs[1], piece.upper, landmark, level}}};
 }
 
-// Tries to settle a half with the distances of its corners to the triangle of B nearest to its landmark, the midpoint.
-// Returns true if the half could not be settled and needs more work.
+// Tries to finish one half of a piece with the upper bound from a single triangle of B, the one nearest to its
+// landmark. Returns true if the half needs more work.
 bool CoverWorker::is_open(CoverPiece& half) {
     const Index near = half.landmark.near;
     const CornerBound bound = by_corners(half, near);
     half.upper.improve(bound.upper);
-    // Measuring the corner farthest from that triangle may raise the lower bound and tau, if no other triangle of B is
-    // much nearer to this corner.
+    // Measures the corner farthest from triangle `near`. Unless another triangle of B is much nearer to this corner,
+    // this raises the lower bound and tau.
     if (half.upper.value > tau_ && !stop_ && bound.squared > tau_ * tau_)
         measure(half.corners[bound.farthest], near, half.source, half.level);
     if (half.upper.value > tau_ && !stop_) return true;
@@ -172,7 +171,7 @@ bool CoverWorker::is_open(CoverPiece& half) {
     return false;
 }
 
-// Moves the counts of the two OffsetCovers to the counters of the outcome.
+// Adds the work counts of cover_ and exact_ to the counters of the outcome, and resets them.
 void CoverWorker::count() {
     const auto add = [&](auto& cover) {
         outcome_.counters.point_triangle_distances += cover.distances;
@@ -184,8 +183,8 @@ void CoverWorker::count() {
     add(exact_);
 }
 
-// Returns the threshold of a cover: the largest bound that it may find for a piece of this level so that the final
-// upper bound, which is widened for rounding, is at most tau.
+// Returns the largest bound that a piece of this level may get from a cover: widened for rounding, it is still at most
+// tau.
 //
 // u is the unit roundoff 2^-53, and M is the magnitude. The bound x of a cover is widened like a measured distance, by
 // surface_sum_at_most(): to x * (1 + 5u) + (8 + 2 * level) * uM. Only the 2uM for each level are needed, because x
@@ -197,16 +196,16 @@ double CoverWorker::covered_within(int level) const {
     return std::max(tau_ * (1 - 8 * unit_roundoff) - (10 + 2 * level) * unit_roundoff * scene_.magnitude, 0.0);
 }
 
-// Returns an upper bound on the distance of every point of the box to B: the distance of the point `at` to B, plus the
+// Returns an upper bound on the distance to B of any point of the box: the distance of the point `at` to B, plus the
 // distance from `at` to the farthest corner of the box.
 double CoverWorker::around(const Vec3& at, double distance, const Box& box) const {
     return surface_sum_at_most(distance + std::sqrt(squared_distance_at_most(at, box)), scene_.magnitude, 0);
 }
 
-// Looks for a landmark that needs no query. A triangle of the group may have a partner: a triangle of B that was near
-// it at an earlier pose or in the other direction of H. The distance from a corner of this triangle to the partner is
-// an upper bound on the distance of the corner to B. Returns false if no triangle with a partner is found. Triangles
-// near the middle of the group are tried first, because narrow() sets the partner of the middle triangle.
+// Looks for a landmark that needs no query: a corner of a triangle of A with a *partner*, a triangle of B that was near
+// it at an earlier pose or in the other direction of H. The distance from the corner to the partner is an upper bound
+// on the distance from the corner to B. Starts at the middle of the group, because narrow() sets the partner of the
+// middle triangle. Returns false if it finds no partner.
 bool CoverWorker::from_partner(const Cluster& group, const Box& box, Landmark& landmark) {
     if (!scene_.partner) return false;
     const std::size_t middle = group.begin + group.count / 2, end = group.begin + group.count;
@@ -225,8 +224,8 @@ bool CoverWorker::from_partner(const Cluster& group, const Box& box, Landmark& l
     return false;
 }
 
-// Returns a corner of a triangle as a landmark that is not measured yet. Chooses the corner that is least far from its
-// farthest point of the box, because this distance is a part of the bound from the landmark (around()).
+// Returns a corner of a triangle as a landmark that is not measured yet. Chooses the corner for which the farthest
+// point of the box is nearest, because around() adds this distance to the bound.
 Landmark CoverWorker::central_corner(Index source, const Box& box) const {
     Landmark landmark;
     double least = std::numeric_limits<double>::infinity();
@@ -260,8 +259,8 @@ void CoverWorker::narrow(const Cluster& group, const Box& box) {
         }
     }
     ++outcome_.counters.bound_tests;
-    // The bound includes the way from the landmark to the farthest corner of the box. So if tau is much smaller than
-    // the box, no query can settle the group.
+    // The bound includes the distance from the landmark to the farthest corner of the box. So if tau is much smaller
+    // than the box, measuring another landmark cannot help.
     const double size = std::sqrt(squared_length(box.high - box.low));
     if (!known || (!seeded && part.upper.value > tau_ && tau_ >= 0.25 * size && !stop_)) {
         const Index source = middle_of(part);

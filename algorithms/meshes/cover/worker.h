@@ -1,9 +1,8 @@
-// The work on one part of A in threshold cover (meshes/cover/cover.cpp): clusters of triangles are covered in single
-// precision; the pieces that this leaves undecided are covered later in double precision.
+// Does one part of the work of threshold cover (meshes/cover/cover.cpp): shows that triangles of A are within a
+// threshold of B, in single precision, or in double precision if that is not enough.
 //
-// A worker starts from a given lower bound and collects its results in a CoverOutcome. They depend only on the part
-// and on that bound. So several workers may run at once, and the outcomes, merged in the order of the parts, are the
-// same for any number of threads.
+// The results depend only on the part and on the lower bound at its start. So several workers may run at once, and
+// their results, merged in order, are the same for any number of threads.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -20,8 +19,8 @@
 
 namespace hausbench {
 
-// Scratch buffers for covering, a few hundred kB. They come from a pool of the thread and return to it, because
-// allocating them anew would take longer than a search in small meshes.
+// Scratch buffers of a worker, a few hundred kB. They come from a pool of this thread and return to it, because
+// allocating them would take longer than a search in small meshes.
 class CoverRoom {
 public:
     struct Covers {
@@ -44,34 +43,36 @@ public:
     explicit CoverWorker(const CoverScene& scene) : scene_(scene) {}
     CoverWorker(CoverWorker&&) = default;
 
-    // Starts a new part. `farthest` gives the lower bound; `settled` is the largest upper bound settled so far, and
-    // `budget` the number of cuts left. `stopped` means that the search has already ended, for example because time is
-    // out: then everything is settled with the upper bound that it already has.
+    // Starts a new part. `farthest` gives the lower bound, `settled` is the largest upper bound accepted so far, and
+    // `budget` is the number of cuts left. If `stopped`, the search has already ended, and everything in the part is
+    // finished with the upper bound that it has.
     void begin(const Farthest& farthest, double settled, std::uint64_t budget, bool stopped, const Deadline& deadline);
 
-    // Bounds the distance of a group to B from its landmark and the group's box. The landmark may be the landmark of a
-    // larger group that contains this one; it is replaced with a better one if that may help. Settles the group if the
-    // bound is at most tau, and otherwise adds it, with its bound, to CoverOutcome::groups.
+    // Computes an upper bound on the distance of a group of triangles to B: the distance of its landmark (a point) plus
+    // the distance from there to the farthest point of `box`. Measures a new landmark if that may help. Finishes the
+    // group if the bound is at most tau. Otherwise adds it to CoverOutcome::groups.
     void narrow(const Cluster& group, const Box& box);
 
-    // Covers the triangles of a cluster in single precision. Settles those for which this succeeds, and adds the
-    // others, or parts of them, to CoverOutcome::undecided.
+    // Tries to show in single precision that the triangles of a cluster are within tau of B. Adds those for which this
+    // fails, or parts of them, to CoverOutcome::undecided.
     void cover(const Cluster& cluster);
 
-    // Does the same for up to CoverBatch::most_pieces pieces near a landmark. If there are several, they must be whole
-    // triangles of A, and some may be left in `again_`, where cover(cluster) finds them to try again. Public for tests.
+    // Like cover() above, but for up to CoverBatch::most_pieces pieces around a landmark. Several pieces must be whole
+    // triangles of A, and some of them may go to `again_`, for cover(cluster) to try again. Public for tests.
     void cover(std::span<const CoverPiece> pieces, const Landmark& landmark);
 
-    // Covers a piece in double precision and settles it, if need be with an upper bound that is larger than tau.
+    // Computes an upper bound on the distance of a piece to B in double precision, and finishes the piece even if the
+    // bound is larger than tau.
     void decide(const CoverPiece& piece);
 
     CoverOutcome finish();
 
-    // Returns the reason if the search should end: time or budget is spent, or the distance is above the cutoff.
+    // Returns the reason if the search should end: the time or the budget is spent, or the distance is above the
+    // cutoff. Otherwise returns nothing.
     std::optional<Status> stopped() const { return stop_; }
 
 private:
-    // The functions of CoverHost, for the piece that decide() is at.
+    // Implements CoverHost for the piece that decide() is working on.
     Index measure(const double (&point)[3], double slack, Index near) override;
     double threshold() const override;
     bool promising(double distance) const override;
@@ -115,7 +116,7 @@ private:
     std::size_t batch_ = 0;     // number of pieces to cover together next
     std::size_t gathered_ = 0;  // largest number of triangles of B gathered for a part of the last batch
     bool crowded_ = false;      // whether the last gathering found more triangles of B than can be used
-    Index source_ = -1;         // the triangle of A that contains the piece that decide() is at
+    Index source_ = -1;         // the triangle of A with the piece that decide() is working on
     int level_ = 0;             // the level of this piece
 };
 

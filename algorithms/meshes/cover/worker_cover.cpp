@@ -1,5 +1,5 @@
-// The part of CoverWorker that covers pieces: cover() a few at a time in single precision, decide() one at a time in
-// double precision. decide() settles every piece.
+// The functions of CoverWorker that work on single pieces of A. cover() handles several pieces at a time in single
+// precision; decide() handles one in double precision and always finishes it.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/cover/batch.h"
 #include "algorithms/meshes/cover/worker.h"
@@ -13,11 +13,11 @@ namespace hausbench {
 namespace {
 
 constexpr std::size_t most_work_in_float = 48;  // most steps of cover_shared() for one piece
-// The most triangles of B that are used for a batch in single precision, and for a piece in double precision. If more
-// are near, the batch or the piece is halved. Both are less than the 256 that fit into NearTriangles: gathering adds up
-// to 16 triangles at a time, and a cover in double precision adds triangles that are nearest to measured points.
+// Limits on the number of triangles of B used for a batch in single precision and for a piece in double precision. If
+// more are near, the batch or the piece is halved. They leave room in NearTriangles (256), because gathering adds up to
+// 16 triangles at a time, and double precision adds the triangles nearest to measured points.
 constexpr std::size_t most_gathered_roughly = 208, most_gathered = 224;
-constexpr int most_halvings = 20;  // decide() settles a piece halved this often with the bound that it has
+constexpr int most_halvings = 20;  // after so many, decide() accepts the bound that a piece has
 
 Triangle triangle_of(const CoverScene& scene, Index i) {
     const auto v = scene.a.triangles.row(i);
@@ -44,14 +44,14 @@ void CoverWorker::cover(const Cluster& cluster) {
             cover_from_own(batch, cluster.landmark);
         else
             cover(batch, cluster.landmark);
-        // Adapt the size of the next batch, as neighbouring triangles of A need about as many triangles of B.
+        // Adapt the size of the next batch, because neighbouring triangles of A need about as many triangles of B.
         if (gathered_ > most_gathered_roughly)
             batch_ = std::max(count / 2, std::size_t{1});
         else if (gathered_ < most_gathered_roughly / 3)
             batch_ = std::min(2 * batch_, CoverBatch::most_pieces);
     }
-    // Some pieces were not covered by the triangles of B nearest to them. Try these pieces again, one by one, with all
-    // triangles of B within tau.
+    // The nearest triangles of B were not enough for some pieces. Try these again, one by one, with all triangles of B
+    // within tau.
     std::vector<CoverPiece> again;
     again.swap(again_);
     for (const CoverPiece& piece : again) cover(std::span(&piece, 1), piece.landmark);
@@ -76,9 +76,9 @@ void CoverWorker::cover(std::span<const CoverPiece> pieces, const Landmark& land
     cover_from_own(pieces.subspan(half), landmark);
 }
 
-// Covers pieces that have too many triangles of B near them. First measures a corner of one of the pieces as their
-// new landmark. Far from B this settles most pieces, because the triangle of B nearest to the landmark is then hardly
-// farther from a piece than the rest of B.
+// Like cover() above, but for pieces with too many triangles of B near them: measures a corner of one of the pieces
+// first, as a new landmark. Far from B this finishes most pieces, because the triangle of B nearest to the landmark is
+// then hardly farther from a piece than the rest of B.
 void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark) {
     const CoverPiece& middle = pieces[pieces.size() / 2];
     const MeasuredPoint m = measure(middle.corners[0], landmark.near, middle.source, 0);
@@ -98,13 +98,13 @@ void CoverWorker::cover_from_own(std::span<const CoverPiece> pieces, const Landm
     if (!open.empty()) cover(open, own);
 }
 
-// Gathers the triangles of B near the pieces and tries to cover each piece with them. Does nothing and returns false if
-// there are too many. A piece that is not covered goes to `again_` if a larger radius would gather more triangles that
-// may cover it, and otherwise to the undecided ones. `all_near`: use the largest useful radius at once.
+// Gathers the triangles of B near the pieces, and tries to show with them that each piece is within tau of B. Returns
+// false, without trying, if there are too many. A piece for which this fails goes to `again_` if a larger radius may
+// help, and otherwise to CoverOutcome::undecided. `all_near`: use the largest useful radius at once.
 bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near) {
     const CoverBatch batch(pieces, scene_.magnitude);
-    // A triangle farther than `all` from the batch is not needed: either it is farther than tau, or every point of
-    // the batch has a nearer triangle. But if tau is large, most of B may be within `all`. So a first try uses only
+    // A triangle of B farther than `all` from the batch is not needed: it is farther than tau, or every point of the
+    // batch has a nearer triangle. But if tau is large, most of B may be within `all`. So the first try uses only
     // triangles that are not much farther from the batch than B is from the landmark.
     const double all =
         std::min(tau_, landmark.distance + std::sqrt(squared_length(batch.centre - landmark.at)) + batch.radius);
@@ -147,7 +147,8 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
     const LocalUnits& place = exact_.near.units;
     Vec3 global;
     for (int k = 0; k < 3; ++k) global[k] = place.origin[k] + place.unit * point[k];
-    // The errors of the point, as levels. A level stands for an error of 2uM, with u and M as in kernel/rounding.h.
+    // The level of the point (kernel/rounding.h): it is within 2uM * level of A, where u = 2^-53 and M is the
+    // magnitude.
     // - The corners of the piece have level_.
     // - Local errors: the point is within u * slack of the piece with its corners in local coordinates, and rounding
     //   those corners cost less than 2u. Together this is u * (slack + 2) local units, or
@@ -158,10 +159,9 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
     return measure(global, near, source_, own).triangle;
 }
 
-// Returns covered_within() in local units, or more if this is too close to the lower bound. The triangle nearest to a
-// measured point must be within the threshold even if the bounds on rounding errors are added to its distance;
-// otherwise the cover would never end. These errors depend on the size of the gathered triangles, not on the size of
-// the meshes, so parts of B far away do no harm. For the question "is h above d?" the threshold is never more.
+// Returns covered_within() in local units, or more if this is too close to the lower bound. The distance of a measured
+// point to its nearest triangle must be within the threshold even with rounding errors added. Otherwise the polygon
+// there would have to be accepted with a bound above the threshold.
 double CoverWorker::threshold() const {
     const double covered = covered_within(level_) * exact_.near.units.inverse;
     if (scene_.query.floor >= scene_.query.cutoff) return covered;
@@ -188,8 +188,8 @@ bool CoverWorker::go_on() {
 void CoverWorker::decide(const CoverPiece& piece) {
     ++outcome_.counters.bound_tests;
     if (piece.upper.value <= tau_ || stop_) return settle(piece);
-    // Start with a corner: measuring it may raise the lower bound and tau, and its nearest triangle may be near the
-    // whole piece.
+    // Start with a corner: measuring it may raise the lower bound and tau, and the triangle of B nearest to it may be
+    // near the whole piece.
     CoverPiece measured = piece;
     const MeasuredPoint m = measure(piece.corners[0], piece.landmark.near, piece.source, piece.level);
     measured.landmark = {m.point, std::sqrt(m.squared), m.triangle, -1};
@@ -203,8 +203,8 @@ void CoverWorker::decide(const CoverPiece& piece) {
     }
 }
 
-// Covers and settles a piece. Returns false, without settling it, if so many triangles of B are near that the piece
-// should be halved.
+// Computes an upper bound on the distance of a piece to B and finishes the piece. Returns false, without finishing it,
+// if so many triangles of B are near that the piece should be halved.
 bool CoverWorker::decide_whole(const CoverPiece& piece) {
     Box box;
     for (const Vec3& corner : piece.corners) box.add(corner);
@@ -221,8 +221,8 @@ bool CoverWorker::decide_whole(const CoverPiece& piece) {
         polygon.add(local[0], local[1], local[2], 0);
     }
     CoverResult result;
-    // Each round gathers the triangles within the present tau. If the cover fails, new triangles found no room; another
-    // round makes sense only if tau has risen since.
+    // Each round uses the triangles of B within the current tau. If it fails, there was no room for another triangle;
+    // the next round can only differ if tau has risen.
     for (double before = -1; !result.covered;) {
         if (tau_ == before) return false;
         before = tau_;
