@@ -102,7 +102,7 @@ private:
     std::optional<Status> cull_on_a();
     void look_into(Index i);
     ListedPiece whole(Index i) const;
-    // Returns the triangle of B to try first for triangle i of A; -1: not known.
+    // Returns the triangle of B to try first for triangle i of A, or -1 if none is known.
     Index partner(Index i) const { return warm_start_ ? warm_start_->partner[static_cast<std::size_t>(i)] : -1; }
     Triangle posed_triangle(Index i) const {
         const auto v = a_.triangles.row(i);
@@ -136,8 +136,8 @@ template <class Tree> void TangSearch<Tree>::report(Result& result) const {
     result.reported["depth"] = static_cast<double>(pieces_.deepest());
 }
 
-// Bounds every triangle of A: culls it on A or on B, or puts it into the queue. Returns a status if the search ends
-// before this is done.
+// Computes an upper bound for every triangle of A. Queues the triangles that neither culling on A nor culling on B can
+// discard. Returns a status if the search ends before all triangles have a bound.
 template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     on_a_.begin(points_);
     while (!on_a_.done()) {
@@ -153,7 +153,7 @@ template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     return std::nullopt;
 }
 
-// Returns triangle i of A as a piece, with those corner distances that are known already.
+// Returns triangle i of A as an uncut piece, with the corner distances that were computed for earlier triangles.
 template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
     ListedPiece piece;
     piece.source = i;
@@ -165,7 +165,8 @@ template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
     return piece;
 }
 
-// Bounds triangle i of A: by triangles of B that are likely to be near, then by culling on B. Queues it unless settled.
+// Computes an upper bound for triangle i of A, first from triangles of B that are probably near, then by culling on B.
+// Queues the triangle if its bound is still too large.
 template <class Tree> void TangSearch<Tree>::look_into(Index i) {
     ListedPiece piece = whole(i);
     if (const Index near = partner(i); near >= 0) on_b_.bound_by(piece, near);
@@ -190,7 +191,7 @@ template <class Tree> void TangSearch<Tree>::look_into(Index i) {
     pieces_.push(piece);
 }
 
-// Measures the farthest point of the previous pose first. It is likely to be far again, so the lower bound starts high.
+// Starts with the farthest point of the previous pose. It is probably far from B again, so the lower bound starts high.
 template <class Tree> void TangSearch<Tree>::begin_warm() {
     warm_start_->partner.resize(static_cast<std::size_t>(a_.triangles.rows()), -1);
     const WarmStart& last = *warm_start_;
@@ -218,7 +219,7 @@ template <class Tree> class Tang final : public MeshSolver<Tree> {
 public:
     explicit Tang(const TangChoices& choices) : choices_(choices) {}
 
-    // Needs both trees even for small shapes, unlike other mesh solvers, because culling works on nodes.
+    // Requires both trees even for small shapes, unlike other mesh solvers, because culling works on tree nodes.
     Needs needs(const Scene&, const QuerySet&) const override {
         return {need<Tree>(Side::source), need<Tree>(Side::target)};
     }
