@@ -41,7 +41,6 @@ template <class Down, class Up> void for_each_bound(Result& result, Trace& trace
     }
 }
 
-// Returns whether the status claims that the bounds answer the query.
 inline bool claims_an_answer(Status status) {
     return status == Status::converged || status == Status::below_floor || status == Status::above_cutoff;
 }

@@ -35,8 +35,8 @@ public:
     // Returns the structures to build for `solver`, which must come from make().
     Needs needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const;
 
-    // Returns the threads to build structures with: a single one if the solver does not support threads, so that its
-    // times are single-threaded.
+    // Returns the threads that build structures: a single one if the solver does not support threads, so that its times
+    // are single-threaded.
     Threads builders(const QuerySet& queries) const;
 
 private:
@@ -45,7 +45,7 @@ private:
     Prepare build_;
 };
 
-// Limits a number of threads to the number of cores of this machine.
+// Limits `threads` to the number of cores of this machine.
 int usable_threads(int threads);
 
 // A prepared solver whose status is checked against its bounds. If the solver reports `converged`, `below_floor` or

@@ -35,8 +35,8 @@ double scaled_tolerance(double value, int exponent) {
                       std::numeric_limits<double>::max());
 }
 
-// Returns an upper bound, in scaled units, on every |number| that occurs while the points of a shape are moved by the
-// pose, including products and partial sums. The derivation of widening() calls it S.
+// Returns an upper bound, in scaled units, on the absolute value of every number that occurs while the points of a
+// shape are moved by the pose, including products and partial sums. The derivation of widening() calls it S.
 double posed_extent(const PreparedShape& shape, const Pose& pose) {
     double translation = 0;
     for (const double t : pose.translation)

@@ -64,7 +64,7 @@ Session::Session(const SolverEntry& entry, const Options& options, const Scene& 
                  Prepare build)
     : Session(entry, options, pair_of(entry.info, scene), queries, build) {}
 
-// The solver for one pair of shapes, which Scaled then wraps, and the cost of preparing both directions.
+// The solver for one pair of shapes, before Scaled wraps it, and the cost of preparing both directions.
 struct Session::Direct {
     std::unique_ptr<Symmetric> solver;
     const Prepared* prepared;

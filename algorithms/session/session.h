@@ -1,5 +1,5 @@
 // Runs one solver on one pair of shapes: builds the structures that the solver needs and answers queries in the unit of
-// the input. Adapters, which are solvers that wrap other solvers, emulate what the solver does not support:
+// the input. Adapters, which are solvers that wrap other solvers, emulate the features that the solver lacks:
 //
 //     Session > Scaled > Symmetric > MovingTarget > PreparedSolver > the solver
 //

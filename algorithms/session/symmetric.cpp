@@ -8,8 +8,8 @@
 namespace hausbench {
 namespace {
 
-// Turns an answer to h(B,A) into a part of an answer to H(A,B): exchanges the two points of the witness, and marks
-// witness, certificates and reported numbers as belonging to the direction from B to A.
+// Turns an answer to h(B,A) into a part of an answer to H(A,B): exchanges source and target in the witness, and marks
+// all entries as belonging to the direction from B to A.
 void turn_around(Result& result) {
     for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
     std::swap(result.witness.source_point, result.witness.target_point);
@@ -109,10 +109,10 @@ Result Symmetric::directed(Query query, bool backward, Chain* chain, Trace& trac
 }
 
 // Decides which direction to solve first if the tolerance is relative to the lower bound. A direction with distance 0
-// never converges to such a tolerance (h(A,B) is 0 if A is a part of B). So both directions are tried with a small
-// budget, and the one with the larger lower bound comes first: its lower bound is then the floor of the other. As long
-// as both lower bounds are 0, the budget is multiplied by 16. If a small budget is enough to answer h(A,B), that answer
-// is kept; if it is enough to answer h(B,A), then h(B,A) comes first.
+// never converges to such a tolerance, so both are tried with a small budget, which is multiplied by 16 as long as both
+// lower bounds are 0. The direction with the larger lower bound comes first: this bound is then the floor of the other.
+// If a small budget is enough to answer h(A,B), that answer is kept; if it is enough to answer h(B,A), then h(B,A)
+// comes first.
 Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& trace) const {
     Opening opening;
     const std::uint64_t most = query.budget;

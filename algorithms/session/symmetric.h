@@ -10,8 +10,8 @@ namespace hausbench {
 // not above it.
 //
 // If the tolerance is relative to the lower bound, the direction that seems to have the larger distance comes first.
-// The other distance may be 0, and then a tolerance relative to it would allow no gap at all. Finding out which
-// direction is larger costs some extra work, which is included in the counters. The budget applies to each direction.
+// The other distance may be 0, and then a tolerance relative to it would allow no gap. The extra work to find the
+// larger direction is included in the counters. The budget applies to each direction.
 //
 // If the first lower bound is above the cutoff, the second direction is skipped, and the upper bound is infinite. All
 // other queries are passed on to the `forward` solver.

@@ -11,8 +11,7 @@ constexpr int most_bins = 16;
 constexpr int most_levels_by_area = 40;            // from this depth on, ranges are divided into parts of equal size
 constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut only along their longest axis
 
-// One of the slices into which an axis is divided, with the number of the elements whose centres lie in it and their
-// box.
+// A slice of an axis: the number of elements whose centres lie in it, and the box around these elements.
 struct Bin {
     FloatBox box;
     std::int32_t count = 0;

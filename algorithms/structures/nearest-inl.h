@@ -47,8 +47,8 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 #endif
 
 // Updates `best` with the nearest triangle among the lanes set in the mask `lanes`; triangle[k] is the index of the
-// triangle in lane k. Only lanes at the smallest distance are offered. Ties are rare, so the loop mostly runs once, and
-// its branches are predictable.
+// triangle in lane k. Visits only the lanes at the smallest distance. Ties are rare, so this is mostly one lane, and
+// the branches are predictable.
 HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
     const Doubles d;
     const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};

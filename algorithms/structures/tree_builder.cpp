@@ -8,8 +8,8 @@
 namespace hausbench::builder {
 namespace {
 
-// If the centres of a range spread over less than this, its coordinates are too coarse: floats just below 1 are 2^-24
-// apart, so only 2^12 different coordinates are left within 2^-12.
+// If the centres of a range spread over less than this, localise() makes its coordinates finer: floats just below 1 are
+// 2^-24 apart, so only 2^12 different coordinates are left within 2^-12.
 constexpr float least_spread = 0x1p-12F;
 
 Vec3 middle_of(const Box& box) { return 0.5 * box.low + 0.5 * box.high; }

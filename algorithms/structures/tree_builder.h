@@ -19,12 +19,12 @@
 
 namespace hausbench::builder {
 
-// Four floats that every x86-64 processor can add or compare with one instruction. On machines without vector
-// registers, the compiler emits scalar code.
+// Four floats, which x86-64 processors add or compare with one instruction. On machines without vector registers, the
+// compiler emits scalar code.
 using Float4 [[gnu::vector_size(16)]] = float;
 
 // A box in single precision. The first three components of `low` and `high` are coordinates. The fourth component of
-// `low` holds the index of a triangle (see set_number).
+// `low` may hold the index of a triangle (see set_number).
 struct FloatBox {
     Float4 low = Float4{} + std::numeric_limits<float>::infinity(),
            high = Float4{} - std::numeric_limits<float>::infinity();
@@ -46,8 +46,8 @@ struct LocalFrame {
 
     static LocalFrame of(const Box& box);
 
-    // Returns the mapped point. Clamps its coordinates to [-2^40, 2^40] so that areas do not overflow. They are large
-    // if of() was given a box around the centres of triangles, and a triangle is far larger than that box.
+    // Returns the mapped point. Clamps its coordinates to [-2^40, 2^40] so that areas do not overflow. Coordinates are
+    // large if of() was given the box around the centres of triangles and a triangle is far larger than this box.
     Float4 local(const Vec3& p) const {
         Float4 result{};
         for (int k = 0; k < 3; ++k) {
@@ -63,7 +63,7 @@ inline float area(const FloatBox& box) {
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
-// Stores the index of a triangle in the bits of low[3]. Without the added 0x40000000, these bits would be a subnormal
+// Stores the index of a triangle in the bits of low[3]. Without the added 0x40000000, these bits could be a subnormal
 // float, which slows down operations on the whole vector.
 inline void set_number(FloatBox& element, Index number) { element.low[3] = std::bit_cast<float>(number + 0x40000000); }
 inline Index number_of(const FloatBox& element) {
@@ -72,8 +72,9 @@ inline Index number_of(const FloatBox& element) {
 // Returns twice the centre of a box; the factor does not matter for comparisons.
 inline Float4 centre_of(const FloatBox& element) { return element.low + element.high; }
 
-// If the centres of a part spread over less than this fraction of its node, the part becomes a single child, and is
-// divided only within that child. The coordinates and the quantised boxes of the larger node would be too coarse.
+// A part whose centres spread over less than this fraction of the node's spread is not divided further here. It becomes
+// one child and is divided as a node of its own, because the coordinates and the quantised boxes of the larger node are
+// too coarse for it.
 inline constexpr float finest_part = 0x1p-5F;
 
 // The elements from index `begin` to `end` - 1, the box around them, and the box around their doubled centres
@@ -111,8 +112,8 @@ struct Builder {
     }
 
     // If the centres of a range lie so close together that single precision hardly tells them apart, computes the boxes
-    // of its elements again, relative to these centres. O(size) each time, but coordinates become finer by a factor of
-    // 2^12 or more.
+    // of its elements again, relative to these centres. This takes O(size) and makes coordinates finer by a factor of
+    // at least 2^12.
     void localise(Range& range);
 
     // Reorders a range of at most 64 elements, so that along its longest axis the elements before index `middle` have
@@ -132,9 +133,9 @@ struct Builder {
         return ~static_cast<std::int32_t>(tree.leaves() - 1);
     }
 
-    // Builds the tree. Calls split(range, depth, parts) for each node that is too large for a leaf. It divides the
-    // range into two to eight parts, writes them to `parts` and returns their number; parts[0] is the whole range
-    // before the call.
+    // Builds the tree. For each node that is too large for a leaf, split(range, depth, parts) must divide its range
+    // into two to eight parts, write them to `parts` and return their number; parts[0] is the whole range before the
+    // call.
     template <class Split> WideTree build(Split&& split) {
         add_node(range(0, static_cast<std::int32_t>(elements.size())), 0, split);
         tree.nodes.shrink_to_fit();

@@ -53,8 +53,8 @@ TriangleOrder::TriangleOrder(const TriangleMesh& mesh, const Threads& threads) {
 namespace {
 
 // Removes each triangle that has the same corners as its predecessor, in the same order. This changes no answer,
-// because ties go to the lowest index, and it comes first among copies. A large stack of copies would put more
-// triangles near a point than NearTriangles can hold.
+// because ties go to the lowest index, which comes first among copies. A large stack of copies would put more triangles
+// near a point than NearTriangles can hold.
 std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> order) {
     const auto is_copy = [&](Index i, Index j) {
         for (Index k = 0; k < 3; ++k)
@@ -85,7 +85,7 @@ Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_
 
 // Returns the index at which to cut a run that mixes a dense cluster with distant triangles, so that each part gets
 // local coordinates of its own. The cluster is at the beginning or else at the end of the run, and its size is at most
-// small_part of the run. Returns `end` if there is no cluster.
+// small_part of the run. Returns `end` without a cluster.
 std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
     const double small = small_part * longest_side(box_of(mesh, order, begin, end));
     if (!(small > 0)) return end;
@@ -218,8 +218,8 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
 
 namespace {
 
-// Makes the frames of triangles `begin` to `end` - 1 of the list, in the local coordinates near.units. Unused lanes
-// repeat the last triangle.
+// Makes the frames (kernel/triangle_frames.h) of triangles[begin] to triangles[end - 1], in the local coordinates
+// near.units. Unused lanes repeat the last triangle.
 void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, std::size_t begin, std::size_t end,
                NearTriangles<double>& near) {
     CornerRows corners;

@@ -55,8 +55,8 @@ struct LocalUnits {
     void set(const Box& box, double least);
 };
 
-// A leaf of up to sixteen triangles, with their indices in the mesh. Each triangle is stored as a coordinate system
-// that makes distances cheap (kernel/triangle_frames.h), relative to `units`.
+// A leaf of up to sixteen triangles, with their indices in the mesh. Each triangle is stored as a *frame*, a coordinate
+// system that makes distances cheap (kernel/triangle_frames.h), in the local coordinates `units`.
 struct alignas(64) TriangleFramesLeaf {
     TriangleFrames<float> frames;  // unused lanes repeat the last triangle
     LocalUnits units;
@@ -71,8 +71,8 @@ struct alignas(64) BoxNode {
     std::int32_t count;
 };
 
-// Rounding errors in single precision. Each box in a node is larger than its triangles by plane_error on each side. A
-// computed squared distance to a box may be too large by a factor of 1 + box_error.
+// Allowances for rounding in single precision. Each box in a node is larger than its triangles by plane_error on each
+// side. A computed squared distance to a box may be too large by a factor of 1 + box_error.
 inline constexpr float plane_error = 0x1p-21F;
 inline constexpr double box_error = 0x1p-20;
 
@@ -101,8 +101,8 @@ public:
     T* row(std::size_t i) { return rows_.data() + i * stride; }
     const T* row(std::size_t i) const { return rows_.data() + i * stride; }
 
-    // The length of a row. A constant, so that the compiler can compute addresses, with room to store a whole vector at
-    // the position of any triangle.
+    // The length of a row. It is constant, so that the compiler can compute addresses, and leaves room to store a whole
+    // vector at the position of any triangle.
     static constexpr std::size_t stride = most_triangles + frames_width;
 
 private:
@@ -139,8 +139,8 @@ public:
     // morton_order in kernel/morton.h); about 87 bytes per triangle. The result is the same for any number of threads.
     explicit TriangleBlocks(const TriangleMesh& mesh, const Threads& threads = Threads());
 
-    // Returns the closest point, with the same bits as closest_by_scan (kernel/closest.h) with the same hints. O(log n)
-    // on well-behaved meshes.
+    // Returns the same closest point, bit for bit, as closest_by_scan (kernel/closest.h). O(log n) on well-behaved
+    // meshes.
     ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
 
     // Returns a lower bound on the exact distance, valid under rounding and at least as large as the result of
@@ -160,8 +160,8 @@ public:
         const std::vector<TriangleFramesLeaf>& leaves;
         const std::vector<BoxNode>& nodes;
         // Level i of the tree begins at nodes[level_begin[i - 1]]. Level 1 has the boxes of the leaves; the last level
-        // is a single node, the root. Child c of node n is node 16 * n + c of the level below, or that leaf for level
-        // 1.
+        // is a single node, the root. Child c of node n is node 16 * n + c of the level below; for level 1, leaf 16 * n
+        // + c.
         const std::vector<std::size_t>& level_begin;
         const TriangleMesh& mesh;
     };
@@ -187,8 +187,7 @@ struct TriangleOrder {
     static constexpr std::string_view structure_name = "triangle order";
     static constexpr int structure_layout = 1;
 
-    // O(n) time, unless the sizes of details differ by many orders of magnitude (see morton_order in kernel/morton.h).
-    // The result is the same for any number of threads.
+    // O(n) time in general (see morton_order in kernel/morton.h). The result is the same for any number of threads.
     explicit TriangleOrder(const TriangleMesh& mesh, const Threads& threads = Threads());
 
     std::vector<Index> order;

@@ -21,7 +21,7 @@ namespace {
 
 // The search for one closest point. Visits leaves, nearest first, and lowers the search radius by fast distances in
 // single precision. Double precision comes later, for several leaves at once: then the radius is short, so few
-// triangles remain. No triangle whose distance in double precision is within the radius is skipped.
+// triangles remain. Never skips a triangle whose distance in double precision is within the radius.
 class ClosestSearch {
 public:
     HWY_INLINE ClosestSearch(const TriangleBlocks::Tree& tree, const Vec3& point, double early_out, ClosestPoint& best,

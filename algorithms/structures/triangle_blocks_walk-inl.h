@@ -27,7 +27,7 @@ using F = hn::CappedTag<float, 8>;
 using VF = hn::Vec<F>;
 using Keys = hn::RebindToSigned<F>;
 
-// How near a point must be to a leaf or node, by its largest |coordinate| in local coordinates:
+// How far away a point may be, by its largest |coordinate| in the local coordinates of a leaf or node:
 //   - Below farthest_in_float, distances to boxes and triangles are computed in single precision, with errors of at
 //     most 2^-9 and 2^-4 units.
 //   - Below farthest_filtered, distances to boxes are computed in double precision, and no triangle of a leaf is
@@ -54,7 +54,7 @@ struct LocalPoint {
     HWY_INLINE bool is_filtered() const { return most < farthest_filtered; }
 
     // Returns a lower bound, in units, on the distance from the point to every triangle of the leaf or node: its
-    // distance from the origin minus 2, because they are within sqrt(3) units of the origin.
+    // distance from the origin minus 2, because all of them are within sqrt(3) units of the origin.
     double base() const {
         double squared = 0;
         for (const double x : exactly) squared += x * x;
@@ -118,10 +118,10 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
     }
 }
 
-// Like measure_children(), but in double precision, for a point so far away that single precision could not tell the
-// boxes apart. Calls use(lane, distances) with distances minus `base`, a lower bound on all of them; these small
-// numbers are then rounded to float. far_limit() is rounded in the same way, and rounding is monotone, so a number
-// below the limit stays below. SearchRadius covers the errors of double precision.
+// Like measure_children(), but for a point so far away that single precision could not tell the boxes apart. Computes
+// distances (not squares) in double precision, subtracts `base`, a lower bound on all of them, and rounds the rest to
+// float. Compare the results with far_limit(): it is rounded in the same way, and rounding is monotone. SearchRadius
+// includes the errors of double precision.
 template <class Use>
 HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& point, double base, const Use& use) {
     alignas(64) float above[frames_width];
@@ -138,12 +138,13 @@ HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& poin
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) use(lane, hn::Load(d, above + lane));
 }
 
-// Returns the limit for measure_far_children(): a box with a larger number contains no triangle within `radius`.
+// Returns the limit for measure_far_children(): a box for which it gives a larger number has no triangle within
+// `radius`.
 inline float far_limit(const BoxNode& node, double base, const SearchRadius& radius) {
     return limit_of(radius.at(node.units) * node.units.inverse - base);
 }
 
-// Returns the limit for measure_children(): a box with a larger square contains no triangle within `radius`.
+// Returns the limit for measure_children(): a box for which it gives a larger square has no triangle within `radius`.
 HWY_INLINE float box_limit(const BoxNode& node, const SearchRadius& radius) {
     const double in_units = radius.at(node.units) * node.units.inverse;
     return limit_of(in_units * in_units * (1 + box_error));
@@ -202,7 +203,7 @@ struct alignas(64) OrderedChildren {
         }
         return mask;
     }
-    // Sets the keys if no distances are known: the distance 0 for every child. Returns the least key.
+    // Sets the keys if no distances are known: every child gets the distance 0. Returns the least key.
     HWY_INLINE std::int32_t set_unknown(std::int32_t count) {
         for (std::int32_t c = 0; c <= child_bits; ++c) key[c] = c < count ? c : none;
         return 0;

@@ -18,7 +18,7 @@ namespace hausbench {
 // distance to a point inside could win. Coordinates may be up to 2^400.
 class TriangleTree {
 public:
-    // Returns the closest point, with the same bits as closest_by_scan (closest.h). O(log n) on well-behaved meshes,
+    // Returns the same closest point, bit for bit, as closest_by_scan (closest.h). O(log n) on well-behaved meshes,
     // O(n) at worst (from the centre of a sphere).
     ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
 

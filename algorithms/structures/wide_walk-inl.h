@@ -174,7 +174,7 @@ HWY_INLINE std::int32_t whole_units(const QuantisedBoxes& boxes, double squared)
     return static_cast<std::int32_t>(std::min(squared * (scale * scale), 0x1p31 - 1));
 }
 
-// Returns a mask of the boxes whose distance `from_far` is at most `squared`.
+// Returns a mask of the boxes whose squared distance `from_far` is at most `squared`.
 inline unsigned near_from_far(const BoxDistances& distances, double squared) {
     const BoxLanes d;
     unsigned mask = 0;
@@ -261,7 +261,7 @@ public:
             step.taken = nearest_box(node.boxes, point_, step.distances);
             child = node.child[step.taken];
         }
-        // Most other leaves to be visited have the same parent.
+        // Most other leaves to be visited have the same parent, so prefetch all its children.
         const WideNode& last = *path_[depth_ - 1].node;
         for (std::int32_t c = 0; c < last.count; ++c) prefetch(last.child[c]);
         return static_cast<std::size_t>(~child);
@@ -301,7 +301,7 @@ private:
         double distance;
         std::int32_t child;
     };
-    // A node on the path of greedy_descent(), with its child on the path, `taken`.
+    // A node on the path of greedy_descent(), which goes on to the child `taken`.
     struct Step {
         BoxDistances distances;
         const WideNode* node;

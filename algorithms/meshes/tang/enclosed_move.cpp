@@ -15,8 +15,8 @@ namespace hausbench {
 
 namespace {
 
-// If more triangles of B than this may be near the moving piece, gives up, because testing them all would cost too
-// much.
+// The most triangles of B to test against a moving piece. If more are near, no bound is computed, because testing them
+// all would cost too much.
 constexpr std::size_t most_near_move = 256;
 
 using Corners = std::array<Vec3, 3>;
@@ -116,9 +116,8 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
     const double length = distance_at_most(squared_length(move), true), n = magnitude_ + length;
     const double margin = (4 * level + 48) * unit_roundoff * n;
     const Corners moved{corners[0] + move, corners[1] + move, corners[2] + move};
-    // The point of the piece whose path is tested for crossings with B. The uneven weights make it unlikely that the
-    // path hits an edge of B exactly, where rounding leaves the result undecided; paths from a corner or from the
-    // barycentre often do.
+    // The point of the piece whose path is tested for crossings with B. Its uneven weights make it unlikely to hit an
+    // edge of B exactly, where rounding leaves the result undecided; corners and the barycentre often do.
     const Vec3 p = 0.5 * corners[0] + 0.3 * corners[1] + 0.2 * corners[2];
     const std::array<Vec3, 2> segment{p, p + move};
     // Search a ball around `centre` that contains the piece before, during and after its move. Its radius is enlarged

@@ -48,18 +48,17 @@ bool is_closed(const TriangleMesh& mesh);
 // if rounding errors could change the sign.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-// Bounds the distances of a piece of A from B by moving the piece through the closed surface of B: see the lemma at the
-// top of this file.
+// Bounds the distances from a piece of A to B by moving the piece through the surface of B, as the lemma above allows.
 template <class Tree> class EnclosedMove {
 public:
     // Keeps the references. `tree` is a BVH of B, which must be closed. `magnitude` is the largest |coordinate| of A
-    // and B.
+    // and B (M in kernel/rounding.h).
     EnclosedMove(const Tree& tree, const Target& target, double magnitude, Counters& counters)
         : tree_(tree), target_(target), magnitude_(magnitude), counters_(counters) {}
 
-    // Moves the piece by `length`, in the direction from its corner farthest from B to the closest point on B. If the
-    // conditions of the lemma are proven, every point of the piece is at most `length` away from B, so returns
-    // `length`, rounded up. Returns infinity otherwise. `level` is the rounding level of the piece (kernel/rounding.h).
+    // Moves the piece by `length`, so that its corner farthest from B moves towards the closest point on B. Returns
+    // `length`, rounded up, if the conditions of the lemma above are proven: then no point of the piece is farther from
+    // B. Returns infinity otherwise. `level` is the rounding level of the piece (kernel/rounding.h).
     double upper(const PieceCorners& corners, int level, double length);
 
     // Like upper() above, but moves the piece by the vector `move`.

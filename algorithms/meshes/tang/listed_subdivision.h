@@ -1,6 +1,6 @@
 // Cuts triangles of A into pieces until all upper bounds are small enough (Tang et al. 2009, section 5.1). The piece
-// with the largest upper bound comes first. A piece may have a list of the triangles of B near it: the distances of its
-// new vertices are then computed from the list alone. Without a list, each new vertex costs a closest point query.
+// with the largest upper bound comes first. If a piece has a list of the triangles of B near it, the distances of its
+// new vertices are computed from the list alone. Otherwise each new vertex costs a closest point query.
 #pragma once
 
 #include "algorithms/meshes/tang/enclosed_move.h"
@@ -13,8 +13,8 @@ namespace hausbench {
 // The queue of pieces, and the loop that cuts them. `Tree` is the type of the BVH of B.
 template <class Tree> class ListedSubdivision {
 public:
-    // Keeps the references. If `by_moving` is not null, tries to lower the bound of a piece with it before cutting the
-    // piece.
+    // Keeps the references. If `by_moving` is not null, each piece is first moved through B (enclosed_move.h), and cut
+    // only if this does not lower its bound.
     ListedSubdivision(TargetCulling<Tree>& on_b, const PieceCutter& cutter, SearchBounds& bounds, Counters& counters,
                       EnclosedMove<Tree>* by_moving = nullptr)
         : on_b_(on_b), cutter_(cutter), bounds_(bounds), counters_(counters), by_moving_(by_moving) {}
@@ -34,8 +34,8 @@ public:
     // Returns the largest upper bound among the queued pieces; 0 if the queue is empty.
     double upper() const { return queue_.upper(); }
 
-    // Records, for the triangle of each piece still in the queue, the upper bound of the piece. Requires that the
-    // search keeps bounds for each triangle of A: bounds_.elements() must not be null.
+    // Records the upper bound of each queued piece as a bound of its triangle of A. Requires that the search keeps
+    // bounds for each triangle (bounds_.elements() is not null).
     void settle_elements() const {
         queue_.for_each([&](const ListedPiece& piece) { bounds_.elements()->settle(piece.upper, piece.source); });
     }

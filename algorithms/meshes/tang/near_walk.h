@@ -1,4 +1,4 @@
-// Visits the leaves of a BVH that may contain a triangle near a given point. Works with both kinds of BVH in volumes.h.
+// Visits the leaves of a BVH near a given point. Works with both kinds of BVH in volumes.h.
 #pragma once
 
 #include "algorithms/kernel/counters.h"

@@ -12,8 +12,7 @@
 namespace hausbench {
 
 // Lists of up to `most` numbers each. Lengths are rounded up to a multiple of 4, and the space of a released list is
-// reused for a list of the same rounded length. So memory is bounded by the peak number of lists of each rounded
-// length. All lists together must occupy less than 2^32 numbers.
+// reused for a list of the same rounded length. All lists together must occupy less than 2^32 numbers.
 template <std::size_t most> class ShortLists {
 public:
     // The handle of a stored list: numbers_[begin] to numbers_[begin + count - 1].
@@ -49,7 +48,7 @@ private:
     static std::size_t kind(std::size_t count) { return (count - 1) / step; }
 
     std::vector<Index> numbers_;
-    // free_[k]: the beginnings, in numbers_, of the released lists that have room for step * (k + 1) numbers.
+    // free_[k]: where the released lists with room for step * (k + 1) numbers begin in numbers_.
     std::array<std::vector<std::uint32_t>, (most + step - 1) / step> free_;
 };
 

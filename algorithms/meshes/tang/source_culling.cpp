@@ -30,9 +30,9 @@ template <class Tree> std::span<const Index> SourceCulling<Tree>::step() {
     return {};
 }
 
-// Returns a child with its upper bound: the largest distance from its bounding volume to a point q of B. A computed q
-// is within 7uM of B (kernel/point_triangle.h), where u = 2^-53 and M is the largest |coordinate| of A and B. So 8uM is
-// added to the distance; next_up absorbs the rounding of this sum.
+// Returns a child with its upper bound: the largest distance from a point of its bounding volume to some point q of B.
+// A computed q is only within 7uM of B (kernel/point_triangle.h), where u = 2^-53 and M is the largest |coordinate| of
+// A and B. So 8uM is added; next_up absorbs the rounding of this sum.
 template <class Tree>
 typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Branch& branch, std::size_t node,
                                                                         int child) {
@@ -43,8 +43,8 @@ typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Br
     };
     Branch result{std::min(branch.upper, bound(branch.near.point)), 0, branch.near,
                   tree_.tree().nodes[node].child[child]};
-    // For any point of B, the bound is at least half the diagonal of the volume plus its radius. If this is too much to
-    // cull a leaf, a better point cannot help. An inner node gets a better point nevertheless, because its children
+    // For any point of B, the bound is at least half the diagonal of the volume (`size`) plus its radius. If this is
+    // too much to cull a leaf, a better point is useless. An inner node gets one nevertheless, because its children
     // inherit it.
     const double purged = bounds_.purged_at_most(0);
     const double size = 0.5 * std::sqrt(squared_length(volume.corner[0] - volume.corner[volume.count - 1]));

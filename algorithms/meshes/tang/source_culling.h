@@ -21,8 +21,8 @@ namespace hausbench {
 // motion, and `pose` moves the bounding volumes. `Tree` is SweptSphereBvh or TriangleBvh.
 template <class Tree> class SourceCulling {
 public:
-    // Keeps the references. `near_node` has a triangle of B near each node at the previous pose (WarmStart::near_node);
-    // it is read and updated. Null: no previous pose.
+    // Keeps the references. `near_node` is null, or has a triangle of B near each node at the previous pose
+    // (WarmStart::near_node) and is updated.
     SourceCulling(const Tree& tree, const Pose& pose, const Target& target, double magnitude, SearchBounds& bounds,
                   Counters& counters, std::vector<Index>* near_node)
         : tree_(tree),
@@ -48,7 +48,7 @@ public:
     // triangles, for which the caller must compute bounds. Otherwise returns an empty span.
     std::span<const Index> step();
 
-    // Records the upper bound of each node still to be visited as a bound for every triangle below it.
+    // Records the upper bound of each node still to be visited for every triangle below it.
     void settle_elements() const {
         for (const Branch& branch : branches_) settle_below(branch.child, branch.upper);
     }
@@ -58,7 +58,7 @@ private:
     struct Branch {
         double upper;        // upper bound on the distance to B of everything below it
         double rest;         // the largest `upper` of this branch and all branches under it on the stack
-        ClosestPoint near;   // the point of B from which `upper` is computed
+        ClosestPoint near;   // a point of B near the volume; tried first for its children
         std::int32_t child;  // as in WideNode: >= 0: a node; negative: ~(leaf number)
     };
 

@@ -27,8 +27,8 @@ double along(const Vec3& r, const Vec3& axis) {
 
 double sum(const Vec3& x) { return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]); }
 
-// Computes the distance from q to the closest point of the rectangle. Treats u and v as exactly orthogonal, so that the
-// two coordinates of this point can be computed independently.
+// Computes the distance from q to its foot, the closest point of the rectangle. Treats u and v as exactly orthogonal,
+// so that s and t can be computed independently of each other.
 Foot foot_of(const SweptSphere& volume, const Vec3& q) {
     const Vec3 r = q - volume.centre;
     const Vec3 rest = (r - along(r, volume.u) * volume.u) - along(r, volume.v) * volume.v;
@@ -105,15 +105,14 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
         if (volume_of(swept) < volume_of(best)) best = swept;
     };
     // Try a sphere, a segment and a rectangle. The radius will be about half the width of the points in the first
-    // direction left out. It extends every side by as much, so shorten the sides by this half width.
+    // direction left out, and extends each end of a side by as much. So shorten the sides by this half width.
     offer(0, 0);
     offer(half[0] - half[1], 0);
     offer(half[0] - half[2], half[1] - half[2]);
     return best;
 }
 
-// Why this is a lower bound: foot_of() treats u and v as orthogonal, although u.v may not be 0. Let r = q - centre.
-// Then
+// foot_of() finds the foot as if u and v were orthogonal. Let r = q - centre. Then
 //     |r - s u - t v|^2 = f(s) + g(t) + 2 s t u.v + |r|^2, with f(s) = s^2 |u|^2 - 2 s r.u, and g likewise for t and v.
 // The foot minimises f + g up to rounding, and |2 s t u.v| <= 2 |u.v| at the foot and at the closest point. So the
 // least squared distance is at least the squared distance at the foot minus 4 |u.v|.
@@ -164,8 +163,8 @@ SweptSphereBvh::SweptSphereBvh(const TriangleMesh& mesh)
     fill(0, below);
 }
 
-// Computes the swept spheres of a node's children, and recursively of all nodes below. Appends the corners of all
-// triangles below the node to `below`.
+// Computes the swept spheres of the children of a node, recursively. Appends the corners of all triangles below the
+// node to `below`.
 void SweptSphereBvh::fill(std::size_t node, std::vector<Vec3>& below) {
     const WideNode& wide = tree().nodes[node];
     for (int c = 0; c < wide.count; ++c) {

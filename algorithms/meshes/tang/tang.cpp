@@ -6,31 +6,31 @@
 // 2. Culling on B (target_culling.h) sends each remaining triangle T of A through a BVH of B. This gives an upper bound
 //    on h(T, B), and the list of the triangles of B that may be the nearest ones to some point of T.
 // 3. Subdivision (listed_subdivision.h, voronoi_cut.h) cuts T into pieces, the piece with the largest upper bound
-//    first. The list of T replaces B for its pieces. A piece is settled, and not cut again, when its upper bound
-//    shows that it cannot change the answer.
+//    first. The list of T replaces B for its pieces. A piece is settled, and not cut again, when its upper bound shows
+//    that it cannot change the answer.
 //
 // From the paper: these steps, swept sphere volumes, group traversal (the three corners go through B together), Voronoi
 // subdivision, and the rule that a piece is not cut if its corners share a nearest triangle S. The rule needs no code:
 // the upper bound h(T, S) is then the largest distance of a corner, which the lower bound has reached, so the piece is
 // settled. If a corner has several nearest triangles, the rule still works, because the list contains all of them.
 //
-// Ours: the changes named in the headers of these files, and leaves of up to eight triangles instead of four, because
-// all solvers share the trees and such leaves suit the vector kernels. Lemma 4, the paper's option for closed B, is the
+// Not in the paper: the changes named in the headers of these files, and leaves of up to eight triangles instead of
+// four, which suit the vector kernels and are shared with all solvers. Lemma 4, the paper's option for closed B, is the
 // parameter `lemma4`: corrected and certified (enclosed_move.h), and off by default. Penetration depth (section 7.3) is
 // a separate solver.
 //
 // Certified: upper bounds are widened as kernel/rounding.h derives, and volumes as volumes.cpp derives. The lower bound
 // is computed as search/bounds.h says. If A moves, the volumes of its BVH move with it.
 //
-// Hints (search/warm_start.h): for H(A,B) (section 6), the first direction notes for each triangle of A the triangle
-// of B that gave the least bound, and the second direction tries these pairs first. In a chain of poses (ours, if the
-// caller gives a State), the previous pose provides such pairs, a triangle of B near each node of A, and the farthest
-// point.
+// Hints (search/warm_start.h): for H(A,B) (section 6), the first direction notes for each triangle of A the triangle of
+// B that gave the least bound, and the second direction tries these pairs first. In a chain of nearby poses (not in the
+// paper, only if the caller passes a State), the previous pose provides such pairs, a triangle of B near each node of
+// A, and the farthest point.
 //
-// Fields: as in guthe.cpp. A triangle of A that was culled with a node has the upper bound of the node.
-// Reports: "culled on A" is the share of A's triangles that needed no culling on B. "culled on B" is the share of B's
-// triangles against which the other triangles of A were not measured, on average. "depth" is the largest number of cuts
-// that led to one piece.
+// Fields: as in guthe.cpp. A triangle of A that was culled with a node has the upper bound of the node. Reports:
+// "culled on A" is the share of A's triangles that needed no culling on B. "culled on B" is the share of B's triangles
+// whose distances to the other triangles of A were not computed, on average. "depth" is the largest number of cuts that
+// led to one piece.
 //
 // Budget: subdivisions. Time: O(n log n + m log m) to prepare, with n triangles of A and m of B. Memory: O(n + m), and
 // for each piece in the queue 184 bytes plus 4 bytes for each triangle in its list.
@@ -136,8 +136,8 @@ template <class Tree> void TangSearch<Tree>::report(Result& result) const {
     result.reported["depth"] = static_cast<double>(pieces_.deepest());
 }
 
-// Computes an upper bound for every triangle of A. Queues the triangles that neither culling on A nor culling on B can
-// discard. Returns a status if the search ends before all triangles have a bound.
+// Computes an upper bound for every triangle of A, and queues the triangles that are not culled on A or on B. Returns a
+// status if the search ends before all triangles have a bound.
 template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     on_a_.begin(points_);
     while (!on_a_.done()) {

@@ -37,8 +37,8 @@ template <class Tree> void TargetCulling<Tree>::measure_corners(ListedPiece& pie
 // Calls visit(triangle, squared distances to the three corners) for each triangle of B that may be within
 // `search_radius` of the barycentre of a piece. visit() may lower the variable that `search_radius` refers to.
 //
-// If a triangle S is within search_radius - r of a point p of the piece, where r is the largest distance from the
-// barycentre c to a corner, S is not missed: p is within r of c, because balls are convex, so d(c, S) <= d(p, S) + r.
+// Let r be the largest distance from the barycentre c to a corner. No triangle S within search_radius - r of a point p
+// of the piece is missed: p is within r of c, because balls are convex, so d(c, S) <= d(p, S) + r.
 template <class Tree>
 template <class Visit>
 void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double& search_radius, const Visit& visit) {
@@ -47,7 +47,7 @@ void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double&
     visit_near_leaves(tree_, centre, search_radius, counters_, [&](std::size_t leaf) {
         double squared[3][leaf_capacity];
         // The factor 1 + 8u, with u = 2^-53, absorbs rounding errors: a computed squared distance exceeds the exact one
-        // by at most 5u of it, and the products here take the rest.
+        // by at most 5u of it, and the products here lose less than 3u.
         unsigned mask = tree_.leaf_distances(leaf, points, centre,
                                              search_radius * search_radius * (1 + 8 * unit_roundoff), squared);
         for (; mask != 0; mask &= mask - 1) {

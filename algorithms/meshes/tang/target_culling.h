@@ -62,8 +62,8 @@ struct NearTriangle {
     std::array<double, 3> squared;
 };
 
-// Searches B for the triangles near a piece of A, to compute the upper bound and the corner distances of the piece.
-// Stores the lists of all pieces.
+// Searches B for the triangles near a piece of A, computes the upper bound and the corner distances of the piece, and
+// stores its list.
 template <class Tree> class TargetCulling {
 public:
     // Keeps references. `tree` is over B.
@@ -85,13 +85,13 @@ public:
     // with the same piece. The piece gets no list if too many triangles qualify.
     void list(ListedPiece& piece);
 
-    // Computes the distances from all vertices of a cut piece to each triangle in its list, and releases the list. A
-    // new vertex whose distance to B is not known gets the least of these. If the piece has no list, the distances of
-    // all vertices must be known, and the triangles nearest to the vertices replace the list.
+    // Computes the distances from all vertices of a cut piece to each triangle in its list, and releases the list. Each
+    // new vertex gets the least of its distances. If the piece has no list, uses the triangles nearest to the vertices
+    // instead, so all vertices must have their distances to B.
     void measure(const ListedPiece& piece, Cut<MeasuredPoint>& cut);
 
-    // Returns part c of a cut piece, with an upper bound from the distances that measure() computed. Call it after
-    // measure(), with the same piece and cut. `level` is the rounding level of the part (kernel/rounding.h).
+    // Returns part c of a cut piece, with an upper bound from the distances that measure() computed for the same piece
+    // and cut. `level` is the rounding level of the part (kernel/rounding.h).
     ListedPiece part(const ListedPiece& piece, const Cut<MeasuredPoint>& cut, std::size_t c, int level);
 
     // Releases the list of a piece that will not be cut.

@@ -36,7 +36,7 @@ class VolumePose {
 public:
     explicit VolumePose(const Pose& pose);
 
-    // Returns a volume that contains posed(p) (kernel/geometry.h), which is rounded, for every point p of `volume`.
+    // Returns a volume that contains the moved, rounded point posed(p) (kernel/geometry.h) for every p in `volume`.
     // O(1).
     CornerVolume operator()(const CornerVolume& volume) const;
 

@@ -17,8 +17,8 @@ double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, cons
     const double at_from = from_one(from) - sign * from_two(from), at_to = from_one(to) - sign * from_two(to);
     const double t = at_from / (at_from - at_to);
     // at_from and at_to are the differences between the distances to the two planes, at the ends of the edge. If they
-    // are almost equal, rounding decides where the difference is 0, so cut at the midpoint instead. This happens if the
-    // planes nearly coincide, or if the edge is parallel to the bisecting plane.
+    // are almost equal, because the planes nearly coincide or the edge is parallel to the bisecting plane, rounding
+    // decides where the difference is 0. Cut at the midpoint instead.
     const bool clear = std::abs(at_from - at_to) > 1e-6 * std::sqrt(squared_length(to - from));
     return clear && t > 0 && t < 1 ? std::clamp(t, least_part, 1 - least_part) : 0.5;
 }
