@@ -14,7 +14,6 @@ struct PreparedPair {
 
 // Scales both shapes by the power of two that brings the largest |coordinate| into [0.5, 1). This is exact except for
 // coordinates more than 2^1000 times smaller than the largest one. If scalable() is false, the shapes stay as they are.
-// Takes the shapes by value so that the caller can move them instead of keeping a second copy.
 PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target);
 
 // Returns whether shapes of these kinds are scaled for this solver. Returns false if the solver asks for

@@ -8,8 +8,8 @@
 namespace hausbench {
 
 // An octree whose cells only decide which triangles share a node: a triangle belongs to the cell that contains the
-// centre of its box. Queries do not look at cells, because each node stores the boxes around the triangles of its
-// children. build_octree() in wide_tree.h says when cells are skipped or share a leaf.
+// centre of its box. Queries use the boxes around the triangles of each child instead. build_octree() in wide_tree.h
+// says when cells are skipped or share a leaf.
 class TriangleOctree : public TriangleTree {
 public:
     static constexpr std::string_view structure_name = "octree";

@@ -84,8 +84,8 @@ Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_
 }
 
 // Returns the index at which to cut a run that mixes a dense cluster with distant triangles, so that each part gets
-// local coordinates of its own. The cluster is at the beginning or else at the end of the run, and its size is at most
-// small_part of the run. Returns `end` without a cluster.
+// local coordinates of its own. The cluster, whose size is at most small_part of the run, is at the beginning or else
+// at the end. Returns `end` without a cluster.
 std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
     const double small = small_part * longest_side(box_of(mesh, order, begin, end));
     if (!(small > 0)) return end;

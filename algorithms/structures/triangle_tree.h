@@ -13,9 +13,9 @@
 namespace hausbench {
 
 // A tree over the triangles of a mesh, with up to eight in each leaf. Answers have the same bits as a plain scan
-// (closest.h), whatever the shape of the tree and the instruction set, which Google Highway chooses at run time. The
-// reason: closest_point() returns a point inside the box of a triangle, and a box is skipped only if no computed
-// distance to a point inside could win. Coordinates may be up to 2^400.
+// (closest.h), for any shape of the tree and any instruction set. The reason: closest_point() returns a point inside
+// the box of a triangle, and a box is skipped only if no computed distance to a point inside could win. Coordinates may
+// be up to 2^400.
 class TriangleTree {
 public:
     // Returns the same closest point, bit for bit, as closest_by_scan (closest.h). O(log n) on well-behaved meshes,

@@ -12,8 +12,8 @@
 namespace hausbench {
 
 // The edges of a mesh and the triangles at each edge. Edges are compared by vertex index, so triangles that touch only
-// at duplicated vertices share no edge. Any triangle soup is allowed: an edge may have one, two or more triangles, and
-// a triangle with the vertices (i, i, j) is listed twice at the edge ij.
+// at duplicated vertices share no edge. An edge may have one, two or more triangles; a triangle with the vertices (i,
+// i, j) is listed twice at the edge ij.
 class Adjacency {
 public:
     static constexpr std::string_view structure_name = "adjacency";

@@ -56,9 +56,9 @@ public:
     EnclosedMove(const Tree& tree, const Target& target, double magnitude, Counters& counters)
         : tree_(tree), target_(target), magnitude_(magnitude), counters_(counters) {}
 
-    // Moves the piece by `length`, so that its corner farthest from B moves towards the closest point on B. Returns
-    // `length`, rounded up, if the conditions of the lemma above are proven: then no point of the piece is farther from
-    // B. Returns infinity otherwise. `level` is the rounding level of the piece (kernel/rounding.h).
+    // Moves the piece by `length`, so that its corner farthest from B moves towards the closest point on B. If the
+    // lemma above applies, no point of the piece is farther than `length` from B, so returns `length`, rounded up.
+    // Returns infinity otherwise. `level` is the rounding level of the piece (kernel/rounding.h).
     double upper(const PieceCorners& corners, int level, double length);
 
     // Like upper() above, but moves the piece by the vector `move`.
