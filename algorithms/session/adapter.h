@@ -1,4 +1,4 @@
-// Code shared by the adapters of a session; see session.h.
+// Code shared by the adapters of a session: solvers that wrap other solvers to add features (session.h).
 #pragma once
 
 #include "algorithms/solver.h"
@@ -8,8 +8,8 @@
 
 namespace hausbench {
 
-// Base class of the adapters. An adapter is a solver around other solvers, which are prepared without its prepare();
-// so that function does nothing.
+// Base class of the adapters, solvers that wrap other solvers. The wrapped solvers are prepared elsewhere, so prepare()
+// does nothing.
 class Adapter : public Solver {
 public:
     void prepare(const Scene&, const Prepared&) final {}
@@ -23,8 +23,8 @@ struct WallClock {
     double left(double limit) const { return std::max(0.0, limit - elapsed()); }
 };
 
-// Calls down() on every lower bound and up() on every upper bound in an answer, its trace and its fields. Both take
-// the bound by reference and may change it.
+// Calls down() on every lower bound and up() on every upper bound in a result, its trace and its fields. Both take the
+// bound by reference and may change it.
 template <class Down, class Up> void for_each_bound(Result& result, Trace& trace, const Down& down, const Up& up) {
     down(result.bounds.lower);
     up(result.bounds.upper);
@@ -41,7 +41,6 @@ template <class Down, class Up> void for_each_bound(Result& result, Trace& trace
     }
 }
 
-// Returns whether the status says that the bounds answer the query.
 inline bool claims_an_answer(Status status) {
     return status == Status::converged || status == Status::below_floor || status == Status::above_cutoff;
 }

@@ -8,10 +8,10 @@
 namespace hausbench {
 namespace {
 
-// How to undo the motion g of a target: leave the target as it is, and measure the source in another pose against it.
-// The distance changes by rounding only, by at most `stretch` times the distance plus `wider`.
+// How to undo the motion g of a target: leave the target in place, and move the source to another pose instead.
+// Rounding changes a distance d by at most stretch * d + wider.
 struct Undone {
-    Pose source, back;   // the other pose of the source; g, which moves the points of a witness back
+    Pose source, back;   // the other pose of the source; g, to move witness points back
     double stretch = 0;  // more than 0 because g may not be perfectly rigid
     double wider = 0;    // all other rounding
     double slack = 0;    // upper bound on the total change, over all distances that can occur
@@ -69,7 +69,7 @@ std::optional<Undone> undo(double source_largest, const Pose& p, double target_l
     return undone;
 }
 
-// Returns how to undo the motion of the target of a query; nothing if this is not possible or not allowed (see
+// Returns how to undo the motion of the target of a query, or nullopt if this is impossible or not allowed (see
 // MovingTarget). Point sets are excluded because a witness must be exactly one of their points, and moving it back
 // rounds it.
 std::optional<Undone> undo(const SolverInfo& info, const Query& query, const ShapeExtent& source,
@@ -84,7 +84,8 @@ std::optional<Undone> undo(const SolverInfo& info, const Query& query, const Sha
     return undone;
 }
 
-// Returns the query to ask so that its answer, after move_back(), answers `query`.
+// Returns the query to solve instead of `query` if the motion is undone. move_back() turns its answer into an answer to
+// `query`.
 Query undone_query(const Query& query, const Undone& undone) {
     Query asked = query;
     asked.source_pose = undone.source;
@@ -95,7 +96,8 @@ Query undone_query(const Query& query, const Undone& undone) {
     return asked;
 }
 
-// Turns an answer to undone_query() into an answer to the query: widens the bounds and moves the witness.
+// Turns an answer to undone_query() into an answer to the original query: widens the bounds and moves the witness
+// points back.
 void move_back(Result& result, Trace& trace, const Undone& undone) {
     const auto down = [&](double& lower) {
         lower = std::max(0.0, next_down(lower * (1 - undone.stretch) - undone.wider));
@@ -121,8 +123,8 @@ bool copies_targets(const SolverInfo& info, const Query& query, const ShapeExten
     return copied(query, source, target) || (both && copied(back, target, source));
 }
 
-// The state of a chain of poses. It holds the state of the wrapped solver, which the first answer makes, because a
-// solver over a copy of the target does not exist before.
+// The state of a chain of nearby poses. The first answer makes the state of the wrapped solver, because a solver over a
+// copy of the target does not exist before.
 struct MovingTarget::Chain final : State {
     std::unique_ptr<State> of_solver;
     const Chain* opposite = nullptr;  // from learn_from(); the next answer passes it on to the solver
@@ -150,10 +152,9 @@ Books MovingTarget::keep() {
 
 std::unique_ptr<State> MovingTarget::begin() const { return std::make_unique<Chain>(); }
 
-// Makes a solver for one answer, with structures over the target that are built for this solver alone. If the query
-// moves the target and the solver cannot handle that, builds them over a moved copy, and removes the pose of the
-// target from `query`. So the time of every answer includes these structures, and concurrent answers never share a
-// structure that is still being built.
+// Makes a solver for one answer and builds its structures over the target anew, so that concurrent answers never share
+// a structure that is still being built. If the query moves the target and the solver does not support that, builds
+// them over a moved copy of the target and removes the pose of the target from `query`.
 std::unique_ptr<PreparedSolver> MovingTarget::prepared_over_a_copy(Query& query) const {
     SharedShape still = target_->shape();
     if (!query.target_pose.is_identity() && !maker_->info().can(Ability::moving_target)) {

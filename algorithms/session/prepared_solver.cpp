@@ -10,8 +10,9 @@
 namespace hausbench {
 namespace {
 
-// Corrects a status that the bounds do not justify, and explains this in the note. The lengths in `query` and `result`
-// are scaled by 2^exponent; the note gives them in the unit of the input.
+// If the status claims an answer, replaces it with the status that follows from the bounds. If none follows, sets it to
+// `stalled` and says why in the note. Lengths in `query` and `result` are scaled by 2^exponent; the note gives them in
+// the unit of the input.
 void hold_to_its_status(const Query& query, int exponent, Result& result) {
     if (!claims_an_answer(result.status)) return;
     const auto [lower, upper] = result.bounds;
@@ -51,7 +52,7 @@ std::unique_ptr<Solver> SolverMaker::make() const {
 
 Needs SolverMaker::needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const {
     if (build_ == Prepare::needed_only) return checked_needs(entry_, solver, scene, queries);
-    // All structures that the solver may ever need, except those that cannot be built over shapes of these kinds.
+    // Every structure that the solver may ever need, except those that cannot be built over these kinds of shapes.
     Needs needs = entry_.info.may_need;
     std::erase_if(needs, [&](const Need& need) {
         const Shape& shape = need.side == Side::source ? scene.source : scene.target;

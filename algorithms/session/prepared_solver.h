@@ -1,4 +1,4 @@
-// A solver made and prepared for one pair of shapes. The other adapters of a session wrap it.
+// A solver prepared for one pair of shapes: the innermost adapter of a session (session.h).
 #pragma once
 
 #include "algorithms/session/adapter.h"
@@ -9,33 +9,34 @@
 
 namespace hausbench {
 
-// Which structures to build: only those that the solver requires for this scene, or all it could ever use. The latter
-// is for tests that the extra structures change no bit of an answer.
+// Which structures to build: only those that the solver requires for this scene, or everything it could ever use. Tests
+// build everything to check that extra structures never change an answer.
 enum class Prepare { needed_only, everything };
 
 using SharedPreparedShape = std::shared_ptr<PreparedShape>;
 
-// The structures built for one direction, with their cost.
+// The structures built for one direction, h(A,B) or h(B,A), with their cost.
 struct Books {
     Needs needs;
     std::vector<PreparationTime> times;
 };
 
-// Makes solvers of one kind with the same options.
+// Makes any number of solvers with the same options.
 class SolverMaker {
 public:
     SolverMaker(SolverEntry entry, Options options, Prepare build);
 
     const SolverInfo& info() const { return entry_.info; }
 
-    // Makes a solver that is not prepared yet, with a fresh Options object, because make_solver() checks that every
-    // parameter is read.
+    // Makes a solver that is not prepared yet. Each solver gets a fresh Options object, because make_solver() checks
+    // that every parameter is read.
     std::unique_ptr<Solver> make() const;
 
     // Returns the structures to build for `solver`, which must come from make().
     Needs needs_of(const Solver& solver, const Scene& scene, const QuerySet& queries) const;
 
-    // Returns the threads that build structures: one for a solver without threads, so that its times are single-threaded.
+    // Returns the threads that build structures: a single one if the solver does not support threads, so that its times
+    // are single-threaded.
     Threads builders(const QuerySet& queries) const;
 
 private:
@@ -44,11 +45,12 @@ private:
     Prepare build_;
 };
 
-// Limits a number of threads to the cores of this machine.
+// Limits `threads` to the number of cores of this machine.
 int usable_threads(int threads);
 
-// A prepared solver whose status is checked against its bounds: `converged`, `below_floor` and `above_cutoff` stay
-// only if they follow from the bounds. Otherwise the status becomes `stalled`, and a note says why.
+// A prepared solver whose status is checked against its bounds. If the solver reports `converged`, `below_floor` or
+// `above_cutoff`, the result has the one of them that follows from the bounds. If none follows, the status becomes
+// `stalled`, and a note says why.
 class PreparedSolver final : public Adapter {
 public:
     PreparedSolver(const SolverMaker& maker, const SharedPreparedShape& source, const SharedPreparedShape& target,
@@ -69,8 +71,8 @@ private:
     double solver_seconds_ = 0;
 };
 
-// Returns whether each bound, taken alone, can be a bound on a distance: false if one of them is NaN, the lower bound
-// is infinite or the upper bound is negative.
+// Returns whether each bound makes sense for a distance. Returns false if one of them is NaN, the lower bound is
+// infinite or the upper bound is negative. Does not compare the bounds with each other.
 inline bool may_bound_a_distance(const Bounds& bounds) {
     return bounds.lower < std::numeric_limits<double>::infinity() && bounds.upper >= 0;
 }

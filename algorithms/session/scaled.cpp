@@ -35,8 +35,8 @@ double scaled_tolerance(double value, int exponent) {
                       std::numeric_limits<double>::max());
 }
 
-// Returns an upper bound, in scaled units, on every |coordinate| that occurs while the shape is posed, in products and
-// partial sums, too. This is S in the derivation of widening().
+// Returns an upper bound, in scaled units, on the absolute value of every number that occurs while the points of a
+// shape are moved by the pose, including products and partial sums. The derivation of widening() calls it S.
 double posed_extent(const PreparedShape& shape, const Pose& pose) {
     double translation = 0;
     for (const double t : pose.translation)
@@ -80,8 +80,8 @@ double widening(const PreparedShape& shape, const Pose& pose) {
     const bool exact_translation = pose.translation.unaryExpr([&](double t) {
         return std::ldexp(std::ldexp(t, exponent), -exponent);
     }) == pose.translation;
-    // A lower bound on the exponents of all products that are not 0. It adds exponents, because a product may
-    // underflow.
+    // A lower bound on the exponent of every nonzero product of a matrix entry and a coordinate. Exponents are added
+    // because the product itself may underflow.
     const auto exponent_of = [](double x) { return std::isfinite(x) ? std::ilogb(x) : 0; };
     const int product = exponent_of(least) + exponent_of(shape.smallest());
     const bool same_bits = shape.lost() == 0 && exact_translation && product >= -1022 && product - exponent >= -1022;
@@ -116,8 +116,8 @@ void scale_back(Result& result, Trace& trace, int exponent, double wider) {
     const auto down = [&](double& lower) {
         if (wider > 0) lower = std::max(0.0, next_down(lower - wider));
         if (exponent != 0) lower = std::max(scaled_back(lower, exponent, next_down), 0.0);
-        // The bound has to hold for the witness as shown, whose point was moved by less than 2^-1074 when it was
-        // rounded; next_down() subtracts at least as much.
+        // The bound must hold for the witness point as reported. Rounding moved this point by less than 2^-1074;
+        // next_down() subtracts at least as much.
         if (point_rounded) lower = std::max(next_down(lower), 0.0);
     };
     const auto up = [&](double& upper) {
@@ -143,7 +143,7 @@ PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target) {
 }
 
 bool scalable(const SolverInfo& info, ShapeKind source, ShapeKind target) {
-    // A surface is given by the coefficients of a polynomial, which belong to the coordinates of the input.
+    // A surface cannot be scaled: it is given by the coefficients of a polynomial in the coordinates of the input.
     return !info.original_coordinates && source != ShapeKind::surface && target != ShapeKind::surface;
 }
 
@@ -154,8 +154,8 @@ Scaled::Scaled(const SolverInfo& info, PreparedPair pair, std::unique_ptr<Solver
       solver_(std::move(solver)),
       make_(std::move(make)) {}
 
-// Returns whether the pose makes coordinates of the shape so large that the shapes must be scaled anew. Throws
-// InputError for poses that are not allowed; `name` is the name of the shape in the message.
+// Returns whether the pose makes coordinates so large that both shapes must be scaled anew. Throws InputError if the
+// pose moves a surface or makes a coordinate that is not finite; the message calls the shape `name`.
 bool Scaled::leaves_range(const PreparedShape& shape, const Pose& pose, const char* name) const {
     if (pose.is_identity()) return false;
     if (kind_of(shape.shape()) == ShapeKind::surface) {
@@ -175,9 +175,9 @@ bool Scaled::leaves_range(const PreparedShape& shape, const Pose& pose, const ch
     return scalable_ && std::ldexp(magnitude(there), shape.exponent()) > largest_safe_coordinate;
 }
 
-// Returns whether the poses make both shapes so small that products of coordinates would underflow. Looks at 64 points
-// at a time, until one is not small. Coordinates that are 0 count as small, because they may have underflowed in
-// scaled units, but be positive in the unit of the input.
+// Returns whether the poses make both shapes so small that products of coordinates would underflow. Checks 64 points at
+// a time and stops at the first that is large enough. A coordinate of 0 counts as small, because it may have
+// underflowed when the shape was scaled.
 bool Scaled::shrinks(const Query& query) const {
     if (!scalable_ || (query.source_pose.is_identity() && query.target_pose.is_identity())) return false;
     double most = 0;

@@ -39,7 +39,7 @@ std::string refusal_of_shapes(const SolverInfo& info, ShapeKind source, ShapeKin
     return {};
 }
 
-// Returns the shapes of the scene, scaled as the solver wants them. Copies them only if they are scaled.
+// Returns the shapes of the scene, scaled if the solver allows it. Shapes that are not scaled are not copied.
 PreparedPair pair_of(const SolverInfo& info, const Scene& scene) {
     if (scalable(info, kind_of(scene.source), kind_of(scene.target)))
         return prepare_pair(info, scene.source, scene.target);
@@ -64,7 +64,7 @@ Session::Session(const SolverEntry& entry, const Options& options, const Scene& 
                  Prepare build)
     : Session(entry, options, pair_of(entry.info, scene), queries, build) {}
 
-// The solver of one pair, without the adapter Scaled around it, and the cost of preparing both of its directions.
+// The solver for one pair of shapes, before Scaled wraps it, and the cost of preparing both directions.
 struct Session::Direct {
     std::unique_ptr<Symmetric> solver;
     const Prepared* prepared;

@@ -8,7 +8,8 @@
 namespace hausbench {
 namespace {
 
-// Turns an answer to h(B,A) into a part of H(A,B): witness and certificates then refer to A as source and B as target.
+// Turns an answer to h(B,A) into a part of an answer to H(A,B): exchanges source and target in the witness, and marks
+// all entries as belonging to the direction from B to A.
 void turn_around(Result& result) {
     for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
     std::swap(result.witness.source_point, result.witness.target_point);
@@ -20,8 +21,8 @@ void turn_around(Result& result) {
     result.reported = std::move(reported);
 }
 
-// Adds the answer of the second direction to the answer of the first, `whole`. The second direction is h(B,A) if
-// `backward` is set, else h(A,B).
+// Adds the answer for the second direction, `other`, to the answer for the first, `whole`. `backward` says that the
+// second direction is h(B,A).
 void join(Result& whole, const Result& other, bool backward) {
     keep_larger(whole, other);
     if (!whole.fields) whole.fields = other.fields;
@@ -37,7 +38,8 @@ void join(Result& whole, const Result& other, bool backward) {
     whole.outside_bytes = std::max(whole.outside_bytes, other.outside_bytes);
 }
 
-// Completes the answer if the first direction is above the cutoff, so that the second one is not measured.
+// Completes the answer when the first direction is above the cutoff: the second is then skipped, so H has no upper
+// bound.
 void stop_above_cutoff(Result& whole) {
     whole.bounds.upper = infinity;
     whole.status = Status::above_cutoff;
@@ -70,7 +72,7 @@ struct Symmetric::Chain final : State {
     State* of(bool back) const { return (back ? backward : forward).get(); }
 };
 
-// The result of open(), which decides which direction comes first.
+// The result of open(), which decides which direction to solve first.
 struct Symmetric::Opening {
     bool backward = false;          // h(B,A) comes first
     std::optional<Result> forward;  // the answer for h(A,B), if a small budget was enough for it
@@ -106,9 +108,9 @@ Result Symmetric::directed(Query query, bool backward, Chain* chain, Trace& trac
     return result;
 }
 
-// With a tolerance relative to the lower bound, a direction whose distance is 0 never converges; h(A,B) is 0 if A is a
-// part of B. So both directions are tried with a small budget, and the one with the larger lower bound comes first:
-// its lower bound is then the floor of the other. As long as both lower bounds are 0, the budget is multiplied by 16.
+// Decides which direction to solve first if the tolerance is relative to the lower bound. A direction with distance 0
+// never converges to such a tolerance, so both are tried with a small budget, which is multiplied by 16 as long as both
+// lower bounds are 0. The direction with the larger lower bound comes first: this bound is then the floor of the other.
 // If a small budget is enough to answer h(A,B), that answer is kept; if it is enough to answer h(B,A), then h(B,A)
 // comes first.
 Symmetric::Opening Symmetric::open(Query query, const WallClock& clock, Trace& trace) const {

@@ -1,4 +1,4 @@
-// H(A,B) = max(h(A,B), h(B,A)), for solvers that answer directed queries only.
+// Emulates H(A,B) = max(h(A,B), h(B,A)) for solvers that answer only directed queries.
 #pragma once
 
 #include "algorithms/session/adapter.h"
@@ -10,11 +10,11 @@ namespace hausbench {
 // not above it.
 //
 // If the tolerance is relative to the lower bound, the direction that seems to have the larger distance comes first.
-// The other distance may be 0, and then a tolerance relative to it would allow no gap at all. Finding out which
-// direction is larger costs some extra work, which is included in the counters. The budget applies to each direction.
+// The other distance may be 0, and then a tolerance relative to it would allow no gap. The extra work to find the
+// larger direction is included in the counters. The budget applies to each direction.
 //
-// If the first lower bound is above the cutoff, the second direction is not measured, and the upper bound is infinite.
-// All other queries are passed on to the `forward` solver.
+// If the first lower bound is above the cutoff, the second direction is skipped, and the upper bound is infinite. All
+// other queries are passed on to the `forward` solver.
 class Symmetric final : public Adapter {
 public:
     Symmetric(const SolverInfo& info, std::unique_ptr<Solver> forward, std::unique_ptr<Solver> backward);
@@ -34,9 +34,9 @@ private:
     std::unique_ptr<Solver> forward_, backward_;
 };
 
-// Turns `whole`, the bounds on one distance, into bounds on the larger of this distance and another one, such as the
-// two directions of H. The witness comes from the result with the larger lower bound, status and note from the result
-// with the larger upper bound; counters are added.
+// Combines the bounds on two distances, such as h(A,B) and h(B,A), into bounds on the larger distance, in `whole`. The
+// witness comes from the result with the larger lower bound, status and note from the result with the larger upper
+// bound. Counters are added.
 void keep_larger(Result& whole, const Result& other);
 
 }  // namespace hausbench

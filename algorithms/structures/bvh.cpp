@@ -11,13 +11,13 @@ constexpr int most_bins = 16;
 constexpr int most_levels_by_area = 40;            // from this depth on, ranges are divided into parts of equal size
 constexpr std::int32_t three_axes_at_most = 1024;  // larger ranges are cut only along their longest axis
 
-// The elements whose centres lie in one of the slices into which a range is cut along an axis.
+// A slice of an axis: the number of elements whose centres lie in it, and the box around these elements.
 struct Bin {
     FloatBox box;
     std::int32_t count = 0;
 };
 
-// A way to cut a range in two, between two bins of an axis; no cut if `axis` is -1.
+// A cut of a range between two bins of an axis. No cut if `axis` is -1.
 struct Cut {
     int axis = -1;
     int bin = 0;  // the first bin of the right side
@@ -32,7 +32,7 @@ float blocks(std::int32_t count) {
 }
 
 // Maps the centre of an element to its bin along each axis. The factor is slightly below bins / extent, so that the
-// largest centre falls into the last bin; it is 0 for an axis along which the centres (almost) coincide.
+// largest centre falls into the last bin. Along an axis where the centres (almost) coincide, the factor is 0.
 struct Binning {
     Float4 least, factor;
     int bins;
@@ -50,8 +50,8 @@ struct Binning {
     }
 };
 
-// Divides the range of a node: cuts its part of largest area in two, again and again, until there are eight parts or
-// none that may be cut.
+// Divides the elements of a node among its children: cuts the part with the largest surface area in two, repeatedly,
+// until there are eight parts or none can be cut.
 class BvhSplit {
 public:
     explicit BvhSplit(Builder& builder) : builder_(builder), scratch_(builder.elements.size()) {}
@@ -81,8 +81,8 @@ private:
         const Binning binning(range, std::clamp(range.size() / 2, 4, most_bins));
         const Cut cut = best_cut(range, binning);
         if (cut.axis < 0) return halves_by_number(range);
-        // Copies each element to both sides and moves on only on the side where it belongs. This needs no branch,
-        // which the processor could not predict.
+        // Write each element to both sides, but advance only on the side where it belongs. This avoids an unpredictable
+        // branch.
         FloatBox* const elements = builder_.elements.data();
         std::int32_t left = range.begin, right = 0;
         for (std::int32_t i = range.begin; i < range.end; ++i) {
@@ -97,13 +97,13 @@ private:
         return {builder_.range(range.begin, left), builder_.range(left, range.end)};
     }
 
-    // Cuts a range at its middle index. For ranges that no plane divides, for example because all centres coincide.
+    // Cuts a range at its middle index, for ranges that no plane divides, for example because all centres coincide.
     std::pair<Range, Range> halves_by_number(const Range& range) const {
         const std::int32_t middle = range.begin + (range.size() + 1) / 2;
         return {builder_.range(range.begin, middle), builder_.range(middle, range.end)};
     }
 
-    // Fills the bins of the axes from `first` to `last`.
+    // Sorts the elements of a range into the bins of the axes from `first` to `last`.
     template <int first, int last> void fill_bins(const Range& range, const Binning& binning) {
         for (int k = first; k <= last; ++k) {
             for (int b = 0; b < binning.bins; ++b) bins_[static_cast<std::size_t>(k)][static_cast<std::size_t>(b)] = {};

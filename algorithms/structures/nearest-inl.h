@@ -1,6 +1,5 @@
-// Finds the triangle with the smallest computed distance to a point among several triangles. Measures as many at once
-// as there are lanes in a vector of doubles. Compiled once for each instruction set: include it after
-// hwy/foreach_target.h.
+// Finds the closest of several triangles to a point, with as many triangles at a time as a vector of doubles has lanes.
+// Compiled once for each instruction set: include this file after hwy/foreach_target.h.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/kernel/point_triangle-inl.h"
 
@@ -19,8 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// Loads one corner of each of several triangles, one triangle per lane. place[k] points to the three coordinates of
-// the corner for lane k.
+// Loads the same corner of several triangles, one triangle per lane. place[k] points to the three coordinates of the
+// corner for lane k.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE V3 gather(const double* const (&place)[4]) {
     const Doubles d;
@@ -47,9 +46,9 @@ HWY_INLINE V3 gather(const double* const (&place)[4]) {
 }
 #endif
 
-// Finds the smallest distance among the lanes that are set in the mask `lanes`, and offers the closest points at this
-// distance to `best`. triangle[k] is the index of the triangle in lane k. Ties are rare, so the loop mostly runs once,
-// and its branches are predictable.
+// Updates `best` with the nearest triangle among the lanes set in the mask `lanes`; triangle[k] is the index of the
+// triangle in lane k. Visits only the lanes at the smallest distance. Ties are rare, so this is mostly one lane, and
+// the branches are predictable.
 HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* triangle, ClosestPoint& best) {
     const Doubles d;
     const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(lanes)};
@@ -66,8 +65,8 @@ HWY_INLINE void offer_nearest(const VFoot& foot, unsigned lanes, const Index* tr
     }
 }
 
-// Measures `count` triangles of a mesh and offers them to `best`; triangle[i] are their indices. Not inlined, so that
-// the code exists only once.
+// Computes the distances to `count` triangles of a mesh, given by their indices, and updates `best`. Not inlined, so
+// that the code exists only once.
 inline HWY_NOINLINE void offer_triangles(const Vec3& point, const TriangleMesh& mesh, const Index* triangle,
                                          std::size_t count, ClosestPoint& best) {
     const Doubles d;
@@ -84,7 +83,7 @@ inline HWY_NOINLINE void offer_triangles(const Vec3& point, const TriangleMesh& 
                 const double x = at[to][0] - at[from][0], y = at[to][1] - at[from][1], z = at[to][2] - at[from][2];
                 return (x * x + y * y) + z * z;
             };
-            // The same as longest_edge (triangle.h), but without a branch, because it would be unpredictable.
+            // Find the longest edge like longest_edge() (triangle.h), but without an unpredictable branch.
             const double ab = squared_edge(0, 1), bc = squared_edge(1, 2), ca = squared_edge(2, 0);
             const unsigned is_bc = static_cast<unsigned>(bc > ab) & static_cast<unsigned>(bc >= ca);
             const unsigned first = is_bc | (static_cast<unsigned>(ca > ab) & (is_bc ^ 1)) << 1;

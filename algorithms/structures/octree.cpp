@@ -8,11 +8,11 @@ namespace {
 using namespace builder;
 
 constexpr int most_depth = 48;   // from this depth of the tree on, ranges are divided into parts of equal size
-constexpr int most_levels = 24;  // how often a cell is halved within one frame; single precision resolves fewer
+constexpr int most_levels = 24;  // how often a cell is halved; single precision resolves no smaller cells
 
-// Divides the range of a node at the middle of the smallest cell that contains all its centres. A cell is given by its
-// lower corner and its side. Centres are doubled (centre_of), so the root cell is [-2, 2]^3, and its side is 4; each
-// level of cells halves the side.
+// Divides the elements of a node among the octants of the smallest cell that contains all their centres. A cell is
+// given by its lower corner and its side. The root cell is [-2, 2]^3, because centres are doubled (centre_of), and each
+// level halves the side.
 class OctreeSplit {
 public:
     explicit OctreeSplit(Builder& builder) : builder_(builder), scratch_(builder.elements.size()) {}
@@ -39,8 +39,7 @@ private:
     }
 
     // Divides a range of at most 64 elements into as few leaves as can hold them, by repeated cuts across the longest
-    // axis. A part that is far smaller than the whole (finest_part) is not cut here but one level below, as in the
-    // BVH.
+    // axis. A part far smaller than the whole range (finest_part) becomes a node of its own, which is divided later.
     int split_into_leaves(const Range& whole, std::array<Range, tree_width>& parts) {
         int count = 1;
         for (int i = 0; i < count;) {
@@ -58,8 +57,8 @@ private:
         return count;
     }
 
-    // Makes one part for each octant that has elements, except that small octants share a part, up to eight elements,
-    // which becomes a leaf. The octants meet at the point `middle`.
+    // Makes one part for each octant that has elements; the octants meet at the point `middle`. Small octants share a
+    // part of up to eight elements, which becomes one leaf.
     int split_at(Float4 middle, const Range& whole, std::array<Range, tree_width>& parts) {
         std::array<std::int32_t, 8> sizes{};
         FloatBox* elements = builder_.elements.data();

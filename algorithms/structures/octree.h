@@ -7,10 +7,9 @@
 
 namespace hausbench {
 
-// Each triangle belongs to the cell that contains the centre of its box. A cell that has triangles in only one of its
-// eight octants is skipped: that octant takes its place in the tree. Small octants of the same cell share a leaf, up
-// to eight triangles. A cell of up to 64 triangles is not cut into octants, but into as few leaves as can hold its
-// triangles. Queries do not look at cells: each node stores the boxes around the triangles of its children.
+// An octree whose cells only decide which triangles share a node: a triangle belongs to the cell that contains the
+// centre of its box. Queries use the boxes around the triangles of each child instead. build_octree() in wide_tree.h
+// says when cells are skipped or share a leaf.
 class TriangleOctree : public TriangleTree {
 public:
     static constexpr std::string_view structure_name = "octree";

@@ -24,34 +24,34 @@ namespace hausbench {
 
 inline constexpr int tree_width = 8;  // children of a node
 
-// Up to eight boxes inside one common box.
+// Up to eight boxes, with one byte for each of their sides.
 struct QuantisedBoxes {
     double origin[3];  // the lower corner of the box around all of them
     double step;       // a power of two from 2^-440 to 2^394
     double inverse;    // 1 / step
-    // The bytes q of the planes. The bytes for x and y are adjacent, because wide_walk-inl.h adds their squares in
-    // pairs.
+    // The sides of the boxes, in steps from the origin. The bytes for x and y are adjacent, because wide_walk-inl.h
+    // adds their squares in pairs.
     std::uint8_t low_xy[tree_width][2], low_z[tree_width], high_xy[tree_width][2], high_z[tree_width];
 
     std::uint8_t& low(int k, std::size_t i) { return k < 2 ? low_xy[i][k] : low_z[i]; }
     std::uint8_t& high(int k, std::size_t i) { return k < 2 ? high_xy[i][k] : high_z[i]; }
 
-    // Returns the coordinate, along axis k, of the plane with byte q. The product q * step is exact, because step is a
-    // power of two; only the sum is rounded.
+    // Returns the coordinate, along axis k, of a box side that is stored as q. The product q * step is exact, because
+    // step is a power of two; only the sum is rounded.
     double plane(int k, std::uint8_t q) const { return origin[k] + q * step; }
 
-    // Returns the box of child i, made from its planes as computed; it contains the content of the child.
+    // Returns box i in double precision. It contains the box that was given to set().
     Box box(int i) const {
         return {{plane(0, low_xy[i][0]), plane(1, low_xy[i][1]), plane(2, low_z[i])},
                 {plane(0, high_xy[i][0]), plane(1, high_xy[i][1]), plane(2, high_z[i])}};
     }
 
-    // Sets the boxes to one to eight given boxes, rounded outward, and returns the exact box around all of them. Their
-    // coordinates may be up to 2^400. Unused entries repeat the first box.
+    // Stores one to eight boxes, rounded outward, and returns the exact box around all of them. Their coordinates may
+    // be up to 2^400. Unused entries repeat the first box.
     //
-    // The result contains the given boxes in two senses. With planes as computed:
+    // The stored boxes contain the given boxes as plane() computes them:
     //     plane(k, low(k, i)) <= boxes[i].low[k]  and  boxes[i].high[k] <= plane(k, high(k, i)).
-    // In real numbers, up to 2^-45 of a step:
+    // They also do so in exact arithmetic, up to 2^-45 of a step:
     //     origin[k] + (low(k, i) - 2^-45) * step <= boxes[i].low[k]  and
     //     boxes[i].high[k] <= origin[k] + (high(k, i) + 2^-45) * step.
     Box set(std::span<const Box> boxes);

@@ -8,8 +8,8 @@
 namespace hausbench::builder {
 namespace {
 
-// A range with a smaller spread than this needs a finer frame. Floats just below 1 are 2^-24 apart, so within 2^-12
-// there are only 2^12 different coordinates left.
+// If the centres of a range spread over less than this, localise() makes its coordinates finer: floats just below 1 are
+// 2^-24 apart, so only 2^12 different coordinates are left within 2^-12.
 constexpr float least_spread = 0x1p-12F;
 
 Vec3 middle_of(const Box& box) { return 0.5 * box.low + 0.5 * box.high; }
@@ -62,9 +62,8 @@ void Builder::localise(Range& whole) {
     whole = range(whole.begin, whole.end);
 }
 
-// Counts for each element how many others have a smaller centre; those with a count below middle - begin go to the
-// left. This compares all pairs, but without a branch on the side of an element, which the processor could not
-// predict.
+// Counts for each element how many others have a smaller centre. Elements with a count below middle - begin go to the
+// left. Comparing all pairs avoids unpredictable branches.
 void Builder::put_in_order(const Range& range, std::int32_t middle) {
     using Int4 [[gnu::vector_size(16)]] = std::int32_t;
     constexpr std::int32_t most = tree_width * leaf_capacity;

@@ -19,12 +19,12 @@
 
 namespace hausbench::builder {
 
-// Four floats with one operation, as on every x86-64 processor. On machines without vector registers, the compiler
-// turns it into scalar code.
+// Four floats, which x86-64 processors add or compare with one instruction. On machines without vector registers, the
+// compiler emits scalar code.
 using Float4 [[gnu::vector_size(16)]] = float;
 
-// A box in single precision. The first three components of `low` and `high` are coordinates; the fourth is free for
-// the builder (see set_number).
+// A box in single precision. The first three components of `low` and `high` are coordinates. The fourth component of
+// `low` may hold the index of a triangle (see set_number).
 struct FloatBox {
     Float4 low = Float4{} + std::numeric_limits<float>::infinity(),
            high = Float4{} - std::numeric_limits<float>::infinity();
@@ -46,8 +46,8 @@ struct LocalFrame {
 
     static LocalFrame of(const Box& box);
 
-    // Returns the mapped point. Clamps coordinates to [-2^40, 2^40], so that areas do not overflow: a triangle may be
-    // far larger than the box of the frame, if that box holds only centres of triangles.
+    // Returns the mapped point. Clamps its coordinates to [-2^40, 2^40] so that areas do not overflow. Coordinates are
+    // large if of() was given the box around the centres of triangles and a triangle is far larger than this box.
     Float4 local(const Vec3& p) const {
         Float4 result{};
         for (int k = 0; k < 3; ++k) {
@@ -63,8 +63,8 @@ inline float area(const FloatBox& box) {
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
 }
 
-// Stores the index of the triangle of an element in the bits of low[3]. Adding 0x40000000 makes these bits a float of
-// 2 or more: not a subnormal number, which would slow down operations on the whole vector.
+// Stores the index of a triangle in the bits of low[3]. Without the added 0x40000000, these bits could be a subnormal
+// float, which slows down operations on the whole vector.
 inline void set_number(FloatBox& element, Index number) { element.low[3] = std::bit_cast<float>(number + 0x40000000); }
 inline Index number_of(const FloatBox& element) {
     return std::bit_cast<Index>(static_cast<float>(element.low[3])) - 0x40000000;
@@ -72,20 +72,20 @@ inline Index number_of(const FloatBox& element) {
 // Returns twice the centre of a box; the factor does not matter for comparisons.
 inline Float4 centre_of(const FloatBox& element) { return element.low + element.high; }
 
-// A part whose spread is below this fraction of the spread of its node is not divided further within this node. It
-// becomes one child, and is divided one level below, where coordinates are finer: the local frame of the larger node,
-// and the quantised boxes that it stores for its children, would be too coarse for such small parts.
+// A part whose centres spread over less than this fraction of the node's spread is not divided further here. It becomes
+// one child and is divided as a node of its own, because the coordinates and the quantised boxes of the larger node are
+// too coarse for it.
 inline constexpr float finest_part = 0x1p-5F;
 
-// The elements from index `begin` to `end` - 1, the box around them, and the box around their centres (as centre_of()
-// returns them: doubled).
+// The elements from index `begin` to `end` - 1, the box around them, and the box around their doubled centres
+// (centre_of).
 struct Range {
     std::int32_t begin = 0, end = 0;
     FloatBox box, centres;
 
     std::int32_t size() const { return end - begin; }
 
-    // Returns the largest extent of the centres along an axis (not doubled).
+    // Returns the longest side of the box around the centres, not doubled.
     float spread() const {
         const Float4 d = centres.high - centres.low;
         return 0.5F * std::max(std::max(d[0], d[1]), d[2]);
@@ -111,9 +111,9 @@ struct Builder {
         return result;
     }
 
-    // Computes the boxes of the elements anew, in a frame around their centres, if the centres lie so close together
-    // that single precision can hardly tell them apart in the present frame. O(size) when it does so; the new frame is
-    // smaller than the one before by a factor of 2^12 or more.
+    // If the centres of a range lie so close together that single precision hardly tells them apart, computes the boxes
+    // of its elements again, relative to these centres. This takes O(size) and makes coordinates finer by a factor of
+    // at least 2^12.
     void localise(Range& range);
 
     // Reorders a range of at most 64 elements, so that along its longest axis the elements before index `middle` have
@@ -122,7 +122,8 @@ struct Builder {
 
     // Appends a leaf. Returns ~(leaf number), as it is stored in WideNode::child.
     std::int32_t add_leaf(const Range& range) {
-        // Queries measure the triangles of a leaf four at a time, so neighbours should be in the same half.
+        // Queries compute the distances of four triangles at a time, so neighbours should be in the same half of a
+        // leaf.
         constexpr std::int32_t half = leaf_capacity / 2;
         if (range.size() > half) put_in_order(range, range.begin + half);
         for (std::int32_t i = range.begin; i < range.end; ++i) {
@@ -132,8 +133,9 @@ struct Builder {
         return ~static_cast<std::int32_t>(tree.leaves() - 1);
     }
 
-    // Builds the tree. split(range, depth, parts) divides the range of a node at this depth into two to eight parts,
-    // writes them to `parts` and returns their number; parts[0] is the whole range before the call.
+    // Builds the tree. For each node that is too large for a leaf, split(range, depth, parts) must divide its range
+    // into two to eight parts, write them to `parts` and return their number; parts[0] is the whole range before the
+    // call.
     template <class Split> WideTree build(Split&& split) {
         add_node(range(0, static_cast<std::int32_t>(elements.size())), 0, split);
         tree.nodes.shrink_to_fit();
@@ -164,8 +166,8 @@ struct Builder {
     }
 };
 
-// Divides a range, in its present order, into eight parts of about equal size, or into fewer if fewer leaves can hold
-// all its elements.
+// Divides a range, in its present order, into eight parts of about equal size. Makes fewer parts if fewer leaves can
+// hold all elements.
 inline int split_evenly(const Builder& builder, const Range& whole, std::array<Range, tree_width>& parts) {
     const std::int32_t leaves = (whole.size() + leaf_capacity - 1) / leaf_capacity;
     const std::int32_t count = std::min<std::int32_t>(leaves, tree_width);

@@ -10,7 +10,7 @@ namespace hausbench {
 
 namespace {
 
-// No unit is smaller than this fraction of the largest |coordinate| of the mesh.
+// The least unit of local coordinates (LocalUnits), as a fraction of the largest |coordinate| of the mesh.
 constexpr double least_unit_of_magnitude = 0x1p-100;
 
 constexpr std::size_t least_of_block = 4096;  // a thread processes at least so many triangles at a time
@@ -52,9 +52,9 @@ TriangleOrder::TriangleOrder(const TriangleMesh& mesh, const Threads& threads) {
 
 namespace {
 
-// Removes each triangle that is a copy of its predecessor: the same corners in the same order. No answer depends on
-// copies, because distances to them have the same bits, ties go to the lowest index, and among copies the lowest index
-// comes first. A large stack of copies would put more triangles near a point than NearTriangles can hold.
+// Removes each triangle that has the same corners as its predecessor, in the same order. This changes no answer,
+// because ties go to the lowest index, which comes first among copies. A large stack of copies would put more triangles
+// near a point than NearTriangles can hold.
 std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> order) {
     const auto is_copy = [&](Index i, Index j) {
         for (Index k = 0; k < 3; ++k)
@@ -65,7 +65,7 @@ std::vector<Index> without_copies(const TriangleMesh& mesh, std::vector<Index> o
     return order;
 }
 
-// Consecutive triangles of the order that become one leaf, and the box around them.
+// Consecutive triangles along the Hilbert curve that become one leaf, and the box around them.
 struct Run {
     std::size_t begin, end;
     Box box;
@@ -73,8 +73,8 @@ struct Run {
 
 double longest_side(const Box& box) { return (box.high - box.low).maxCoeff(); }
 
-// A run is cut in two only if one part is at most this fraction of the whole in size. The size of triangles is the
-// longest side of the box around them.
+// A run is cut in two only if one part is at most this fraction of the whole in size. The size of several triangles is
+// the longest side of the box around them.
 constexpr double small_part = 0x1p-6;
 
 Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
@@ -83,10 +83,9 @@ Box box_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_
     return box;
 }
 
-// Returns the index at which to cut a run in which some triangles lie close together and others far away, so that the
-// two parts get local coordinates of their own: behind the triangles that lie close together at the beginning of the
-// run or, if there are none, before the triangles that lie close together at its end. Close together means a size of
-// at most small_part of the run. Returns `end` if there is nothing to cut.
+// Returns the index at which to cut a run that mixes a dense cluster with distant triangles, so that each part gets
+// local coordinates of its own. The cluster, whose size is at most small_part of the run, is at the beginning or else
+// at the end. Returns `end` without a cluster.
 std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, std::size_t begin, std::size_t end) {
     const double small = small_part * longest_side(box_of(mesh, order, begin, end));
     if (!(small > 0)) return end;
@@ -105,7 +104,8 @@ std::size_t cut_of(const TriangleMesh& mesh, const std::vector<Index>& order, st
     return end;
 }
 
-// Sixteen consecutive triangles of the order (fewer at its end). They become one leaf, or several if `mixed` is set.
+// Sixteen consecutive triangles along the Hilbert curve, fewer at its end. They become one leaf, or several if `mixed`
+// is set.
 struct Sixteen {
     Box box;
     bool mixed;  // the size of one quarter of them is at most small_part of the size of all
@@ -124,8 +124,8 @@ Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::
     return all;
 }
 
-// Cuts the order into runs of sixteen triangles. A run that mixes scales is cut further by cut_of(), into one run for
-// each scale. At most 4 + n / 256 runs are added in this way, so the number of leaves stays near n / 16.
+// Cuts the triangles along the Hilbert curve into runs of sixteen. A run of triangles with very different scales is cut
+// further by cut_of(). This adds at most 4 + n / 256 runs, so the number of leaves stays near n / 16.
 std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& order, const Threads& threads) {
     std::vector<Sixteen> all((order.size() + frames_width - 1) / frames_width);
     const std::size_t blocks = blocks_of(all.size(), least_of_block / frames_width);
@@ -218,8 +218,8 @@ void TriangleBlocks::add_level(const std::vector<Box>& below, std::vector<Box>& 
 
 namespace {
 
-// Makes the frames of triangles `begin` to `end` - 1 of the list, in the local coordinates near.units. Unused lanes
-// repeat the last triangle.
+// Makes the frames (kernel/triangle_frames.h) of triangles[begin] to triangles[end - 1], in the local coordinates
+// near.units. Unused lanes repeat the last triangle.
 void frames_of(const TriangleMesh& mesh, const std::vector<Index>& triangles, std::size_t begin, std::size_t end,
                NearTriangles<double>& near) {
     CornerRows corners;

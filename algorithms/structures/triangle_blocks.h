@@ -4,32 +4,33 @@
 // It is quick to build: a radix sort, then one pass. It is quick to search because each leaf keeps a *frame* for each
 // of its triangles, in single precision: a coordinate system with the triangle in its xy plane, in which a distance
 // takes only products and sums (kernel/triangle_frames.h). Frames only filter: they reject triangles that are too far
-// away. All others are measured in double precision, so answers have the same bits as a plain scan (kernel/closest.h).
+// away. The distances to all others are computed in double precision, so answers have the same bits as a plain scan
+// (kernel/closest.h).
 //
 // Each leaf and each node has *local coordinates*: an origin and a unit, which is a power of two, such that all
 // coordinates of its *content* (the triangles in it or below it) are between -1 and 1. So the precision depends on the
 // content: one stray triangle far away makes the other boxes in the same node coarse, but not the boxes in the nodes
 // below them. A leaf that would mix triangles of very different scales is divided into several leaves.
 //
-// Proof that the filter never rejects a triangle that could be the closest. Everything is in local coordinates;
-// u = 2^-24 is the unit roundoff of float, and the errors of double precision are far below it. Let s be a squared
-// distance as computed in single precision, and d the exact distance.
+// Proof that the filter never rejects a triangle that could be the closest. Everything is in local coordinates; u =
+// 2^-24 is the unit roundoff of float, and the errors of double precision are far below it. Let s be a squared distance
+// as computed in single precision, and d the exact distance.
 //
-//   - Boxes, near, absolute errors. The |coordinate| of a box side is at most 1. Rounding it to float costs u/2;
-//     moving it outward by plane_error = 8u and rounding again costs u. Rounding a coordinate q of the point costs
-//     u|q|. If |q| <= 4, this is at most 5.5u in total, so the content is still inside. If |q| > 4, the 8u cover the
-//     errors of the side, and the point is more than (3/4)|q| outside: then u|q| is a relative error of less than
-//     (4/3)u in the distance along this axis.
+//   - Boxes, near, absolute errors. The |coordinate| of a box side is at most 1. Rounding it to float costs u/2; moving
+//     it outward by plane_error = 8u and rounding again costs u. Rounding a coordinate q of the point costs u|q|. If
+//     |q| <= 4, this is at most 5.5u in total, so the content is still inside. If |q| > 4, the 8u cover the errors of
+//     the side, and the point is more than (3/4)|q| outside: then u|q| is a relative error of less than (4/3)u in the
+//     distance along this axis.
 //   - Boxes, near, relative errors. To these (4/3)u, the difference of coordinates adds u. Squaring doubles both and
 //     adds u, and two sums add 2u: (8/3)u + 2u + u + 2u < 8u. So s <= d^2 * (1 + 8u). The limit for s is enlarged by
 //     box_error = 16u; the rest is slack.
-//   - Boxes, far: these errors grow with |q|. Before they are as large as the content, boxes are measured in double
-//     precision instead (farthest_in_float in triangle_blocks_walk-inl.h).
+//   - Boxes, far: these errors grow with |q|. Before they are as large as the content, distances to boxes are computed
+//     in double precision instead (farthest_in_float in triangle_blocks_walk-inl.h).
 //   - Triangles: |sqrt(s) - d| <= frame_error * u * (|q| + R), where q is the point and R the largest |corner|
 //     (kernel/triangle_frames.h). Here |q| <= 2 max|q_k|, and R <= sqrt(3) < 2.
 //   - The search radius is the computed distance of some triangle. A triangle with computed squared distance f
-//     (kernel/point_triangle.h) has an exact distance of at most sqrt(f) * (1 + 4u) + 8uM, where now u = 2^-53 and M
-//     is the largest |coordinate| of the triangle and the point (kernel/rounding.h). SearchRadius in
+//     (kernel/point_triangle.h) has an exact distance of at most sqrt(f) * (1 + 4u) + 8uM, where now u = 2^-53 and M is
+//     the largest |coordinate| of the triangle and the point (kernel/rounding.h). SearchRadius in
 //     triangle_blocks_walk-inl.h enlarges the radius accordingly.
 #pragma once
 
@@ -54,7 +55,8 @@ struct LocalUnits {
     void set(const Box& box, double least);
 };
 
-// Up to sixteen triangles: their frames, in the local coordinates `units`, and their indices in the mesh.
+// A leaf of up to sixteen triangles, with their indices in the mesh. Each triangle is stored as a *frame*, a coordinate
+// system that makes distances cheap (kernel/triangle_frames.h), in the local coordinates `units`.
 struct alignas(64) TriangleFramesLeaf {
     TriangleFrames<float> frames;  // unused lanes repeat the last triangle
     LocalUnits units;
@@ -69,13 +71,13 @@ struct alignas(64) BoxNode {
     std::int32_t count;
 };
 
-// The boxes in a node are larger than their content by plane_error on each side. The squared distance to such a box,
-// as computed in single precision, may be too large by a factor of 1 + box_error.
+// Allowances for rounding in single precision. Each box in a node is larger than its triangles by plane_error on each
+// side. A computed squared distance to a box may be too large by a factor of 1 + box_error.
 inline constexpr float plane_error = 0x1p-21F;
 inline constexpr double box_error = 0x1p-20;
 
-// The triangles near some region of space, for callers that measure many points in this region. The triangles are
-// stored as frames, all in the same local coordinates `units`. There is room for `most_triangles`.
+// The triangles near a region of space, at most `most_triangles`, for callers that compute the distances of many points
+// in this region. Stored as frames (kernel/triangle_frames.h) in the local coordinates `units`.
 template <class T> class NearTriangles {
 public:
     static constexpr std::size_t most_triangles = 256;
@@ -86,21 +88,21 @@ public:
     // last leaf may add up to frames_width triangles at once.
     std::size_t most = most_triangles - frames_width;
 
-    // Removes all triangles; those added later get the local coordinates `place`.
+    // Removes all triangles. Triangles added later are stored in the local coordinates `place`.
     void clear(const LocalUnits& place) {
         units = place;
         triangle.clear();
     }
     std::size_t count() const { return triangle.size(); }
 
-    // Returns row i, which has one number per triangle. The first frame_row::count rows are the rows of
-    // TriangleFrames; one more row bounds the errors of distances (see near_error). After the last triangle, the
-    // numbers up to the next multiple of frames_width are finite, so that whole vectors can be loaded.
+    // Returns row i, with one number per triangle. The first frame_row::count rows are the rows of TriangleFrames; the
+    // last row bounds the errors of distances (near_error). Some finite numbers follow the last triangle, so that whole
+    // vectors can be loaded.
     T* row(std::size_t i) { return rows_.data() + i * stride; }
     const T* row(std::size_t i) const { return rows_.data() + i * stride; }
 
-    // The distance between the beginnings of two rows, in numbers. A constant, so that the compiler can compute
-    // addresses, and large enough that a whole vector can be stored at the position of any triangle.
+    // The length of a row. It is constant, so that the compiler can compute addresses, and leaves room to store a whole
+    // vector at the position of any triangle.
     static constexpr std::size_t stride = most_triangles + frames_width;
 
 private:
@@ -137,16 +139,16 @@ public:
     // morton_order in kernel/morton.h); about 87 bytes per triangle. The result is the same for any number of threads.
     explicit TriangleBlocks(const TriangleMesh& mesh, const Threads& threads = Threads());
 
-    // Returns the same bits as closest_by_scan (kernel/closest.h), with the same hints. O(log n) on well-behaved
+    // Returns the same closest point, bit for bit, as closest_by_scan (kernel/closest.h). O(log n) on well-behaved
     // meshes.
     ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
 
-    // Returns a lower bound on the exact distance. It is valid under rounding, and at least as large as the result of
-    // certified_distance_by_scan.
+    // Returns a lower bound on the exact distance, valid under rounding and at least as large as the result of
+    // certified_distance_by_scan (kernel/closest.h).
     double certified_distance(const Vec3& point, Counters& counters) const;
 
     // Appends to `near` all triangles within `radius` of `centre`, and perhaps some slightly farther ones. Stops early
-    // once there are more than near.most; so the list is complete only if near.count() <= near.most afterwards.
+    // once there are more than near.most, so the list is complete only if near.count() <= near.most afterwards.
     void gather(const Vec3& centre, double radius, NearTriangles<float>& near, Counters& counters) const;
 
     const TriangleMesh& mesh() const { return *mesh_; }
@@ -157,16 +159,16 @@ public:
     struct Tree {
         const std::vector<TriangleFramesLeaf>& leaves;
         const std::vector<BoxNode>& nodes;
-        // Level i of the tree begins at nodes[level_begin[i - 1]]. The nodes of level 1 have the boxes of the leaves;
-        // the last level is a single node, the root. Child c of node n of a level is node (or leaf) 16 * n + c one
-        // level below.
+        // Level i of the tree begins at nodes[level_begin[i - 1]]. Level 1 has the boxes of the leaves; the last level
+        // is a single node, the root. Child c of node n is node 16 * n + c of the level below; for level 1, leaf 16 * n
+        // + c.
         const std::vector<std::size_t>& level_begin;
         const TriangleMesh& mesh;
     };
 
 private:
     Tree tree() const { return {leaves_, nodes_, level_begin_, *mesh_}; }
-    // Appends one level of nodes over the boxes `below`, sixteen per node, and sets `boxes` to the boxes of these
+    // Appends one level of nodes over the boxes `below`, sixteen per node. Sets `boxes` to the boxes around these
     // nodes.
     void add_level(const std::vector<Box>& below, std::vector<Box>& boxes, double least_unit);
 
@@ -176,7 +178,7 @@ private:
     std::vector<std::size_t> level_begin_;
 };
 
-// Sets `near` to the listed triangles, at most `most_triangles`, with frames in double precision.
+// Stores the given triangles, at most `most_triangles`, in `near`, with frames in double precision.
 void set_frames(const TriangleMesh& mesh, const std::vector<Index>& triangles, NearTriangles<double>& near);
 
 // The triangles of a mesh, ordered by their centres along a Hilbert curve, so that neighbours in the order are
@@ -185,8 +187,7 @@ struct TriangleOrder {
     static constexpr std::string_view structure_name = "triangle order";
     static constexpr int structure_layout = 1;
 
-    // O(n) time, unless the sizes of details differ by many orders of magnitude (see morton_order in kernel/morton.h).
-    // The result is the same for any number of threads.
+    // O(n) time in general (see morton_order in kernel/morton.h). The result is the same for any number of threads.
     explicit TriangleOrder(const TriangleMesh& mesh, const Threads& threads = Threads());
 
     std::vector<Index> order;

@@ -19,10 +19,9 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// The search for one closest point. It visits leaves, nearest first, and lowers the search radius by the distances
-// that frames give. It measures triangles in double precision late, for several leaves at once: then the radius is
-// short, and only those triangles remain that frames cannot tell from the nearest one. It never skips a triangle whose
-// computed distance is within the radius.
+// The search for one closest point. Visits leaves, nearest first, and lowers the search radius by fast distances in
+// single precision. Double precision comes later, for several leaves at once: then the radius is short, so few
+// triangles remain. Never skips a triangle whose distance in double precision is within the radius.
 class ClosestSearch {
 public:
     HWY_INLINE ClosestSearch(const TriangleBlocks::Tree& tree, const Vec3& point, double early_out, ClosestPoint& best,
@@ -34,12 +33,11 @@ public:
           counters_(counters),
           radius_(std::sqrt(best.squared_distance), point) {}
 
-    // The first walk lowers the radius with frames, to an upper bound on the exact distance. If the mesh is far from
-    // the origin compared with its size, rounding may make the computed distance of the nearest triangle larger than
-    // this bound. Triangles whose computed distance lies between the two may have been skipped, so a second walk looks
-    // for them, with the computed distance as the radius and without frames lowering it. The proof needs the second
-    // walk, but no test can show that: on every known input it finds no other triangle, because computed distances are
-    // closer to exact ones than is proven.
+    // The first walk lowers the radius in single precision, to an upper bound on the exact distance. If the mesh is far
+    // from the origin compared with its size, rounding may make the computed distance of the nearest triangle larger
+    // than this bound, so the walk may skip triangles in between. A second walk looks for them, with the computed
+    // distance as the radius. No test can show that it is needed: on every known input it finds no other triangle,
+    // because computed distances are closer to exact ones than is proven.
     HWY_INLINE void run() {
         walk<true>();
         if (done_) return;
@@ -50,9 +48,8 @@ public:
     }
 
 private:
-    // A visited leaf whose triangles are not yet measured in double precision. They are compared with the radius only
-    // once it is short (in measure()); until then no branch depends on a single triangle, because it would be
-    // unpredictable.
+    // A visited leaf whose triangles still need distances in double precision. measure() chooses among them later, when
+    // the radius is short. This avoids unpredictable branches on single triangles.
     struct Seen {
         alignas(64) float squared[frames_width];  // squared distances by frames, in units of the leaf
         const TriangleFramesLeaf* leaf;
@@ -90,8 +87,8 @@ private:
         if (!by_frames || leaves_ == most_seen || radius_.distance * radius_.distance <= early_out_) measure();
     }
 
-    // Measures, in double precision, the triangles in `seen_` that may still be within the radius; then clears
-    // `seen_`.
+    // Computes distances in double precision for the triangles in `seen_` that may still be within the radius. Updates
+    // `best_` and the radius, and empties `seen_`.
     void measure() {
         std::size_t count = 0;
         for (const Seen& seen : std::span(seen_, leaves_)) {
@@ -124,11 +121,11 @@ void blocks_closest(const TriangleBlocks::Tree& tree, const Vec3& point, double 
     ClosestSearch(tree, point, early_out, best, counters).run();
 }
 
-// Sixteen lanes, if the instruction set has them. ClosestSearch uses at most eight, because it has to wait for the
-// result of one leaf before it chooses the next. Functions that visit leaves in any order need not wait.
+// Vectors of up to sixteen lanes, for functions that visit leaves in any order. ClosestSearch uses at most eight,
+// because it must wait for each result before it chooses the next leaf, and wider vectors take longer.
 using Wide = FrameLanes<float>;
 
-// Returns, as bits, the triangles of a leaf that may be within `radius`.
+// Returns a mask of the triangles of a leaf that may be within `radius` of the point.
 HWY_INLINE unsigned leaf_within(const TriangleFramesLeaf& leaf, const Vec3& point, const SearchRadius& radius) {
     const LocalPoint local(leaf.units, point);
     if (HWY_UNLIKELY(!local.is_near())) return local.beyond(leaf.units, radius.at(leaf.units)) ? 0 : in_use(leaf.count);
@@ -154,8 +151,8 @@ void blocks_certify(const TriangleBlocks::Tree& tree, const Vec3& point, double 
     });
 }
 
-// Appends to `near` the triangles of a leaf that are set in `mask`, and converts their frames to the local coordinates
-// near.units.
+// Appends the triangles of a leaf that are set in `mask` to `near`, with their frames converted to the local
+// coordinates near.units.
 HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, NearTriangles<float>& near) {
     const Wide d;
     const auto ratio_of = static_cast<float>(leaf.units.unit * near.units.inverse);
@@ -187,8 +184,9 @@ HWY_INLINE void append_lanes(const TriangleFramesLeaf& leaf, unsigned mask, Near
             put(frame_row::shift + axis, shift);
             squares = hn::Add(squares, hn::Mul(shift, shift));
         }
-        // The last row, 0.8 * R + 0.15 * W (near_error). `corner` is |a| + L >= R, `moved` is 0.15 * W, and 0.8001
-        // instead of 0.8 makes up for rounding here.
+        // The last row bounds the error of distances: 0.8 * R + 0.15 * W, as derived at near_error (triangle_blocks.h).
+        // `corner` is an upper bound on R, the largest distance of a corner from the origin, and `moved` is 0.15 * W.
+        // The factor 0.8001 instead of 0.8 absorbs rounding errors here.
         const auto corner = hn::Add(hn::Sqrt(squares), hn::Mul(load(frame_row::length), ratio));
         put(frame_row::count, hn::Add(hn::Mul(corner, hn::Set(d, 0.8001F)), moved));
         for (const std::size_t i : {frame_row::length, frame_row::ac_length, frame_row::bc_length})

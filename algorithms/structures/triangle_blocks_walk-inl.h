@@ -1,5 +1,5 @@
-// Functions that visit the leaves of TriangleBlocks near a point, nearest first or in any order. Compiled once for
-// each instruction set: include it after hwy/foreach_target.h.
+// Functions that visit the leaves of TriangleBlocks near a point, nearest first or in any order. Compiled once for each
+// instruction set: include this file after hwy/foreach_target.h.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/triangle_frames-inl.h"
 #include "algorithms/structures/triangle_blocks.h"
@@ -27,13 +27,13 @@ using F = hn::CappedTag<float, 8>;
 using VF = hn::Vec<F>;
 using Keys = hn::RebindToSigned<F>;
 
-// Limits for the largest |coordinate| of a point, in the local coordinates of a leaf or node. They decide how the
-// node's boxes and the leaf's triangles are filtered.
-//   - Below farthest_in_float, in single precision. There it errs by at most 2^-9 units for the distance to a box and
-//     by 2^-4 units for the distance to a triangle.
-//   - Between the two limits, boxes are measured in double precision. The triangles of a leaf are not filtered.
-//   - From farthest_filtered on, double precision cannot tell the children of a node apart either. A node is then
-//     visited with all its children or, if LocalPoint::beyond() holds, skipped.
+// How far away a point may be, by its largest |coordinate| in the local coordinates of a leaf or node:
+//   - Below farthest_in_float, distances to boxes and triangles are computed in single precision, with errors of at
+//     most 2^-9 and 2^-4 units.
+//   - Below farthest_filtered, distances to boxes are computed in double precision, and no triangle of a leaf is
+//     rejected.
+//   - Farther away, even double precision cannot tell the children of a node apart. All are visited, unless
+//     LocalPoint::beyond() rejects the whole node.
 constexpr double farthest_in_float = 0x1p13, farthest_filtered = 0x1p60;
 constexpr std::size_t most_levels = 9;  // 16^9 leaves exceed the range of Index
 
@@ -53,16 +53,16 @@ struct LocalPoint {
     HWY_INLINE bool is_near() const { return most < farthest_in_float; }
     HWY_INLINE bool is_filtered() const { return most < farthest_filtered; }
 
-    // Returns a lower bound, in units, on the distance to the content: the distance to the origin minus 2, because the
-    // content is within sqrt(3) units of the origin.
+    // Returns a lower bound, in units, on the distance from the point to every triangle of the leaf or node: its
+    // distance from the origin minus 2, because all of them are within sqrt(3) units of the origin.
     double base() const {
         double squared = 0;
         for (const double x : exactly) squared += x * x;
         return std::sqrt(squared) * (1 - 0x1p-50) - 2;
     }
 
-    // Returns true only if the content is certainly farther away than `radius`. A coarse test, for points that are too
-    // far away for the filters. Returns false if coordinates are so large that they may have overflowed.
+    // Returns true only if all triangles of the leaf or node are certainly farther away than `radius`. A coarse test
+    // for very distant points. Returns false if coordinates are so large that they may have overflowed.
     HWY_INLINE bool beyond(const LocalUnits& units, double radius) const {
         return most < 0x1p900 && (most - 2) * units.unit > radius;
     }
@@ -95,15 +95,15 @@ private:
     double point_magnitude_;
 };
 
-// Rounds x to the nearest float, to compare floats with it: rounding is monotone, so every float that is at most x is
-// at most the result. Never infinite, so the infinite distances of unused lanes are above every limit.
+// Rounds an upper limit to float. Rounding is monotone, so every float that is at most x is at most the result. Never
+// infinite, so the infinite distances of unused lanes are above every limit.
 HWY_INLINE float limit_of(double x) { return x < 0x1p126 ? static_cast<float>(x) : std::numeric_limits<float>::max(); }
 
 // Returns the mask of the first `count` lanes.
 HWY_INLINE unsigned in_use(std::int32_t count) { return (1U << count) - 1; }
 
-// Computes the squared distances to the boxes of the children, in units of the node, and calls use(lane, squares) for
-// each vector of them; its first child is `lane`. Unused lanes are infinite.
+// Computes the squared distances from a point to the boxes of a node's children, in units of the node. Calls use(lane,
+// squares) for each vector of children, of which `lane` is the first. Unused lanes are infinite.
 template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const LocalPoint& point, const Use& use) {
     const F d;
     const VF at[3] = {hn::Set(d, point.at[0]), hn::Set(d, point.at[1]), hn::Set(d, point.at[2])};
@@ -118,11 +118,10 @@ template <class Use> HWY_INLINE void measure_children(const BoxNode& node, const
     }
 }
 
-// The same for a point so far away that distances in single precision would tell nothing. Computes the distances in
-// double precision and calls use(lane, distances) with the distances minus `base`, rounded to single precision; base()
-// is a bound that they all exceed, so these numbers are small. far_limit() is the limit to compare them with, rounded
-// in the same way; rounding is monotone, so a number below the limit is not above it after rounding. SearchRadius
-// covers the errors of the distances themselves.
+// Like measure_children(), but for a point so far away that single precision could not tell the boxes apart. Computes
+// distances (not squares) in double precision, subtracts `base`, a lower bound on all of them, and rounds the rest to
+// float. Compare the results with far_limit(): it is rounded in the same way, and rounding is monotone. SearchRadius
+// includes the errors of double precision.
 template <class Use>
 HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& point, double base, const Use& use) {
     alignas(64) float above[frames_width];
@@ -139,20 +138,21 @@ HWY_INLINE void measure_far_children(const BoxNode& node, const LocalPoint& poin
     for (std::size_t lane = 0; lane < frames_width; lane += hn::Lanes(d)) use(lane, hn::Load(d, above + lane));
 }
 
-// Returns the largest number that measure_far_children() gives for a box with content within `radius`.
+// Returns the limit for measure_far_children(): a box for which it gives a larger number has no triangle within
+// `radius`.
 inline float far_limit(const BoxNode& node, double base, const SearchRadius& radius) {
     return limit_of(radius.at(node.units) * node.units.inverse - base);
 }
 
-// Returns the largest square that measure_children() gives for a box with content within `radius`.
+// Returns the limit for measure_children(): a box for which it gives a larger square has no triangle within `radius`.
 HWY_INLINE float box_limit(const BoxNode& node, const SearchRadius& radius) {
     const double in_units = radius.at(node.units) * node.units.inverse;
     return limit_of(in_units * in_units * (1 + box_error));
 }
 
-// The children of a node, to be visited in the order of their distance: least() gives the key of the nearest child,
-// and remove() removes it. A key is the float that measure_children() or measure_far_children() gives, with the number
-// of the child in its last four bits. Keys are compared as integers, which have the same order as non-negative floats.
+// The children of a node that are still to be visited: least() returns the key of the nearest one, and remove() removes
+// it. A key is a distance as a float, with the number of the child in its last four bits. Keys are compared as
+// integers, which have the same order as non-negative floats.
 struct alignas(64) OrderedChildren {
     std::int32_t key[frames_width];
 
@@ -172,7 +172,8 @@ struct alignas(64) OrderedChildren {
             hn::Store(hn::IfThenElse(hn::Eq(keys, hn::Set(d, taken)), hn::Set(d, none), keys), d, key + lane);
         }
     }
-    // Sets the keys, to squared distances or, for set_far(), to distances minus `base`; returns the least key.
+    // Set the key of each child to its squared distance or, in set_far(), to its distance minus `base`. Return the
+    // least key.
     HWY_INLINE std::int32_t set(const BoxNode& node, const LocalPoint& point) {
         return set_by([&](const auto& use) HWY_ATTR { measure_children(node, point, use); });
     }
@@ -190,8 +191,8 @@ struct alignas(64) OrderedChildren {
         });
         return hn::GetLane(hn::MinOfLanes(d, all));
     }
-    // Returns, as bits, the children whose distance, as stored in the key, is at most `most`. The key `none` is NaN as
-    // a float, so it never counts.
+    // Returns a mask of the children whose distance, as stored in the key, is at most `most`. A removed child has the
+    // key `none`, which is NaN as a float, so it never counts.
     HWY_INLINE unsigned within(float most) const {
         const F d;
         const Keys di;
@@ -202,15 +203,14 @@ struct alignas(64) OrderedChildren {
         }
         return mask;
     }
-    // Sets the keys if the distances are not known: all of them are 0, in the order of the children. Returns the least
-    // key.
+    // Sets the keys if no distances are known: every child gets the distance 0. Returns the least key.
     HWY_INLINE std::int32_t set_unknown(std::int32_t count) {
         for (std::int32_t c = 0; c <= child_bits; ++c) key[c] = c < count ? c : none;
         return 0;
     }
 };
 
-// Computes the squared distances to the triangles of a leaf by their frames, in units of the leaf.
+// Computes the squared distances from a point to the triangles of a leaf in single precision, in units of the leaf.
 HWY_INLINE void leaf_squares(const TriangleFramesLeaf& leaf, const LocalPoint& point, float (&squared)[frames_width]) {
     const F d;
     const VF x = hn::Set(d, point.at[0]), y = hn::Set(d, point.at[1]), z = hn::Set(d, point.at[2]);
@@ -236,19 +236,20 @@ HWY_INLINE float least_of(const float (&squared)[frames_width]) {
     return hn::GetLane(hn::MinOfLanes(d, all));
 }
 
-// Returns how much a distance computed in the frames of a leaf may differ from the exact one, in units of the leaf.
+// Returns an upper bound on the error of a distance from leaf_squares(), as a length in units of the leaf.
 HWY_INLINE double leaf_error(const LocalPoint& point) {
     return frame_error<float> * frame_roundoff<float> * (2 * point.most + 2);
 }
 
-// Returns the largest square that leaf_squares() gives for a triangle within `radius`; `error` is leaf_error().
+// Returns the limit for leaf_squares(): a triangle with a larger square is not within `radius`. `error` is
+// leaf_error().
 HWY_INLINE float leaf_limit(const TriangleFramesLeaf& leaf, double error, const SearchRadius& radius) {
     const double in_units = radius.at(leaf.units) * leaf.units.inverse + error;
     return limit_of(in_units * in_units);
 }
 
-// Calls leaf(number) for each leaf that may have something within `radius`, in any order. Stops when a call returns
-// false.
+// Calls leaf(number), in any order, for each leaf that may contain a triangle within `radius` of `point`. Stops when a
+// call returns false.
 template <class Leaf>
 HWY_INLINE void visit_within(const TriangleBlocks::Tree& tree, const Vec3& point, const SearchRadius& radius,
                              std::uint64_t& visits, const Leaf& leaf) {
@@ -297,7 +298,8 @@ struct WalkStep {
     double base;                 // the keys are distances minus this; negative: the keys are squared distances
     std::uint32_t level, first;  // the level of the children, and the index of child 0 in that level
 
-    // Sets the step to a node. Returns the least key, or `none` if the content of the node is beyond the radius.
+    // Moves to a node and sets the keys of its children. Returns the least key, or `none` if all triangles below the
+    // node are farther away than the radius.
     HWY_INLINE std::int32_t set(const BoxNode& at, const Vec3& point, const SearchRadius& radius) {
         const LocalPoint local(at.units, point);
         node = &at;
@@ -312,7 +314,7 @@ struct WalkStep {
     HWY_INLINE float limit(const SearchRadius& radius) const {
         return HWY_LIKELY(base < 0) ? box_limit(*node, radius) : far_limit(*node, base, radius);
     }
-    // Returns whether the child with this key, and so every child with a larger key, is beyond the radius.
+    // Returns whether the child with this key, and so every child with a larger key, is farther away than the radius.
     HWY_INLINE bool beyond(std::int32_t key, const SearchRadius& radius) const {
         return (key & ~OrderedChildren::child_bits) > std::bit_cast<std::int32_t>(limit(radius));
     }
@@ -320,9 +322,9 @@ struct WalkStep {
         return first + static_cast<std::uint32_t>(key & OrderedChildren::child_bits);
     }
 
-    // For a node of level 1: calls leaf(number) for the nearest leaf, which has the key `least`, and then for all
-    // others within the radius, in any order: so the processor can begin with one before it has finished another.
-    // Returns false if a call did.
+    // For a node whose children are leaves: calls leaf(number) for the nearest leaf, which has the key `least`, then
+    // for all others within the radius, in any order, so that the processor can overlap their work. Returns false if a
+    // call returns false.
     template <class Leaf>
     HWY_INLINE bool visit_leaves(std::int32_t least, const SearchRadius& radius, const Leaf& leaf) const {
         if (beyond(least, radius)) return true;
@@ -336,8 +338,8 @@ struct WalkStep {
     }
 };
 
-// Calls leaf(number) for leaves that may have something within `radius`. At every node, the nearest child comes first.
-// Stops when a call returns false. leaf() may lower the radius.
+// Calls leaf(number) for the leaves that may contain a triangle within `radius` of `point`. At every node, the nearest
+// child comes first. leaf() may lower the radius. Stops when a call returns false.
 template <class Leaf>
 HWY_INLINE void visit_nearest(const TriangleBlocks::Tree& tree, const Vec3& point, const SearchRadius& radius,
                               std::uint64_t& visits, const Leaf& leaf) {

@@ -20,10 +20,9 @@ int TriangleGrid::Axis::cell(double x) const {
     return static_cast<int>(std::min(std::max(scaled, 0.0), static_cast<double>(cells - 1)));
 }
 
-// Lays the grid over a box. The sides of cells are at most `edge` long, unless that takes more than
-// most_cells_of_an_axis cells along an axis; an axis along which the box has no extent gets one cell. The planes
-// `before` and `after` start at the border between two cells and are moved outward until cell() says that they lie
-// beyond it.
+// Divides a box into cells. Their sides are at most `edge` long, unless that takes more than most_cells_of_an_axis
+// cells along an axis. The planes `before` and `after` start at the border between two cells and move outward until
+// cell() confirms that they are beyond it, so rounding never puts a point of a cell outside its planes.
 void TriangleGrid::lay(const Box& box, double edge) {
     for (int k = 0; k < 3; ++k) {
         Axis& axis = axes_[k];
@@ -66,7 +65,7 @@ std::size_t TriangleGrid::number(int x, int y, int z) const {
            static_cast<std::size_t>(x);
 }
 
-// Returns the sum over all triangles of the number of cells that the triangle belongs to.
+// Returns the number of entries in all cells: each triangle has one in every cell that its box touches.
 std::size_t TriangleGrid::entries() const {
     std::size_t count = 0;
     for (Index i = 0; i < mesh_->triangles.rows(); ++i) {
@@ -109,8 +108,8 @@ void TriangleGrid::fill() {
     for_each_cell([&](std::size_t cell, Index i) { order_[static_cast<std::size_t>(next[cell]++)] = i; });
 }
 
-// Returns a lower bound on the computed squared distance from the point to anything in cells outside the block, or
-// infinity if the block covers the grid.
+// Returns a lower bound on the computed squared distance from the point to everything outside a block of cells. Returns
+// infinity if the block is the whole grid.
 double TriangleGrid::beyond(const Vec3& point, const Block& block) const {
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) {
@@ -128,8 +127,8 @@ double TriangleGrid::beyond(const Vec3& point, const Block& block) const {
     return least;
 }
 
-// Calls look(triangle) for the triangles of each cell that may hold a point at squared distance <= `squared`.
-// `squared` refers to a variable of the caller, which `look` may lower.
+// Calls look(triangle) for the triangles of each cell that may contain a point within the squared distance `squared`.
+// look() may lower the variable that `squared` refers to.
 template <class Look>
 void TriangleGrid::search(const Vec3& point, const double& squared, Counters& counters, const Look& look) const {
     int at[3];

@@ -30,11 +30,11 @@ public:
     // triangles would otherwise belong to more than 8 cells on average. O(n) time and memory.
     explicit TriangleGrid(const TriangleMesh& mesh);
 
-    // Returns the same bits as closest_by_scan (kernel/closest.h), with the same hints. O(1) near a surface of
-    // evenly sized triangles, O(n) at worst.
+    // Returns the same closest point, bit for bit, as closest_by_scan (kernel/closest.h). O(1) near a surface of evenly
+    // sized triangles, O(n) at worst.
     ClosestPoint closest(const Vec3& point, const ClosestHints& hints, Counters& counters) const;
 
-    // Returns the same bits as certified_distance_by_scan.
+    // Returns a proven lower bound on the exact distance, the same as certified_distance_by_scan (kernel/closest.h).
     double certified_distance(const Vec3& point, Counters& counters) const;
 
     const TriangleMesh& mesh() const { return *mesh_; }

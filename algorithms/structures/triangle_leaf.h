@@ -12,16 +12,15 @@ namespace hausbench {
 
 struct alignas(64) TriangleLeaf {
     QuantisedBoxes boxes;  // of the triangles
-    // corner[v][i] is three times the index, in the leaf's own table of vertices, of corner v of triangle i: the
-    // offset of its first coordinate. Corners 0 and 1 are the ends of the longest edge. Unused lanes repeat triangle
-    // 0.
+    // corner[v][i] is three times the index, among the vertices of this leaf, of corner v of triangle i: the offset of
+    // its first coordinate. Corners 0 and 1 are the ends of the longest edge. Unused lanes repeat triangle 0.
     std::uint8_t corner[3][leaf_capacity];
-    std::uint32_t first_vertex;  // index, among the vertices of all leaves, at which the leaf's own table begins
+    std::uint32_t first_vertex;  // index of this leaf's first vertex among the vertices of all leaves
     std::int32_t first;          // index in WideTree::order of triangle 0
     std::int32_t count;          // number of triangles
 
-    // Sets the leaf to one to eight triangles of a mesh. Writes their vertices to `vertices`, each vertex once, from
-    // index 3 * next on, and increases `next` by the number of vertices. Returns the exact box around the triangles.
+    // Stores one to eight triangles of a mesh. Writes each of their vertices once to `vertices`, from index 3 * next
+    // on, and increases `next` by the number of vertices. Returns the exact box around the triangles.
     Box set(const TriangleMesh& mesh, std::span<const Index> triangles, double* vertices, std::uint32_t& next);
 
     // Returns triangle `lane`, with the longest edge first; `vertices` are the vertices of all leaves.

@@ -15,13 +15,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 
-// Measures the triangles of leaf i whose boxes are not farther than best.squared_distance, and offers them to `best`.
-// Which triangles these are depends only on `best` as it was before the call, so the counters are the same for every
-// vector width.
+// Computes the distances to the triangles of leaf i whose boxes are within best.squared_distance, and updates `best`.
+// The choice of triangles depends only on `best` before the call, so the counters are the same for every vector width.
 //
-// Each triangle keeps its lane, even if others in the same vector are not needed. So the corners can be loaded before
-// the distances to the boxes are known. Not inlined, so that the calling loop keeps its registers and the code exists
-// only once.
+// Each triangle keeps its lane, even if others in the vector are skipped, so the corners can be loaded before the
+// distances to the boxes are known. Not inlined, so that the calling loop keeps its registers.
 static HWY_NOINLINE void offer_leaf(const Vec3& point, const TriangleLeaves& leaves, std::size_t i, ClosestPoint& best,
                                     Counters& counters) {
     const Doubles d;
@@ -68,12 +66,12 @@ unsigned tree_leaf_distances(const TriangleLeaves& leaves, std::size_t i, const 
     return mask;
 }
 
-// `first_leaf` is the leaf of ClosestHints::warm_triangle, or negative. The search starts with this leaf if it is
-// near, or else with the leaf that a descent from the root finds. Near is relative to the length of the longest edge
-// of the leaf's first triangle:
+// Finds the closest triangle. Starts with `first_leaf`, the leaf of ClosestHints::warm_triangle, if it is near
+// (negative: there is none), else with the leaf that a descent from the root finds. "Near" is relative to the length of
+// the longest edge of the leaf's first triangle:
 //   - If a corner of this triangle is farther from the point than twice this length, the leaf is not tried.
-//   - If the nearest triangle of the leaf turns out to be farther than this length, the search goes on with the
-//     descent, because searching with so large a radius takes longer than finding a better leaf.
+//   - If the nearest triangle of the leaf is farther than this length, the descent follows, because searching with so
+//     large a radius takes longer than finding a better leaf.
 void tree_closest(const WideTree& tree, const TriangleLeaves& leaves, const Vec3& point, double early_out_squared,
                   std::int32_t first_leaf, ClosestPoint& best, Counters& counters) {
     const auto early_out = [&] { return best.triangle >= 0 && best.squared_distance <= early_out_squared; };
@@ -163,13 +161,13 @@ void TriangleTree::fill_leaves() {
         vertex_room_ = room;
     };
     constexpr std::size_t most = 3 * leaf_capacity;  // a leaf has no more vertices than this
-    // Most meshes take up to 1.4 vertices per triangle. If a mesh takes more, the array grows; the estimate is then
+    // Most meshes take up to 1.4 vertices per triangle. If a mesh takes more, the array grows. The new estimate assumes
     // that the remaining leaves have as many vertices, on average, as the leaves so far.
     make_room(tree_.order.size() * 7 / 5 + most);
     for (std::size_t i = 0; i < leaves; ++i) {
         if (vertices + most > vertex_room_) make_room(vertices + (vertices / i + 1) * (leaves - i) + most);
-        // The triangles of a leaf may be anywhere in the arrays of the mesh. So prefetch the vertex indices of a leaf
-        // four leaves ahead, and the vertices themselves two leaves ahead.
+        // The triangles of a leaf may be anywhere in the mesh. So prefetch their vertex indices four leaves ahead, and
+        // the vertices themselves two leaves ahead.
         if (i + 4 < leaves) {
             for (const Index next : tree_.leaf(i + 4)) __builtin_prefetch(mesh_->triangles.row(next).data());
             for (const Index next : tree_.leaf(i + 2)) {

@@ -36,8 +36,8 @@ struct WideTree {
                order.capacity() * sizeof(Index);
     }
 
-    // Sets the boxes of all nodes from the exact boxes of the leaves, after the shape of the tree was built or after
-    // elements have moved. O(n).
+    // Computes the boxes of all nodes from the exact boxes of the leaves. Call it after building the tree or moving
+    // elements. O(n).
     void fit(std::span<const Box> leaf_boxes);
 };
 
@@ -46,8 +46,8 @@ struct WideTree {
 // Built top-down. A set of triangles is cut in two by the surface area heuristic with up to 16 bins along an axis
 // (Wald, On fast construction of SAH-based bounding volume hierarchies, 2007). The cost of each side of a cut is the
 // area of its box times the number of leaves that its triangles fill. Sets of more than 1024 triangles are cut only
-// along their longest axis. The up to eight children of a node come from repeated cuts, each of the part with the
-// largest box; parts far smaller than the node are not cut further. O(n log n) time, O(n) memory.
+// along their longest axis. Repeated cuts of the part with the largest box make up to eight children of a node; parts
+// far smaller than the node are not cut further. O(n log n) time, O(n) memory.
 WideTree build_bvh(const TriangleMesh& mesh);
 
 // Builds an octree over at least one triangle, but only its shape; fit() sets its boxes.

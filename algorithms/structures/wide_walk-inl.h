@@ -1,5 +1,5 @@
-// The walk over a WideTree: visits the leaves near a point, nearest first. Compiled once for each instruction set:
-// include it after hwy/foreach_target.h.
+// Visits the leaves of a WideTree near a point, nearest first. Compiled once for each instruction set: include this
+// file after hwy/foreach_target.h.
 #include "algorithms/structures/wide_tree.h"
 
 #include <hwy/cache_control.h>
@@ -23,9 +23,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using BoxLanes = hn::CappedTag<double, tree_width>;
 
-// The squared distances from a point to the boxes of a node. None of them exceeds the computed squared distance to a
-// point of the box's content (quantised_boxes.h). If the point is near the node, they are the integers `squares`, in
-// multiples of `unit`; if it is far away, they are the doubles `from_far`.
+// Lower bounds on the computed squared distances from a point to anything in each box of a node. If the point is near
+// the node, they are the integers `squares`, in multiples of `unit`; if it is far away, they are the doubles
+// `from_far`.
 struct BoxDistances {
     alignas(64) double from_far[tree_width];
     alignas(32) std::int32_t squares[tree_width];
@@ -34,7 +34,7 @@ struct BoxDistances {
     HWY_INLINE double operator[](std::size_t i) const { return unit > 0 ? unit * squares[i] : from_far[i]; }
 };
 
-// Loads the bytes of the planes of axis k, for the boxes from `lane` on, and converts them to doubles.
+// Loads the sides of the boxes along axis k, from box `lane` on, and converts their bytes to doubles.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE hn::Vec<BoxLanes> load_planes(const std::uint8_t (&xy)[tree_width][2], const std::uint8_t (&z)[tree_width],
                                          std::size_t lane, int k) {
@@ -53,8 +53,8 @@ HWY_INLINE hn::Vec<BoxLanes> load_planes(const std::uint8_t (&xy)[tree_width][2]
 }
 #endif
 
-// For a point far away: computes the squared distances to the boxes by the operations of squared_distance_to_box
-// (box.h).
+// Computes the squared distances from a distant point to the boxes, in double precision, with the operations of
+// squared_distance_to_box (box.h).
 inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
     const BoxLanes d;
     const auto step = hn::Set(d, boxes.step);
@@ -79,9 +79,9 @@ inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Ve
 // it errs by at most 2^-42, because the difference is rounded. A plane may be inside the content by 2^-45 steps
 // (QuantisedBoxes::set).
 //
-// The sum q + 1.5 * 2^48 leaves four bits of q after the binary point. So its last 16 bits are the integer n nearest
-// to 16 * q, with n + 1 >= 16 * q + 1/2 and n - 1 <= 16 * q - 1/2. Let low and high be the bytes of the two planes of
-// a box. If 16 * low - 1 - n is positive, it is less than the exact distance to the content along this axis, in
+// The sum q + 1.5 * 2^48 leaves four bits of q after the binary point. So its last 16 bits are the integer n nearest to
+// 16 * q, with n + 1 >= 16 * q + 1/2 and n - 1 <= 16 * q - 1/2. Let low and high be the bytes of the two planes of a
+// box. If 16 * low - 1 - n is positive, it is less than the exact distance to the content along this axis, in
 // sixteenths of a step, by at least 1/4: the 1/2 from above, minus the errors of q and of the plane. The same is true
 // for n - (16 * high + 1) on the other side.
 //
@@ -90,8 +90,8 @@ inline HWY_NOINLINE void measure_far_boxes(const QuantisedBoxes& boxes, const Ve
 // compared with a step of at least 2^-440). Hence the squares do not exceed the computed squared distances to the
 // content.
 //
-// All these integers fit into 16 bits, and the sum of three squares is below 2^31. The product of this sum and
-// (step / 16)^2 is exact, because step is a power of two.
+// All these integers fit into 16 bits, and the sum of three squares is below 2^31. The product of this sum and (step /
+// 16)^2 is exact, because step is a power of two.
 #if HWY_TARGET == HWY_SCALAR
 template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& boxes, const Vec3& p, Use&& use) {
     std::int32_t squares[tree_width] = {};
@@ -121,8 +121,7 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
     const auto z = hn::Mul(hn::Sub(hn::Set(d, p[2]), hn::Set(d, boxes.origin[2])), inverse);
     const auto near = hn::And(hn::Le(hn::Abs(xy), most), hn::Le(hn::Abs(z), most));
     if (HWY_UNLIKELY(!hn::AllTrue(d, near))) return false;
-    // Byte patterns that select n: the last 16 bits of x and of y, repeated, and the last 16 bits of z with zeros
-    // between.
+    // Byte patterns that select the last 16 bits of each coordinate: x and y repeated, and z with zeros between.
     alignas(16) static constexpr std::uint8_t from_xy[16] = {0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9, 0, 1, 8, 9};
     alignas(16) static constexpr std::uint8_t from_z[16] = {0, 1, 255, 255, 0, 1, 255, 255,
                                                             0, 1, 255, 255, 0, 1, 255, 255};
@@ -157,7 +156,7 @@ template <class Use> HWY_INLINE bool measure_near_boxes(const QuantisedBoxes& bo
 
 using BoxSquares = hn::Vec<hn::CappedTag<std::int32_t, tree_width>>;
 
-// Returns, as bits, the lanes whose square is at most `most`.
+// Returns a mask of the lanes whose square is at most `most`.
 HWY_INLINE unsigned at_most(BoxSquares squares, std::int32_t most) {
     const hn::CappedTag<std::int32_t, tree_width> d;
     std::uint8_t bits[8] = {};
@@ -175,7 +174,7 @@ HWY_INLINE std::int32_t whole_units(const QuantisedBoxes& boxes, double squared)
     return static_cast<std::int32_t>(std::min(squared * (scale * scale), 0x1p31 - 1));
 }
 
-// Returns, as bits, the boxes whose `from_far` is at most `squared`.
+// Returns a mask of the boxes whose squared distance `from_far` is at most `squared`.
 inline unsigned near_from_far(const BoxDistances& distances, double squared) {
     const BoxLanes d;
     unsigned mask = 0;
@@ -187,8 +186,8 @@ inline unsigned near_from_far(const BoxDistances& distances, double squared) {
     return mask;
 }
 
-// Computes the distances to all boxes. Returns, as bits, which of the first `count` boxes are at a squared distance of
-// at most `squared` >= 0.
+// Computes the distances from p to all boxes. Returns a mask of those among the first `count` boxes whose squared
+// distance is at most `squared`, which must not be negative.
 HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, const Vec3& p, double squared,
                                BoxDistances& distances) {
     const hn::CappedTag<std::int32_t, tree_width> d;
@@ -206,8 +205,7 @@ HWY_INLINE unsigned near_boxes(const QuantisedBoxes& boxes, std::int32_t count, 
     return mask & ((1U << count) - 1);
 }
 
-// Does the same with distances that have been computed before, for another value of `squared`. Bits of unused boxes
-// may be set, too.
+// Like near_boxes(), but with distances that were computed before. Bits of unused boxes may be set, too.
 HWY_INLINE unsigned near_again(const QuantisedBoxes& boxes, const BoxDistances& distances, double squared) {
     const hn::CappedTag<std::int32_t, tree_width> d;
     if (HWY_UNLIKELY(!(distances.unit > 0))) return near_from_far(distances, squared);
@@ -219,9 +217,8 @@ HWY_INLINE unsigned near_again(const QuantisedBoxes& boxes, const BoxDistances& 
     return mask;
 }
 
-// Computes the distances to all boxes. Returns the index of the nearest box, or of one that is hardly farther, because
-// the last three bits of squares are ignored. Unused boxes repeat the first one and have a higher index, so they never
-// win.
+// Computes the distances from p to all boxes and returns the index of the nearest, or of a hardly farther one, because
+// the last three bits of squares are ignored. Unused boxes never win: they repeat box 0 and have a higher index.
 HWY_INLINE std::uint32_t nearest_box(const QuantisedBoxes& boxes, const Vec3& p, BoxDistances& distances) {
     const hn::CappedTag<std::int32_t, tree_width> d;
     // The last three bits of a square are replaced with the index of the box, so that the minimum tells the index.
@@ -238,11 +235,11 @@ HWY_INLINE std::uint32_t nearest_box(const QuantisedBoxes& boxes, const Vec3& p,
                                       distances.from_far);
 }
 
-// A walk over the leaves near one point.
+// Visits the leaves of a tree near one point, nearest first.
 class Walk {
 public:
-    // `leaves` is the caller's array with one entry per leaf. The walk only prefetches entries of leaves to be
-    // visited.
+    // `leaves` is the caller's array with one entry per leaf. The walk prefetches the entries of leaves that it will
+    // visit, but does not read them.
     template <class Leaf>
     HWY_INLINE Walk(const WideTree& tree, const Leaf* leaves, const Vec3& point, std::uint64_t& visits)
         : tree_(tree),
@@ -264,14 +261,14 @@ public:
             step.taken = nearest_box(node.boxes, point_, step.distances);
             child = node.child[step.taken];
         }
-        // Most of the other leaves that will be visited have the same parent.
+        // Most other leaves to be visited have the same parent, so prefetch all its children.
         const WideNode& last = *path_[depth_ - 1].node;
         for (std::int32_t c = 0; c < last.count; ++c) prefetch(last.child[c]);
         return static_cast<std::size_t>(~child);
     }
 
-    // Calls leaf(i, squared) for each leaf i whose box may hold something at computed squared distance <= squared,
-    // near ones first. Stops when a call returns false. leaf() may lower `squared`.
+    // Calls leaf(i, squared) for each leaf i that may contain a triangle at a computed squared distance of at most
+    // `squared`, near leaves first. leaf() may lower `squared`. Stops when a call returns false.
     template <class Leaf> HWY_INLINE void visit_leaves(double squared, Leaf&& leaf) {
         std::int32_t child = 0;
         // Start with the children that greedy_descent() did not take; if it was not called, start at the root.
@@ -304,7 +301,7 @@ private:
         double distance;
         std::int32_t child;
     };
-    // A node on the path of greedy_descent(); `taken` is the child with which the path goes on.
+    // A node on the path of greedy_descent(), which goes on to the child `taken`.
     struct Step {
         BoxDistances distances;
         const WideNode* node;
@@ -331,8 +328,8 @@ private:
         }
     }
 
-    // Pops entries until one is at squared distance <= `squared`, and sets `child` to it; returns false if there is
-    // none.
+    // Pops entries until one is at a squared distance of at most `squared`, and sets `child` to it. Returns false if
+    // there is none.
     HWY_INLINE bool pop(double squared, std::int32_t& child) {
         while (size_ > 0) {
             const Entry& next = stack_[--size_];

@@ -19,8 +19,8 @@ Adjacency::Adjacency(const TriangleMesh& mesh) {
         return std::pair(std::min(one, two), std::max(one, two));
     };
 
-    // Sort the sides so that the sides on one edge are neighbours: by the lower vertex with a counting sort, then each
-    // group with one lower vertex by the higher vertex.
+    // Sort the sides so that sides with the same edge are adjacent: a counting sort by the lower vertex index, then
+    // std::sort by the higher index within each group.
     std::vector<std::int32_t> first(vertices + 1, 0);
     for (std::size_t place = 0; place < halves_count; ++place) ++first[static_cast<std::size_t>(ends(place).first) + 1];
     for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];

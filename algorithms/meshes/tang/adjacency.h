@@ -1,4 +1,4 @@
-// The edges of a mesh, and the triangles at each edge.
+// Finds the triangles that share an edge of a mesh.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -11,9 +11,9 @@
 
 namespace hausbench {
 
-// An edge is a pair of vertex numbers. Vertices with equal coordinates but different numbers count as different, so
-// triangles that only touch there share no edge. Any triangle soup is allowed: an edge may belong to one, two or many
-// triangles, and a triangle with the vertices (i, i, j) is listed twice at the edge ij.
+// The edges of a mesh and the triangles at each edge. Edges are compared by vertex index, so triangles that touch only
+// at duplicated vertices share no edge. An edge may have one, two or more triangles; a triangle with the vertices (i,
+// i, j) is listed twice at the edge ij.
 class Adjacency {
 public:
     static constexpr std::string_view structure_name = "adjacency";
@@ -23,10 +23,9 @@ public:
     // O(n) time if each vertex belongs to few triangles, O(n log n) in the worst case; O(n) memory.
     explicit Adjacency(const TriangleMesh& mesh);
 
-    // Returns the number of edges.
     Index edges() const { return static_cast<Index>(begin_.size()) - 1; }
 
-    // Returns the number of the edge between corners k and k + 1 (mod 3) of a triangle.
+    // Returns the index of the edge between corners k and k + 1 (mod 3) of a triangle.
     Index edge(Index triangle, int k) const {
         return edge_of_[3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(k)];
     }
@@ -37,7 +36,7 @@ public:
         return {triangles_.data() + begin_[e], static_cast<std::size_t>(begin_[e + 1] - begin_[e])};
     }
 
-    // Returns the other triangle at edge k of a triangle; -1 if there is none (a border) or more than one.
+    // Returns the triangle on the other side of edge k, or -1 unless exactly two different triangles share this edge.
     Index neighbour(Index triangle, int k) const {
         const auto both = triangles(edge(triangle, k));
         if (both.size() != 2 || both[0] == both[1]) return -1;

@@ -15,7 +15,8 @@ namespace hausbench {
 
 namespace {
 
-// If more triangles of B than this may be near T or T + D, the lemma is given up, as testing them would cost too much.
+// The most triangles of B to test against a moving piece. If more are near, no bound is computed, because testing them
+// all would cost too much.
 constexpr std::size_t most_near_move = 256;
 
 using Corners = std::array<Vec3, 3>;
@@ -38,8 +39,8 @@ bool apart_along(Vec3 axis, std::span<const Vec3> one, std::span<const Vec3> two
     return low[0] - high[1] > margin || low[1] - high[0] > margin;
 }
 
-// Returns whether an axis is found along which two triangles, or a segment and a triangle, are more than `margin`
-// apart. Tries the normals of the triangles and the cross products of their edges.
+// Tries to separate two triangles, or a segment and a triangle, by more than `margin` along an axis: first the normals
+// of the triangles, then the cross products of their edges. Returns whether one of the axes separates them.
 bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
     const auto edge = [](std::span<const Vec3> p, std::size_t k) { return Vec3(p[(k + 1) % p.size()] - p[k]); };
     if (one.size() == 3 && apart_along(edge(one, 0).cross(edge(one, 1)), one, two, margin)) return true;
@@ -49,7 +50,7 @@ bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
             if (apart_along(edge(one, i).cross(edge(two, j)), one, two, margin)) return true;
         }
     }
-    // If both lie in one plane, the cross products above are all normal to it. Try the directions in the plane that are
+    // If both shapes lie in one plane, all axes above are normal to it. Try the directions in this plane that are
     // perpendicular to an edge.
     const Vec3 normal = edge(two, 0).cross(edge(two, 1));
     for (std::size_t i = 0; i < one.size(); ++i) {
@@ -61,8 +62,8 @@ bool apart(std::span<const Vec3> one, const Corners& two, double margin) {
     return false;
 }
 
-// Returns whether the segment crosses the interior of the triangle, or nothing if rounding leaves this undecided. The
-// ends of the segment must not lie on the triangle.
+// Returns whether a segment crosses the interior of the triangle `t`. Returns nullopt if rounding errors leave this
+// undecided. Neither end of the segment may lie on the triangle.
 std::optional<bool> crosses(const std::array<Vec3, 2>& segment, const Corners& t, double margin) {
     if (apart(segment, t, margin)) return false;
     const Vec3 &p = segment[0], &q = segment[1];
@@ -85,9 +86,9 @@ bool is_closed(const TriangleMesh& mesh) {
     return true;
 }
 
-// Error, with u = 2^-53, from Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric
-// predicates, 1997, section 4.3. If computed in this order, the determinant errs by at most (7 + 56u) u times the sum
-// of the absolute values of its products. This sum, `permanent`, is itself rounded by a few u, so 8u * permanent is
+// The error bound is from Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates,
+// 1997, section 4.3. With u = 2^-53 and this order of operations, the determinant errs by at most (7 + 56u) u times the
+// sum of the absolute values of its products. This sum, `permanent`, is itself rounded by a few u, so 8u * permanent is
 // enough. Underflow costs less than 2^-1000 if no product overflows. If one overflows, both comparisons are false, and
 // the sign stays undecided.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -115,12 +116,13 @@ template <class Tree> double EnclosedMove<Tree>::upper(const Corners& corners, i
     const double length = distance_at_most(squared_length(move), true), n = magnitude_ + length;
     const double margin = (4 * level + 48) * unit_roundoff * n;
     const Corners moved{corners[0] + move, corners[1] + move, corners[2] + move};
-    // A point of T that is unlikely to move exactly through an edge of B, where rounding leaves the crossings
-    // undecided. The corners and the barycentre of T often do.
+    // The point of the piece whose path is tested for crossings with B. Its uneven weights make it unlikely to hit an
+    // edge of B exactly, where rounding leaves the result undecided; corners and the barycentre often do.
     const Vec3 p = 0.5 * corners[0] + 0.3 * corners[1] + 0.2 * corners[2];
     const std::array<Vec3, 2> segment{p, p + move};
-    // Search the ball around `centre` that contains T, T + D and the segments between them. Its radius errs by a few
-    // uN, and triangles of B within `margin` of T or T + D must be found too: 2 * margin covers both.
+    // Search a ball around `centre` that contains the piece before, during and after its move. Its radius is enlarged
+    // by one `margin` to find the triangles of B within `margin` of the piece, and by another to absorb rounding
+    // errors.
     const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     double radius = 0;
     for (const Vec3& corner : corners) radius = std::max(radius, squared_length(corner - middle));

@@ -40,27 +40,28 @@
 
 namespace hausbench {
 
-// Returns whether every edge belongs to an even number of triangles; see Adjacency for the edges. O(n) time if each
-// vertex belongs to few triangles.
+// Returns whether every edge belongs to an even number of triangles. Edges are compared by vertex index, as in
+// Adjacency.
 bool is_closed(const TriangleMesh& mesh);
 
-// Returns the sign of det(a - d, b - d, c - d), which says on which side of the plane abc the point d lies; 0 if
-// rounding leaves the sign undecided.
+// Returns the sign of det(a - d, b - d, c - d), which says on which side of the plane abc the point d lies. Returns 0
+// if rounding errors could change the sign.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-// Bounds pieces of A by the lemma above.
+// Bounds the distances from a piece of A to B by moving the piece through the surface of B, as the lemma above allows.
 template <class Tree> class EnclosedMove {
 public:
-    // Keeps references. `tree` is over B, which must be closed. `magnitude` is M of kernel/rounding.h.
+    // Keeps the references. `tree` is a BVH of B, which must be closed. `magnitude` is the largest |coordinate| of A
+    // and B (M in kernel/rounding.h).
     EnclosedMove(const Tree& tree, const Target& target, double magnitude, Counters& counters)
         : tree_(tree), target_(target), magnitude_(magnitude), counters_(counters) {}
 
-    // Returns an upper bound on h(T, B). Translates T by `length` in the direction from its corner that is farthest
-    // from B to the closest point of B. Returns infinity if `length` is less than that corner's distance, so that the
-    // corner would not reach B, or if the conditions of the lemma are not proven.
+    // Moves the piece by `length`, so that its corner farthest from B moves towards the closest point on B. If the
+    // lemma above applies, no point of the piece is farther than `length` from B, so returns `length`, rounded up.
+    // Returns infinity otherwise. `level` is the rounding level of the piece (kernel/rounding.h).
     double upper(const PieceCorners& corners, int level, double length);
 
-    // Does the same for the translation `move`, the D of the lemma.
+    // Like upper() above, but moves the piece by the vector `move`.
     double upper(const std::array<Vec3, 3>& corners, int level, const Vec3& move);
 
 private:

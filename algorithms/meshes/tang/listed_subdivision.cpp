@@ -21,8 +21,9 @@ template <class Tree> Status ListedSubdivision<Tree>::run() {
     return split_until_done(queue_, bounds_, counters_, settled, [&](const ListedPiece& piece) { split(piece); });
 }
 
-// Tries to lower the upper bound of a piece with Lemma 4 (enclosed_move.h), to the value at which the search could end.
-// Returns whether the bound is lower now. The piece then goes back into the queue, as it may never have to be cut.
+// Tries to lower the upper bound of a piece to bounds_.sought(), at which the search could end, by moving the piece
+// through B (enclosed_move.h). Returns whether this lowered the bound. The caller then queues the piece again instead
+// of cutting it.
 template <class Tree> bool ListedSubdivision<Tree>::moves(ListedPiece& piece) {
     if (!by_moving_) return false;
     const double sought = bounds_.sought();

@@ -1,4 +1,4 @@
-// Visits the leaves of a BVH that may contain a triangle near a given point. The BVH is of either kind in volumes.h.
+// Visits the leaves of a BVH near a given point. Works with both kinds of BVH in volumes.h.
 #pragma once
 
 #include "algorithms/kernel/counters.h"
@@ -6,9 +6,9 @@
 
 namespace hausbench {
 
-// Calls leaf(number) for every leaf whose volume may be within `radius` of `centre`. Walks depth first; of the children
-// of a node, the nearest comes first. `leaf` may make the variable behind `radius` smaller, which shortens the rest of
-// the walk; a negative value ends it.
+// Calls leaf(number) for every leaf whose bounding volume may be within `radius` of `centre`. Walks depth first, and to
+// the nearest child of each node first. leaf() may lower the variable that `radius` refers to, which shortens the walk;
+// a negative value ends it.
 template <class Tree, class Leaf>
 void visit_near_leaves(const Tree& tree, const Vec3& centre, const double& radius, Counters& counters,
                        const Leaf& leaf) {

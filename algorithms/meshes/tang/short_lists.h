@@ -11,17 +11,16 @@
 
 namespace hausbench {
 
-// Each list has at most `most` numbers. A list occupies its length rounded up to a multiple of 4, and the space of a
-// released list is reused for the next list of the same rounded length. So memory is bounded by the peak number of
-// lists of each rounded length. All lists together must occupy less than 2^32 numbers.
+// Lists of up to `most` numbers each. Lengths are rounded up to a multiple of 4, and the space of a released list is
+// reused for a list of the same rounded length. All lists together must occupy less than 2^32 numbers.
 template <std::size_t most> class ShortLists {
 public:
-    // A handle of a stored list: the numbers lie at numbers_[begin] to numbers_[begin + count - 1].
+    // The handle of a stored list: numbers_[begin] to numbers_[begin + count - 1].
     struct List {
         std::uint32_t begin = 0, count = 0;
     };
 
-    // Stores a copy of the numbers. Returns the handle of the list; an empty list occupies no space.
+    // Stores a copy of the numbers and returns its handle. An empty list occupies no space.
     List store(std::span<const Index> numbers) {
         if (numbers.empty()) return {};
         std::vector<std::uint32_t>& free = free_[kind(numbers.size())];
@@ -39,7 +38,7 @@ public:
     // Returns the numbers of a list. The span is valid until the next store().
     std::span<const Index> numbers(const List& list) const { return {numbers_.data() + list.begin, list.count}; }
 
-    // Releases a list, so that its space can be reused. Its handle is then invalid.
+    // Releases a list so that its space can be reused. The handle becomes invalid.
     void give_back(const List& list) {
         if (list.count > 0) free_[kind(list.count)].push_back(list.begin);
     }
@@ -49,7 +48,7 @@ private:
     static std::size_t kind(std::size_t count) { return (count - 1) / step; }
 
     std::vector<Index> numbers_;
-    // free_[k]: where the released lists of up to step * (k + 1) numbers begin in numbers_.
+    // free_[k]: where the released lists with room for step * (k + 1) numbers begin in numbers_.
     std::array<std::vector<std::uint32_t>, (most + step - 1) / step> free_;
 };
 

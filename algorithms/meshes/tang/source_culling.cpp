@@ -6,7 +6,8 @@
 
 namespace hausbench {
 
-// Bounds the root by the largest distance of a vertex of A from the point q of B that is closest to the first vertex.
+// Bounds the root by the largest distance from a vertex of A to a single point of B, the one closest to the first
+// vertex.
 template <class Tree> void SourceCulling<Tree>::begin(const Points& points) {
     const ClosestPoint first = target_.closest(points.row(0), -1, counters_);
     double most = 0;
@@ -29,8 +30,9 @@ template <class Tree> std::span<const Index> SourceCulling<Tree>::step() {
     return {};
 }
 
-// Returns a child with its upper bound. The computed q is only within 7uM of B (kernel/point_triangle.h; u and M as in
-// kernel/rounding.h), so 8uM is added to its distance from the volume; next_up covers the rounding of this sum.
+// Returns a child with its upper bound: the largest distance from a point of its bounding volume to some point q of B.
+// A computed q is only within 7uM of B (kernel/point_triangle.h), where u = 2^-53 and M is the largest |coordinate| of
+// A and B. So 8uM is added; next_up absorbs the rounding of this sum.
 template <class Tree>
 typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Branch& branch, std::size_t node,
                                                                         int child) {
@@ -41,9 +43,9 @@ typename SourceCulling<Tree>::Branch SourceCulling<Tree>::bounded_child(const Br
     };
     Branch result{std::min(branch.upper, bound(branch.near.point)), 0, branch.near,
                   tree_.tree().nodes[node].child[child]};
-    // For any q, the bound is at least half the diagonal of the corners' hull plus the radius of the volume. If this
-    // is too much to cull a leaf, another q is useless. An inner node gets a q nevertheless, because its children
-    // inherit q.
+    // For any point of B, the bound is at least half the diagonal of the volume (`size`) plus its radius. If this is
+    // too much to cull a leaf, a better point is useless. An inner node gets one nevertheless, because its children
+    // inherit it.
     const double purged = bounds_.purged_at_most(0);
     const double size = 0.5 * std::sqrt(squared_length(volume.corner[0] - volume.corner[volume.count - 1]));
     const auto may_cull = [&] { return result.upper > purged && (result.child >= 0 || size + volume.radius < purged); };

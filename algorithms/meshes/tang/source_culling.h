@@ -1,12 +1,12 @@
 // Culling on A (Tang et al. 2009, section 4.1). Walks down a BVH of A. The upper bound of a node is the largest
-// distance from some point q of B to a point of the node's volume (Eqs. 8, 9), so no triangle below the node has a
-// point that is farther from B than this. If the upper bound is at most the lower bound of h(A,B) so far, the node and
-// all triangles below it are culled.
+// distance from some point q of B to a point of the node's bounding volume (Eqs. 8, 9), so no triangle below the node
+// has a point that is farther from B than this. If the upper bound is at most the lower bound of h(A,B) so far, the
+// node and all triangles below it are culled.
 //
-// Ours: of the children of a node, the one with the largest upper bound comes first. The q of the parent is tried
-// first. If it does not cull the node, a query finds the point of B closest to the centre of the volume. A leaf whose
-// volume is so large that no q can cull it gets no query. In a chain of poses (also ours), one more q is tried before
-// the query: the closest point on the triangle of B that was nearest to the same volume at the previous pose.
+// Not in the paper: the child with the largest upper bound is visited first. The q of the parent is tried first; if it
+// does not cull the node, a query finds the point of B closest to the centre of the volume. A leaf whose volume is so
+// large that no q can cull it gets no query. In a chain of nearby poses, one more q is tried before the query: the
+// closest point on the triangle of B that was nearest to the same volume at the previous pose.
 #pragma once
 
 #include "algorithms/meshes/tang/volumes.h"
@@ -17,12 +17,12 @@
 
 namespace hausbench {
 
-// `Tree` is SweptSphereBvh or TriangleBvh. The tree is over A unposed; `pose` moves its volumes. The upper bounds of
-// culled nodes are recorded in `bounds`, and also the bound of each triangle below them if `bounds` keeps such bounds
-// (SearchBounds::elements() is not null).
+// Walks a BVH of A and culls the nodes that cannot contain the point farthest from B. The BVH is over A before its
+// motion, and `pose` moves the bounding volumes. `Tree` is SweptSphereBvh or TriangleBvh.
 template <class Tree> class SourceCulling {
 public:
-    // Keeps references. `near_node` is WarmStart::near_node, which is used and updated, or null.
+    // Keeps the references. `near_node` is null, or has a triangle of B near each node at the previous pose
+    // (WarmStart::near_node) and is updated.
     SourceCulling(const Tree& tree, const Pose& pose, const Target& target, double magnitude, SearchBounds& bounds,
                   Counters& counters, std::vector<Index>* near_node)
         : tree_(tree),
@@ -35,20 +35,20 @@ public:
         if (near_node) near_node->resize(tree.tree().nodes.size() + tree.tree().leaves(), -1);
     }
 
-    // Starts at the root. `points` are the vertices of A, posed. O(n).
+    // Starts the walk at the root. `points` are the vertices of A, moved by its pose. O(n).
     void begin(const Points& points);
 
-    // Returns whether no node remains: each was culled, or was a leaf that step() returned.
+    // Returns whether the walk is over: step() has culled or returned every leaf.
     bool done() const { return branches_.empty(); }
 
-    // Returns the largest upper bound of the remaining nodes, 0 if none is left.
+    // Returns the largest upper bound of the nodes still to be visited; 0 if there are none.
     double upper() const { return branches_.empty() ? 0 : branches_.back().rest; }
 
-    // Takes one node: culls it, or replaces it with its children. If the node is a leaf that cannot be culled, returns
-    // its triangles, and the caller must bound them; otherwise returns an empty span.
+    // Visits one node: culls it or pushes its children. If the node is a leaf that cannot be culled, returns its
+    // triangles, for which the caller must compute bounds. Otherwise returns an empty span.
     std::span<const Index> step();
 
-    // Records the upper bound of each remaining node for the triangles below it.
+    // Records the upper bound of each node still to be visited for every triangle below it.
     void settle_elements() const {
         for (const Branch& branch : branches_) settle_below(branch.child, branch.upper);
     }
@@ -58,7 +58,7 @@ private:
     struct Branch {
         double upper;        // upper bound on the distance to B of everything below it
         double rest;         // the largest `upper` of this branch and all branches under it on the stack
-        ClosestPoint near;   // the point q of B
+        ClosestPoint near;   // a point of B near the volume; tried first for its children
         std::int32_t child;  // as in WideNode: >= 0: a node; negative: ~(leaf number)
     };
 
@@ -74,7 +74,7 @@ private:
     SearchBounds& bounds_;
     Counters& counters_;
     std::vector<Index>* near_node_;
-    // A stack of the remaining nodes. The children of one node lie together, the child with the largest bound on top.
+    // The nodes still to be visited. Children are pushed in the order of their upper bounds, the largest last.
     std::vector<Branch> branches_;
 };
 

@@ -11,16 +11,15 @@
 namespace hausbench {
 namespace {
 
-// Rounding: u and v are the sides of the rectangle here, so eps = 2^-53 denotes the unit roundoff (the u of
-// kernel/rounding.h).
+// In this file, u and v are the sides of the rectangle, so the unit roundoff 2^-53 is called eps.
 
-// The foot of a point q is the point of the rectangle that is closest to q.
+// The *foot* of a point q is the point of the rectangle closest to q.
 struct Foot {
     double squared;  // squared distance from q to the foot, as computed
     double size;     // at least |q - centre| + |u| + |v|, up to rounding; the error bounds below are multiples of it
 };
 
-// Returns the s in [-1, 1] for which s * axis is closest to r; 0 if the axis is 0.
+// Returns the s in [-1, 1] for which s * axis is closest to r. Returns 0 if the axis is 0.
 double along(const Vec3& r, const Vec3& axis) {
     const double length = squared_length(axis);
     return length > 0 ? std::clamp(dot(r, axis) / length, -1.0, 1.0) : 0.0;
@@ -28,18 +27,20 @@ double along(const Vec3& r, const Vec3& axis) {
 
 double sum(const Vec3& x) { return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]); }
 
-// Finds the foot as if u and v were exactly orthogonal: `along` gives s and t independently of each other.
+// Computes the distance from q to its foot, the closest point of the rectangle. Treats u and v as exactly orthogonal,
+// so that s and t can be computed independently of each other.
 Foot foot_of(const SweptSphere& volume, const Vec3& q) {
     const Vec3 r = q - volume.centre;
     const Vec3 rest = (r - along(r, volume.u) * volume.u) - along(r, volume.v) * volume.v;
     return {squared_length(rest), sum(r) + sum(volume.u) + sum(volume.v)};
 }
 
-// Returns an upper bound on the distances from the points to the rectangle; it holds under rounding.
+// Returns an upper bound, valid under rounding, on the largest distance from one of the points to the rectangle.
 //
 // In foot_of(), a difference, two products and two sums err by at most 8 eps size in each coordinate of `rest`, so by
-// less than sqrt(3) * 8 eps size < 14 eps size in length. The computed length errs by 4 eps of itself, and it is at
-// most 1.01 size. Together this is less than 20 eps size. next_up covers the rounding of the sum.
+// less than sqrt(3) * 8 eps size < 14 eps size in length, where size is Foot::size and eps = 2^-53. The computed length
+// errs by 4 eps of itself, and it is at most 1.01 size. Together this is less than 20 eps size. next_up absorbs the
+// rounding of the sum.
 double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
     double most = 0;
     for (const Vec3& point : points) {
@@ -50,7 +51,7 @@ double farthest_foot(const SweptSphere& volume, std::span<const Vec3> points) {
 }
 
 // Returns the principal axes of the points, the axis of the largest moment first. Computes with (point - middle) /
-// extent, so that the moments neither overflow nor underflow.
+// extent so that no moment overflows or underflows.
 std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& middle, double extent) {
     Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     Vec3 mean = Vec3::Zero();
@@ -64,7 +65,7 @@ std::array<Vec3, 3> principal_axes(std::span<const Vec3> points, const Vec3& mid
     return {solver.eigenvectors().col(2), solver.eigenvectors().col(1), solver.eigenvectors().col(0)};
 }
 
-// Returns the box around the points in coordinates along the axes, with the origin at `middle`.
+// Returns the bounding box of the points in the coordinate system with these axes and its origin at `middle`.
 Box box_along(const std::array<Vec3, 3>& axes, std::span<const Vec3> points, const Vec3& middle) {
     Box box;
     for (const Vec3& point : points) {
@@ -103,29 +104,29 @@ SweptSphere swept_sphere_around(std::span<const Vec3> points) {
         swept.radius = farthest_foot(swept, points);
         if (volume_of(swept) < volume_of(best)) best = swept;
     };
-    // A sphere, a segment, and a rectangle. The sides are shortened by the half width of the first direction that is
-    // left out, because the radius will be about as large and cover this part.
+    // Try a sphere, a segment and a rectangle. The radius will be about half the width of the points in the first
+    // direction left out, and extends each end of a side by as much. So shorten the sides by this half width.
     offer(0, 0);
     offer(half[0] - half[1], 0);
     offer(half[0] - half[2], half[1] - half[2]);
     return best;
 }
 
-// The foot is found as if u and v were orthogonal. Let r = q - centre. Then
+// foot_of() finds the foot as if u and v were orthogonal. Let r = q - centre. Then
 //     |r - s u - t v|^2 = f(s) + g(t) + 2 s t u.v + |r|^2, with f(s) = s^2 |u|^2 - 2 s r.u, and g likewise for t and v.
 // The foot minimises f + g up to rounding, and |2 s t u.v| <= 2 |u.v| at the foot and at the closest point. So the
 // least squared distance is at least the squared distance at the foot minus 4 |u.v|.
 //
 // Rounding: s may be off by 8 eps size / |u|, which changes f by less than 64 eps^2 size^2 near its minimum; t
 // likewise. `rest` is off by 14 eps size in length, so its squared length by 40 eps size^2. 4 |u.v| is off by less than
-// 4 eps size^2, because |u| |v| <= size^2 / 4. Together this is less than 64 eps size^2. The code subtracts
-// 100 eps size^2, which leaves room for the rounding of the subtractions and of `size`.
+// 4 eps size^2, because |u| |v| <= size^2 / 4. Together this is less than 64 eps size^2. The code subtracts 100 eps
+// size^2, which leaves room for the rounding of the subtractions and of `size`.
 //
 // Underflow: each product may be off by 2^-1075. If |u| >= 2^-505, this changes s by less than 2^-62, which is less
 // than the rounding error above. If |u| < 2^-505, a wrong s moves the foot by at most 2^-504. The same holds for v and
-// t. The squared length and 4 |u.v| are off by 2^-1070, and so the root by at most 2^-535, because
-// sqrt(x + y) <= sqrt(x) + sqrt(y). Together this is less than 2^-502 in length. distance_at_least (rounding.h)
-// subtracts 2^-500, which covers it.
+// t. The squared length and 4 |u.v| are off by 2^-1070, and so the root by at most 2^-535, because sqrt(x + y) <=
+// sqrt(x) + sqrt(y). Together this is less than 2^-502 in length. distance_at_least (rounding.h) subtracts 2^-500,
+// which is more.
 double distance_at_least(const SweptSphere& volume, const Vec3& q) {
     const Foot foot = foot_of(volume, q);
     const double squared =
@@ -162,8 +163,8 @@ SweptSphereBvh::SweptSphereBvh(const TriangleMesh& mesh)
     fill(0, below);
 }
 
-// Computes the volumes of the children of a node, and of all nodes below it. Appends the corners of their triangles to
-// `below`.
+// Computes the swept spheres of the children of a node, recursively. Appends the corners of all triangles below the
+// node to `below`.
 void SweptSphereBvh::fill(std::size_t node, std::vector<Vec3>& below) {
     const WideNode& wide = tree().nodes[node];
     for (int c = 0; c < wide.count; ++c) {

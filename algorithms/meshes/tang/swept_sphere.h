@@ -19,17 +19,17 @@ struct SweptSphere {
     double radius = 0;
 };
 
-// Returns a volume that contains the points, and so their convex hull. Tries spheres, and a segment and a rectangle
-// along the principal axes of the points, and takes the one with the least volume. The radius is rounded up, so that
-// the volume contains the points exactly. O(n). Requires at least one point and coordinates up to 2^400.
+// Returns a swept sphere that contains the points, and so their convex hull. Tries spheres, a segment and a rectangle
+// along the principal axes of the points, and chooses the one with the least volume. The radius is rounded up, so
+// rounding never leaves a point outside. O(n). Requires at least one point and coordinates up to 2^400.
 SweptSphere swept_sphere_around(std::span<const Vec3> points);
 
-// Return a lower and an upper bound on the distance from q to each point inside the volume. They hold under rounding,
-// as swept_sphere.cpp derives.
+// Return a lower and an upper bound on the distance from q to any point of the volume. Both are valid under rounding,
+// as derived in swept_sphere.cpp.
 double distance_at_least(const SweptSphere& volume, const Vec3& q);
 double distance_at_most(const SweptSphere& volume, const Vec3& q);
 
-// A TriangleBvh with a swept sphere volume around each child, besides the child's box.
+// A TriangleBvh that also stores a swept sphere around the triangles of each child.
 class SweptSphereBvh : public TriangleBvh {
 public:
     static constexpr std::string_view structure_name = "swept sphere BVH";
@@ -38,7 +38,7 @@ public:
     // `mesh` must outlive this. O(n log n).
     explicit SweptSphereBvh(const TriangleMesh& mesh);
 
-    // Returns the volume around the triangles below a child of a node of tree().
+    // Returns the swept sphere around the triangles below a child of a node of tree().
     const SweptSphere& volume(std::size_t node, int child) const {
         return volumes_[node * tree_width + static_cast<std::size_t>(child)];
     }

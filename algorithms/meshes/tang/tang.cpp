@@ -6,31 +6,31 @@
 // 2. Culling on B (target_culling.h) sends each remaining triangle T of A through a BVH of B. This gives an upper bound
 //    on h(T, B), and the list of the triangles of B that may be the nearest ones to some point of T.
 // 3. Subdivision (listed_subdivision.h, voronoi_cut.h) cuts T into pieces, the piece with the largest upper bound
-//    first. The list of T replaces B for its pieces. A piece is settled, and not cut again, when its upper bound
-//    shows that it cannot change the answer.
+//    first. The list of T replaces B for its pieces. A piece is settled, and not cut again, when its upper bound shows
+//    that it cannot change the answer.
 //
 // From the paper: these steps, swept sphere volumes, group traversal (the three corners go through B together), Voronoi
 // subdivision, and the rule that a piece is not cut if its corners share a nearest triangle S. The rule needs no code:
 // the upper bound h(T, S) is then the largest distance of a corner, which the lower bound has reached, so the piece is
 // settled. If a corner has several nearest triangles, the rule still works, because the list contains all of them.
 //
-// Ours: the changes named in the headers of these files, and leaves of up to eight triangles instead of four, because
-// all solvers share the trees and such leaves suit the vector kernels. Lemma 4, the paper's option for closed B, is the
+// Not in the paper: the changes named in the headers of these files, and leaves of up to eight triangles instead of
+// four, which suit the vector kernels and are shared with all solvers. Lemma 4, the paper's option for closed B, is the
 // parameter `lemma4`: corrected and certified (enclosed_move.h), and off by default. Penetration depth (section 7.3) is
 // a separate solver.
 //
 // Certified: upper bounds are widened as kernel/rounding.h derives, and volumes as volumes.cpp derives. The lower bound
 // is computed as search/bounds.h says. If A moves, the volumes of its BVH move with it.
 //
-// Hints (search/warm_start.h): for H(A,B) (section 6), the first direction notes for each triangle of A the triangle
-// of B that gave the least bound, and the second direction tries these pairs first. In a chain of poses (ours, if the
-// caller gives a State), the previous pose provides such pairs, a triangle of B near each node of A, and the farthest
-// point.
+// Hints (search/warm_start.h): for H(A,B) (section 6), the first direction notes for each triangle of A the triangle of
+// B that gave the least bound, and the second direction tries these pairs first. In a chain of nearby poses (not in the
+// paper, only if the caller passes a State), the previous pose provides such pairs, a triangle of B near each node of
+// A, and the farthest point.
 //
-// Fields: as in guthe.cpp. A triangle of A that was culled with a node has the upper bound of the node.
-// Reports: "culled on A" is the share of A's triangles that needed no culling on B. "culled on B" is the share of B's
-// triangles against which the other triangles of A were not measured, on average. "depth" is the largest number of cuts
-// that led to one piece.
+// Fields: as in guthe.cpp. A triangle of A that was culled with a node has the upper bound of the node. Reports:
+// "culled on A" is the share of A's triangles that needed no culling on B. "culled on B" is the share of B's triangles
+// whose distances to the other triangles of A were not computed, on average. "depth" is the largest number of cuts that
+// led to one piece.
 //
 // Budget: subdivisions. Time: O(n log n + m log m) to prepare, with n triangles of A and m of B. Memory: O(n + m), and
 // for each piece in the queue 184 bytes plus 4 bytes for each triangle in its list.
@@ -102,7 +102,7 @@ private:
     std::optional<Status> cull_on_a();
     void look_into(Index i);
     ListedPiece whole(Index i) const;
-    // Returns the triangle of B to try first for triangle i of A; -1: not known.
+    // Returns the triangle of B to try first for triangle i of A, or -1 if none is known.
     Index partner(Index i) const { return warm_start_ ? warm_start_->partner[static_cast<std::size_t>(i)] : -1; }
     Triangle posed_triangle(Index i) const {
         const auto v = a_.triangles.row(i);
@@ -136,8 +136,8 @@ template <class Tree> void TangSearch<Tree>::report(Result& result) const {
     result.reported["depth"] = static_cast<double>(pieces_.deepest());
 }
 
-// Bounds every triangle of A: culls it on A or on B, or puts it into the queue. Returns a status if the search ends
-// before this is done.
+// Computes an upper bound for every triangle of A, and queues the triangles that are not culled on A or on B. Returns a
+// status if the search ends before all triangles have a bound.
 template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     on_a_.begin(points_);
     while (!on_a_.done()) {
@@ -153,7 +153,7 @@ template <class Tree> std::optional<Status> TangSearch<Tree>::cull_on_a() {
     return std::nullopt;
 }
 
-// Returns triangle i of A as a piece, with those corner distances that are known already.
+// Returns triangle i of A as an uncut piece, with the corner distances that were computed for earlier triangles.
 template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
     ListedPiece piece;
     piece.source = i;
@@ -165,7 +165,8 @@ template <class Tree> ListedPiece TangSearch<Tree>::whole(Index i) const {
     return piece;
 }
 
-// Bounds triangle i of A: by triangles of B that are likely to be near, then by culling on B. Queues it unless settled.
+// Computes an upper bound for triangle i of A, first from triangles of B that are probably near, then by culling on B.
+// Queues the triangle if its bound is still too large.
 template <class Tree> void TangSearch<Tree>::look_into(Index i) {
     ListedPiece piece = whole(i);
     if (const Index near = partner(i); near >= 0) on_b_.bound_by(piece, near);
@@ -190,7 +191,7 @@ template <class Tree> void TangSearch<Tree>::look_into(Index i) {
     pieces_.push(piece);
 }
 
-// Measures the farthest point of the previous pose first. It is likely to be far again, so the lower bound starts high.
+// Starts with the farthest point of the previous pose. It is probably far from B again, so the lower bound starts high.
 template <class Tree> void TangSearch<Tree>::begin_warm() {
     warm_start_->partner.resize(static_cast<std::size_t>(a_.triangles.rows()), -1);
     const WarmStart& last = *warm_start_;
@@ -218,7 +219,7 @@ template <class Tree> class Tang final : public MeshSolver<Tree> {
 public:
     explicit Tang(const TangChoices& choices) : choices_(choices) {}
 
-    // Needs both trees even for small shapes, unlike other mesh solvers, because culling works on nodes.
+    // Requires both trees even for small shapes, unlike other mesh solvers, because culling works on tree nodes.
     Needs needs(const Scene&, const QuerySet&) const override {
         return {need<Tree>(Side::source), need<Tree>(Side::target)};
     }

@@ -34,10 +34,11 @@ template <class Tree> void TargetCulling<Tree>::measure_corners(ListedPiece& pie
     measured_ += counters_.point_triangle_distances - before;
 }
 
-// Calls visit(S, squared distances of S from the corners) for each triangle S of B that may be within `search_radius`
-// of the piece's barycentre c. `visit` may make the variable behind `search_radius` smaller. Let r be the largest
-// distance of a corner from c. Each point p of the piece is within r of c, because balls are convex. So d(c, S) <=
-// d(p, S) + r, and no triangle within `search_radius` - r of the piece is missed.
+// Calls visit(triangle, squared distances to the three corners) for each triangle of B that may be within
+// `search_radius` of the barycentre of a piece. visit() may lower the variable that `search_radius` refers to.
+//
+// Let r be the largest distance from the barycentre c to a corner. No triangle S within search_radius - r of a point p
+// of the piece is missed: p is within r of c, because balls are convex, so d(c, S) <= d(p, S) + r.
 template <class Tree>
 template <class Visit>
 void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double& search_radius, const Visit& visit) {
@@ -45,8 +46,8 @@ void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double&
     const Vec3 centre = barycentre(piece.corners);
     visit_near_leaves(tree_, centre, search_radius, counters_, [&](std::size_t leaf) {
         double squared[3][leaf_capacity];
-        // A computed squared distance exceeds the exact one by at most 5u of it. The rest of 8u covers the rounding of
-        // the products.
+        // The factor 1 + 8u, with u = 2^-53, absorbs rounding errors: a computed squared distance exceeds the exact one
+        // by at most 5u of it, and the products here lose less than 3u.
         unsigned mask = tree_.leaf_distances(leaf, points, centre,
                                              search_radius * search_radius * (1 + 8 * unit_roundoff), squared);
         for (; mask != 0; mask &= mask - 1) {
@@ -56,7 +57,7 @@ void TargetCulling<Tree>::near_triangles(const ListedPiece& piece, const double&
     });
 }
 
-// Returns an upper bound on the distance of the piece's points from its barycentre.
+// Returns an upper bound on the distance from the barycentre of a piece to any point of the piece.
 template <class Tree> double TargetCulling<Tree>::radius_at_most(const ListedPiece& piece) const {
     const Vec3 centre = barycentre(piece.corners);
     double most = 0;
@@ -123,8 +124,8 @@ template <class Tree> void TargetCulling<Tree>::list(ListedPiece& piece) {
     piece.list = lists_.store(std::span(kept).first(count));
 }
 
-// Sets candidates_ to the list of the piece or, if it has none, to the triangle that gave the piece's upper bound and
-// the triangles nearest to the vertices of the cut.
+// Sets candidates_ to the list of the piece. If the piece has no list, uses the triangle that gave its upper bound and
+// the triangles nearest to the vertices of the cut instead.
 template <class Tree>
 void TargetCulling<Tree>::find_candidates(const ListedPiece& piece, const Cut<MeasuredPoint>& cut) {
     candidates_.count = 0;

@@ -1,5 +1,5 @@
-// Culling on B (Tang et al. 2009, section 4.2). A triangle T of A goes through a BVH of B, which skips the nodes that
-// are farther from T than the upper bound on h(T, B) so far. The triangles S of B in the other nodes give
+// Culling on B (Tang et al. 2009, section 4.2). Takes a triangle T of A through a BVH of B and skips the nodes that are
+// farther from T than the upper bound on h(T, B) so far. The triangles S of B in the other nodes give
 //
 // - the distances of T's corners from B,
 // - an upper bound on h(T, B): the least h(T, S) (Eqs. 10, 11),
@@ -9,8 +9,8 @@
 //
 // Which triangles a list contains: let a piece T have the corners v_i, let e_i be the longest edge at v_i, and let
 // `upper` be the upper bound on h(T, B). S is in the list if d(v_i, S) <= upper + e_i for each i. No triangle that is
-// nearest to a point p of T is missing: for such an S, d(p, S) <= h(T, B) <= upper and |v_i - p| <= e_i, so
-// d(v_i, S) <= upper + e_i.
+// nearest to a point p of T is missing: for such an S, d(p, S) <= h(T, B) <= upper and |v_i - p| <= e_i, so d(v_i, S)
+// <= upper + e_i.
 //
 // Rounding, with u and M as in kernel/rounding.h: T stands for an exact piece within 2k uM of it, where k is its level,
 // so e_i may be too small by 6k uM. A computed distance may be too large by 10uM, as measured in tests
@@ -18,10 +18,10 @@
 // depends on this: h(T, S) is an upper bound for any S, and the farthest point is measured again against all of B. If a
 // triangle were missing from a list, the search might end with `precision_floor`, but its bounds would hold.
 //
-// If more than `most_listed` triangles qualify, the piece has no list, and its new vertices are measured by closest
-// point queries. Its parts try again to get a list once they are so small that success is likely
-// (ListedPiece::crowd). So the memory for a piece does not depend on B, even if B has many equal triangles, or if B
-// is a sphere and a corner is at its centre.
+// If more than `most_listed` triangles qualify, the piece has no list, and its new vertices cost closest point queries.
+// Its parts try again to get a list once they are so small that success is likely (ListedPiece::crowd). So the memory
+// for a piece does not depend on B, even if B has many equal triangles, or if B is a sphere and a corner is at its
+// centre.
 #pragma once
 
 #include "algorithms/meshes/tang/short_lists.h"
@@ -36,23 +36,23 @@
 
 namespace hausbench {
 
-// Largest number of triangles of B in a list, and of the triangles from which a list is chosen.
+// The largest number of triangles of B in a list, and the largest number of candidates from which a list is chosen.
 inline constexpr std::size_t most_listed = 32, most_near = 128;
 
 using Lists = ShortLists<most_listed>;
 
-// A piece: a triangle of A, or a part of one that cuts have made.
+// A triangle of A or a part cut from it, with its upper bound and its list of near triangles of B.
 struct ListedPiece {
     PieceCorners corners;
     double upper = std::numeric_limits<double>::infinity();  // upper bound on the distances of its points from B
     Index source = -1;                                       // its triangle of A
     Index best = -1;  // the triangle S of B with the least h(T, S) of those tried; -1: none yet
-    // Level of rounding (kernel/rounding.h): the corners are within 2 * level * uM of A.
+    // Rounding level: how far rounding may have moved the corners off A (kernel/rounding.h). 0 for a whole triangle.
     int level = 0;
     int depth = 0;     // number of cuts that led to it; 0: a whole triangle
     Lists::List list;  // triangles of B; empty: it has no list
-    // If it has no list: an estimate of the number of triangles of B near it. While this is above most_near, no list is
-    // tried.
+    // For a piece without a list: the estimated number of triangles of B near it. No list is tried while this is above
+    // most_near.
     std::uint64_t crowd = 0;
 };
 
@@ -62,42 +62,43 @@ struct NearTriangle {
     std::array<double, 3> squared;
 };
 
-// Measures pieces against B, and stores their lists.
+// Searches B for the triangles near a piece of A, computes the upper bound and the corner distances of the piece, and
+// stores its list.
 template <class Tree> class TargetCulling {
 public:
     // Keeps references. `tree` is over B.
     TargetCulling(const Tree& tree, const Target& target, double magnitude, SearchBounds& bounds, Counters& counters)
         : tree_(tree), target_(target), magnitude_(magnitude), bounds_(bounds), counters_(counters) {}
 
-    // Lowers the upper bound of a piece T to h(T, S), where S is the given triangle of B, if this is less.
+    // Lowers the upper bound of a piece to its largest distance from the given triangle of B, if that is less.
     void bound_by(ListedPiece& piece, Index triangle);
 
-    // Lowers the upper bound of a piece, and finds those corner distances that are not known yet and the candidates for
-    // its list. Group traversal: the three corners go through B together, and each leaf is measured against all three.
+    // Walks the BVH of B once for all three corners of a piece (group traversal in the paper). Lowers the upper bound
+    // of the piece, computes the corner distances that are not known yet, and collects the candidates for its list.
     void cull(ListedPiece& piece);
 
-    // Computes the corner distances and the upper bound of a piece by a closest point query for each corner. `warm`
-    // is a triangle of B to try first, or -1.
+    // Like cull(), but with one closest point query for each corner whose distance is not known, and without candidates
+    // for a list. `warm` is a triangle of B to try first, or -1.
     void measure_corners(ListedPiece& piece, Index warm);
 
-    // Chooses the list of a piece from the candidates that cull() or part() found; call it directly after one of these,
+    // Chooses the list of a piece from the candidates that cull() or part() found. Call it directly after one of these,
     // with the same piece. The piece gets no list if too many triangles qualify.
     void list(ListedPiece& piece);
 
-    // Computes the distances from the vertices of a cut to each triangle in the list of the piece. New vertices without
-    // a distance to B get the least of these. Releases the list. If the piece has no list, all vertices must have their
-    // distances, and the triangles nearest to them take the place of the list.
+    // Computes the distances from all vertices of a cut piece to each triangle in its list, and releases the list. Each
+    // new vertex gets the least of its distances. If the piece has no list, uses the triangles nearest to the vertices
+    // instead, so all vertices must have their distances to B.
     void measure(const ListedPiece& piece, Cut<MeasuredPoint>& cut);
 
-    // Returns part c of the cut. Bounds it by the distances that measure() computed; call it after measure() with the
-    // same piece and cut. `level` is the level of rounding of the part.
+    // Returns part c of a cut piece, with an upper bound from the distances that measure() computed for the same piece
+    // and cut. `level` is the rounding level of the part (kernel/rounding.h).
     ListedPiece part(const ListedPiece& piece, const Cut<MeasuredPoint>& cut, std::size_t c, int level);
 
-    // Releases the list of a piece that is settled without a cut.
+    // Releases the list of a piece that will not be cut.
     void give_back(const ListedPiece& piece) { lists_.give_back(piece.list); }
 
-    // Returns how many triangles of B were measured against whole triangles of A, summed over the triangles of A.
-    // measure_corners() counts each distance from a corner to a triangle of B.
+    // Returns the number of pairs of a whole triangle of A and a triangle of B whose distances were computed.
+    // measure_corners() counts each corner separately.
     std::uint64_t measured() const { return measured_; }
 
 private:

@@ -7,19 +7,18 @@
 
 namespace hausbench {
 
-// The distance from q is a convex function, so over the hull of the corners it is largest at a corner. The
-// distance_at_most() of kernel/rounding.h bounds it there. Rounding the sum costs half an ulp, which next_up makes up
-// for.
+// The distance from q is convex, so within the hull of the corners it is largest at a corner, where distance_at_most()
+// of kernel/rounding.h bounds it. Adding the radius rounds by up to half an ulp, which next_up absorbs.
 double distance_at_most(const CornerVolume& volume, const Vec3& q) {
     double most = 0;
     for (std::size_t i = 0; i < volume.count; ++i) most = std::max(most, squared_length(volume.corner[i] - q));
     return next_up(distance_at_most(most, true) + volume.radius);
 }
 
-// Rounding, where u and v are vectors and eps = 2^-53: a corner (c + s u) + t v, with s and t = 1 or -1, errs by
-// 2.01 eps m in each coordinate, where m is the largest coordinate of |c| + |u| + |v|, taken coordinate by coordinate.
-// In length, this is less than sqrt(3) * 2.01 eps m < 4 eps m. The code adds 5 eps m, because computing m and the
-// product loses a few eps of it.
+// Returns the corners of the rectangle, and a radius that includes their rounding errors. With the centre c, the sides
+// u and v, and eps = 2^-53: a corner (c + s u) + t v, with s and t = 1 or -1, errs by 2.01 eps m in each coordinate,
+// where m is the largest coordinate of |c| + |u| + |v| (absolute values by coordinate). In length, this is less than
+// sqrt(3) * 2.01 eps m < 4 eps m. The code adds 5 eps m, because computing m and the product loses a few eps of it.
 CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child) {
     const SweptSphere& swept = tree.volume(node, child);
     CornerVolume volume;
@@ -31,8 +30,8 @@ CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child)
     return volume;
 }
 
-// Returns the box around the child as the tree stores it. Its sides, as plane() computes them, are never inside the
-// exact box of the triangles (structures/quantised_boxes.h), so the radius is 0.
+// Returns the box that the tree stores for the child. It contains the exact box of the triangles, although it is
+// quantised (structures/quantised_boxes.h), so the radius is 0.
 CornerVolume corners_of(const TriangleBvh& tree, std::size_t node, int child) {
     const QuantisedBoxes& boxes = tree.tree().nodes[node].boxes;
     CornerVolume volume;
@@ -52,8 +51,8 @@ double distance_at_least(const SweptSphereBvh& tree, std::size_t node, int child
     return distance_at_least(tree.volume(node, child), q);
 }
 
-// Computes the squared distance to the box. It is at most the computed squared distance to any point of the box
-// (box.h), so distance_at_least() (kernel/rounding.h) turns its root into a lower bound that holds under rounding.
+// The computed squared distance to the box is at most the computed squared distance to any point inside (box.h). So
+// distance_at_least() of kernel/rounding.h turns it into a lower bound that is valid under rounding.
 double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, const Vec3& q) {
     const QuantisedBoxes& boxes = tree.tree().nodes[node].boxes;
     const auto lane = static_cast<std::size_t>(child);

@@ -19,23 +19,24 @@ struct CornerVolume {
     Vec3 centre() const { return 0.5 * (corner[0] + corner[count - 1]); }  // these two corners are opposite
 };
 
-// Returns an upper bound on the distances from q to the points inside the volume; valid under rounding.
+// Returns an upper bound on the distance from q to any point of the volume; valid under rounding.
 double distance_at_most(const CornerVolume& volume, const Vec3& q);
 
-// Return the volume around a child of a node of tree.tree(), before any pose.
+// Return the bounding volume of a child of a node, before the pose of the shape is applied.
 CornerVolume corners_of(const SweptSphereBvh& tree, std::size_t node, int child);
 CornerVolume corners_of(const TriangleBvh& tree, std::size_t node, int child);
 
-// Return a lower bound on the exact distances from q to the triangles below that child, before any pose.
+// Return a lower bound on the exact distance from q to any triangle below a child of a node, before the pose is
+// applied.
 double distance_at_least(const SweptSphereBvh& tree, std::size_t node, int child, const Vec3& q);
 double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, const Vec3& q);
 
-// Moves volumes, which a tree stores for the unposed shape, to the posed shape.
+// Moves bounding volumes by the pose of a shape. A tree stores them for the shape before its motion.
 class VolumePose {
 public:
     explicit VolumePose(const Pose& pose);
 
-    // Returns a volume that contains posed(p), the rounded point that geometry.h defines, for every p in `volume`.
+    // Returns a volume that contains the moved, rounded point posed(p) (kernel/geometry.h) for every p in `volume`.
     // O(1).
     CornerVolume operator()(const CornerVolume& volume) const;
 

@@ -5,8 +5,8 @@
 
 namespace hausbench {
 
-// The points that are equally far from the planes of both triangles form two planes, which bisect the angles between
-// them. Cuts the edge with the one that separates the triangles, judged by their centres.
+// The points equally far from the planes of both triangles form two planes, which bisect the angles between them. Cuts
+// the edge with the bisecting plane that separates the triangles, judging by their centres.
 double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, const Triangle& two, double least_part) {
     const auto normal = [](const Triangle& t) { return Vec3((t.b - t.a).cross(t.c - t.a).normalized()); };
     const auto centre = [](const Triangle& t) { return Vec3((t.a + t.b + t.c) / 3.0); };
@@ -16,9 +16,9 @@ double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, cons
     const double sign = from_one(centre(two)) * from_two(centre(one)) < 0 ? -1 : 1;
     const double at_from = from_one(from) - sign * from_two(from), at_to = from_one(to) - sign * from_two(to);
     const double t = at_from / (at_from - at_to);
-    // at_from and at_to are the differences of the two distances at the ends. If they are almost equal, rounding
-    // decides where the difference is 0: the triangles' planes nearly coincide, or the edge is parallel to the
-    // bisecting plane.
+    // at_from and at_to are the differences between the distances to the two planes, at the ends of the edge. If they
+    // are almost equal, because the planes nearly coincide or the edge is parallel to the bisecting plane, rounding
+    // decides where the difference is 0. Cut at the midpoint instead.
     const bool clear = std::abs(at_from - at_to) > 1e-6 * std::sqrt(squared_length(to - from));
     return clear && t > 0 && t < 1 ? std::clamp(t, least_part, 1 - least_part) : 0.5;
 }

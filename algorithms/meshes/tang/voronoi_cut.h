@@ -2,15 +2,13 @@
 // the edge is cut at the point that is equally far from the planes of these triangles. Any other edge, or an edge
 // without such a point, is cut at its midpoint.
 //
-// Ours: both parts of an edge keep at least the fraction `least_part` of its length, so that pieces shrink. After
-// `voronoi_depth` cuts, all further cuts are at midpoints.
+// Not in the paper: both parts of an edge keep at least the fraction `least_part` of its length, so that pieces shrink.
+// After `voronoi_depth` cuts, all further cuts are at midpoints.
 //
 // Measurements: `least_part` is 0.05 by default. With 0.25, pieces stay more compact: six pairs of real meshes took
-// 0.78 to 0.96 times as many subdivisions, at a tolerance of 1e-6 of the diagonal (bunny to its half: 212,807 instead
-// of 248,679; 304,169 with midpoints alone). If neighbouring triangles of B lie in one plane, as in a subdivided mesh,
-// their planes do not tell where their common edge is. If such a B was subdivided at midpoints, the choice `midpoint`
-// of the parameter `split` is better, because its cuts meet the edges of B (elephant to its refinement: 12,448
-// subdivisions instead of 20,708).
+// 0.78 to 0.96 times as many subdivisions, at a tolerance of 1e-6 of the diagonal. If neighbouring triangles of B lie
+// in one plane, as in a mesh subdivided at midpoints, the choice `midpoint` of the parameter `split` is better, because
+// its cuts meet the edges of B (12,448 subdivisions instead of 20,708 for one such mesh).
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -21,19 +19,19 @@ namespace hausbench {
 
 inline constexpr int voronoi_depth = 16;
 
-// Returns where to cut an edge, as a fraction of its length from `from`: at the point that is equally far from the
-// planes of the triangles `one` and `two`, but at least `least_part` from either end. Returns 0.5 if no such point
-// exists.
+// Returns where to cut an edge, as a fraction of its length from `from`: at the point equally far from the planes of
+// the triangles `one` and `two`, but not nearer to either end than the fraction `least_part`. Returns 0.5 if no such
+// point exists.
 double voronoi_place(const Vec3& from, const Vec3& to, const Triangle& one, const Triangle& two, double least_part);
 
-// Cuts pieces of A in the way that the parameter `split` says (search/cut_options.h).
+// Cuts pieces of A by the method that the solver's parameter `split` chooses (search/cut_options.h).
 class PieceCutter {
 public:
-    // Keeps the reference. `magnitude` is M of kernel/rounding.h.
+    // Keeps the reference. `magnitude` is the largest |coordinate| of A and B (M in kernel/rounding.h).
     PieceCutter(const Target& target, double magnitude, Cutting cutting, double least_part)
         : target_(target), magnitude_(magnitude), cutting_(cutting), least_part_(least_part) {}
 
-    // Returns the level of rounding at which a piece is smaller than its rounding error (subdivision.h), so that
+    // Returns the rounding level (kernel/rounding.h) at which a piece is smaller than its rounding errors, so that
     // further cuts are useless.
     int most_levels() const {
         if (cutting_ == Cutting::longest_edge) return hausbench::most_levels(Split::longest_edge);
@@ -41,15 +39,16 @@ public:
                (cutting_ == Cutting::voronoi ? level_of_long_edge * voronoi_depth : 0);
     }
 
-    // Returns whether a cut that makes parts of this depth (ListedPiece::depth) is a Voronoi cut.
+    // Returns whether a piece at this depth is made by a Voronoi cut. The depth is the number of cuts from a whole
+    // triangle.
     bool is_voronoi(int depth) const { return cutting_ == Cutting::voronoi && depth <= voronoi_depth; }
 
-    // Returns the level of rounding (kernel/rounding.h) of the parts into which a piece is cut. `level` is the level of
-    // the piece, `depth` the depth of the parts.
+    // Returns the rounding level (kernel/rounding.h) of the parts into which a piece of level `level` is cut. `depth`
+    // is the depth of the parts.
     int level_of_parts(const PieceCorners& corners, int level, int depth) const;
 
-    // Cuts a piece into parts of the given depth. `measure` makes the new vertices, as cut_in_four() in subdivision.h
-    // says.
+    // Cuts a piece into parts of the given depth. Calls measure(point, near) to make each new vertex; see cut_in_four()
+    // in subdivision.h.
     template <class Measure>
     Cut<MeasuredPoint> cut(const PieceCorners& corners, int depth, const Measure& measure) const {
         if (cutting_ == Cutting::longest_edge) return cut_triangle(corners, Split::longest_edge, measure);
