@@ -42,8 +42,8 @@ constexpr std::size_t longest_line = std::size_t(1) << 28;  // bytes; a longer l
 constexpr milliseconds between_looks_at_memory(20);
 
 // Writes as much as fits into the pipe now. Returns the number of bytes written, or -1 if the reader has closed the
-// pipe. SIGPIPE, which would end this process then, is blocked only during the write and only in this thread: it must
-// still end `hausbench show ... | head`.
+// pipe. Blocks SIGPIPE, which would then end this process, only during the write and only in this thread: it must still
+// end `hausbench show ... | head`.
 ssize_t write_some(int descriptor, std::string_view text) {
     sigset_t pipe, before;
     sigemptyset(&pipe);
@@ -57,8 +57,8 @@ ssize_t write_some(int descriptor, std::string_view text) {
     return done;
 }
 
-// The living children of all threads. The lock is held while a child is started, and while the descendants that an
-// ended child left behind are killed; otherwise a child that another thread has just started could be killed with them.
+// The living children of all threads. The lock is held while a child is started, and while the descendants of an ended
+// child are killed, so that a child that another thread has just started is not killed with them.
 std::mutex living_lock;
 std::vector<pid_t> living;
 
@@ -71,7 +71,7 @@ void run_on(const std::vector<int>& cores) {
     ::sched_setaffinity(0, sizeof set, &set);
 }
 
-// Returns the environment of this process with another TMPDIR.
+// Returns the environment of this process, with TMPDIR set to `temporary`.
 std::vector<std::string> environment_with(const std::string& temporary) {
     std::vector<std::string> all{"TMPDIR=" + temporary};
     for (char** entry = environ; *entry; ++entry) {
@@ -80,7 +80,7 @@ std::vector<std::string> environment_with(const std::string& temporary) {
     return all;
 }
 
-// Returns pointers to the texts, then a null pointer, as execve() requires.
+// Returns pointers to the strings, then a null pointer, as execve() requires.
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
     std::vector<char*> all;
     for (std::string& text : texts) all.push_back(text.data());
@@ -99,9 +99,8 @@ struct Child::Pipes {
     }
 };
 
-// Forks a process that calls `child`. If `child` returns, because the program cannot be run, the exit code is 127.
-// Unless the process runs Launch::work, `child` may make only calls that are safe after the fork of a program with
-// several threads.
+// Forks a process that calls `child`. If `child` returns, the program could not be run, and the exit code is 127.
+// Except for Launch::work, `child` may make only calls that are safe after a program with several threads has forked.
 void Child::start(Pipes& pipes, const std::function<void()>& child) {
     ::prctl(PR_SET_CHILD_SUBREAPER, 1);
     if (launch_.dies_with_parent) watch_group(0);  // starts its shell, which then is in `before_` and not killed
@@ -241,7 +240,7 @@ Child::Heard Child::listen(milliseconds wait, std::string& line) {
         if (!on[0].revents) {
             if (ready > 0 && left.count() > 0) continue;
             if (status_) return Heard::closed;
-            // If the child has ended but a descendant holds the pipe open, this kills the descendant.
+            // Kills a descendant that holds the pipe open after the child has ended.
             look_for_end(WNOHANG);
             return Heard::nothing;  // lets the caller check for interrupts
         }
@@ -286,8 +285,8 @@ bool Child::ended_within(milliseconds wait) {
     }
 }
 
-// Checks whether the child has ended; unless `flags` has WNOHANG, waits until it has. Then kills everything that the
-// child left behind.
+// Checks whether the child has ended; unless `flags` has WNOHANG, waits for its end. If the child has ended, kills the
+// descendants that it left behind.
 void Child::look_for_end(int flags) {
     if (status_) return;
     int status = 0;
@@ -338,7 +337,7 @@ bool Child::takes_more_than(std::int64_t bytes) const {
         return all;
     };
     // The sum of the resident sets is cheap, exact for one process, and never less than the sum of the proportional
-    // sets (memory.h). So these are read only if there are several processes and their resident sets exceed the limit.
+    // sets (memory.h). So the proportional sets are read only if several processes together exceed the limit.
     return sum(resident_of) > bytes && (family.size() == 1 || sum(proportional_bytes_of) > bytes);
 }
 

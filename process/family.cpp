@@ -15,7 +15,7 @@ std::vector<pid_t> family_of(pid_t process, const std::vector<pid_t>& spared) {
     std::vector<pid_t> all{process};
     for (std::size_t i = 0; i < all.size(); ++i) {
         const pid_t parent = all[i];
-        // The kernel lists each child under the thread that started it, so all threads are asked.
+        // The kernel lists each child under the thread that started it, so the lists of all threads are read.
         std::error_code gone;
         for (std::filesystem::directory_iterator thread(fmt::format("/proc/{}/task", parent), gone), end;
              !gone && thread != end; thread.increment(gone)) {

@@ -15,7 +15,7 @@ public:
 
     static bool came();
     static void handled();  // call it after acting on the signal, which then does not end the process
-    // Ends this process by the signal that came, even while instances exist.
+    // Ends this process with the signal that came, even while instances exist.
     [[noreturn]] static void deliver();
 };
 

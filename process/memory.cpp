@@ -15,7 +15,7 @@ namespace hausbench {
 
 namespace {
 
-// Returns the size, in bytes, on the line of a /proc file that starts with `key`; -1 if there is none.
+// Returns the size, in bytes, on the line of a /proc file that starts with `key`. Returns -1 if no line does.
 std::int64_t size_in(const std::string& file, std::string_view key) {
     std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {

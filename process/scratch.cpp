@@ -65,8 +65,8 @@ ScratchFolder::ScratchFolder(std::string_view kind) {
                     temporary.string(), most_tries));
 }
 
-// Returns false if another process took the new folder for an abandoned one before it was locked: that process holds
-// the lock, or has removed the folder.
+// Makes and locks a folder. Returns false if another process took the new folder for an abandoned one before it was
+// locked, and has locked or removed it.
 bool ScratchFolder::try_to_make(std::string pattern) {
     const auto fail = [&](const char* what) {
         const int error = errno;

@@ -1,4 +1,5 @@
-// Makes temporary folders that are removed with their object; a lock shows which ones a killed process left behind.
+// Makes temporary folders that are removed with their object. Folders left behind by a killed process are recognised by
+// their missing lock.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +9,12 @@
 namespace hausbench {
 
 // A temporary folder TMPDIR/hausbench-KIND-XXXXXX, removed with this object. This process holds a lock on the folder,
-// which the kernel releases however the process ends. Before a process makes its first folder, it removes folders of
-// such a name that no process has locked: they were left behind by killed processes.
+// which the kernel releases however the process ends. Before a process makes its first folder, it removes unlocked
+// folders with such names, which killed processes left behind.
 class ScratchFolder {
 public:
-    // `kind`: one of `kinds` in scratch.cpp; folders of other kinds would never be recognised as left behind. Throws
-    // InputError if no folder can be made or locked, and then leaves none behind.
+    // `kind`: one of `kinds` in scratch.cpp; a folder of another kind would not be recognised if it were left behind.
+    // Throws InputError if no folder can be made or locked.
     explicit ScratchFolder(std::string_view kind);
     ~ScratchFolder();
     ScratchFolder(const ScratchFolder&) = delete;

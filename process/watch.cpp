@@ -23,7 +23,8 @@ namespace hausbench {
 namespace {
 
 // Starts a shell that reads numbers of process groups from its input, one per line. The input ends when this process
-// ends; the shell then kills the group that it read last. Returns the descriptor to write to; -1 on failure.
+// ends; the shell then kills the group that it read last. Returns the descriptor for writing to the shell, or -1 on
+// failure.
 int start_watch() {
     int talk[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, talk) != 0) return -1;
@@ -42,8 +43,8 @@ int start_watch() {
     return child < 0 ? -1 : talk[1];
 }
 
-// Waits until a thread of this process sleeps, for at most a second. Otherwise, on a busy machine, the start of the
-// thread could fall into a timed solve, which would then seem to use two threads.
+// Waits, for at most a second, until a new thread of this process sleeps. On a busy machine, the thread could otherwise
+// still be starting during a timed solve, which would then seem to use two threads.
 void wait_until_asleep(pid_t thread) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
     while (std::chrono::steady_clock::now() < end) {

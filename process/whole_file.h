@@ -17,7 +17,7 @@ void write_whole_file(const std::filesystem::path& file, const std::string& byte
 // a regular file. Call it early, so that the error is found before the work is done.
 void check_place_to_write(const std::filesystem::path& file);
 
-// Returns whether two paths lead to the same file, through links or not. The file need not exist yet.
+// Returns whether two paths lead to the same file, also through links. The file does not have to exist yet.
 bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other);
 
 }  // namespace hausbench

@@ -23,13 +23,13 @@ namespace fs = std::filesystem;
 struct Word {
     std::string text;
     bool first;    // the first word of a command, so the name of a program
-    bool plain;    // without placeholders and without anything that the shell expands
+    bool plain;    // contains no placeholder and nothing that the shell expands
     bool written;  // follows ">", so the name of an output file
 };
 
 struct Line {
     std::vector<Word> words;
-    bool certain = true;  // no word changes where programs are found, so a program that is not found is missing
+    bool certain = true;  // false if there is a word such as `cd`: then a program that is not found may still exist
 };
 
 template <std::size_t n> bool is_one_of(const std::string& word, const std::array<std::string_view, n>& list) {
@@ -48,7 +48,7 @@ bool goes_on(const std::string& word) {
     return is_one_of(word, before) || is_assignment(word);
 }
 
-// Returns whether the shell itself provides this command, so that there need not be a file of this name.
+// Returns whether the shell itself provides this command, so that no executable of that name is required.
 bool is_builtin(const std::string& word) {
     constexpr std::array<std::string_view, 34> builtins = {
         ":",    "[",     "bg",      "break", "case", "continue", "done",   "echo",  "esac", "exit",   "false", "fg",
@@ -57,13 +57,13 @@ bool is_builtin(const std::string& word) {
     return is_one_of(word, builtins);
 }
 
-// Returns whether the word may change which file a later program name leads to.
+// Returns whether this word, such as `cd`, may change which file a later program name leads to.
 bool changes_the_search(const std::string& word) {
     constexpr std::array<std::string_view, 6> changing = {".", "alias", "cd", "eval", "export", "local"};
     return is_one_of(word, changing) || word.starts_with("PATH=");
 }
 
-// Splits a line as the shell does: removes quotes and backslashes, and drops a comment up to the end of its line.
+// Splits a command line into words as the shell does. Removes quotes, backslashes and comments.
 class Splitter {
 public:
     explicit Splitter(const std::string& line) : line_(line) {}

@@ -22,17 +22,18 @@ namespace {
 constexpr double start_seconds = 0.022;        // to start a worker and to check its answers
 constexpr double load_seconds = 1e-7;          // per element of either shape
 constexpr double seconds_per_distance = 3e-9;  // point to point, without cache misses
-constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // k in estimate.h, roughly
+constexpr double distances_per_point = 300, distances_per_triangle = 3000;  // the factor k of estimate.h, roughly
 
-// Resident bytes of a worker without shapes, of a point or vertex, and of the corners of a triangle.
+// Resident bytes of a worker process without shapes, of a point or vertex, and of the three corner indices of a
+// triangle.
 constexpr std::int64_t worker_bytes = 60 << 20, bytes_per_point = 24, bytes_per_triangle = 12;
 
-// Bytes per element that a solver takes in addition to the shapes, if no earlier run tells. The bounding boxes of a few
-// solvers take more; everything else takes less.
+// Assumed bytes per element that a solver uses besides the shapes, if no earlier run has measured them. Only the
+// bounding boxes of a few solvers take more.
 constexpr double solver_bytes_per_point = 200, solver_bytes_per_triangle = 600;
 
-// Rows with fewer elements than this tell nothing about the bytes per element: on small shapes, the memory of a solver
-// is not proportional to the number of elements.
+// Rows with fewer elements are ignored when bytes per element are learnt: on small shapes, the memory of a solver is
+// not proportional to the number of elements.
 constexpr double least_elements_to_learn_from = 10000;
 
 bool takes_meshes(const std::string& solver) {
@@ -56,7 +57,7 @@ double elements(const Case& c) { return double(c.source_elements) + double(c.tar
 struct Known {
     double prepare = 0, solve = 0;  // seconds
     double work = 0;                // see expected_work()
-    bool answered = false;          // these are times of the case itself, not of another one
+    bool answered = false;          // the times of the case itself, not of a similar case
 };
 
 }  // namespace
@@ -69,7 +70,7 @@ struct Estimates::Memory {
             if (entry->path().extension() != ".h5") continue;
             try {
                 for (const Row& row : read_result(entry->path()).rows) learn(row);
-            } catch (const InputError&) {  // without a damaged file, estimates are only less accurate
+            } catch (const InputError&) {  // a damaged file only makes the estimates less accurate
             }
         }
     }
@@ -97,7 +98,8 @@ struct Estimates::Memory {
         return {near.prepare * work / near.work, near.solve * work / near.work, work, false};
     }
 
-    // Returns the bytes per element in the known case with the nearest number of elements; 0 if there is none.
+    // Returns the bytes per element of the solver's known case with the nearest number of elements. Returns 0 if there
+    // is none.
     double bytes_of(const Case& asked) const {
         const auto others = bytes.find(asked.solver);
         return others != bytes.end() && elements(asked) > 0 ? others->second.nearest(elements(asked)) : 0;
@@ -113,8 +115,8 @@ Estimates::~Estimates() = default;
 
 namespace {
 
-// Returns the bytes of the shape in this file, for its coordinates and the corners of its triangles; 0 if no model of
-// the plan has this file.
+// Returns the memory, in bytes, of the coordinates and triangles of the shape in `file`. Returns 0 if no model of the
+// plan has this file.
 std::int64_t shape_bytes(const Plan& plan, const fs::path& file) {
     for (const ModelRow& model : plan.models) {
         if (model.resolved.shape_file != file) continue;
@@ -124,8 +126,8 @@ std::int64_t shape_bytes(const Plan& plan, const fs::path& file) {
     return 0;
 }
 
-// Returns the bytes of the job's worker and all its shapes together. Each shape counts twice: once while it is read
-// from its file, and once as the worker keeps it.
+// Returns the memory, in bytes, of a job's worker process and its shapes, without the solver's own memory. Each shape
+// counts twice: as read from its file and as kept by the worker.
 std::int64_t loaded_bytes(const Plan& plan, const Job& job) {
     std::set<fs::path> files;
     for (const Job::Pair& pair : job.pairs) files.insert({pair.source_file, pair.target_file});

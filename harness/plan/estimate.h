@@ -1,5 +1,5 @@
-// Estimates the time and memory of a job before it is run: for `explain`, for the order of jobs that run side by side,
-// and for shards.
+// Estimates the time and memory of a job before it runs: for `explain`, to start the longest jobs of a parallel run
+// first, and to balance shards.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -14,7 +14,7 @@ namespace hausbench {
 
 struct JobEstimate {
     double seconds = 0;  // for all rounds and repeats together
-    // Upper estimate of the worker's resident set: the shapes and the solver's memory.
+    // Upper estimate of the resident memory of the worker process: the shapes and the solver's own memory.
     std::int64_t bytes = 0;
     std::size_t known = 0;  // number of cases that an earlier run on this machine has timed
 };
@@ -22,16 +22,16 @@ struct JobEstimate {
 // Estimates the time and memory of jobs from the results of earlier runs.
 //
 // The time of a case is taken from the same case if it was run on this machine. Otherwise it is taken from the case of
-// the same solver with the most similar expected work, and multiplied by the ratio of the expected works. If this
-// machine has run no case of the solver, the expected work alone decides. The expected work, as a number of distances
-// between two points, is |A| * |B| for `naive` and k * (|A| + |B|) for the others, where |A| and |B| are numbers of
-// elements and k is larger if the solver accepts meshes.
+// the same solver with the most similar expected work, and multiplied by the ratio of the two works. If this machine
+// has run no case of the solver, the time is proportional to the expected work. The expected work is a number of
+// distances between two points: |A| * |B| for `naive` and k * (|A| + |B|) for other solvers, where |A| and |B| are
+// numbers of elements and k is larger for solvers that accept meshes.
 //
-// The memory is a number of bytes per element of both shapes, taken from the case of the same solver with the nearest
-// number of elements, on any machine.
+// The memory of a solver is taken to be proportional to the number of elements of both shapes. The bytes per element
+// come from the case of the same solver with the nearest number of elements, on any machine.
 class Estimates {
 public:
-    // `results`: folder of result files, read at the first call of of(). Files that cannot be read are ignored.
+    // `results`: the folder of result files. They are read when of() is first called; unreadable files are ignored.
     explicit Estimates(const std::filesystem::path& results);
     ~Estimates();
 
@@ -43,15 +43,15 @@ private:
     mutable std::unique_ptr<const Memory> memory_;
 };
 
-// Returns a lower estimate of the memory of the job's worker, in bytes: one copy of the two shapes of the largest pair,
-// and nothing for the solver.
+// Returns the least memory, in bytes, that a job needs: one copy of both shapes of its largest pair. The solver's own
+// memory is not counted.
 std::int64_t least_bytes(const Plan& plan, const Job& job);
 
-// Every reason that does_not_fit() returns begins with this text. A later run recognises such rows by it.
+// Prefix of every reason from does_not_fit(). A later run recognises by it that a case was refused for lack of memory.
 inline constexpr std::string_view not_started = "not started: ";
 
-// Returns the reason why the job cannot run, or an empty string if it can. It cannot run if least_bytes() exceeds the
-// memory limit of its cases or `memory`, the memory of the machine in bytes.
+// Returns the reason why a job does not fit into memory: least_bytes() exceeds the memory limit of its cases or
+// `memory`, the bytes of memory of this machine. Returns an empty string if the job fits.
 std::string does_not_fit(const Plan& plan, const Job& job, std::int64_t memory);
 
 }  // namespace hausbench

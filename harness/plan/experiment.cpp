@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Merges `over` into `base`. A key of `over` replaces the same key of `base`; two tables are merged key by key. Moves
-// the nodes, because a copied node loses its line number.
+// Merges `over` into `base`: a value of `over` replaces the value with the same key, and two tables with the same key
+// are merged recursively. Moves the nodes, because a copied node loses its line number.
 void merge(toml::table& base, toml::table& over) {
     for (auto&& [key, node] : over) {
         toml::table* into = base[key].as_table();
@@ -39,7 +39,7 @@ void merge(toml::table& base, toml::table& over) {
     }
 }
 
-// Returns the names of all profiles: the two that every experiment has, and those that the file defines.
+// Returns the names of all profiles: `quick`, `paper` and those that the file defines.
 std::vector<std::string> profiles_of(const toml::table& table) {
     std::set<std::string> known = {"quick", "paper"};
     if (const toml::table* profiles = table["profile"].as_table()) {
@@ -48,7 +48,8 @@ std::vector<std::string> profiles_of(const toml::table& table) {
     return {known.begin(), known.end()};
 }
 
-// Returns whether a scene or solver belongs to the profile: its key `profiles` lists the profile, or is missing.
+// Returns whether a scene or solver belongs to the profile. It does if its key `profiles` lists the profile or is
+// missing.
 bool wanted(const ExperimentTable& reader, const std::string& profile, const std::vector<std::string>& known) {
     const auto profiles = reader.texts("profiles");
     for (const std::string& name : profiles) {
@@ -58,7 +59,8 @@ bool wanted(const ExperimentTable& reader, const std::string& profile, const std
     return profiles.empty() || std::find(profiles.begin(), profiles.end(), profile) != profiles.end();
 }
 
-// Reads `expected_unsound`. It may list the label of any solver in the file (`labels`), also of one in another profile.
+// Reads the key `expected_unsound`. `labels` holds the labels of all solvers in the file, because the key may name
+// solvers of any profile.
 std::vector<std::string> read_expected_unsound(const ExperimentTable& root, const std::vector<std::string>& labels) {
     const auto expected = root.texts("expected_unsound");
     for (const std::string& label : expected) {
@@ -69,7 +71,7 @@ std::vector<std::string> read_expected_unsound(const ExperimentTable& root, cons
     return expected;
 }
 
-// Returns the tables [[scene]], [[solver]] or [[claim]], each with its keys checked.
+// Returns all tables of one kind, such as [[scene]], and checks their keys. Throws InputError if the file has none.
 std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const KeyTable& keys) {
     const std::string kind = keys.title.substr(2, keys.title.size() - 4);  // without brackets
     const toml::node* node = root.find(kind);
@@ -84,7 +86,7 @@ std::vector<ExperimentTable> tables_of(const ExperimentTable& root, const KeyTab
     return tables;
 }
 
-// Loads the plug-ins that were not given on the command line already.
+// Loads the plug-ins that the experiment names, except those that are already loaded.
 void load_plugins(const ExperimentTable& root, const fs::path& folder) {
     for (const std::string& name : root.texts("plugins")) {
         const fs::path library = fs::absolute(folder / name).lexically_normal();
@@ -98,7 +100,7 @@ void load_plugins(const ExperimentTable& root, const fs::path& folder) {
     }
 }
 
-// Checks the names and values in claims. `hausbench draw` judges the claims themselves.
+// Checks the names and values in each claim. `hausbench draw` decides whether the claims are true.
 void check_claims(const ExperimentTable& root, const std::vector<std::string>& labels) {
     if (!root.find("claim")) return;
     for (const ExperimentTable& claim : tables_of(root, claim_keys())) {
@@ -129,7 +131,7 @@ void read_limits(const ExperimentTable& root, Experiment& experiment) {
     experiment.reference_seconds = reader.limit("reference_seconds", experiment.reference_seconds);
 }
 
-// Checks the keys of all profiles, not only of the one that is run.
+// Checks the keys of all profiles, even of those that are not run, so that misspelt keys are found.
 void expect_profiles(const fs::path& file, const toml::table& table) {
     const toml::node* profiles = table.get("profile");
     if (!profiles) return;
@@ -178,7 +180,7 @@ std::vector<ModelInfo> own_models(const ExperimentTable& root, const std::string
     return models;
 }
 
-// Reads everything except the scenes and the solvers.
+// Reads everything in an experiment except its scenes and solvers.
 void read_top(const ExperimentTable& root, Experiment& experiment) {
     experiment.models = own_models(root, experiment.profile);
     experiment.title = root.text("title");
@@ -203,8 +205,8 @@ void read_top(const ExperimentTable& root, Experiment& experiment) {
     read_limits(root, experiment);
 }
 
-// The names that a solver may list in `scenes`: of scenes, of matrices, and of the scenes that one [[scene]] makes.
-// `wanted` are the names in the profile that is run, `all` those in any profile.
+// Names of scenes, and of [[scene]] tables that make several scenes, which a solver may list in `scenes`. `wanted`: in
+// the profile that is run; `all`: in any profile.
 struct SceneNames {
     std::set<std::string> wanted, all;
 };
@@ -237,7 +239,8 @@ SceneNames read_scenes(const ExperimentTable& root, const std::vector<std::strin
     return names;
 }
 
-// Reads the solvers of the profile. Returns the labels of all solvers in the file, also of solvers in other profiles.
+// Reads the solvers of the profile into `experiment`. Returns the labels of all solvers in the file, whatever their
+// profile.
 std::vector<std::string> read_solvers(const ExperimentTable& root, const std::vector<std::string>& profiles,
                                       const SceneNames& names, Experiment& experiment) {
     std::vector<std::string> labels;
@@ -253,7 +256,7 @@ std::vector<std::string> read_solvers(const ExperimentTable& root, const std::ve
                 fmt::format("unknown scene '{}'{}", scene, nearest_hint(scene, {names.all.begin(), names.all.end()})));
         }
         expect_searches(table, solver, experiment.scenes);
-        // A solver whose scenes all belong to other profiles has nothing to run in this one.
+        // Skips a solver whose scenes all belong to other profiles.
         if (!solver.scenes.empty() && std::none_of(solver.scenes.begin(), solver.scenes.end(),
                                                    [&](const auto& s) { return names.wanted.contains(s); }))
             continue;

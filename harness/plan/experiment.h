@@ -1,5 +1,5 @@
-// Reads and checks an experiment file; docs/experiments.md lists the keys. scene_reader.h and solver_reader.h read
-// its tables.
+// Reads and checks an experiment file. docs/experiments.md lists its keys; scene_reader.h and solver_reader.h read its
+// [[scene]] and [[solver]] tables.
 #pragma once
 
 #include "algorithms/options.h"
@@ -16,41 +16,41 @@
 
 namespace hausbench {
 
-// A scene: two shapes, A (`source`) and B (`target`), and their motions. One [[scene]] table may describe several.
+// Two shapes, A (`source`) and B (`target`), and their motions. One [[scene]] table may describe several scenes.
 struct ScenePlan {
-    std::string name, source, target;      // each shape: a model, by name, or a file, by path (own_models.h)
-    int source_line = 0, target_line = 0;  // lines of `source` and `target` in the experiment file, for messages
-    // Name of the *matrix* to which this scene belongs, a [[scene]] with `sources` and `targets` that makes one scene
-    // for each pair of them. Otherwise empty.
+    std::string name, source, target;      // each shape is given by a model's name or a file's path (own_models.h)
+    int source_line = 0, target_line = 0;  // lines of the two names in the experiment file, for error messages
+    // Name of the matrix that this scene belongs to; empty if none. A *matrix* is a [[scene]] table with `sources` and
+    // `targets`, which makes one scene for each pair of them.
     std::string matrix;
-    // In a matrix: only the nearest target of each source is wanted. So the targets of a source are run in order, as
-    // one chain, in which each answer can lower the cutoff of the next ones (Case::chain).
+    // Searches a matrix for the nearest target of each source. The targets are run in order, so that each answer can
+    // lower the cutoff for the next (Case::chain).
     bool search = false;
-    // Name of the [[scene]] with `each`, with a `recording` or with a list of severities that makes this scene and
-    // others like it. Otherwise empty.
+    // Name of the [[scene]] table that made this scene, if it made several by `each`, `recording` or a list of
+    // severities; otherwise empty.
     std::string each;
     std::string note;
-    std::vector<double> tolerances;  // this scene's own; empty: the solver's
-    // Name of the sweep over `severity` to which this scene belongs, otherwise empty.
+    std::vector<double> tolerances;  // empty: the tolerances of the solver
+    // Name of the sweep over `severity` that this scene belongs to; empty if none.
     std::string family;
-    double severity = std::numeric_limits<double>::quiet_NaN();  // its value in that sweep
-    // The exact value of the experiment's quantity, if known, otherwise NaN.
+    double severity = std::numeric_limits<double>::quiet_NaN();  // NaN: none
+    // The exact value of the experiment's quantity; NaN if unknown.
     double exact = std::numeric_limits<double>::quiet_NaN();
-    // Motions of A and B. If neither is static, they have the same number of poses.
+    // Motions of A and B. If both move, they have the same number of poses.
     Motion motion = Static{}, target_motion = Static{};
-    std::vector<int> frames;  // for a recording: the number of the frame of each pose; otherwise empty
+    std::vector<int> frames;  // the frame number of each pose; empty if the scene is not from a recording
 };
 
 // A [[solver]] table.
 struct SolverPlan {
     std::string name, label;
     std::vector<ParameterMap> options;       // one for each combination of swept parameters
-    std::vector<double> tolerances;          // this solver's own, otherwise the experiment's
+    std::vector<double> tolerances;          // by default, the tolerances of the experiment
     std::vector<std::string> scenes;         // runs only on these; empty: on all
-    Quantity quantity = Quantity::directed;  // this solver's own, otherwise the experiment's
-    // This solver's own, otherwise the experiment's. A solver without support for threads runs with one all the same.
+    Quantity quantity = Quantity::directed;  // by default, the quantity of the experiment
+    // Most threads to use (default: the experiment's). A solver without support for threads runs with one.
     int threads = 1;
-    // Each pose starts from the state that the pose before it left, see State.
+    // Starts each pose from the solver state that the previous pose left (see State).
     bool warm = false;
 };
 
@@ -68,46 +68,44 @@ struct Experiment {
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();
     std::int64_t budget = -1;  // see Query; -1: none
     Quantity quantity = Quantity::directed;
-    int threads = 1;  // the most that a solver may use, see Query
+    int threads = 1;  // most threads that a solver may use, see Query
     int repeats = 5;  // timed repeats per round
-    // Number of rounds. A round runs every case, in fresh processes. The order of the solvers is reversed from one
-    // round to the next (ABBA), so that none of them always runs first.
+    // Number of rounds. Each round runs every case in fresh processes. Every other round runs the solvers in reverse
+    // order (ABBA), so that no solver always runs first.
     int rounds = 1;
-    // Records the bounds over time, for solvers that trace. Answers to coarser tolerances may then be read off the
-    // trace of the finest one instead of being run.
+    // Records how the bounds improve over time, if the solver supports it. Answers to coarser tolerances can then be
+    // read off this trace instead of being run.
     bool trace = false;
     bool fields = false;  // keeps values for each vertex and element of A, see Outcome::fields_sha256
-    bool stages = false;  // keeps the seconds of each stage, from a run that is not timed, see Wanted::stages
+    bool stages = false;  // keeps the seconds of each stage of a solver, from an extra, untimed run (Wanted::stages)
     // Computes one certified answer for each scene and pose, to check the other answers against (references.h).
     bool reference = true;
-    double reference_seconds = 10;  // limit for each of these answers
+    double reference_seconds = 10;  // time limit for each of these answers
     Limits limits;
-    // Labels of solvers whose wrong answers are a result of the experiment.
+    // Labels of solvers whose wrong answers are a finding of the experiment, not an alarm.
     std::vector<std::string> expected_unsound;
 };
 
-// Reads an experiment in one profile. Loads the plug-ins that the file names; with PlugIns::refused, it is an error if
-// the file names any. For `each = "corpus"`, the names are read from corpus.toml beside the manifest (paths.h).
+// Reads an experiment in one profile, and loads the plug-ins that the file names. With PlugIns::refused, a file that
+// names plug-ins is an error.
 //
-// Throws InputError, with file, line and key, for anything that is unknown (with the nearest known name), missing or
-// out of range: keys, solvers, parameters and their values, the file's own models, files of poses. Names of models are
-// not checked here but in add_own_models() (own_models.h).
+// Throws InputError, with the file and the line, if a key, solver or parameter is unknown, missing or out of range, or
+// if a pose file cannot be read. The names of models are checked later, by add_own_models() (own_models.h).
 enum class PlugIns { loaded, refused };
 Experiment read_experiment(const std::filesystem::path& file, const std::string& profile,
                            PlugIns plug_ins = PlugIns::loaded);
 
-// Returns an experiment named STEM_SOLVER that runs one solver, with default parameters, on the scenes of the
-// experiment STEM. Its text is made from the text of the file, without the keys that name other solvers (`solver`,
-// `claim`, `expected_unsound`).
+// Reads an experiment, and replaces its solvers with the solver named `solver`, with default parameters. The result is
+// named STEM_SOLVER. Its text lacks the keys `claim` and `expected_unsound`, which name the replaced solvers.
 Experiment read_experiment_with(const std::filesystem::path& file, const std::string& solver,
                                 const std::string& profile);
 
-// Reads the text of the experiment again in another profile.
+// Parses the text of an experiment again, in another profile.
 Experiment in_profile(const Experiment& experiment, const std::string& profile);
 
-// Returns whether an unsound row is a result of the experiment rather than an alarm: the solver declares a published
-// error (`known_wrong`), or the experiment lists its label in `expected_unsound`. Always false if the solver promises
-// bounds that hold.
+// Returns whether a wrong answer to this case is expected, not an alarm: the solver is known to be wrong
+// (SolverInfo::known_wrong), or the experiment lists its label in `expected_unsound`. A solver that promises valid
+// bounds is never expected to be wrong.
 bool unsound_expected(const Case& asked, const Experiment& experiment);
 
 // Returns the models that the text of an experiment defines in a profile. Relative paths start from the folder of
@@ -115,7 +113,8 @@ bool unsound_expected(const Case& asked, const Experiment& experiment);
 std::vector<ModelInfo> models_of(const std::filesystem::path& file, const std::string& toml,
                                  const std::string& profile);
 
-// Returns all experiment files below a folder, sorted by stem. Throws InputError if two have the same stem.
+// Returns all experiment files (.toml) in a folder and its subfolders, sorted by stem. Throws InputError if two have
+// the same stem.
 std::vector<std::filesystem::path> experiment_files(const std::filesystem::path& folder);
 
 }  // namespace hausbench

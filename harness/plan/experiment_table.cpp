@@ -5,7 +5,7 @@
 namespace hausbench {
 
 double ExperimentTable::limit(std::string_view key, double otherwise) const {
-    // More megabytes than any machine has. As seconds it is 3 years, which still fits into 64-bit nanoseconds.
+    // As megabytes, more than any machine has. As seconds, 3 years, which still fits into 64-bit nanoseconds.
     constexpr double most = 1e8;
     const toml::node* node = find(key);
     return node ? positive(*node, key, most) : otherwise;

@@ -20,17 +20,17 @@ namespace hausbench {
 
 namespace {
 
-// The scale of a pair is 2^exponent. Pairs of a matrix share a worker only if their exponents differ by at most this.
+// Pairs of a matrix share a worker process only if their scales differ by at most a factor of 2 to this power.
 constexpr int widest_scale_of_a_worker = 60;
 
 struct Extent {
     ShapeKind kind;
-    double magnitude, smallest;  // largest and smallest nonzero |coordinate|
+    double magnitude, smallest;  // largest |coordinate|, and smallest that is not 0
 };
 using Extents = std::map<std::filesystem::path, Extent>;
 
-// Returns the exponent of the scale that a session on this pair alone would use. Reads the two shapes from their files
-// unless `extents` has them already.
+// Returns the exponent of the power of two by which a session would scale this pair alone. Reads the shapes from their
+// files unless `extents` has them.
 int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents) {
     for (const auto& file : {pair.source_file, pair.target_file}) {
         if (extents.contains(file)) continue;
@@ -41,7 +41,7 @@ int exponent_of(const SolverInfo& info, const Job::Pair& pair, Extents& extents)
     return scalable(info, a.kind, b.kind) ? scale_exponent(std::max(a.magnitude, b.magnitude)) : 0;
 }
 
-// Updates `least`, the least nonzero |x| so far, and `most`, the largest |x| so far.
+// Updates the smallest nonzero |x| so far, `least`, and the largest |x| so far, `most`.
 void take(double x, double& least, double& most) {
     if (x != 0) least = std::min(least, std::abs(x));
     most = std::max(most, std::abs(x));
@@ -52,9 +52,9 @@ void take(double x, double& least, double& most) {
 // - Nothing underflows at either scale, not even in squares and in products with poses. This holds if the coordinates,
 //   their products with the entries of a rotation, and the translations are 0 or at least `least_safe`. Distances
 //   between points of one shape may be smaller than its coordinates, but a nonzero difference of two coordinates is at
-//   least 2^-53 of the smallest nonzero coordinate, and the square of such a difference does not underflow.
-// - No pose moves the shapes out of the range that scaled.h describes at one scale only. `most_safe` keeps posed
-//   coordinates below the upper end of that range, 2^400.
+//   least 2^-53 times the smallest nonzero coordinate, and the square of such a difference does not underflow.
+// - No pose moves the shapes, at one scale only, out of the range that scaled.h describes. `most_safe` keeps moved
+//   coordinates below the upper end of that range, 2^400, at both scales.
 bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Extents& extents) {
     if (own == shared) return true;
     constexpr double least_safe = 0x1p-400, most_safe = 0x1p390;
@@ -79,7 +79,8 @@ bool same_bits(const Plan& plan, const Job& job, int own, int shared, const Exte
            3 * largest_entry * most + shift <= most_safe;
 }
 
-// Adds to the plan the jobs that replace `group`, the jobs of one solver on the pairs of a matrix.
+// Joins `group`, the jobs of one solver on the pairs of a matrix, into one job or, if their scales differ too much,
+// into several. Adds these to the plan.
 void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents& extents) {
     const Case& first = plan.cases[group.front().cases.front()];
     const SolverInfo& info = find_solver(first.solver).info;
@@ -90,9 +91,9 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
         return exponents[i] - most <= widest_scale_of_a_worker &&
                same_bits(plan, group[i], exponents[i], most, extents);
     };
-    // Each pass makes one job. Its scale is the scale of the pair with the largest coordinates, which has the least
-    // exponent; the other pairs join if this scale is good enough for them. A scale up to 2^60 below its own costs a
-    // pair nothing significant.
+    // Each pass makes one job. Its scale has the least exponent, which belongs to the pair with the largest
+    // coordinates. Every other pair joins if this scale is at most a factor of 2^60 below its own and gives it the same
+    // bits.
     while (!group.empty()) {
         const int most = *std::min_element(exponents.begin(), exponents.end());
         Job joined;
@@ -135,7 +136,8 @@ void join_matrices(Plan& plan) {
             groups.push_back({std::move(job)});
             continue;
         }
-        // Chains of different tolerances go to different jobs, so that the cases of a pair are adjacent in a job.
+        // If the cases form chains (see Job), each tolerance gets a job of its own, so that the cases of a pair are
+        // adjacent.
         const bool chains = first.warm || scene.search;
         const Key key{scene.matrix,  first.label, nlohmann::json(first.options).dump(), first.quantity,
                       first.threads, first.warm,  chains ? first.tolerance : 0};
@@ -155,7 +157,8 @@ void join_matrices(Plan& plan) {
 
 namespace {
 
-// Returns the seed of the job's solver; a solver without a seed sorts before all seeds.
+// Returns the parameter `seed` of the job's solver. Returns the least integer if it has none, so that such jobs sort
+// first.
 std::int64_t seed_of(const Plan& plan, const Job& job) {
     const ParameterMap& options = plan.cases[job.cases.front()].options;
     const auto found = options.find("seed");

@@ -1,6 +1,6 @@
-// The keys of experiment files. The reader allows these and no others; `hausbench list keys` prints them, and
-// `python3 -m analysis.schema` writes them into docs/experiments.md. To add a key, add a line to keys.cpp and the
-// code that reads it.
+// Lists the keys of experiment files; the reader refuses all others. `python3 -m analysis.schema` writes them into
+// docs/experiments.md, and `hausbench list keys` prints them. To add a key, add a line to keys.cpp and the code that
+// reads it.
 #pragma once
 
 #include <string>
@@ -30,7 +30,7 @@ const KeyTable& claim_keys();
 
 const std::vector<std::string>& motion_kinds();
 
-// Returns all of these tables, in the order in which documents list them.
+// Returns all tables of keys, in the order of the documentation.
 std::vector<KeyTable> key_tables();
 
 }  // namespace hausbench

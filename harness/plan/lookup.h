@@ -1,5 +1,5 @@
-// The two lookups that planning and `explain` do for every case. A motion may have tens of thousands of cases, so
-// neither lookup may go through all other cases. The comparison is a parameter, so that a test can count its calls.
+// Two lookups that planning and `explain` do for every case. They take O(log n), because a motion may have tens of
+// thousands of cases. The comparison is a template parameter, so that a test can count its calls.
 #pragma once
 
 #include <cmath>
@@ -12,13 +12,13 @@
 
 namespace hausbench {
 
-// For each row that is run, the rows whose answers are read off its trace (see FromTrace in plan.h). Each function
+// Maps each row that is run to the rows whose answers are read off its trace (see FromTrace in plan.h). Each function
 // takes O(log n).
 template <class Less = std::less<std::size_t>> class RowsReadOff {
 public:
     explicit RowsReadOff(Less less = {}) : rows_(less) {}
 
-    // Notes that `row` is read off the trace of row `of`.
+    // Records that the answer to `row` is read off the trace of row `of`.
     void add(std::size_t of, std::size_t row) { rows_[of].push_back(row); }
 
     const std::vector<std::size_t>& of(std::size_t row) const {
@@ -31,7 +31,8 @@ private:
     std::map<std::size_t, std::vector<std::size_t>, Less> rows_;
 };
 
-// Facts about the runs of other cases, sorted by the expected work of the case (above 0). Each function takes O(log n).
+// Values known from earlier runs, sorted by expected work (above 0). Finds the value with the most similar work in
+// O(log n).
 template <class Known, class Less = std::less<double>> class NearestByWork {
 public:
     explicit NearestByWork(Less less = {}) : known_(less) {}
@@ -39,8 +40,8 @@ public:
     bool empty() const { return known_.empty(); }
     void add(double work, Known known) { known_.emplace(work, std::move(known)); }
 
-    // Returns the fact whose work differs from `work` by the smallest factor. If several facts have that work, returns
-    // the one that was added first. There must be at least one fact.
+    // Returns the value whose work differs from `work` by the smallest factor. If several values have that work,
+    // returns the one that was added first. Requires at least one value.
     const Known& nearest(double work) const {
         const auto distance = [&](double other) { return std::abs(std::log(other / work)); };
         const auto above = known_.lower_bound(work);

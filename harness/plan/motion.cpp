@@ -37,10 +37,10 @@ std::vector<Pose> rotated(const Rotation& motion, const Shape& shape) {
     const Points& points = points_of(shape);
     const Vec3 centre = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
     std::vector<Pose> poses(static_cast<std::size_t>(motion.steps));
-    const int steps = full_turns(motion.degrees) ? motion.steps + 1 : motion.steps;  // the last of them is not made
+    const int steps = full_turns(motion.degrees) ? motion.steps + 1 : motion.steps;  // the last step is not made
     for (int i = 0; i < motion.steps; ++i) {
         const double angle = motion.degrees * fraction(i, steps) * std::numbers::pi / 180;
-        if (angle == 0) continue;  // keeps exactly the identity
+        if (angle == 0) continue;  // the pose stays exactly the identity
         Pose& pose = poses[std::size_t(i)];
         pose.rotation = Eigen::AngleAxisd(angle, at_unit_scale(motion.axis).normalized()).toRotationMatrix();
         pose.translation = centre - pose.rotation * centre;

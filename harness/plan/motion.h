@@ -1,4 +1,4 @@
-// The motion of a scene's source or target, as a list of poses.
+// Motions of a scene's source or target, and their poses.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -14,8 +14,8 @@ namespace hausbench {
 
 struct Static {};
 
-// `steps` poses from `from` to `to`, both included. Lengths are in units of the diagonal or longest side of the
-// moving shape's box, or absolute.
+// `steps` evenly spaced translations from `from` to `to`, both included. Lengths are absolute, or multiples of the
+// diagonal or the longest side of the shape's bounding box.
 struct Translation {
     enum class Of { diagonal, longest, absolute };
     Vec3 from, to;
@@ -23,8 +23,8 @@ struct Translation {
     Of of;
 };
 
-// `steps` poses from 0 to `degrees` about an axis through the centre of the box of the shape as loaded. Both ends are
-// included, unless `degrees` is a multiple of 360: the last pose would repeat the first and is left out.
+// `steps` evenly spaced rotations from 0 to `degrees`, both included, about an axis through the centre of the bounding
+// box. If `degrees` is a multiple of 360, the last rotation is left out, because it would repeat the first.
 struct Rotation {
     Vec3 axis;
     double degrees;
@@ -36,23 +36,23 @@ struct PoseFile {
     std::filesystem::path file;
 };
 
-// The poses of one of the two objects that overlap in a recording (recording.h).
+// The poses of one object of an overlapping pair in a recorded simulation (recording.h).
 struct Recorded {
     std::vector<Pose> poses;
 };
 
 using Motion = std::variant<Static, Translation, Rotation, PoseFile, Recorded>;
 
-// Returns the poses of a motion of this shape. For a pose file, throws InputError if it cannot be opened or has no
-// poses, or with the number of a line that does not hold twelve finite numbers.
+// Returns the poses of a motion of this shape. Throws InputError if a pose file cannot be opened, has no poses, or has
+// a line that is not twelve finite numbers.
 std::vector<Pose> poses_of(const Motion& motion, const Shape& shape);
 
-// Returns the number of poses. Reads a pose file, and throws InputError as above.
+// Returns the number of poses. For a pose file, reads the file and throws the same errors as poses_of().
 std::size_t pose_count(const Motion& motion);
 
 bool moves(const Motion& motion);
 
-// Returns the words of a line as numbers; nothing unless they are exactly `count` finite numbers.
+// Reads a line of exactly `count` finite numbers. Returns nothing if the line has anything else.
 std::optional<std::vector<double>> finite_numbers(std::istream& line, std::size_t count);
 
 }  // namespace hausbench

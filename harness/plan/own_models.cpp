@@ -28,8 +28,8 @@ ModelInfo file_model(const std::string& path, const fs::path& folder) {
                                        : fmt::format("{}: {}", file.string(), why)));
 }
 
-// Returns the model from which a rule of the corpus would derive this one, such as "cow" for "cow_half"; empty if
-// none would.
+// Returns the name of the model from which a corpus rule would derive this one, such as "cow" for "cow_half". Returns
+// an empty string if no rule fits.
 std::string origin_by_rule(const std::string& name) {
     for (const CorpusRule& rule : corpus_rules())
         if (name.ends_with(rule.ending)) return name.substr(0, name.size() - rule.ending.size());

@@ -1,8 +1,9 @@
-// Models that an experiment brings along: [model.NAME] tables, and files that its scenes name in place of a model.
+// Adds the models that an experiment defines itself to the catalogue: [model.NAME] tables, and files that its scenes
+// name directly.
 //
-// A string in `source`, `target`, `sources` or `targets` is the name of a model if such a model exists. Otherwise it
-// is the path of a file, relative to the experiment's folder, if it contains a '/' or has an extension that can be
-// read (names_a_file); the path as written is then the model's name.
+// A scene names its shapes by strings. If a model of that name exists, it is used. Otherwise the string is the path of
+// a file, relative to the experiment's folder, if it contains a '/' or ends in an extension that can be read
+// (names_a_file). The model is then named after the path as written.
 #pragma once
 
 #include "harness/plan/experiment.h"
@@ -10,11 +11,12 @@
 
 namespace hausbench {
 
-// Adds the experiment's models to the catalogue. Throws InputError, with the experiment's file and the line, for a file
-// that does not exist, and for a name that is neither a model nor a file; the message suggests the nearest name.
+// Adds the experiment's own models to the catalogue. Throws InputError if a file does not exist, or if a name is
+// neither a model nor a file; the message suggests the nearest name.
 void add_own_models(Catalogue& catalogue, const Experiment& experiment);
 
-// Adds the models of a result, as recorded in it. A file that no longer exists is reported by Catalogue::resolve.
+// Adds the own models of the experiment that a result records. Does not check whether their files still exist;
+// Catalogue::resolve reports a missing file.
 void add_own_models(Catalogue& catalogue, const ResultFile& result);
 
 }  // namespace hausbench

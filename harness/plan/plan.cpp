@@ -36,22 +36,22 @@ bool chosen(const std::vector<std::string>& choice, const std::string& name) {
     return choice.empty() || std::find(choice.begin(), choice.end(), name) != choice.end();
 }
 
-// Returns the name of the [[scene]] that makes this scene and others; empty if it makes only this one.
+// Returns the name of the [[scene]] table if it made several scenes. Otherwise returns an empty string.
 const std::string& group_of(const ScenePlan& scene) { return scene.each.empty() ? scene.matrix : scene.each; }
 
-// Returns whether a scene is chosen, either by its own name or with its whole [[scene]].
+// Returns whether `choice` is empty or lists a scene, by its own name or by the name of its [[scene]] table.
 bool chosen(const std::vector<std::string>& choice, const ScenePlan& scene) {
     return chosen(choice, scene.name) || (!group_of(scene).empty() && chosen(choice, group_of(scene)));
 }
 
-// A solver with its parameters on a scene, and the properties that its cases share.
+// One solver with given parameters on one scene, and the properties that its cases share.
 struct SolverOnScene {
     const ScenePlan& scene;
     const SceneModels& models;
     const SolverPlan& solver;
     const ParameterMap& given;
-    const SolverEntry* entry = nullptr;   // null: it is not built
-    std::optional<Outcome> decided = {};  // set if there is nothing to run
+    const SolverEntry* entry = nullptr;   // null: the solver is not built
+    std::optional<Outcome> decided = {};  // the outcome of all cases, if none can run
     std::vector<double> tolerances = {};  // the finest first
     Case common = {};
 };
@@ -75,7 +75,7 @@ public:
         plan_.whole = choice.solvers.empty() && choice.scenes.empty();
         check_choice(choice.scenes, scene_names, "scene");
         check_choice(choice.solvers, solver_names, "solver");
-        // Checks all names first, so that a wrong one is found before models are derived.
+        // Checks all names first, so that a wrong name is reported before any model is derived.
         for (const ScenePlan& scene : experiment.scenes) {
             if (scene.search && !choice.scenes.empty() && chosen(choice.scenes, scene.name))
                 throw InputError(fmt::format("--scene: '{}' is a pair of a search: choose the whole of it, '{}'",
@@ -137,7 +137,7 @@ private:
         note(label, one, models.poses.size() * one.tolerances.size(), run);
     }
 
-    // Collects the common properties of a solver's cases on a scene. If none of them can run, sets `decided`.
+    // Collects the properties that the cases of a solver on a scene share. Sets `decided` if no case can run.
     SolverOnScene look_at(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
                           const ParameterMap& given) {
         SolverOnScene one{scene, models, solver, given};
@@ -159,20 +159,20 @@ private:
         const CommandFiles files = one.entry ? files_of(*one.entry, given) : CommandFiles{};
         decide(RowStatus::skipped, files.missing);
         one.tolerances = one.scene.tolerances.empty() ? solver.tolerances : one.scene.tolerances;
-        std::sort(one.tolerances.begin(), one.tolerances.end());  // the finest first
+        std::sort(one.tolerances.begin(), one.tolerances.end());
         one.common = without_pose(scene, models, solver, one.entry, given);
         one.common.program_sha256 = files.sha256;
         return one;
     }
 
-    // Adds a case for each pose and tolerance. Returns the jobs that run them; the caller fills in Job::pairs. This is
-    // one job, or one for each tolerance if the cases form chains (see Job). A pair that cannot run gets its rows, too,
-    // but is not part of the chain of a search, so that no answer depends on it.
+    // Adds a case for each pose and tolerance. Returns the jobs that run these cases: one job, or one for each
+    // tolerance if the cases form chains (see Job). The caller fills in Job::pairs. A pair that cannot run gets rows
+    // but is left out of the chain of its search, so that no answer depends on it.
     std::vector<Job> add_cases(const SolverOnScene& one) {
         const ScenePlan& scene = one.scene;
         const std::vector<double>& tolerances = one.tolerances;
-        // If only the finest tolerance builds structures over a copy of a moved target, its trace shows times that are
-        // too long for the coarser tolerances. These are then run themselves.
+        // Does not read answers off the trace if only the finest tolerance builds structures over a copy of a moved
+        // target, because the trace then shows longer times than a coarser tolerance would take.
         const bool reads_trace = one.entry && !scene.search && reads_finer(*one.entry, one.solver, one.given) &&
                                  (!copies_targets(one, tolerances.front()) || copies_targets(one, tolerances.back()));
         const bool chained = one.solver.warm || (scene.search && !one.decided);
@@ -221,7 +221,7 @@ private:
         return queries;
     }
 
-    // Returns whether the solver runs and, at some pose, builds structures over a copy of the moved target.
+    // Returns whether the solver runs and builds structures over a moved copy of the target at some pose.
     static bool copies_targets(const SolverOnScene& one, double tolerance) {
         if (one.decided) return false;
         const SceneModels& models = one.models;
@@ -242,7 +242,7 @@ private:
         });
     }
 
-    // Finds the files of all command lines among the solver's parameters together.
+    // Finds and hashes the files named in the command lines among the solver's parameters.
     CommandFiles files_of(const SolverEntry& entry, const ParameterMap& given) {
         CommandFiles all;
         for (const ParameterSpec& spec : entry.info.parameters) {
@@ -259,8 +259,8 @@ private:
         return all;
     }
 
-    // Returns whether answers to coarser tolerances can be read off the run of the finest one. A warm case cannot,
-    // because it depends on the answers before it.
+    // Returns whether answers to coarser tolerances can be read off the run of the finest one. Warm cases must be run,
+    // because they depend on the answers before them.
     bool reads_finer(const SolverEntry& entry, const SolverPlan& solver, const ParameterMap& options) const {
         const Experiment& e = plan_.experiment;
         const bool traced = e.trace && entry.info.can(Ability::traces) && entry.info.can(Ability::coarser_answers) &&
@@ -322,7 +322,7 @@ private:
         }
     }
 
-    // Adds a ledger entry: the solver does not support moving targets, so it builds its structures at each pose anew.
+    // Records in the ledger that each pose builds structures anew, because the solver does not support moving targets.
     void note_copies(const std::string& label, const QuerySet& queries, const SceneModels& models) {
         const bool both = queries.target_moves && queries.symmetric && queries.moves;
         plan_.ledger.push_back(
@@ -358,7 +358,7 @@ private:
     }
 
     std::map<std::string, CommandFiles> commands_;  // by command line
-    // For each search, source and set of options: the identity of the last case so far in the chain of each tolerance.
+    // Identity of the last case so far in the chain of each tolerance, for each search, source and set of options.
     std::map<std::tuple<std::string, std::string, const ParameterMap*>, std::vector<std::string>> searches_;
     Plan plan_;
 };

@@ -15,8 +15,8 @@
 namespace hausbench {
 namespace {
 
-// Returns the pose for seven numbers: a quaternion, real part first, and a translation. Returns nothing unless the
-// quaternion has length 1, within 1e-6.
+// Returns the pose given by seven numbers: a unit quaternion, real part first, and a translation. Returns nothing if
+// the length of the quaternion differs from 1 by more than 1e-6.
 std::optional<Pose> pose_of(const double* numbers) {
     const Eigen::Quaterniond rotation(numbers[0], numbers[1], numbers[2], numbers[3]);
     if (std::abs(rotation.norm() - 1) > 1e-6) return std::nullopt;

@@ -14,10 +14,10 @@ namespace hausbench {
 
 namespace {
 
-constexpr double finer = 0.01;  // tolerance of a reference answer, relative to the finest tolerance on its scene
+constexpr double finer = 0.01;  // tolerance of a reference answer / finest tolerance on its scene
 
-// Returns the name of the solver of reference answers for two shapes of these kinds; empty if there is none, or if it
-// is not built.
+// Returns the name of the solver that computes reference answers for shapes of these kinds. Returns an empty string if
+// there is none, or if it is not built.
 std::string solver_for(ShapeKind source, ShapeKind target) {
     const bool surfaces = source == ShapeKind::surface && target == ShapeKind::surface;
     if (!surfaces && (source == ShapeKind::surface || target == ShapeKind::surface)) return "";
@@ -47,7 +47,7 @@ std::optional<Experiment> references_of(const Plan& plan) {
     if (!asked.reference) return std::nullopt;
     std::map<std::string, ShapeKind> kinds;
     for (const ModelRow& model : plan.models) kinds[model.info->name] = model.resolved.kind;
-    std::map<std::string, double> finest;                                      // the finest tolerance of each scene
+    std::map<std::string, double> finest;                                      // by scene
     std::map<std::pair<std::string, Quantity>, std::set<std::string>> scenes;  // by solver and quantity
     std::set<std::string> searches;
     for (const ScenePlan& scene : asked.scenes)

@@ -1,6 +1,6 @@
-// The reference answers of an experiment: one certified answer for each scene, pose and quantity. Its tolerance is a
-// hundredth of the finest one that the experiment requests on that scene, and it is not timed. The bounds of every row
-// are checked against the reference answer (check/verify.h), which also shows how far they are from the true distance.
+// Plans the *reference answers* of an experiment: one certified, untimed answer for each scene, pose and quantity,
+// against which the bounds of all rows are checked (check/verify.h). The tolerance is a hundredth of the finest
+// tolerance requested on the scene, so the answers also show how far other bounds are from the true distance.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -9,13 +9,13 @@
 
 namespace hausbench {
 
-// LedgerEntry::reason for the time that reference answers take.
+// The reason that the ledger gives for the time spent on reference answers.
 inline constexpr const char* rows_are_compared = "the rows are compared with them";
 
-// Returns the experiment that asks for the reference answers of a plan. It has the scenes of the plan and the solvers
-// `scan` for two point sets, `surface_enclosure` for two surfaces and `cover` for everything else. Searches and
-// penetration depths have no reference answers, because a search has too many pairs to answer them all, and no solver
-// certifies a depth. Returns nothing if no answer is needed, or if the plan's experiment says `reference = false`.
+// Returns an experiment that computes the reference answers of a plan: of two point sets with the solver `scan`, of two
+// algebraic surfaces with `surface_enclosure`, and of other pairs without surfaces with `cover`. Searches have none
+// because they have too many pairs, and penetration depths because no solver certifies a depth. Returns nothing if no
+// answer is needed, or if the experiment says `reference = false`.
 std::optional<Experiment> references_of(const Plan& plan);
 
 }  // namespace hausbench

@@ -9,8 +9,8 @@ namespace hausbench {
 
 namespace {
 
-// Fills in the poses and the largest coordinates of both shapes. If one shape stands still, it has the identity at
-// every pose of the other. If both move, they have the same number of poses, as scene_reader.cpp has checked.
+// Fills in the poses and largest coordinates of both shapes, if one of them moves. A shape that stands still has the
+// identity at every pose of the other. scene_reader.cpp has checked that two moving shapes have equally many poses.
 void move(const ScenePlan& scene, SceneModels& models, const ReadShape& read) {
     if (!moves(scene.motion) && !moves(scene.target_motion)) return;
     const auto side = [&](const Motion& motion, const std::string& name, const auto& model, Pose ScenePose::*pose) {

@@ -1,4 +1,4 @@
-// Finds the two models of a scene and their poses.
+// Finds the two models of a scene, and lists the poses of both.
 #pragma once
 
 #include "datasets/catalogue.h"
@@ -25,21 +25,23 @@ struct SceneModels {
     RowStatus row = RowStatus::skipped;             // status of the scene's rows if it cannot run
 };
 
-// FindModel finds a model by name. ReadShape reads its shape, and is called only if a shape of the scene moves.
+// FindModel looks up a model by name. ReadShape loads the shape of a model; it is called only if a shape of the scene
+// moves.
 using FindModel = std::function<std::variant<ResolvedModel, MissingModel>(const std::string& name)>;
 using ReadShape = std::function<Shape(const std::string& name, const ResolvedModel&)>;
 
-// Finds the models of a scene with these two functions; an InputError that they throw becomes the reason why the
+// Finds the models and poses of a scene. If `find` or `read` throws InputError, its message becomes the reason why the
 // scene cannot run.
 SceneModels models_of(const ScenePlan& scene, const FindModel& find, const ReadShape& read);
 
-// Finds the models of scenes, each model only once. This may fetch, generate or derive a model, which can take a while,
-// so `say` is called before each model.
+// Finds the models of scenes. Fetches, generates or derives each model once, which can take a while, so `say` is called
+// first.
 class ModelFinder {
 public:
     ModelFinder(const Catalogue& catalogue, const SayModel& say) : catalogue_(catalogue), say_(say) {}
 
-    // Counts the models of a scene. Call it for all scenes before the first find(), so that `say` knows the total.
+    // Counts the models of a scene. Call this for all scenes before the first find(), so that `say` gets the right
+    // total.
     void expect(const ScenePlan& scene);
 
     SceneModels find(const ScenePlan& scene);
@@ -56,7 +58,8 @@ private:
     std::vector<ModelRow> found_;
 };
 
-// Finds the models of scenes among the models that a result recorded. All others count as missing; no model is made.
+// Finds the models of scenes among the models that a result recorded. Makes no models: a model that was not recorded
+// counts as missing.
 class RecordedModels {
 public:
     RecordedModels(const std::vector<ModelRecord>& records, ShapeOf shape_of);

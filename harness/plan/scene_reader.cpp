@@ -44,7 +44,7 @@ Motion read_motion(const ExperimentTable& scene, const toml::node& node, std::st
     return Static{};
 }
 
-// Reads `exact`: one number, or one for each severity.
+// Reads the key `exact`: one number, or a list with a number for each severity.
 double exact_of(const ExperimentTable& table, const toml::node& node) {
     const toml::array* list = node.as_array();
     if (!list) return table.number(node, "exact");
@@ -137,7 +137,7 @@ std::vector<std::string> names_of_corpus(const ExperimentTable& table, const tom
     return corpus_names(file, whole);
 }
 
-// Returns one scene for each model that `each` names.
+// Returns one scene for each model that `each` names, with the model's name in place of every {}.
 std::vector<ScenePlan> expand_each(const ExperimentTable& table, const ScenePlan& scene) {
     const toml::node& node = *table.find("each");
     for (const char* key : {"exact", "sources", "targets"}) {
@@ -165,8 +165,8 @@ std::vector<ScenePlan> expand_each(const ExperimentTable& table, const ScenePlan
     return scenes;
 }
 
-// Returns for each frame of a recording whether the scene asks for it: all frames, the listed ones, or every n-th
-// starting with the first.
+// Returns for each frame of a recording whether the scene uses it: all frames, the frames listed in `frames`, or every
+// n-th frame (`every`).
 std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     const toml::node *list = table.find("frames"), *every = table.find("every");
     if (list && every) table.fail(*every, "'every' and 'frames' both choose frames: remove one of the two");
@@ -187,8 +187,8 @@ std::vector<bool> frames_asked(const ExperimentTable& table, int count) {
     return asked;
 }
 
-// Returns one scene for each pair of models whose objects overlap. Each pose of such a scene is the two
-// poses of two objects that overlap in one frame.
+// Returns one scene for each pair of models with overlapping objects. Each pose of the scene comes from a frame in
+// which two such objects overlap.
 std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const ScenePlan& scene) {
     const toml::node& node = *table.find("recording");
     for (const char* key :
@@ -230,7 +230,7 @@ std::vector<ScenePlan> expand_recording(const ExperimentTable& table, const Scen
     return scenes;
 }
 
-// Returns one scene for each source and each target.
+// Returns one scene for each pair of a source and a target.
 std::vector<ScenePlan> expand_matrix(const ExperimentTable& table, const ScenePlan& scene) {
     for (const char* key : {"source", "target", "exact"}) {
         if (const toml::node* node = table.find(key))
@@ -252,7 +252,7 @@ std::vector<ScenePlan> expand_matrix(const ExperimentTable& table, const ScenePl
     for (std::size_t i = 0; i < sources.size(); ++i) {
         for (std::size_t k = 0; k < targets.size(); ++k) {
             const std::string &source = sources[i], &target = targets[k];
-            if (scene.search && source == target) continue;  // at distance 0, each would be its own nearest target
+            if (scene.search && source == target) continue;  // the nearest target of a shape would be the shape itself
             ScenePlan pair = scene;
             pair.source_line = line("sources", i);
             pair.target_line = line("targets", k);

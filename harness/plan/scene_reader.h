@@ -10,8 +10,8 @@ namespace hausbench {
 
 ScenePlan read_scene(const ExperimentTable& table);
 
-// Returns the scenes for a table: one for each source and target (source by source), for each model of `each`, or for
-// each pair of a recording; otherwise just `scene`.
+// Returns the scenes that a table describes: one for each pair of a matrix (source by source), for each model in
+// `each`, or for each pair of models in a recording. Otherwise returns just `scene`.
 std::vector<ScenePlan> expand(const ExperimentTable& table, const ScenePlan& scene);
 
 // Throws InputError if a pose file of the scene cannot be read, so that the error is found before anything runs.

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view place_of_value = "{}";
 
-// Returns a short string that reads back as the same number, written as people do: "1e8", "0.25", "1000".
+// Returns a short string that reads back as exactly this number and looks as people write it: "1e8", "0.25", "1000".
 std::string text_of(double value) {
     std::array<char, 64> buffer{};
     const auto written = [&](std::chars_format format) {
@@ -33,7 +33,7 @@ std::string text_of(double value) {
     return plain.empty() || power.size() + 2 <= plain.size() ? power : plain;
 }
 
-// Replaces the characters that names of scenes may have but names of models may not.
+// Replaces every character that is not allowed in the name of a model with '_'.
 std::string as_model_name(std::string text) {
     for (char& c : text)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';

@@ -1,4 +1,4 @@
-// Splits a plan into parts for several machines: --shard i/n.
+// Restricts a plan to one of n parts (shards), so that several machines can share the work: --shard i/n.
 #pragma once
 
 #include <string>
@@ -18,9 +18,9 @@ inline constexpr const char* in_another_shard = "in another shard";  // the reas
 // Parses "i/n". Throws InputError unless 1 <= i <= n.
 Shard parse_shard(const std::string& text);
 
-// Removes the jobs of other shards from the plan; their rows become `skipped` with the reason `in_another_shard`. The
-// command `merge` joins the results of all shards. `shards` holds the shard of each job, from 1 (split.h). The jobs of
-// the reference answers go to the shards in turn.
+// Removes the jobs of other shards from the plan. Their rows become `skipped` with the reason `in_another_shard`.
+// `shards` holds the shard number of each job, from 1 (split.h). The jobs for reference answers go to the shards in
+// turn.
 void take_shard(Plan& plan, const Shard& shard, const std::vector<int>& shards);
 
 }  // namespace hausbench

@@ -21,8 +21,8 @@ ParameterValue read_value(const ExperimentTable& table, const toml::node& node, 
                fmt::format("parameter '{}' must be a number, a text, true, false, or a list of them to sweep", key));
 }
 
-// Returns every combination of the swept values, with the last parameter varying fastest, each checked against the
-// solver's declarations.
+// Returns every combination of the parameter values in the table; the last parameter varies fastest. Throws InputError
+// if the solver does not accept a combination.
 std::vector<ParameterMap> read_options(const ExperimentTable& table, const SolverEntry& entry) {
     std::vector<ParameterMap> combinations(1);
     const toml::table none;

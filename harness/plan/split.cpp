@@ -26,7 +26,7 @@ std::string key_of(const Plan& plan, const Job& job) {
     return hash.hex().substr(0, 16);
 }
 
-// Does the work of balanced() for parts that already have `taken` seconds of work.
+// Distributes jobs like balanced(), but over parts that already have `taken` seconds of work.
 std::vector<int> dealt(const std::vector<double>& seconds, std::vector<double> taken) {
     std::vector<std::size_t> order(seconds.size());
     std::iota(order.begin(), order.end(), 0);
@@ -65,7 +65,7 @@ Split split(const Plan& plan, const Estimates& estimates, int of, const Split& e
     const auto parts_wanted = std::size_t(of);
     std::vector<double> taken(parts_wanted), seconds;
     std::vector<std::string> keys;
-    // Jobs with the same cases on scenes with different names share their answers, so they get one entry.
+    // Jobs that have the same cases, on scenes with different names, share their answers and go to the same shard.
     std::map<std::string, std::size_t> places;
     for (const Job& job : plan.jobs) {
         const std::string key = key_of(plan, job);

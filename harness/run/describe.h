@@ -1,4 +1,4 @@
-// Fills in the metadata of a run (/meta) and the records of its models.
+// Fills in the metadata of a result (/meta) and the records of its models.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -8,11 +8,11 @@
 
 namespace hausbench {
 
-// Fills in the metadata known before any case runs, which describes the plan, the build and the machine.
+// Fills in the metadata of a result: the plan, the build, the machine, and when the run started and finished.
 void describe_run(ResultFile& result, const Plan& plan, const std::string& started, const std::string& finished);
 
-// Returns the text to append to the name of the build if Plan::planted_slowdown distorts the times, otherwise an empty
-// string. `merge` and `compare` refuse results of a build with this text.
+// Returns a suffix for the name of the build that marks its times as distorted by Plan::planted_slowdown. Returns an
+// empty string if the slowdown is 0.
 std::string planted(const Plan& plan);
 
 ModelRecord record_of(const ModelRow& model);

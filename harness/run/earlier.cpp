@@ -24,7 +24,7 @@ using CaseKey = std::tuple<std::string, std::string, std::string>;
 
 CaseKey key_of(const Case& c) { return {c.identity, c.scene, c.label}; }
 
-// The cases that the experiment in its present form asks for in one profile, by key.
+// The cases that the experiment now requests in one profile.
 struct Asked {
     std::map<CaseKey, Case> cases;
     std::set<std::string> unknown;  // scenes with unknown poses, see AskedCases
@@ -76,7 +76,7 @@ public:
     }
 
 private:
-    // Keeps the earlier reference answers that rows of the result need and this run did not produce.
+    // Keeps earlier reference answers that rows of the result need, unless this run has computed them anew.
     void keep_references() {
         if (!plan_.experiment.reference) return;
         using Place = std::tuple<std::string, Quantity, int>;  // scene, quantity, pose
@@ -88,16 +88,16 @@ private:
             if (wanted.contains(place_of(one.asked))) result_.references.push_back(std::move(one));
     }
 
-    // Returns whether an interrupted run did not reach this row.
+    // Returns whether an interrupted run ended before it reached this row.
     static bool awaits(const Row& row) {
         return row.outcome.status == RowStatus::skipped && row.outcome.reason == not_run_yet;
     }
 
-    // Returns whether the plan covers this case in the plan's profile, see keep_earlier().
+    // Returns whether the plan replaces the earlier row of this case in the plan's profile.
     bool covers(const Case& c) const { return plan_.whole || covered_.contains({c.scene, c.label}); }
 
-    // Fills `asked_`: for each profile in which some earlier row is not covered, the cases that the experiment asks for
-    // now. A profile that can no longer be read asks for nothing; a run in that profile reports the error.
+    // Sets `asked_` to the cases that the experiment now requests, for each profile with an earlier row that the plan
+    // does not replace. A profile that can no longer be read requests nothing; a run in that profile reports the error.
     void decide_profiles() {
         for (const Row& row : before_.rows) {
             for (const std::string& profile : uncovered(row.asked)) {
@@ -118,14 +118,14 @@ private:
         }
     }
 
-    // Returns the profiles of a case in which the plan does not cover it.
+    // Returns the profiles in which the plan does not replace the earlier row of this case.
     std::set<std::string> uncovered(const Case& c) const {
         std::set<std::string> profiles = profile_names(c.profile);
         if (covers(c)) profiles.erase(now_);
         return profiles;
     }
 
-    // Decides whether an earlier row stays.
+    // Keeps or drops an earlier row by the rules of keep_earlier().
     void keep(Row row) {
         Case& c = row.asked;
         const auto at = rows_.find(key_of(c));
@@ -170,7 +170,8 @@ private:
         result_.rows.push_back(std::move(row));
     }
 
-    // Copies the properties of a case that the experiment may have changed without changing the case's identity.
+    // Updates the properties of an earlier case that the experiment may have changed without changing the case's
+    // identity.
     static void describe_as(const Case& today, Case& c) {
         c.variant = today.variant;
         c.note = today.note;
@@ -180,7 +181,6 @@ private:
         c.pose_index = today.pose_index;
     }
 
-    // Returns the lines to print.
     std::vector<std::string> said() const {
         std::vector<std::string> lines;
         if (gone_ > 0)
@@ -217,7 +217,7 @@ private:
     std::size_t gone_ = 0, not_replaced_ = 0, other_builds_ = 0;
 };
 
-// Renames a file to the first free name of FILE.unreadable, FILE.unreadable.2, ...
+// Renames a file to FILE.unreadable or, if that name is taken, to FILE.unreadable.2 and so on.
 std::filesystem::path put_aside(const std::filesystem::path& file) {
     std::filesystem::path aside = file.string() + ".unreadable";
     for (int number = 2; std::filesystem::exists(std::filesystem::symlink_status(aside)); ++number)

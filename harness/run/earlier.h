@@ -1,5 +1,5 @@
-// Keeps rows of an earlier result when a run writes the same file again. So a run of one solver, one scene or another
-// profile replaces only the rows that it was asked for, and adds its rows to the others.
+// Keeps rows of an earlier result when a run writes the same file again. A run of one solver, scene or profile thus
+// replaces only the rows that it was asked for.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -11,18 +11,18 @@
 
 namespace hausbench {
 
-// `result` holds the rows of `plan` in order, `before` the earlier rows. Moves the earlier rows that stay from `before`
-// to `result`, with their models and ledger entries.
+// Moves the earlier rows that are still valid, with their models and ledger entries, from `before` to `result`, which
+// holds the rows of `plan` in order.
 //
 // A row belongs to one or several profiles, and stays if it stays in at least one of them:
-// - From the plan's profile, a row is dropped if the plan *covers* it, because the plan has replaced it. A plan covers
-//   all rows of its profile if Plan::whole, otherwise the rows of its own scenes and solvers.
-// - In other profiles, and if it is not covered, a row stays if the experiment in its present form still asks for it
-//   there: for a case with the same identity, scene and label, on the models that the result recorded. A row also stays
-//   if this is unknown, because the poses depend on a shape that is not available.
-// - From all profiles, a row is dropped if the plan uses one of its models, but with other bytes.
-// If a row stays and the plan has the same case, only the plan's row remains, and it belongs to all these profiles.
-// A case of the plan that an interrupted run did not reach gets the outcome of its earlier row.
+// - In the plan's profile, a row is dropped if the plan *covers* it, that is, has replaced it. A plan covers all rows
+//   of its profile if Plan::whole, otherwise the rows of its own scenes and solvers.
+// - In other profiles, and if the plan does not cover it, a row stays if the experiment still requests its case: the
+//   same identity, scene and label, with the models that the result recorded. A row also stays if this is unknown,
+//   because the poses depend on a shape that is not available.
+// - In all profiles, a row is dropped if the plan uses one of its models with other bytes.
+// If a row stays and the plan has the same case, only the plan's row remains, and it belongs to all these profiles. A
+// case of the plan that an interrupted run did not reach gets the outcome of its earlier row.
 //
 // Returns the lines to print: how many rows were dropped or kept and why, and how many are from other builds.
 //
@@ -32,19 +32,18 @@ namespace hausbench {
 std::vector<std::string> keep_earlier(ResultFile& result, ResultFile before, const Plan& plan,
                                       const ShapesOf& shapes_of, std::vector<std::size_t>& places);
 
-// Does the same with the rows of a result file, if it exists. A file that cannot be read is renamed rather than
-// overwritten, since somebody may still want it, and one of the lines says its new name. Throws NewerResult for a file
-// that a newer version of the program wrote, and InputError if Ctrl-C ends the reading.
+// Like keep_earlier(), but reads the earlier rows from a file; does nothing if the file does not exist. A file that
+// cannot be read is renamed, not overwritten, and one of the returned lines gives its new name. Throws NewerResult if a
+// newer version of the program wrote the file, and InputError if Ctrl-C ends the reading.
 std::vector<std::string> keep_earlier_rows(ResultFile& result, const std::filesystem::path& file, const Plan& plan,
                                            const ShapesOf& shapes_of, std::vector<std::size_t>& places);
 
-// Throws InputError if `file` is the result of another experiment that must not be replaced: its recorded text differs
-// from `experiment`, and the experiment file that it names still exists and is not the file of `experiment`. With
-// `fresh`, it may be replaced all the same. Throws NewerResult for a file that a newer version of the program wrote.
-// Does nothing if the file is damaged.
+// Throws InputError if a run of `experiment` would overwrite the result of another experiment: the text recorded in
+// `file` differs, and the experiment file named there still exists and is a different one. Throws NewerResult if a
+// newer version of the program wrote `file`. Does nothing with `fresh`, or if `file` is damaged.
 void refuse_to_replace(const std::filesystem::path& file, const Experiment& experiment, bool fresh);
 
-// Sorts the rows by their places.
+// Sorts the rows by the keys in `places`.
 void put_in_order(std::vector<Row>& rows, const std::vector<std::size_t>& places);
 
 }  // namespace hausbench

@@ -1,14 +1,14 @@
 // Runs another program as a solver, given its command line, so that programs by the authors of papers can be compared
 // without linking them.
 //
-// The program gets two files, A moved by its pose and B, with 17 digits per coordinate, and the tolerance on the
-// command line. B is written once, before the clock starts. Regular expressions find the bounds in the program's
-// output. A bound that the program does not print is 0 (lower) or infinity (upper). The bounds are not certified.
+// The program gets the tolerance on the command line, and two files: A, moved by its pose, and B. Coordinates have 17
+// digits. B is written once, before the clock starts. Regular expressions find the bounds in the program's output. A
+// bound that the program does not print is 0 (lower) or infinity (upper). The bounds are not certified.
 //
 // The time of a solve includes writing A, starting the program, and the program's reading of both files. The parameter
-// `seconds` finds the time that the program itself reports. Relative paths in the command line start from the folder
-// of the experiment (`run`) or from the current folder (`measure`). A command line that does not mention the tolerance
-// is run once for all tolerances of an experiment.
+// `seconds` finds the time that the program itself reports. Relative paths in the command line start from the folder of
+// the experiment (`run`) or from the current folder (`measure`). A command line that does not mention the tolerance is
+// run once for all tolerances of an experiment.
 #include "harness/run/external.h"
 
 #include "algorithms/error.h"
@@ -29,15 +29,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The place of a number in the output: a regular expression with one group around the number, tried on each line. The
-// last line that matches counts, because programs print their progress first.
+// Finds a number in a program's output with a regular expression that has one group, around the number. The last line
+// that matches counts, because programs print their progress first.
 class Place {
 public:
     explicit Place(const std::string& text) : text_(text), expression_(text, std::regex::ECMAScript) {}
 
     bool told() const { return !text_.empty(); }  // false if no expression is given
 
-    // Returns the number in the output; nothing if no line matches, or if the last match is not a number.
+    // Returns the number. Returns nothing if no line matches, or if the last match is not a number.
     std::optional<double> find(const std::string& output) const {
         std::optional<double> found;
         if (!told()) return found;
@@ -100,7 +100,7 @@ std::string last_words(const std::string& output) {
     return "; end of its output: " + text.substr(text.size() - std::min<std::size_t>(text.size(), 400));
 }
 
-// Runs a command line, for at most this many seconds. When it ends, its descendants are killed.
+// Runs a command line in `folder` for at most `seconds`. When it ends, the processes that it started are killed.
 CommandRun run_command(const std::string& line, double seconds, const fs::path& folder) {
     Launch launch;
     launch.command = {"/bin/sh", "-c", line};
@@ -162,7 +162,7 @@ public:
     }
 
 private:
-    // Returns the absolute path of file A or B, because the program runs in another folder.
+    // Returns the path of file A or B. It is absolute because the program runs in another folder.
     fs::path file(const char* name) const {
         return fs::absolute(folder_->path() / (std::string(name) + "." + extension_));
     }

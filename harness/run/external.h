@@ -1,5 +1,5 @@
-// The solver `external`, which runs another program by its command line. It is not in the library of solvers, because
-// it starts processes; main() adds it to the registry.
+// The solver `external`, which runs another program, given its command line. It is not in the library of solvers,
+// because it starts processes; main() adds it to the registry.
 #pragma once
 
 #include "algorithms/solver.h"

@@ -63,8 +63,8 @@ std::size_t Finished::forget_those(const std::function<bool(const Row&)>& chosen
 
 void Finished::append(std::size_t row, int round, const Outcome& outcome) {
     const Outcome* known = kept(row, round);
-    // The first case of a search may also be a case of another scene, in which other rows are read off its trace. So an
-    // outcome without a trace must not replace an outcome with a trace.
+    // The first case of a search may also belong to another scene, in which other rows are read off its trace. So an
+    // outcome without a trace must not replace one that has a trace.
     const bool has_less =
         known && known->cutoff_used == outcome.cutoff_used && !known->trace.empty() && outcome.trace.empty();
     if (!has_less) journal_.append({plan_.cases[row].identity, round}, outcome);
@@ -130,8 +130,8 @@ const Outcome* Finished::kept(std::size_t row, int round) const {
     if (at == journal_.outcomes().end()) return nullptr;
     const Outcome& outcome = at->second;
     if (!will_do(row, outcome)) return nullptr;
-    // The experiment may ask for more than an earlier run delivered, because neither repeats nor stages nor traces are
-    // part of a case's identity.
+    // Repeats, stages and traces are not part of a case's identity, so the experiment may now request more than an
+    // earlier run delivered.
     if (is_timed(outcome.status) && outcome.repeats_asked < plan_.experiment.repeats) return nullptr;
     if (round == 0 && is_timed(outcome.status) && plan_.experiment.stages && !outcome.stages_asked) return nullptr;
     // A later round of a search is stale if round 0 has since been run again with another cutoff.
@@ -159,15 +159,15 @@ bool Finished::is_surface(const std::string& name) const {
     });
 }
 
-// Returns whether fields are required but their file is missing or differs from the hash in the row.
+// Returns whether fields are required but their file is missing or does not match the hash in the outcome.
 bool Finished::lacks_fields(std::size_t row, const Outcome& outcome) const {
     const auto file = fields_file(row);
     if (file.empty() || !is_timed(outcome.status)) return false;
     return !std::filesystem::is_regular_file(file) || sha256_of_file(file) != outcome.fields_sha256;
 }
 
-// Reads the fields of a row. Returns none if they were not requested, if they cannot be read, or if this row is read
-// off the run of another one, to which the fields belong. The row's answer counts in any case.
+// Reads the fields of a row. Returns no fields, and clears their hash in `outcome`, if none were requested, if they
+// cannot be read, or if the row is read off the run of another row.
 Fields Finished::fields_of(std::size_t row, Outcome& outcome) const {
     const auto file = fields_file(row);
     if (!file.empty() && !outcome.from_trace && !outcome.fields_sha256.empty()) {
@@ -177,8 +177,8 @@ Fields Finished::fields_of(std::size_t row, Outcome& outcome) const {
     return {};
 }
 
-// Returns the outcome of a row: the one in Plan::decided if there is one, otherwise the accepted answers of all rounds
-// combined. Without an answer in round 0, the outcome is `skipped` with the reason `not_run_yet`.
+// Returns the outcome of a row: from Plan::decided if it has one, otherwise combined from the accepted answers of all
+// rounds. Without an answer in round 0, the outcome is `skipped` with the reason `not_run_yet`.
 Outcome Finished::gather(std::size_t row) const {
     if (const auto at = plan_.decided.find(row); at != plan_.decided.end()) {
         Outcome outcome = at->second;

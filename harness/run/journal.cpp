@@ -25,7 +25,7 @@ constexpr int journal_schema = 4;
 
 std::string checksum(std::string_view text) { return Sha256().add(text.data(), text.size()).hex().substr(0, 16); }
 
-// Returns whether a file with this text has only the beginning of a first line, whose write did not finish.
+// Returns whether the text is the beginning of a journal's first line, left by a write that did not finish.
 bool torn_header(std::string_view text) {
     constexpr std::string_view start = R"({"hausbench_journal":)";
     if (text.find('\n') != std::string_view::npos) return false;
@@ -189,7 +189,8 @@ void Journal::write_line(const std::string& text) {
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) {
             const int cause = errno;
-            // Removes the incomplete line; this needs no room on the disk. If it fails, the next open removes the line.
+            // Removes the incomplete line, which needs no room on the disk. If this fails, the next open removes the
+            // line.
             if (::ftruncate(descriptor_, start) == 0) ::lseek(descriptor_, start, SEEK_SET);
             throw InputError(fmt::format("{}: cannot write: {}; finished cases are saved: make room and run again",
                                          file_.string(), std::strerror(cause)));

@@ -1,8 +1,9 @@
-// Keeps finished outcomes safe: each is appended, with a checksum and fsync, to a file beside the result.
+// Saves each outcome as soon as it is known, so that an interrupted run can be resumed. Appends it, with a checksum and
+// fsync, to a file beside the result.
 //
-// Each line is a record: 16 hexadecimal digits of the SHA-256 of the rest, a space, and JSON. An incomplete last line,
-// after a power cut or a kill, is removed when the journal is opened. A damaged line before the last one is an error,
-// because an interrupted write cannot cause it.
+// Each line is a record: 16 hexadecimal digits of the SHA-256 of the rest, a space, and JSON. A power cut or a kill can
+// leave an incomplete last line, which is removed when the journal is next opened. A damaged line before the last one
+// is an error, because an interrupted write cannot cause it.
 #pragma once
 
 #include "harness/record/row.h"
@@ -18,13 +19,13 @@ namespace hausbench {
 
 class Journal {
 public:
-    // Opens or creates the file, and locks it. Throws InputError if another run holds the lock, or if the file is
-    // damaged, has another schema, is not a journal, or cannot be written. With `start_over`, a file that cannot be
-    // read is emptied instead.
+    // Opens or creates the file, and locks it. Throws InputError if another run holds the lock, or if the file cannot
+    // be written or is not a valid journal of this version. With `start_over`, a file that is not valid is emptied
+    // instead.
     explicit Journal(std::filesystem::path file, bool start_over = false);
 
     // Reads a file that another run may be writing, without locking or changing it. Skips an incomplete last line; a
-    // missing file counts as empty. Throws InputError as above. Nothing may be appended.
+    // missing file counts as empty. Throws InputError if the file is not a valid journal. append() must not be called.
     struct ReadOnly {};
     Journal(std::filesystem::path file, ReadOnly);
 
@@ -39,10 +40,10 @@ public:
     const std::map<Key, Outcome>& outcomes() const { return outcomes_; }
     void append(const Key& key, const Outcome& outcome);
 
-    // Forgets the outcomes of these identities in all rounds.
+    // Forgets the outcomes of the cases with these identities, in all rounds.
     void forget(const std::set<std::string>& identities);
 
-    // Returns the time at which the run that created the journal started, in UTC.
+    // Returns the start time, in UTC, of the run that created the journal.
     const std::string& started() const { return started_; }
 
 private:

@@ -10,8 +10,8 @@ namespace hausbench {
 
 namespace {
 
-// Notes the time saved by rows that are read off the run of another row: in each round, each would have cost a first
-// answer and its timed repeats.
+// Records the time saved by reading rows off the runs of other rows. Run by itself, each of these rows would have cost
+// a first answer and the timed repeats in every round.
 void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vector<LedgerEntry>& ledger) {
     std::map<std::string, double> saved;
     for (const Row& row : rows) {
@@ -27,10 +27,10 @@ void note_time_saved(const Experiment& e, const std::vector<Row>& rows, std::vec
     }
 }
 
-// Notes the time saved because a worker prepares once, not once for each pose.
+// Records the time saved because a worker builds its structures once, not once for each pose.
 void note_structures_reused(const Plan& plan, const Finished& finished, const Job& job,
                             std::vector<LedgerEntry>& ledger) {
-    std::set<double> builds;  // seconds of each worker process; there are several after a crash or an interruption
+    std::set<double> builds;  // preparation seconds of each worker process; several after a crash or interruption
     std::set<int> poses;
     for (std::size_t row : job.cases) {
         const Outcome* outcome = finished.kept(row, 0);
@@ -47,7 +47,7 @@ void note_structures_reused(const Plan& plan, const Finished& finished, const Jo
                       std::int64_t(left_out), mean * double(left_out)});
 }
 
-// Notes the time saved because a worker of a matrix prepares each shape once, not once for each pair.
+// Records the time saved because a worker of a matrix prepares each shape once, not once for each pair.
 void note_shapes_shared(const Job& job, const Finished& finished, std::vector<LedgerEntry>& ledger) {
     struct Use {
         int built = 0, shared = 0;

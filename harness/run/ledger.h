@@ -1,4 +1,4 @@
-// Completes the ledger, the list of work that was left out (LedgerEntry), with the time that this saved.
+// Completes the *ledger*, the list of work that was left out (LedgerEntry), with the seconds that were saved.
 #pragma once
 
 #include "harness/plan/plan.h"
@@ -8,8 +8,8 @@
 
 namespace hausbench {
 
-// Adds to the ledger of a finished run the time that was saved because rows were read off the runs of others, and
-// because structures were built once for all poses or pairs that use them.
+// Adds to the ledger of a finished run how much time was saved by reading rows off the runs of other rows, and by
+// building structures once for all poses or pairs that use them.
 void note_savings(const Plan& plan, const Finished& finished, const std::vector<Row>& rows,
                   std::vector<LedgerEntry>& ledger);
 

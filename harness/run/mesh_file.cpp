@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Writes a text file, a megabyte at a time, under the name FILE.unfinished. finish() renames it to FILE; the destructor
-// removes an unfinished file.
+// Writes text to FILE.unfinished, a megabyte at a time. finish() renames it to FILE; the destructor removes a file that
+// was not finished.
 class Writer {
 public:
     explicit Writer(fs::path file) : file_(std::move(file)), unfinished_(file_.string() + ".unfinished") {

@@ -13,8 +13,8 @@ namespace hausbench {
 
 namespace {
 
-// Returns whether the solver ended by itself, and so would end in the same way again on the same input. A time limit or
-// a crash may stop it anywhere.
+// Returns whether the solver ended normally, so that it must end in the same way again on the same input. A time limit
+// or a crash may stop it anywhere.
 bool ended_by_itself(const Outcome& o) {
     return o.status == RowStatus::ok || o.status == RowStatus::floor || o.status == RowStatus::budget ||
            (o.status == RowStatus::failed && o.solver_status == to_string(Status::stalled));
@@ -26,7 +26,7 @@ bool contradicts_itself(const Outcome& o) {
     return o.status == RowStatus::failed && !o.solver_status.empty() && !ended_by_itself(o);
 }
 
-// Changes the status of `outcome`, which combines the rounds so far, according to the next round.
+// Updates the status of `outcome`, which combines the rounds so far, by the outcome of the next round.
 void add_round(Outcome& outcome, const Outcome& first, int round, const Outcome& next) {
     if (contradicts_itself(outcome)) return;
     if (!ended_by_itself(next)) {
@@ -90,7 +90,7 @@ Outcome read_off_trace(const Outcome& fine, double gap) {
     outcome.answers.clear();
     outcome.repeats.clear();
     outcome.trace.clear();
-    // The seconds of the stages belong to the finer run.
+    // The seconds of the solver's stages belong to the finer run only.
     std::erase_if(outcome.extras, [](const auto& one) { return one.first.starts_with(stage_prefix); });
     if (contradicts_itself(fine)) return outcome;
     for (const TraceSample& sample : fine.trace) {

@@ -55,7 +55,7 @@ public:
         return finish();
     }
 
-    // Runs the cases that have no answer yet, and returns the rows that have one then. Writes no result file.
+    // Runs the cases without an answer. Returns the rows of all cases that then have one; writes no result file.
     std::vector<Row> answers() {
         if (!HoldInterrupts::came()) sweep();
         std::vector<Row> rows;
@@ -102,7 +102,7 @@ private:
         }
     }
 
-    // Runs the reference answers, with a journal of their own: last, so that an interrupted run already has its rows.
+    // Computes the reference answers at the end, so that an interrupted run already has all its rows.
     void take_references() {
         if (!plan_.experiment.reference)
             ledger_.push_back({"not_run", "reference answers", "one for each scene, pose and quantity",
@@ -123,8 +123,8 @@ private:
 
     std::filesystem::path file() const { return options_.results / (plan_.experiment.stem + options_.suffix + ".h5"); }
 
-    // If a job cannot fit into memory, gives its unfinished cases the status out_of_memory. If it can, forgets outcomes
-    // of this kind from an earlier run on a smaller machine, so that these cases are run.
+    // Gives the unfinished cases of a job the status out_of_memory if the job cannot fit into memory. If it fits,
+    // forgets such outcomes of an earlier run on a smaller machine, so that these cases are run.
     void refuse(const Job& job) {
         const std::string reason = does_not_fit(plan_, job, this_machine().memory_bytes);
         for (const std::size_t row : job.cases) {
@@ -151,7 +151,7 @@ private:
 
     OpenWork& part_of(const Job& job) { return parts_[std::size_t(&job - plan_.jobs.data())]; }
 
-    // Returns parts_ with kinds and expected seconds. Fills these in at the first call: a short run reads no results.
+    // Returns parts_ with expected seconds, estimated at the first call so that a short run reads no results.
     const std::vector<OpenWork>& expected_parts() {
         if (expected_) return parts_;
         for (const Job& job : plan_.jobs) {
@@ -164,7 +164,7 @@ private:
         return parts_;
     }
 
-    // Runs jobs side by side, each with all its rounds in a row, because times of different jobs are not compared then.
+    // Runs jobs side by side, each with all its rounds in a row, because times of such a run are not compared.
     void run_several() {
         std::vector<Demand> demands;
         for (const Job& job : plan_.jobs) {
@@ -180,8 +180,8 @@ private:
             HoldInterrupts::came);
     }
 
-    // Returns the cases to run in this round, as indices into Job::cases. A chain with an open case is run as a whole,
-    // from its first case. In later rounds of a search each case stands alone, with its cutoff from round 0.
+    // Returns the cases to run in this round, as indices into Job::cases. If a case of a chain has to be run, its whole
+    // chain is run. In later rounds of a search, each case is run alone, with its cutoff from round 0.
     std::vector<std::size_t> places_to_run(const Job& job, int round) const {
         std::vector<std::size_t> places;
         for (std::size_t begin = 0; begin < job.cases.size();) {
@@ -199,7 +199,7 @@ private:
 
     bool searches(const Job& job) const { return plan_.experiment.scenes[job.scene].search; }
 
-    // Returns the least upper bound of the answers before this one in its search.
+    // Returns the smallest upper bound of the answers before this one in its search; infinity if it is the first.
     double least_upper_before(const Job& job, std::size_t place) const {
         double least = std::numeric_limits<double>::infinity();
         while (!plan_.cases[job.cases[place]].chain.empty()) {
@@ -209,7 +209,7 @@ private:
         return least;
     }
 
-    // Runs one round of a job; without `cores`, on any cores. Holds lock_ while it uses state that jobs share.
+    // Runs one round of a job on `cores`, or on any core if it is empty. Holds lock_ while it uses shared state.
     void run_job(const Job& job, int round, const std::vector<int>& cores = {}) {
         std::unique_lock lock(lock_);
         std::vector<std::size_t> places = places_to_run(job, round);
@@ -271,7 +271,7 @@ private:
         order.build = plan_.leave_nothing_out ? Prepare::everything : Prepare::needed_only;
         order.plugins = plugin_hashes();
         std::size_t pair = 0, pair_end = job.pairs.front().cases, chain = 0, search = 0;
-        const double least = least_upper_before(job, places.front());  // a fresh worker may go on inside a search
+        const double least = least_upper_before(job, places.front());  // a fresh worker may resume a search
         for (std::size_t place : places) {
             while (place >= pair_end) pair_end += job.pairs[++pair].cases;
             const std::size_t row = job.cases[place];

@@ -50,8 +50,8 @@ void Room::give_back(const Demand& demand, const std::vector<int>& cores) {
 
 namespace {
 
-// Claims a core until this process ends; returns false if another process holds it. A socket name in the abstract
-// namespace belongs to one process of the machine, and becomes free when that process ends in any way.
+// Claims a core until this process ends. Returns false if another process has claimed it. The claim is a socket name in
+// the abstract namespace: only one process can hold it, and the kernel frees it however that process ends.
 bool claim(int core) {
     static std::set<int> mine;
     if (mine.contains(core)) return true;
@@ -94,7 +94,8 @@ std::vector<int> cores_here(int count) {
 
 namespace {
 
-// The tasks, and the resources that they share. Each thread calls lane(), which runs one task after the other.
+// The waiting tasks, and the resources that running tasks share. Each thread calls lane(), which runs one task after
+// another.
 class Lanes {
 public:
     Lanes(const std::vector<Demand>& demands, Room room,

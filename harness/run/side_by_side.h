@@ -14,7 +14,7 @@ struct Demand {
     std::int64_t bytes = 0;  // a task that asks for more memory than there is waits until all of it is free
 };
 
-// The free cores and memory. A class of its own, so that it can be tested without threads.
+// Keeps track of the free cores and memory. A class of its own, so that it can be tested without threads.
 class Room {
 public:
     Room(std::vector<int> cores, std::int64_t bytes);
@@ -33,13 +33,13 @@ private:
     std::vector<int> free_;
 };
 
-// Returns `count` cores that this process may run on, by the kernel's numbers. Prefers cores that no other run on
-// this machine has claimed, and claims them until this process ends; takes cores of other runs only if there are too
-// few. Throws InputError if this process may run on fewer.
+// Returns the kernel's numbers of `count` cores that this process may run on, and claims these cores until the process
+// ends. Takes cores that another run has claimed only if there are too few others. Throws InputError if this process
+// may run on fewer than `count` cores.
 std::vector<int> cores_here(int count);
 
-// Runs one task for each demand: calls `work` with the index of the demand and the cores to run on. Each call is on one
-// of several threads. The longest waiting task that fits starts first. Returns when all tasks have ended. Once `stop`
+// Runs one task for each demand, on several threads: calls `work` with the index of the demand and the cores to run on.
+// The longest task that fits into the free resources starts first. Returns when all tasks have ended. Once `stop`
 // returns true or `work` throws, no further task starts; the first exception is rethrown after all running tasks have
 // ended.
 void run_side_by_side(const std::vector<Demand>& demands, Room room,

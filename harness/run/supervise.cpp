@@ -16,8 +16,8 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// Returns how many seconds to wait for an answer before killing a solver that has this time limit, so that a solver
-// that stops a little late can still give its bounds.
+// Returns how many seconds a solver with this time limit may take before it is killed. The extra time lets a solver
+// that stops a little late still return its bounds.
 double with_grace(double seconds) { return 1.2 * seconds + 0.5; }
 
 constexpr std::chrono::milliseconds turn(20);  // how long to wait for an event before checking limits and interrupts
@@ -81,8 +81,8 @@ private:
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     }
 
-    // Kills the worker if it exceeds its memory limit; returns true if it was killed. Looks at most once per `turn`, no
-    // matter how many events the worker sends.
+    // Kills the worker if it exceeds its memory limit. Returns whether it was killed. Checks at most once per `turn`,
+    // no matter how many events the worker sends.
     bool kill_if_too_large() {
         if (Clock::now() < next_look_) return false;
         const std::int64_t limit = order_.limits.memory_bytes;
@@ -94,8 +94,8 @@ private:
         return false;
     }
 
-    // Kills the worker if the deadline has passed; returns true if it was killed. Call it only if no event is waiting,
-    // because everything that the worker sent in time counts.
+    // Kills the worker if its deadline has passed. Returns whether it was killed. Call this only if no event is
+    // waiting, because an event that was sent in time counts.
     bool kill_if_late() {
         if (Clock::now() <= deadline_) return false;
         const Limits& limits = order_.limits;
@@ -105,8 +105,8 @@ private:
         return true;
     }
 
-    // Processes an event; returns false if the line is not an event or comes out of turn. A solver may have written
-    // it, so nothing in it is trusted.
+    // Processes an event. Returns false if the line is not an event or comes out of order. Nothing in the line is
+    // trusted, because a faulty solver may have written it.
     bool hear(const std::string& line) {
         try {
             take(json::parse(line));
@@ -177,7 +177,8 @@ private:
         allow_a_pass();
     }
 
-    // Ends the worker, if it still runs, and gives outcomes to the cases that it can no longer answer, see supervise().
+    // Ends the worker if it still runs, and gives outcomes to the cases that it can no longer answer, by the rules of
+    // supervise().
     void fail(RowStatus status, const std::string& reason) {
         worker_.kill();
         worker_.how_it_ended();
@@ -187,8 +188,8 @@ private:
         outcome.reason = reason;
         if (const std::string words = worker_.last_words(); !words.empty()) outcome.reason += "; last words: " + words;
         const std::size_t length = chain_end_ - finished_;
-        // The worker also held shapes of earlier pairs, so the next worker may have enough memory for this one. But if
-        // some cases of a chain have ended, the next worker cannot resume it there, so the others get their outcomes.
+        // The next worker may have enough memory for this pair, because it does not hold the shapes of earlier pairs.
+        // But it cannot resume a chain of which some cases have ended, so the other cases get their outcomes here.
         const bool another = order_.items[finished_].pair != order_.items.front().pair;
         if (status == RowStatus::out_of_memory && another && closed_ == 0) return;
         if (!prepared_) {
@@ -206,8 +207,8 @@ private:
         }
     }
 
-    // Returns the outcome of a case that was answered before the worker ended for the reason in `how`. The answer
-    // counts, but gets the status of `how` if no repeat was timed, or if the memory ran out.
+    // Returns the outcome of a case that was answered before the worker ended for the reason in `how`. The bounds
+    // count, but the status becomes the one in `how` if no repeat was timed or if the memory ran out.
     Outcome cut_short(Outcome answered, const Outcome& how) const {
         const bool untimed = answered.repeats.empty() && order_.repeats > 0;
         if (is_timed(answered.status) && (untimed || how.status == RowStatus::out_of_memory)) {
@@ -219,8 +220,8 @@ private:
         return answered;
     }
 
-    // Moves on to the next chain; a cold case is a chain of its own. If the chain belongs to another pair, expects that
-    // the worker prepares that pair first.
+    // Moves on to the next chain; a cold case is a chain of its own. If the chain belongs to another pair, the worker
+    // must prepare that pair first.
     void next_chain() {
         const std::size_t pair = order_.items[finished_].pair;
         finished_ = chain_end_;
@@ -231,17 +232,18 @@ private:
         chain_end_ = order_.chain_end(finished_);
     }
 
-    // Sets a deadline that is long enough for the worker to solve the whole chain once more. It may do so without any
-    // event, because it sends none for poses that are not timed, such as poses that reach their time limit.
+    // Sets a deadline that lets the worker solve the whole chain once more without sending an event. It sends none for
+    // poses that are not timed, such as poses that reached their time limit.
     void allow_a_pass() { allow(with_grace(3 * order_.limits.case_seconds * double(chain_end_ - finished_))); }
 
-    // Returns the time limit for loading and preparing a pair. In a matrix, this is the experiment's limit times the
-    // number of shapes that are not loaded yet, but at least once the limit.
+    // Returns the time limit, in seconds, for loading and preparing a pair. For a matrix, the experiment's limit is
+    // multiplied by the number of shapes that are not loaded yet, or by 1 if there are none.
     double seconds_to_prepare() const {
         return order_.limits.prepare_seconds * (order_.scaled ? std::max(1, new_shapes_[finished_]) : 1);
     }
 
-    // Returns the index in outcomes_ of a row that is answered but has not ended.
+    // Returns the index in outcomes_ of a row that is answered but whose "end" has not come. Throws NotAnEvent if there
+    // is none.
     std::size_t place_of(std::size_t row) const {
         for (std::size_t k = closed_; k < outcomes_.size(); ++k) {
             if (order_.items[finished_ + k].row == row) return k;

@@ -1,4 +1,4 @@
-// Runs one worker process: reads its events (worker.cpp), kills it at a limit, and makes the outcome of each case.
+// Runs one worker process: reads its events (worker.cpp), kills it at a limit, and makes an outcome for each case.
 #pragma once
 
 #include "harness/run/work_order.h"
@@ -18,18 +18,18 @@ struct Supervision {
 };
 
 // Starts a worker and processes its events until it ends. A case gets its outcome when the worker sends "end" for it.
-// Cases that have no outcome when supervise() returns are for the next worker, which the caller starts.
+// The caller starts another worker for cases that have no outcome when supervise() returns.
 //
-// The worker is killed if it exceeds its time or memory limit or writes something that is not an event. Then, and if it
-// crashes, the case that it was answering gets an outcome with the reason and the end of the worker's output:
+// The worker is killed if it exceeds its time or memory limit, or if it writes something that is not an event. If it is
+// killed or crashes, the case that it was answering gets an outcome with the reason and the end of the worker's output:
 // - If the worker was still loading and preparing a pair, all cases of the pair get this outcome.
-// - If the case was answered, and the worker was timing repeats, the answer counts.
-// - If the case is a pose of a warm chain, the poses after it are `failed`, because they depend on it. The poses before
-//   it get no outcome, because their timings are lost: the next worker runs the chain again from its first pose.
-// - If the worker of a matrix ran out of memory after it had answered other pairs, the present pair gets no outcome:
-//   the next worker may have room for it, because it holds fewer shapes.
+// - If the worker had answered the case and was timing repeats, the answer counts.
+// - If the case is a pose of a warm chain, later poses are `failed`, because they depend on it. Earlier poses get no
+//   outcome, because their timings are lost: the next worker runs the chain again from its first pose.
+// - If the worker of a matrix ran out of memory after it had answered other pairs, the present pair gets no outcome.
+//   The next worker may have room for it, because it holds fewer shapes.
 //
-// Each call finishes at least one item, unless the run is interrupted.
+// Each call gives at least one case an outcome, unless the run is interrupted.
 void supervise(const WorkOrder& order, const Supervision& report);
 
 }  // namespace hausbench

@@ -8,7 +8,7 @@ namespace hausbench {
 namespace {
 
 struct Sum {
-    double open = 0, ended = 0, took = 0;  // seconds: expected for open and for ended cases; actual for ended cases
+    double open = 0, ended = 0, took = 0;  // seconds: expected for open and ended cases; actual for ended cases
 
     void add(const OpenWork& part) {
         open += double(part.open) * part.expected;
@@ -16,8 +16,8 @@ struct Sum {
         took += part.took;
     }
 
-    // Returns actual / expected time of the ended cases. Adds one second of work with the ratio `otherwise` to them, so
-    // that the result is close to `otherwise` as long as they are few and short.
+    // Returns the ratio of the actual to the expected time of the ended cases. Adds one second of imaginary work with
+    // the ratio `otherwise`, so that the result stays close to `otherwise` while the ended cases are few and short.
     double times_as_long(double otherwise) const {
         constexpr double seconds = 1;
         return (took + seconds * otherwise) / (ended + seconds);

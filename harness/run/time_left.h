@@ -10,19 +10,18 @@ namespace hausbench {
 
 // A part of a run: cases of one solver that are expected to take equally long.
 struct OpenWork {
-    // Label of the solver. If the cases of a solver took twice as long as expected in one part, its open cases in other
-    // parts are expected to do so, too.
+    // Label of the solver. If a solver took twice as long as expected in one part, the estimates of its other parts
+    // double.
     std::string kind;
     double expected = 0;              // seconds per case
     std::size_t open = 0, ended = 0;  // numbers of cases
     double took = 0;                  // total actual seconds of the cases that have ended
 };
 
-// Returns the wall-clock seconds left after `gone_by` seconds: the sum over all parts of
+// Returns the wall-clock seconds left after `gone_by` seconds. Sums over all parts
 //   open * expected * (actual / expected seconds of the ended cases of this kind),
-// divided by the average number of cases that ran at the same time so far. While few cases of a kind have ended, the
-// ratio is close to the ratio of the ended cases of all kinds and, while few cases have ended at all, close to 1.
-// Returns 0 if nothing is open. O(parts).
+// and divides by the average number of cases that ran at the same time so far. While few cases of a kind have ended,
+// the ratio is close to the ratio for all kinds; while few cases have ended at all, it is close to 1.
 double seconds_left(const std::vector<OpenWork>& parts, double gone_by);
 
 }  // namespace hausbench

@@ -42,10 +42,9 @@ double seconds_of(const rusage& used) {
 
 }  // namespace
 
-// The order of the clocks matters. The process clock is read last here and first in spent(), because reading the other
-// clocks takes microseconds, which would count as CPU time of a short solve. The intervals of the thread and wall
-// clocks thus contain the interval of the process clock, so that a process with one thread never seems to have spent
-// CPU time in another.
+// Reads the process clock last; spent() reads it first. Reading the other clocks takes microseconds, which would
+// otherwise count as CPU time of a short solve. The intervals of the thread and wall clocks thus contain the interval
+// of the process clock, so a process with one thread never seems to have spent CPU time in another thread.
 Stopwatch::Stopwatch() : Stopwatch(of_children()) {}
 
 Stopwatch::Stopwatch(const rusage& children)
@@ -80,7 +79,7 @@ Timing time_once(const Session& session, const Query& query, std::int64_t iterat
     std::int64_t done = 0;
     benchmark::RegisterBenchmark("solve",
                                  [&](benchmark::State& state) {
-                                     // The watch starts and stops within the benchmark's wall time.
+                                     // The stopwatch starts and stops within the time that the benchmark measures.
                                      for (auto _ : state) {
                                          if (done == 0) watch.emplace();
                                          const double begin = slowdown > 0 ? cpu_seconds_of_thread() : 0;

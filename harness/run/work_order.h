@@ -21,7 +21,7 @@ struct WorkOrder {
         QuerySet queries;
     };
     std::vector<Pair> pairs;
-    // For a matrix: all shapes are scaled by 2^exponent, and each is loaded and prepared once.
+    // True for a matrix: all shapes are scaled by 2^exponent, and each is loaded and prepared once.
     bool scaled = false;
     int exponent = 0;
     Limits limits;
@@ -47,26 +47,27 @@ struct WorkOrder {
         std::filesystem::path fields = {};  // file to write the fields to; empty: not requested
         bool stages = false;
         bool proof = false;  // request a certificate of the answer and check it
-        // Number of the search, in which the targets of one source are adjacent items; 0: not part of a search.
+        // Number of the search that the case belongs to; 0: none. A search compares one source with several targets;
+        // its items are adjacent.
         std::size_t search = 0;
 
-        // Lowers the cutoff to `least_upper`, the least upper bound among the earlier answers in the search: a target
-        // that is farther away is not the nearest. Keeps the cutoff above the floor, because a query with floor and
-        // cutoff equal is a yes/no question, in which the tolerance has no effect (see Query).
+        // Lowers the cutoff to `least_upper`, the smallest upper bound among the earlier answers in the search, because
+        // a target that is farther away is not the nearest. The cutoff stays above the floor: if both were equal, the
+        // query would be a yes/no question, which ignores the tolerance (see Query).
         void narrow(double least_upper);
     };
     std::vector<Item> items;
 
-    // Return the index one past the last item of the chain, or of the pair, to which item `first` belongs.
+    // Return the end of the chain, or of the pair, to which item `first` belongs: the index after its last item.
     std::size_t chain_end(std::size_t first) const;
     std::size_t pair_end(std::size_t first) const;
 
-    // Returns for each item how many shapes of its pair do not occur in an earlier pair. O(n log n).
+    // Returns for each item how many shapes of its pair do not occur in an earlier pair.
     std::vector<int> new_shapes() const;
     std::map<std::filesystem::path, std::string> plugins = {};  // file -> SHA-256
 };
 
-// Convert a work order to bytes (CBOR, which can hold infinities) and back.
+// Convert a work order to bytes and back. The format is CBOR, because JSON cannot hold infinities.
 std::string packed(const WorkOrder& order);
 WorkOrder unpacked(const std::string& bytes);
 

@@ -1,8 +1,7 @@
 // The worker writes one event per line, such as {"event":"begin","row":3}. For each pair of shapes it sends "prepared"
-// and then, for each case, "begin", "answer" (before anything is timed), "repeat" for each timed repeat, and "end".
-// "trace", "fields" and "proof" come before "end" if they are wanted. In a warm chain, the worker first answers all
-// poses. Then it passes over the whole chain once for each repeat, for the trace and for the fields. "end" comes last,
-// for every case.
+// and then, for each case, "begin", "answer", "repeat" for each timed repeat, and "end". If they are requested,
+// "trace", "fields" and "proof" come before "end". For a warm chain, the worker first answers all poses. Then it solves
+// the whole chain again for each repeat, for the trace and for the fields. Finally, it sends "end" for every case.
 #include "harness/run/worker.h"
 
 #include "algorithms/error.h"
@@ -36,8 +35,9 @@ using nlohmann::json;
 
 namespace {
 
-// For the fields in results, A is cut until linear interpolation between vertices errs by at most h / 4 where it is
-// tested (Drawing), or until there are `most_pieces` pieces. The witness becomes a vertex, so h is among the values.
+// For the fields of a result, A is subdivided until linear interpolation between its vertices is off by at most a
+// quarter of h(A,B) where this is tested (see Drawing), or until there are `most_pieces` pieces. The witness becomes a
+// vertex, so that h(A,B) is among the values.
 constexpr double resolution = 0.25;
 constexpr std::size_t most_pieces = 100'000;
 
@@ -61,7 +61,7 @@ public:
     }
 
 private:
-    // Returns the item; in a search, with a cutoff that is lowered to the least upper bound of the earlier answers.
+    // Returns the item. In a search, first lowers its cutoff to the smallest upper bound of the earlier answers.
     const WorkOrder::Item& narrowed(WorkOrder::Item& item) {
         if (item.search != search_) least_upper_ = std::numeric_limits<double>::infinity();
         search_ = item.search;
@@ -79,7 +79,7 @@ private:
         }
     }
 
-    // Loads the shapes of a pair, unless they are loaded already, and prepares the solver on them.
+    // Loads the shapes of a pair if necessary, prepares the solver on them, and sends "prepared".
     void open(std::size_t number, std::size_t first) {
         const WorkOrder::Pair& pair = order_.pairs.at(number);
         const SolverEntry& entry = find_solver(order_.solver);
@@ -98,7 +98,7 @@ private:
         }
         json left_out = json::array();
         const auto& built = session_->needs();
-        // Structures left out are not reported if another direction, copy or pair may still build them.
+        // Structures that were left out are reported only if no other direction, copy or pair may still build them.
         const bool alone = !order_.scaled && !pair.queries.symmetric && !pair.queries.target_moves;
         for (const Need& need : entry.info.may_need) {
             if (alone && std::find(built.begin(), built.end(), need) == built.end())
@@ -107,7 +107,7 @@ private:
         send({{"event", "prepared"}, {"left_out", left_out}});
     }
 
-    // Returns a shape of a matrix, loaded if necessary, and releases the shapes that no item from `first` on needs.
+    // Returns a shape of a matrix, loading it if necessary. Releases shapes that no item from `first` on needs.
     std::shared_ptr<PreparedShape> shape(const std::filesystem::path& file, std::size_t first) {
         if (last_use_.empty()) {
             for (std::size_t i = 0; i < order_.items.size(); ++i) {
@@ -200,7 +200,7 @@ private:
         send({{"event", "end"}, {"row", item.row}});
     }
 
-    // Answers a warm chain. If the solver throws, its state is undefined, so the chain ends. A refused pose is skipped.
+    // Answers a warm chain. If the solver throws, its state is undefined, so later poses fail. Skips refused poses.
     void answer_chain(std::size_t begin, std::size_t end) {
         std::vector<std::optional<Answer>> first;
         std::unique_ptr<State> state = session_->begin();
@@ -242,7 +242,7 @@ private:
 
     double most_seconds_of_repeats(std::size_t cases) const { return 2 * order_.limits.case_seconds * double(cases); }
 
-    // Sends an outcome without bounds. Returns nullopt for answer() to return, so that nothing is timed.
+    // Sends an outcome without bounds. Returns nullopt, which answer() passes on, so that nothing is timed.
     std::nullopt_t give_up(const WorkOrder::Item& item, RowStatus status, const std::string& reason) {
         Outcome outcome;
         outcome.status = status;
@@ -275,7 +275,7 @@ private:
         }
     }
 
-    // Times the repeats of a case. Fast solves are timed in batches of 0.5 ms, so that reading the clock costs < 0.1 %.
+    // Times the repeats of a case. Times fast solves in batches of 0.5 ms, so that reading the clock costs < 0.1 %.
     void time_repeats(const WorkOrder::Item& item, const Query& query, double first_seconds) {
         const auto iterations = std::int64_t(std::clamp(5e-4 / std::max(first_seconds, 1e-9), 1.0, 1000.0));
         double spent = 0;
@@ -306,7 +306,7 @@ private:
               {"differs", !equal && again.status == Status::converged && first.status == Status::converged}});
     }
 
-    // Writes the fields that need no solver. Solves once more for the solver's own fields and its seconds by stage.
+    // Writes a case's fields. Solves again if the solver has fields of its own, or if times of stages are requested.
     void fields(const WorkOrder::Item& item, State* state, const Result& first) {
         const bool wanted = !item.fields.empty();
         if (!wanted && !item.stages) return;
@@ -338,7 +338,7 @@ private:
         send({{"event", "fields"}, {"row", item.row}, {"sha256", sha256}, {"stages", stages}});
     }
 
-    // Checks the upper bound of an answer: for point sets at each point, otherwise by the certificate, if there is one.
+    // Checks an upper bound by the solver's certificate, or at every point of two point sets, and sends the verdict.
     void prove(const WorkOrder::Item& item, const Result& result) {
         const auto tell = [&](double proven, const std::string& certificate) {
             send({{"event", "proof"}, {"row", item.row}, {"proven", number(proven)}, {"certificate", certificate}});
@@ -375,10 +375,10 @@ private:
     int events_;
     bool broke_ = false;                                            // the solver threw, see answer_chain()
     std::size_t search_ = 0;                                        // the current search, see WorkOrder::Item
-    double least_upper_ = std::numeric_limits<double>::infinity();  // least upper bound of the answers in that search
+    double least_upper_ = std::numeric_limits<double>::infinity();  // smallest upper bound of the answers in it
     std::optional<PeakMemory> memory_;
     std::map<std::filesystem::path, std::shared_ptr<PreparedShape>> loaded_;  // shapes of a matrix
-    std::map<std::filesystem::path, std::size_t> last_use_;                   // the last item that needs each of them
+    std::map<std::filesystem::path, std::size_t> last_use_;                   // the last item that needs each shape
     PreparedPair shapes_;
     std::optional<Session> session_;
 };

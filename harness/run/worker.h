@@ -3,8 +3,8 @@
 
 namespace hausbench {
 
-// Runs the hidden verb `worker`, which writes one JSON object per line to file descriptor `events` (see worker.cpp).
-// Returns the exit code.
+// Runs the hidden command `worker`, and returns its exit code. Writes one JSON object per line to the file descriptor
+// `events` (see worker.cpp).
 int worker_main(int events);
 
 }  // namespace hausbench
