@@ -1,5 +1,5 @@
-// Writes the arguments of piece_bounds.h as trees of a certificate (certificate/cover_certificate.h): the cuts of a
-// piece into cells, and for each cell the triangle of B near it.
+// Writes each PieceArgument (piece_bounds.h) as a tree of a certificate (certificate/cover_certificate.h): the cuts of
+// a piece into cells, and for each cell the triangle of B near it.
 //
 // A certificate is about exact points, but the corners of cells were computed with rounding. The bounds leave room for
 // this difference, except for two kinds of corners, which are computed here:
@@ -7,9 +7,9 @@
 //   to the first corner of the piece, so no rounded number is larger than the longest edge e of the piece. The *chord*
 //   between the cells of corners a and b is the line on which f(x) = |b - a|^2 / 2 - (x - a).(b - a) is 0; f(x) is half
 //   of |x - b|^2 - |x - a|^2. Rounding f costs less than 10u e |b - a| (u = 2^-53) at either end of an edge, so |f| is
-//   less than 20u e |b - a| at the ends of the computed chord. There, |x - a| and |x - b| differ by
-//   2 |f| / (|x - a| + |x - b|) < 40u e, because the sum in the denominator is at least |b - a|. So a point in the cell
-//   of a corner is at most 40u e farther from that corner than from its nearest corner.
+//   less than 20u e |b - a| at the ends of the computed chord. There, |x - a| and |x - b| differ by 2 |f| / (|x - a| +
+//   |x - b|) < 40u e, because the sum in the denominator is at least |b - a|. So a point in the cell of a corner is at
+//   most 40u e farther from that corner than from its nearest corner.
 // - Kind::three (u3): the barycentre is a third of the way along a median. The double 1/3 is off by less than u, so the
 //   point is off by less than u e.
 // PieceProofs::finish() leaves more room than that.
@@ -23,17 +23,17 @@
 
 namespace hausbench {
 
-// Tells how the corners of a piece are numbered in the certificate. A piece is a polygon there, with the same
-// three corners, but its list of corners may begin with another one: corner i of the piece is corner (i + turn)
-// % 3 of the polygon.
+// How the corners of a piece are numbered in a certificate. There, the piece is a polygon with the same three corners,
+// but its list of corners may begin with another one: corner i of the piece is corner (i + turn) % 3 of the polygon.
 struct PieceTurn {
     std::uint8_t turn = 0;
 
-    // Returns the index in the polygon of corner i, which is also the index of the edge from it to the next corner.
+    // Returns the index in the polygon of corner i of the piece. It is also the index of the edge from corner i to the
+    // next one.
     std::size_t place(std::size_t i) const { return (i + turn) % 3; }
 };
 
-// Appends the subtree of a piece to the tree: the cuts into cells, and a leaf with a triangle of B for each cell.
+// Appends the subtree of a piece: its cuts into cells, and for each cell a leaf with the triangle of B near it.
 void write_cells(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& corners, PieceTurn turn);
 
 }  // namespace hausbench

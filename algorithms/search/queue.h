@@ -9,10 +9,9 @@ namespace hausbench {
 
 // A priority queue of pieces. `Piece` is any type with a member `upper`, the upper bound of the piece.
 //
-// The heap reorders only small entries of 16 bytes, each a bound and the index of a slot; a piece stays in its slot.
-// The slot of a removed piece is reused, so memory is bounded by the largest number of pieces queued at one time.
-// Pieces with equal bounds come out in an order that depends only on the sequence of calls, because std::push_heap and
-// std::pop_heap determine it.
+// The heap moves only entries of 16 bytes, each a bound and the index of a slot; a piece stays in its slot. Slots are
+// reused, so memory is bounded by the largest number of pieces queued at one time. Pieces with equal bounds come out in
+// an order that depends only on the sequence of calls.
 template <class Piece> class PieceQueue {
 public:
     bool empty() const { return heap_.empty(); }
