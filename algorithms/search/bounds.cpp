@@ -4,10 +4,10 @@
 
 namespace hausbench {
 
-// Returns a proven lower bound on the distance from a point of A to B. Subtracting some rounding error from the
-// computed distance would prove nothing, because only tests show that computed distances are not too large
-// (kernel/point_triangle.h). Support planes prove a bound for the computed point. This point may lie off A by up to 2 *
-// level * uM, which is subtracted; u = 2^-53, and M is the largest |coordinate| (kernel/rounding.h).
+// Returns a proven lower bound on the distance from a point of A to B. The computed distance minus an error bound would
+// not be one: only tests show that computed distances are not too large. Target::certified_distance() proves a bound
+// for the computed point. This point may lie off A by up to 2 * level * uM, which is subtracted; u = 2^-53, and M is
+// the largest |coordinate| (kernel/rounding.h).
 double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {
     if (!rounding_.certify || farthest.source < 0) return std::sqrt(std::max(farthest.point.squared, 0.0));
     const double distance = target_.certified_distance(farthest.point.point, counters);
@@ -32,8 +32,8 @@ std::optional<Status> SearchBounds::answered(double queued) {
         }
         if (seems != Status::converged && !done) return std::nullopt;
         if (!seems) return Status::precision_floor;
-        // The certified lower bound is this much below the computed one. The search must narrow the gap by as much
-        // before it tries to certify again. If the loss reaches the tolerance, doubles are not precise enough.
+        // Certification lowered the lower bound by this loss. The search must narrow the gap by as much before it tries
+        // again. If the loss reaches the tolerance, doubles are not precise enough.
         loss_ = std::max(2 * loss_, std::sqrt(farthest_squared()) - certified_lower());
         if (!(loss_ < query_.tolerance.gap(certified_lower()))) return Status::precision_floor;
     }

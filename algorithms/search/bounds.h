@@ -93,8 +93,8 @@ public:
         return true;
     }
 
-    // Keeps the largest upper bound of pieces that the caller dropped without calling settle(). If `elements` is set,
-    // the caller must have stored their bounds there.
+    // Keeps the largest upper bound of pieces that the caller dropped without calling settle(). The bounds must already
+    // be in `elements`, if that is set.
     void keep(double upper) { settled_ = upper > settled_ ? upper : settled_; }
 
     // Returns a status if the search is over: the bounds answer the query, or no cut of a queued piece can lower the
@@ -115,18 +115,17 @@ public:
     double certified_lower();
 
     // Returns the result of a search that ended with this status: its bounds and, as the witness, the farthest point
-    // with its closest point on B. If the bounds answer the query, the answer's status replaces `status`. `queued` is
-    // the largest upper bound left in the queue.
+    // with its closest point on B. The status changes if the bounds answer the query. `queued` is the largest upper
+    // bound left in the queue.
     Result result(Status status, double queued);
 
-    // Returns the result of a search that ran out of time before every triangle of A had an upper bound. The upper
-    // bound is the largest distance from A to a single point of B. `vertices` are the vertices of A, moved by its pose.
-    // O(n).
+    // Returns the result of a search that ran out of time before every triangle of A had an upper bound. Uses the
+    // largest distance from A to a single point of B. `vertices` are the vertices of A, moved by its pose. O(n).
     Result result_without_bounds(const Triangles& triangles, const Points& vertices);
 
-    // Returns the fields "lower", "upper" and "level", with one value per triangle of A. The caller must first pass the
-    // bounds of the pieces left in its queue to elements()->settle(). The lower bound of a triangle without measured
-    // points is 0. Takes one query per triangle, whatever the time limit, and counts none of them.
+    // Returns the fields "lower", "upper" and "level", with one value per triangle of A. Before, pass the bounds of the
+    // pieces left in the queue to elements()->settle(). The lower bound of a triangle without measured points is 0.
+    // Takes one query per triangle, whatever the time limit; no counter includes it.
     Fields fields() const;
 
 private:

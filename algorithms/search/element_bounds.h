@@ -15,8 +15,8 @@ struct Farthest {
     int level = 0;      // limits how far rounding may have moved `point` off A (kernel/rounding.h)
 };
 
-// Bounds for each triangle of A, indexed by triangle. The functions are deliberately not inline, because inlining them
-// slows down searches that do not need these bounds.
+// Bounds for each triangle of A, indexed by triangle. The functions are not inline, because inlining slows down
+// searches that do not use them.
 struct ElementBounds {
     std::vector<Farthest> farthest;
     std::vector<double> upper;    // largest upper bound of the dropped pieces of the triangle

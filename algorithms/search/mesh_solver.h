@@ -1,5 +1,5 @@
-// The base class of mesh solvers. It asks for a tree or grid over B, moves A by its pose, and finds the largest
-// |coordinate|, on which the rounding errors depend.
+// Common code of mesh solvers: asks for a tree or grid over B, moves A by its pose, and finds the largest |coordinate|,
+// on which the rounding errors depend.
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -32,7 +32,7 @@ inline double diagonal_of(const MeshPair& pair) {
     return (box.high - box.low).norm();
 }
 
-// Base class: a solver derives from it and implements search(). `Tree` is a tree or a grid over B that finds closest
+// The base class of mesh solvers, which implement search(). `Tree` is a tree or a grid over B that finds closest
 // points. It is not built if B is so small that testing all triangles is as fast. A solver that needs further
 // structures overrides needs() and prepare(), and calls the functions of this class from them.
 template <class Tree> class MeshSolver : public Solver {
@@ -75,7 +75,7 @@ protected:
     explicit MeshSolver(bool textbook = false, bool regions = false) : textbook_(textbook), regions_(regions) {}
 
     // Returns whether to skip groups of triangles of A in this scene (source_regions.h). Depends only on the option and
-    // on the size of A, so that the answer is the same whichever structures were built.
+    // the size of A, so that the answer is the same whichever structures were built.
     bool has_regions(const Scene& scene) const { return regions_ && element_count(scene.source) > scan_at_most; }
 
     const TriangleMesh& source() const { return *source_; }

@@ -36,8 +36,8 @@ struct Plane {
     double of(const Vec3& point) const { return dot(point - origin, normal); }
 };
 
-// Returns the plane that halves the angle between two triangles of B with a common edge; it is positive on the side of
-// `one`. Returns nothing if the triangles do not have exactly two corners in common. Compares corners by their
+// Returns the plane that halves the angle between two triangles of B with a common edge; Plane::of() is positive on the
+// side of `one`. Returns nothing if the triangles do not have exactly two corners in common. Compares corners by their
 // coordinates, so neighbours are found even if each has its own copy of the vertices.
 std::optional<Plane> bisector(const Triangle& one, const Triangle& two) {
     const std::array<Vec3, 3> p{one.a, one.b, one.c}, q{two.a, two.b, two.c};
@@ -59,10 +59,10 @@ std::optional<Plane> bisector(const Triangle& one, const Triangle& two) {
     return Plane{a, across(a, b, p[alone_p]) - across(a, b, q[3 - in_q])};
 }
 
-// Returns the largest squared distance from a point of the triangle v to the nearer of p and q. The plane midway
-// between p and q cuts the triangle in two. On each part the distance is convex, so the maximum is at a corner of the
-// triangle or where the plane cuts an edge. At each corner, sets `nearer` to the squared distance to p minus the
-// squared distance to q.
+// Returns the largest squared distance from a point of triangle v to the nearer of p and q. The plane midway between p
+// and q cuts the triangle in two. On each part the distance is convex, so the maximum is at a corner of the triangle or
+// where the plane cuts an edge. Sets `nearer`, for each corner, to the squared distance to p minus the squared distance
+// to q.
 double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const Vec3& q,
                              std::array<double, 3>& nearer) {
     double most = 0;
@@ -182,10 +182,9 @@ BlockFeet PieceBounds::distances(const std::array<Vec3, 7>& points, std::size_t 
     return feet;
 }
 
-// Cuts the piece into two cells, one with corner `alone` and one with the other two corners, which have the same
+// Cuts the piece into two cells, one with corner `alone`, the other with the other two corners, which have the same
 // nearest triangle of B. Returns the largest squared distance from a corner of a cell to the nearest triangle of that
-// cell, or infinity if the two triangles have no common edge. The cut is the plane that halves the angle between the
-// triangles. If this plane does not cut both edges at corner `alone`, the cut goes through their midpoints.
+// cell, or infinity if the two triangles have no common edge.
 double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
     const MeasuredPoint &one = v[alone], &two = v[(alone + 1) % 3], &three = v[(alone + 2) % 3];
     const auto side = bisector(target_.triangle(one.triangle), target_.triangle(two.triangle));
@@ -194,6 +193,8 @@ double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
     argument_.kind = PieceArgument::Kind::corner_cut_off;
     argument_.alone = alone;
     argument_.ends = {1, -1, -1};
+    // Cuts the edges at corner `alone` where they meet the plane that halves the angle between the triangles, if both
+    // do; otherwise at their midpoints.
     std::array<Vec3, 7> cuts{0.5 * (one.point + two.point), 0.5 * (one.point + three.point)};
     if (s > 0 && s2 <= 0 && s3 <= 0 && s < infinity) {
         cuts = {zero_on_edge(one.point, two.point, s, s2), zero_on_edge(one.point, three.point, s, s3)};
@@ -204,10 +205,10 @@ double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
                      to_two.squared_distance[0], to_two.squared_distance[1]});
 }
 
-// Cuts the piece into three cells, each a quadrilateral of a corner, the midpoints of its two edges and the barycentre.
-// Returns the largest squared distance from a corner of a cell to the triangle of B nearest to the cell's corner of the
-// piece. Also finds the one of these triangles that bounds the whole piece best: sets `near` to it and `whole` to the
-// squared bound.
+// Cuts the piece into three cells, one for each corner: the quadrilateral of the corner, the midpoints of its two edges
+// and the barycentre. Returns the largest squared distance from a cell to the triangle of B nearest to its corner. Also
+// bounds the whole piece by the best of these three triangles: sets `near` to this triangle and `whole` to the squared
+// bound.
 double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) {
     std::array<Vec3, 7> points{v[0].point, v[1].point, v[2].point};
     for (std::size_t k = 0; k < 3; ++k) points[3 + k] = 0.5 * (v[(k + 1) % 3].point + v[(k + 2) % 3].point);
@@ -228,8 +229,8 @@ double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) 
     return most;
 }
 
-// Rounding may move the corners of the cells off the piece by level_of_inner_point, which adds to the errors of the
-// corners of the piece (kernel/rounding.h).
+// Rounding may move the corners of cells off the piece. level_of_inner_point bounds this error, and is added to
+// `level`, the error of the piece's own corners (kernel/rounding.h).
 double PieceBounds::u3(const PieceCorners& v, int level) {
     ++counters_.bound_tests;
     for (std::size_t alone = 0; alone < 3; ++alone) {
@@ -250,13 +251,12 @@ double PieceBounds::u3(const PieceCorners& v, int level) {
 }
 
 // A foot is the point of B closest to a corner. As computed, it is within 7uM of B, where u = 2^-53 and M is the
-// largest |coordinate|. The distance from a point to a foot errs as much as the distance from a point to B, so it is
-// widened in the same way. The two pairs of corners are the ends of the two longer edges.
+// largest |coordinate|. Distances to feet err as much as distances to B, so they are widened in the same way.
 double PieceBounds::u4(const PieceCorners& v, int level) {
     ++counters_.bound_tests;
     const auto points = points_of(v);
     const auto edges = squared_edges(points);
-    // The corner opposite to the shortest edge: both longer edges end there.
+    // Tries the ends of each of the two longer edges, which meet at the corner opposite to the shortest edge.
     const auto shortest =
         static_cast<std::size_t>(std::distance(edges.begin(), std::min_element(edges.begin(), edges.end())));
     std::array<Vec3, 3> feet;

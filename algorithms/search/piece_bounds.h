@@ -31,33 +31,34 @@ double covering_radius_at_most(const std::array<Vec3, 3>& corners);
 // (kernel/rounding.h).
 inline Vec3 barycentre(const PieceCorners& v) { return (v[0].point + v[1].point + v[2].point) / 3.0; }
 
-// The reason why the bound of a piece holds: the piece is cut into *cells*, and each cell is near one triangle of B.
+// The reason why the bound of a piece holds: the piece is cut into *cells*, and each cell is compared with one triangle
+// of B.
 struct PieceArgument {
     enum class Kind {
-        // One cell, the whole piece. It is near triangle `near` of B.
+        // One cell, the whole piece, compared with triangle `near` of B.
         one,
         // Three cells, one for each corner. Each holds the points of the piece that are nearest to its corner, and is
-        // near the triangle of B nearest to this corner.
+        // compared with the triangle of B nearest to this corner.
         nearest_corner,
-        // Two cells, separated by the line on which the function of `ends` is zero: one with corner `alone`, one with
-        // the other two corners, which have the same nearest triangle of B. Each cell is near the triangle of B nearest
-        // to its corners.
+        // Two cells, separated by the line on which a linear function with the values `ends` is zero: one with corner
+        // `alone`, one with the other two corners, which have the same nearest triangle of B. Each is compared with the
+        // triangle nearest to its corners.
         corner_cut_off,
         // Three cells, one for each corner: the quadrilateral of the corner, the midpoints of its two edges and the
-        // barycentre. Each is near the triangle of B nearest to its corner.
+        // barycentre. Each is compared with the triangle of B nearest to its corner.
         three,
         // Two cells, one for each corner in `feet`. The foot of a corner is the point of B closest to it. Each cell
-        // holds the points of the piece that are nearer to the foot of its corner than to the other foot, and is near
-        // the triangle of B that contains its foot.
+        // holds the points of the piece that are nearer to its own foot than to the other one, and is compared with the
+        // triangle of B that contains its foot.
         nearest_foot
     };
     Kind kind = Kind::one;
     Index near = -1;
     std::size_t alone = 0;
-    // The values of a linear function on the piece, at corner `alone` and at the two corners after it.
+    // The values of the linear function of corner_cut_off, at corner `alone` and at the two corners after it.
     std::array<double, 3> ends{};
-    // The values of a linear function at the corners of the piece. It is positive where the foot of corner feet[1] is
-    // nearer than the foot of corner feet[0].
+    // The values of a linear function at the corners, for nearest_foot. It is positive where the foot of corner feet[1]
+    // is nearer than the foot of corner feet[0].
     std::array<double, 3> nearer{};
     std::array<std::size_t, 2> feet{};
 };
@@ -65,18 +66,18 @@ struct PieceArgument {
 // Computes upper bounds on the distance from a piece to B, and keeps the reason why the last bound holds.
 class PieceBounds {
 public:
-    // Keeps references. `magnitude` is the largest |coordinate| of B and of A, moved by its pose. `counters` counts
-    // distances from points to single triangles, and the computed bounds except same_triangle().
+    // Keeps references. `magnitude` is the largest |coordinate| of B and of A, moved by its pose. Counts the distances
+    // from points to single triangles, and the computed bounds except same_triangle().
     PieceBounds(const Target& target, double magnitude, Counters& counters)
         : target_(target), magnitude_(magnitude), counters_(counters) {}
 
-    // If all corners have the same nearest triangle of B, returns the largest distance of a corner: the exact distance
-    // h(T, B) of the piece T, plus rounding (Eq. 6). Otherwise returns infinity.
+    // If one triangle of B is nearest to all corners, returns the largest distance of a corner, widened by rounding
+    // errors; this bound is tight (Eq. 6). Otherwise returns infinity.
     double same_triangle(const PieceCorners& corners, int level);
 
-    // Like same_triangle(), but for one triangle of B that is nearest to some corner and as near to the other corners
-    // as their own nearest triangles, up to rounding. Returns infinity if there is none. Such ties happen if the point
-    // of B closest to a corner lies on an edge or a vertex of B: all triangles there are equally near.
+    // Like same_triangle(), but accepts ties: one triangle of B must be as near to each corner as the nearest triangle
+    // recorded for that corner, up to rounding. Ties happen if the point of B closest to a corner lies on an edge or a
+    // vertex of B, where several triangles are equally near.
     double tied_triangle(const PieceCorners& corners, int level);
 
     // Returns the distance of a corner to B plus the longer of the two edges at this corner, for the corner where this
@@ -87,8 +88,8 @@ public:
     // Cuts the piece into two or three cells, and returns the largest distance from a cell to the triangle of B nearest
     // to its corners, as in Kang et al. 2018 (Eqs. 14, 18).
     double u3(const PieceCorners& corners, int level);
-    // Returns the largest distance from a point of the piece to the nearer of two points of B, which are closest to two
-    // of its corners. Tries two pairs of corners and returns the smaller bound (Eq. 19).
+    // Takes two corners and the points of B closest to them. Returns the largest distance from a point of the piece to
+    // the nearer of these two points. Tries two pairs of corners and returns the smaller bound (Eq. 19).
     double u4(const PieceCorners& corners, int level);
 
     // argument() returns why the last bound holds; it has no meaning if that bound was infinite. restore() puts back an
@@ -96,8 +97,8 @@ public:
     const PieceArgument& argument() const { return argument_; }
     void restore(const PieceArgument& argument) { argument_ = argument; }
 
-    // Returns the largest distance from a point of the piece to triangle `fourth` of B or, if `fourth` is -1, to the
-    // one of S1, S2 and S3 for which it is least (Zheng et al. 2022).
+    // Returns the largest distance from a point of the piece to one triangle of B: to triangle `fourth` or, if that is
+    // -1, to the best of the triangles nearest to the corners (Zheng et al. 2022).
     double nearest_triangles(const PieceCorners& corners, int level, Index fourth = -1);
 
 private:

@@ -17,7 +17,7 @@ double zero_between(double from, double to) { return std::abs(from) / (std::abs(
 
 // The line on which a linear function is 0 in a polygon, given by the two points where it meets the boundary.
 struct Chord {
-    std::size_t into, out_of;   // the edges on which it becomes positive, and stops being so
+    std::size_t into, out_of;   // going around: the edges where the function turns positive, and where it ceases to be
     double into_at, out_of_at;  // how far along these edges, in [0, 1]
 };
 

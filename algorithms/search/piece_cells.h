@@ -23,8 +23,8 @@
 
 namespace hausbench {
 
-// How the corners of a piece are numbered in a certificate. There, the piece is a polygon with the same three corners,
-// but its list of corners may begin with another one: corner i of the piece is corner (i + turn) % 3 of the polygon.
+// Maps the corners of a piece to the corners of its polygon in a certificate. Both have the same corners in the same
+// order, but the polygon may begin with another one: corner i of the piece is corner (i + turn) % 3 of the polygon.
 struct PieceTurn {
     std::uint8_t turn = 0;
 

@@ -45,8 +45,8 @@ void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t 
     next(3);
 }
 
-// By how much the corners of each part, as numbered by cut_triangle(), are shifted in the polygon that the cuts of
-// write_cuts() make of it (PieceTurn in piece_cells.h).
+// The `turn` of each part (PieceTurn in piece_cells.h): by how many places write_cuts() rotates the corners that
+// cut_triangle() gives the part.
 constexpr std::array<std::uint8_t, 4> turns_of_four = {1, 1, 1, 2};
 constexpr std::array<std::uint8_t, 2> turns_of_two = {0, 2};
 
@@ -142,7 +142,7 @@ public:
     // Returns by how much a checker's bound may exceed the upper bound of the search.
     double loss() const { return (loss_of_cut * depth_ + loss_of_check) * unit_ + (looked_again_ > 0 ? slack_ : 0); }
 
-    // Returns the number of pieces that were bounded again.
+    // Returns the number of pieces bounded again after the search.
     std::uint64_t looked_again() const { return looked_again_; }
 
 private:

@@ -1,4 +1,4 @@
-// The priority queue of a branch-and-bound search: the piece with the largest upper bound comes out first.
+// The priority queue of branch-and-bound searches.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,8 @@
 
 namespace hausbench {
 
-// A priority queue of pieces. `Piece` is any type with a member `upper`, the upper bound of the piece.
+// A priority queue of pieces: the one with the largest upper bound comes out first. `Piece` is any type with a member
+// `upper`, its upper bound.
 //
 // The heap moves only entries of 16 bytes, each a bound and the index of a slot; a piece stays in its slot. Slots are
 // reused, so memory is bounded by the largest number of pieces queued at one time. Pieces with equal bounds come out in

@@ -21,8 +21,8 @@ void SourceRegions::lower(Region& region) {
 }
 
 // Finds the point q of B closest to the centre of the region's box, and lowers the region's upper bound with it.
-// Returns false without searching if this was done before, or if it cannot help: no q gives a bound below half the
-// diagonal of the box, and this may already be too large.
+// Returns false without searching if this was done before, or if half the diagonal of the box is too large to skip the
+// region: no q gives a smaller bound.
 bool SourceRegions::improve(Region& region) {
     if (region.own || 0.5 * std::sqrt(squared_length(region.box.high - region.box.low)) > bounds_.purged_at_most(0))
         return false;

@@ -7,7 +7,7 @@ Triangle SourceVertices::posed_triangle(Index i) const {
     return {points_.row(corners[0]), points_.row(corners[1]), points_.row(corners[2])};
 }
 
-// Measures the point that was farthest at the previous pose first, so that the lower bound is large from the start.
+// First measures the point that was farthest at the previous pose, so that the lower bound is large from the start.
 void SourceVertices::begin_warm() {
     WarmStart& last = *warm_start_;
     last.nearest.resize(vertices_.size(), -1);

@@ -11,7 +11,7 @@
 
 namespace hausbench {
 
-// The distances from the vertices of A to B, and which triangles of A turned out to need no further work.
+// The distances from the vertices of A to B, and the triangles of A that need no further work.
 class SourceVertices {
 public:
     // Keeps references. `points` are the vertices of A, moved by its pose. `warm_start` holds hints from an earlier
@@ -54,7 +54,7 @@ public:
         return {v(0), v(1), v(2)};
     }
 
-    // After the search, saves the nearest triangles and the farthest point as hints for the next pose.
+    // Saves the nearest triangles and the farthest point of a finished search as hints for the next pose.
     void remember() const;
 
 private:

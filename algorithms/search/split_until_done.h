@@ -7,8 +7,8 @@
 namespace hausbench {
 
 // Takes pieces from the queue, the largest upper bound first, until the bounds answer the query or the time or the
-// budget is spent. Returns the reason. settle(piece) must return whether the piece can be dropped, because the lower
-// bound may have grown since the piece was queued. Otherwise split(piece) must cut the piece and queue its parts.
+// budget is spent. Returns the reason. settle(piece) must return whether the piece can be dropped: the lower bound may
+// have grown since the piece was queued. If not, split(piece) must cut the piece and queue its parts.
 template <class Piece, class Settle, class Split>
 Status split_until_done(PieceQueue<Piece>& queue, SearchBounds& bounds, const Counters& counters, const Settle& settle,
                         const Split& split) {

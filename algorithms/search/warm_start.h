@@ -21,8 +21,8 @@ struct WarmStart final : State {
     int corner = -1;               // the corner of `source` that was the farthest point; -1: it was not a corner
     double second = 0, third = 0;  // if corner is -1: weights of the second and third corner, in [0, 1]
     Index target = -1;             // triangle of B nearest to the farthest point
-    // For each triangle of A, a triangle of B that was near it; -1, or an index beyond the end: unknown. When the
-    // solver computes h(B, A), these pairs tell which triangle of A to try first for a triangle of B (Tang et al. 2009,
+    // For each triangle of A, a triangle of B that was near it; unknown if the entry is -1 or missing. When the solver
+    // computes h(B, A), these pairs tell which triangle of A to try first for a triangle of B (Tang et al. 2009,
     // section 6).
     std::vector<Index> partner;
     // For each node of a tree over A, then for each leaf, a triangle of B near it; -1: unknown.
@@ -46,7 +46,7 @@ struct WarmStart final : State {
         target = farthest.point.triangle;
         const Vec3& point = farthest.point.point;
         corner = point == triangle.a ? 0 : point == triangle.b ? 1 : point == triangle.c ? 2 : -1;
-        // Plain least squares give the weights. They need not be accurate, because the point is only a starting point.
+        // Computes the weights by plain least squares. This is accurate enough for a starting point.
         const Vec3 e = triangle.b - triangle.a, f = triangle.c - triangle.a, p = point - triangle.a;
         const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), scale = ee * ff - ef * ef;
         // Returns x / scale, clamped to [0, 1], or 0 if the quotient is NaN.

@@ -16,13 +16,13 @@ namespace hausbench {
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Limits {
-    // For one answer. All timed repeats together may take twice as long.
+    // Time limit for one answer. All timed repeats together may take twice as long.
     double case_seconds = 60;
     double prepare_seconds = 120;                       // for loading and preparing
     std::int64_t memory_bytes = std::int64_t(8) << 30;  // resident set of a worker
 };
 
-// Units of a tolerance: the diagonal or the longest side of the bounding box of A, a length, or the lower bound.
+// Units of a tolerance: the diagonal or the longest side of the bounding box of A, a plain length, or the lower bound.
 inline const std::vector<std::string> tolerance_units = {"diagonal", "longest", "absolute", "lower"};
 
 // Returns the length of one unit of a tolerance; 1 for `absolute` and `lower`. `diagonal` and `longest_side` are
@@ -58,10 +58,10 @@ struct Case {
     // command, or if none of the files was found.
     std::string program_sha256;
     Limits limits;
-    // The solver starts from the state that it kept from the case of the previous pose.
+    // Whether the solver starts from the state that it kept at the previous pose.
     bool warm = false;
-    // Identity of the case before this one: of the previous pose if `warm`, otherwise of the previous target in a
-    // search for the nearest target, where the answers so far lower the cutoff. Empty: there is no case before.
+    // Identity of the previous case: if `warm`, the case of the previous pose; in a search for the nearest target, the
+    // case of the previous target, whose answer may lower the cutoff. Empty: there is no previous case.
     std::string chain;
     double exact = unknown;     // the true distance, if the experiment gives it
     std::string family;         // name of a sweep over severity that the scene belongs to
@@ -80,7 +80,7 @@ std::string identify(const Case& asked);
 // Returns the solver's name for display: "guthe", or "guthe(samples=8)" if the experiment sweeps a parameter.
 std::string shown(const Case& asked);
 
-// Returns the parameters of `one` that differ within `swept`, as text such as "samples=8, seed=1".
+// Returns the parameters of `one` that are not the same in all of `swept`, as text: "samples=8, seed=1".
 std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
 
 // Returns the suffix that shows the quantity in a scene's name: ", H" or ", depth"; empty for h(A,B).

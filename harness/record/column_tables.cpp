@@ -7,7 +7,7 @@ namespace hausbench {
 using namespace columns;
 
 const Columns<Case>& case_columns() {
-    // The columns of the identity come first. identify() hashes them in this order, so it must not change.
+    // The columns of the identity come first. Do not reorder them: identify() hashes them in this order.
     using Entry = Case;
     static const Columns<Entry> all = {
         COLUMN(solver, "name of the solver in the registry", Identity::always),

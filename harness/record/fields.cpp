@@ -142,8 +142,8 @@ private:
         return best;
     }
 
-    // Measures how much the distance differs from its linear interpolation on each piece that is not settled, and
-    // settles the piece. Returns the edges to bisect, the largest difference first.
+    // Compares the distance with its linear interpolation on all pieces that are new since the last call. Returns the
+    // edges to bisect, the largest difference first.
     std::vector<std::pair<double, Edge>> compare_unsettled() {
         std::vector<std::pair<double, Edge>> wanted;
         std::vector<Edge> edges;

@@ -14,7 +14,7 @@ using ByRound = std::map<int, double>;  // seconds
 
 inline bool cpu_clock(const Outcome& outcome) { return outcome.clock == "cpu"; }
 
-// The next three functions return a time for each round, or nothing if nothing was timed. `cpu` selects CPU time
+// Each of these functions returns one time per round, or an empty map if nothing was timed. `cpu` selects CPU time
 // instead of wall time.
 ByRound first_by_round(const Outcome& outcome, bool cpu);  // of the first answer
 ByRound again_by_round(const Outcome& outcome, bool cpu);  // of solving again: the median of the timed repeats
@@ -26,12 +26,12 @@ struct Origin {
     std::string machine, program, clock;
 };
 
-// Returns these properties. `program` is the build of the program without plug-ins (class Programs in
+// Returns the origin of an outcome's times. `program` is the build of the program without plug-ins (class Programs in
 // result/provenance.h).
 Origin origin_of(const Outcome& outcome, const std::string& program);
 
 // Returns why the times of two rows are not comparable, such as "of different machines". Returns an empty string if
-// they are. analysis/shared/comparable.py has the same rule.
+// they are comparable. analysis/shared/comparable.py has the same rule.
 std::string reason_apart(const Origin& a, const Origin& b);
 
 // Returns the time to solve, by the clock of the row: the median over rounds of again_by_round() or, if nothing was

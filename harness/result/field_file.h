@@ -1,8 +1,8 @@
 // Writes and reads files of fields (solver.h): in the harness's own format, next to the journal of a run, and in PLY or
 // VTK for other programs.
 //
-// The own format begins with one line of JSON: {"hausbench_fields": 1, "fields": [{"name", "of", "meaning", "count"},
-// ...]}. The values follow, one field after the other, as little-endian float64.
+// The harness's format begins with one line of JSON: {"hausbench_fields": 1, "fields": [{"name", "of", "meaning",
+// "count"}, ...]}. The values follow, one field after the other, as little-endian float64.
 #pragma once
 
 #include "harness/record/fields.h"
@@ -13,17 +13,17 @@
 
 namespace hausbench {
 
-// Writes a file in the own format, as a whole or not at all. Returns the SHA-256 of the file. Throws InputError if it
-// cannot be written.
+// Writes fields in the harness's own format, as a whole or not at all. Returns the SHA-256 of the file. Throws
+// InputError if it cannot be written.
 std::string write_fields(const std::filesystem::path& file, const Fields& fields);
 
-// Reads a file in the own format. Returns nothing if the file is missing or has another SHA-256.
+// Reads fields in the harness's own format. Returns nothing if the file is missing or has another SHA-256.
 std::optional<Fields> read_fields(const std::filesystem::path& file, const std::string& sha256);
 
 // Throws InputError if the name ends in neither .ply nor .vtk, or if its folder cannot be written to.
 void check_export_place(const std::filesystem::path& file);
 
-// Returns the file for the fields of B, given the file for the fields of A: x.back.ply for x.ply.
+// Returns the name of the file for the other direction, the fields of B: x.back.ply for x.ply.
 std::filesystem::path file_of_way_back(const std::filesystem::path& file);
 
 // Writes a drawn shape (fields.h) as PLY or VTK, by the extension, with the `distance` (double) and `nearest` (int) of

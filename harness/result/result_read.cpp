@@ -228,9 +228,9 @@ ResultFile read_trusting(const fs::path& file) {
     return result;
 }
 
-// Calls `read` in a child process within limits of time and memory, and throws if the child does not survive. Only then
-// may this process read the file, because the HDF5 library crashes on some damaged files. (A seal detects damage, but a
-// file that another program has changed has no seal.) Returns whether a newer program wrote the file.
+// Calls `read` in a child process within limits of time and memory, because the HDF5 library crashes on some damaged
+// files. Throws if the child does not survive; otherwise this process can read the file, too. Returns whether a newer
+// program wrote the file. (A seal detects damage, but a file that another program has changed has no seal.)
 bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
     constexpr int out_of_memory = 4, newer = 5;
     const auto bytes = std::int64_t(fs::file_size(file));
