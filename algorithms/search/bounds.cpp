@@ -4,10 +4,9 @@
 
 namespace hausbench {
 
-// Returns a proven lower bound on the distance from a point of A to B. The computed distance minus an error bound would
-// not be one: only tests show that computed distances are not too large. Target::certified_distance() proves a bound
-// for the computed point. This point may lie off A by up to 2 * level * uM, which is subtracted; u = 2^-53, and M is
-// the largest |coordinate| (kernel/rounding.h).
+// Returns a proven lower bound on the distance from a point of A to B. The computed distance may be too large, so
+// Target::certified_distance() proves a bound for the computed point. Rounding may have moved this point off A by up to
+// 2 * level * uM, which is subtracted; u = 2^-53, and M is the largest |coordinate| (kernel/rounding.h).
 double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {
     if (!rounding_.certify || farthest.source < 0) return std::sqrt(std::max(farthest.point.squared, 0.0));
     const double distance = target_.certified_distance(farthest.point.point, counters);
@@ -24,7 +23,7 @@ std::optional<Status> SearchBounds::answered(double queued) {
         const double high = std::max(settled_, queued), low = std::max(std::sqrt(farthest_squared()) - loss_, 0.0);
         if (trace_.on()) trace_.record(certified_lower(), high);
         // Certification costs a query, so it comes last: when the uncertified bounds seem to answer the query, or when
-        // splitting can no longer lower the upper bound.
+        // splitting cannot lower the upper bound any more.
         const std::optional<Status> seems = query_.answer(low, high);
         const bool done = queued <= settled_;
         if (seems || done) {

@@ -24,13 +24,12 @@
 
 namespace hausbench {
 
-// The lower and the upper bound of one search. The search reports the distances that it computed and the upper bounds
-// of its pieces, and asks which pieces need no further cuts and when to stop.
+// The lower and the upper bound of one search. Receives the computed distances and the bounds of pieces, and tells
+// which pieces need no further cuts and when to stop.
 class SearchBounds {
 public:
-    // Keeps references to all arguments except `rounding`, which it copies. `rounding.magnitude` must be the largest
-    // |coordinate| of B and of A, moved by its pose. If `elements` is not null, it also receives the bounds of each
-    // triangle of A.
+    // Keeps references to all arguments except `rounding`, whose `magnitude` must be the largest |coordinate| of B and
+    // of A, moved by its pose. If `elements` is not null, it also receives the bounds of each triangle of A.
     SearchBounds(const Query& query, const Target& target, const SurfaceRounding& rounding, Counters& counters,
                  Trace& trace, ElementBounds* elements = nullptr)
         : query_(query),
@@ -69,16 +68,16 @@ public:
     // distances. It is the square root plus the largest possible rounding error after `level` subdivisions.
     double at_most(double squared, int level) const { return rounding_.at_most(squared, level); }
 
-    // Returns an upper bound that is low enough to end the search: once no piece exceeds it, the tolerance is met. Uses
-    // only half of the tolerance, because the proven lower bound may turn out a little lower than the computed one.
+    // Returns an upper bound that is low enough to end the search once no piece exceeds it. Uses only half of the
+    // tolerance, because the proven lower bound may turn out a little lower than the computed one.
     double sought() const {
         const double low = std::sqrt(farthest_squared());
         return low + 0.5 * query_.tolerance.gap(low);
     }
 
-    // Returns the largest upper bound with which a piece of this level can be dropped instead of cut: the largest
-    // distance found so far plus the rounding error of this level. If the floor of the query is larger, returns the
-    // floor, because distances below it do not matter.
+    // Returns the largest upper bound with which a piece of this level can be dropped: the largest distance found so
+    // far plus the rounding error of this level. If the floor of the query is larger, returns the floor, because
+    // distances below it do not matter.
     double purged_at_most(int level) const {
         return std::max(rounding_.at_most(farthest_squared(), level), query_.floor);
     }
@@ -97,9 +96,9 @@ public:
     // be in `elements`, if that is set.
     void keep(double upper) { settled_ = upper > settled_ ? upper : settled_; }
 
-    // Returns a status if the search is over: the bounds answer the query, or no cut of a queued piece can lower the
-    // upper bound any further. Returns nothing if the search must go on. `queued` is the largest upper bound in the
-    // queue, or 0 if the queue is empty.
+    // Returns a status if the search is over: the bounds answer the query, or cutting the pieces in the queue cannot
+    // lower the upper bound. Otherwise returns nothing. `queued` is the largest upper bound in the queue, or 0 if the
+    // queue is empty.
     std::optional<Status> answered(double queued);
 
     // Like answered(), but also ends the search when the budget or the time is spent. `spent` is the work done so far,
@@ -141,8 +140,8 @@ private:
     Deadline deadline_;
     Farthest farthest_;
     double certified_ = -1;  // certified distance of farthest_; negative: not computed yet
-    double settled_ = 0;     // the largest upper bound of settled pieces
-    double loss_ = 0;        // by how much certification is expected to lower the lower bound
+    double settled_ = 0;
+    double loss_ = 0;  // by how much certification is expected to lower the lower bound
 };
 
 }  // namespace hausbench

@@ -1,5 +1,4 @@
-// The lower and upper bound of each triangle of A during a search. Kept only if the query wants fields
-// (Result::fields).
+// Bounds of each triangle of A, kept during a search if the query wants fields (Result::fields).
 #pragma once
 
 #include "algorithms/search/target.h"

@@ -1,5 +1,4 @@
-// Common code of mesh solvers: asks for a tree or grid over B, moves A by its pose, and finds the largest |coordinate|,
-// on which the rounding errors depend.
+// The base class of mesh solvers.
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -32,14 +31,14 @@ inline double diagonal_of(const MeshPair& pair) {
     return (box.high - box.low).norm();
 }
 
-// The base class of mesh solvers, which implement search(). `Tree` is a tree or a grid over B that finds closest
+// A mesh solver derives from this class and implements search(). `Tree` is a tree or a grid over B that finds closest
 // points. It is not built if B is so small that testing all triangles is as fast. A solver that needs further
 // structures overrides needs() and prepare(), and calls the functions of this class from them.
 template <class Tree> class MeshSolver : public Solver {
     static constexpr bool is_tree = std::derived_from<Tree, TriangleTree>;
 
 public:
-    // The type of the tree over A, for solvers that skip groups of triangles of A (source_regions.h).
+    // The type of the tree over A (source_regions.h).
     using RegionTree = std::conditional_t<is_tree, Tree, TriangleBvh>;
 
     Needs needs(const Scene& scene, const QuerySet&) const override {
@@ -84,8 +83,8 @@ protected:
 private:
     virtual Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const = 0;
 
-    bool textbook_;  // whether to use textbook formulas, see Target
-    bool regions_;   // whether to skip groups of triangles of A, see has_regions()
+    bool textbook_;  // see Target
+    bool regions_;   // see has_regions()
     const TriangleMesh* source_ = nullptr;
     const TriangleMesh* target_ = nullptr;
     const Tree* tree_ = nullptr;

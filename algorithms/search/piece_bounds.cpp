@@ -37,8 +37,8 @@ struct Plane {
 };
 
 // Returns the plane that halves the angle between two triangles of B with a common edge; Plane::of() is positive on the
-// side of `one`. Returns nothing if the triangles do not have exactly two corners in common. Compares corners by their
-// coordinates, so neighbours are found even if each has its own copy of the vertices.
+// side of `one`. Returns nothing if they do not share exactly two corners. Compares corners by their coordinates,
+// because neighbours may have separate copies of their vertices.
 std::optional<Plane> bisector(const Triangle& one, const Triangle& two) {
     const std::array<Vec3, 3> p{one.a, one.b, one.c}, q{two.a, two.b, two.c};
     std::array<int, 3> partner{-1, -1, -1};
@@ -73,8 +73,7 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
     }
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t j = (i + 1) % 3;
-        // The ends are on the same side of the plane, so it does not cut the edge. If p = q, this is so for all edges,
-        // and zero_on_edge() never divides 0 by 0.
+        // The plane does not cut this edge. If p = q, it cuts no edge, so zero_on_edge() never divides 0 by 0.
         if ((nearer[i] > 0) == (nearer[j] > 0)) continue;
         const Vec3 cut = zero_on_edge(v[i], v[j], nearer[i], nearer[j]);
         most = std::max({most, squared_length(cut - p), squared_length(cut - q)});

@@ -11,8 +11,8 @@ namespace {
 using Kind = PieceArgument::Kind;
 using Polygon = std::vector<Vec3>;
 
-// Returns the fraction of the way along an edge at which a linear function is 0, given its values at the ends, which
-// have opposite signs. Never returns -0, because the fractions in a certificate have no sign.
+// Returns the fraction along an edge at which a linear function is 0, given its values at the ends, which have opposite
+// signs. Never returns -0, because the fractions in a certificate have no sign.
 double zero_between(double from, double to) { return std::abs(from) / (std::abs(from) + std::abs(to)); }
 
 // The line on which a linear function is 0 in a polygon, given by the two points where it meets the boundary.

@@ -23,13 +23,12 @@
 
 namespace hausbench {
 
-// Maps the corners of a piece to the corners of its polygon in a certificate. Both have the same corners in the same
-// order, but the polygon may begin with another one: corner i of the piece is corner (i + turn) % 3 of the polygon.
+// By how many places the list of a piece's corners is rotated in a certificate: corner i of the piece is corner (i +
+// turn) % 3 of its polygon.
 struct PieceTurn {
     std::uint8_t turn = 0;
 
-    // Returns the index in the polygon of corner i of the piece. It is also the index of the edge from corner i to the
-    // next one.
+    // Returns the index in the polygon of corner i, and of the edge from corner i to the next one.
     std::size_t place(std::size_t i) const { return (i + turn) % 3; }
 };
 

@@ -8,8 +8,7 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// Limit on the cuts that are made after the search to complete the proof. If they do not suffice, there is no
-// certificate.
+// Limit on the cuts made after the search. If the proof needs more, there is no certificate.
 constexpr std::uint64_t most_more_cuts = 1'000'000;
 
 // The certificate claims a bound, `proven`, that exceeds the upper bound of the search, so that a checker, which rounds
@@ -176,8 +175,8 @@ private:
     }
 
     // Bounds a piece again. If the new bound is too large, cuts the piece and treats its parts in the same way. Returns
-    // false if this needs too many cuts. The new bound may exceed the final upper bound by `slack_`, because it
-    // includes more rounding than the bound by which the search dropped the piece.
+    // false if this needs too many cuts. A new bound may exceed the final upper bound by `slack_`, because it includes
+    // more rounding.
     bool look_again(const More& more, CertificateTree& tree) {
         PieceCorners corners;
         Index near = more.near;
@@ -211,8 +210,8 @@ private:
                suffices(bounds_.u4(corners, more.level));
     }
 
-    // Updates `depth_` for a piece of this level that is not cut further. Each level took up to three cuts in the
-    // certificate, or one if the longest edge was cut; the cells of the piece take up to six more.
+    // Updates `depth_` for a piece of this level that is not cut further: up to three cuts for each level (one if the
+    // longest edge was cut), and six for the cells of the piece.
     void reach(int level) { depth_ = std::max(depth_, (proofs_.split_ == Split::midpoint ? 3 : 1) * level + 6); }
 
     const PieceProofs& proofs_;

@@ -21,9 +21,8 @@ void SourceVertices::begin_warm() {
     }
 }
 
-// Tries to skip triangle i without a closest point query. Each corner has a triangle of B that was nearest to it at the
-// previous pose. The largest distance from triangle i to that triangle of B is an upper bound, and it is attained at a
-// corner, because distance to a triangle is convex.
+// Tries to skip triangle i without a closest point query. An upper bound is its largest distance to a triangle of B
+// that was nearest to one of its corners at the previous pose. Distance is convex, so it is largest at a corner.
 bool SourceVertices::settle_by_last_pose(Index i) {
     const auto corners = a_.triangles.row(i);
     for (const Index v : corners) {

@@ -27,21 +27,20 @@ public:
           counters_(counters) {}
 
     // Makes measure() skip groups of triangles of A that cannot contain the point farthest from B (source_regions.h).
-    // `tree` is over A in its own coordinates, and `pose` is the pose of A.
+    // `tree` is over A in its own coordinates.
     void use_regions(const TriangleTree& tree, const Pose& pose);
 
-    // Makes measure() record, for the certificate, a proof of the upper bound of each triangle of A that it skips.
+    // Makes measure() record a proof of the upper bound of each triangle of A that it skips.
     void use_proofs(PieceProofs& proofs) { proofs_ = &proofs; }
 
     // Computes the distances of the vertices, triangle by triangle, and passes each to SearchBounds::offer(). Returns
     // false if time runs out.
-    // - Each query starts at a triangle of B that is probably near: the one nearest to the previous vertex or, with a
-    //   warm start, to the same vertex at the previous pose.
-    // - A triangle of A is skipped if a cheap upper bound is small enough. With a warm start, this is its distance to a
-    //   triangle of B that was nearest to one of its corners at the previous pose; with regions, the bound of its
-    //   region. Vertices that belong only to skipped triangles are not measured.
-    // - If the bounds of each triangle are wanted (ElementBounds), a vertex is offered to every triangle that contains
-    //   it.
+    // - Each query starts at the triangle of B nearest to the previous vertex or, with a warm start, to the same vertex
+    //   at the previous pose.
+    // - A triangle of A is skipped if an upper bound is small enough. With a warm start, this is its distance to a
+    //   triangle of B that was nearest to one of its corners; with regions, the bound of its region. Vertices that
+    //   belong only to skipped triangles are not measured.
+    // - With ElementBounds, a vertex is offered to every triangle that contains it.
     bool measure();
 
     // Returns whether measure() skipped triangle i of A. The search bounds then include its upper bound.

@@ -1,4 +1,4 @@
-// Times the stages of a solve, for queries that ask for them (Wanted::stages in solver.h).
+// Times the stages of a solve (Wanted::stages).
 #pragma once
 
 #include "algorithms/solver.h"

@@ -23,9 +23,9 @@ enum class Split {
 // overall. 102 times make it as small, because sqrt(3) * 2^-51 < 2^-50.
 constexpr int most_levels(Split split) { return split == Split::midpoint ? 50 : 102; }
 
-// A triangle cut into pieces. `vertices` holds the corners of the triangle (0, 1, 2), then the new vertices. A piece is
-// three indices into `vertices`, in the orientation of the triangle. The pieces cover the triangle, except for the
-// rounding of the new vertices (kernel/rounding.h).
+// A triangle cut into pieces. `vertices` holds its corners (0, 1, 2), then the new vertices. A piece is three indices
+// into `vertices`, in the orientation of the triangle. The pieces cover the triangle, except for the rounding of the
+// new vertices (kernel/rounding.h).
 template <class Vertex> struct Cut {
     std::array<Vertex, 6> vertices;
     std::size_t vertex_count = 3, piece_count = 0;

@@ -1,5 +1,4 @@
-// Distances from points to B, the target mesh. They come from a tree, a grid or blocks of triangles over B. Without
-// such a structure, all triangles are scanned.
+// Distances from points to B, the target mesh, by a tree, a grid, blocks of triangles or a scan of all triangles.
 #pragma once
 
 #include "algorithms/kernel/closest.h"

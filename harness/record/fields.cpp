@@ -127,8 +127,8 @@ private:
     Vec3 midpoint(Edge edge) const { return (points[edge >> 32] + points[edge & 0xffffffff]) / 2; }
     double squared_length_of(Edge edge) const { return squared_length(points[edge >> 32] - points[edge & 0xffffffff]); }
 
-    // Returns which of the edges 0, 1, 2 is the longest. Among equally long edges, takes the one with the largest Edge:
-    // mark() goes from an edge to the longest edges of its pieces, and this keeps it from going in circles.
+    // Returns which of the edges 0, 1, 2 is the longest. Ties go to the largest Edge, so that mark(), which goes from
+    // an edge to the longest edges of its pieces, cannot go in circles.
     int longest_of(const Piece& piece) const {
         int best = 0;
         std::pair<double, Edge> most{-1, 0};

@@ -1,5 +1,5 @@
-// The outcome of a case, and the verdicts of its check. An Outcome is the part of a solver's Result (solver.h) that a
-// result file keeps, with times, memory and how the process ended.
+// The outcome of a case, and the verdicts of its check. An Outcome is what a result file keeps of a solver's Result
+// (solver.h), with times, memory and how the process ended.
 #pragma once
 
 #include "harness/record/case.h"
