@@ -10,7 +10,7 @@ namespace hausbench {
 // The point farthest from B among the points measured so far, either on all of A or on one triangle of A.
 struct Farthest {
     MeasuredPoint point{};
-    Index source = -1;  // the triangle of A that contains `point`; -1: no point was measured yet
+    Index source = -1;  // the triangle of A that contains `point`; -1: none yet
     int level = 0;      // limits how far rounding may have moved `point` off A (kernel/rounding.h)
 };
 
@@ -18,7 +18,7 @@ struct Farthest {
 // searches that do not use them.
 struct ElementBounds {
     std::vector<Farthest> farthest;
-    std::vector<double> upper;    // largest upper bound of the dropped pieces of the triangle
+    std::vector<double> upper;    // largest upper bound of its dropped pieces
     std::vector<double> deepest;  // number of subdivisions that led to its smallest piece
 
     explicit ElementBounds(Index count)

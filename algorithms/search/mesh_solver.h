@@ -73,8 +73,8 @@ public:
 protected:
     explicit MeshSolver(bool textbook = false, bool regions = false) : textbook_(textbook), regions_(regions) {}
 
-    // Returns whether to skip groups of triangles of A in this scene (source_regions.h). Depends only on the option and
-    // the size of A, so that the answer is the same whichever structures were built.
+    // Returns whether to skip groups of triangles of A in this scene (source_regions.h). The answer does not depend on
+    // which structures were built.
     bool has_regions(const Scene& scene) const { return regions_ && element_count(scene.source) > scan_at_most; }
 
     const TriangleMesh& source() const { return *source_; }
@@ -91,7 +91,7 @@ private:
     const RegionTree* source_tree_ = nullptr;
 };
 
-// Returns what the SolverInfo of mesh solvers have in common: certified, accepts meshes and point sets on either side,
+// Returns the common part of the SolverInfo of mesh solvers: certified, accepts meshes and point sets on either side,
 // records traces and gives fields. Each solver adds its other abilities, structures and parameters.
 template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string title, std::string paper) {
     SolverInfo info;

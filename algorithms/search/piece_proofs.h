@@ -5,17 +5,17 @@
 // - The cuts. The certificate format only has cuts into two, so a cut into four pieces takes three of them: each cuts
 //   off a corner, and the piece in the middle remains.
 // - For each piece, the least bound found for it, and the reason why it holds: the whole piece is near one triangle of
-//   B, or it is cut into cells that are each near one triangle of B (piece_cells.h). The parts of a piece inherit a
-//   bound by one triangle, because it holds for every part. They do not inherit a bound by cells, because the cells of
-//   a piece do not fit its parts.
+//   B, or it is cut into cells, each near one triangle of B (piece_cells.h). The parts of a piece inherit a bound by
+//   one triangle, because it holds for every part. They do not inherit a bound by cells, because the cells of a piece
+//   do not fit its parts.
 //
 // So one reason may be missing. If a piece was bounded by cells, and a part of it has no smaller bound of its own, the
 // search may drop the part because of the bound of the piece. (In guthe this does not happen.) After the search, such a
 // part is measured and bounded again, with nearest_triangles, u3 and u4 of piece_bounds.h, and cut further until one of
-// these bounds is at most the final upper bound, up to rounding (`slack` in piece_proofs.cpp). This is the only step of
-// the proof that the search itself did not take. If it needs too many cuts, the result has no certificate.
+// these bounds is at most the final upper bound, up to rounding (`slack` in piece_proofs.cpp). If this needs too many
+// cuts, the result has no certificate.
 //
-// The search runs in the same way with and without a certificate.
+// Nothing here changes the search.
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"

@@ -1,7 +1,6 @@
 // Skips groups of triangles of A that cannot contain the point farthest from B, without examining these triangles one
 // by one. A *region* is a node or leaf of a tree over A: its triangles and the box around them. After Zheng et al. 2022
-// (with a BVH), and after descriptions of Guthe et al. 2005 (with an octree, where only regions that can attain the
-// maximum are examined).
+// (with a BVH), and after descriptions of Guthe et al. 2005 (with an octree).
 //
 // The upper bound of a region is the distance from a point q of B to the corner of the box that is farthest from q: no
 // point of the box is farther from q than this corner, and B is at least as near as q. q is the point of B nearest to

@@ -1,8 +1,8 @@
-// The table of all columns of a result file. It lists, for each group, the columns with their name, their meaning,
-// functions that read and write their value in a row in memory, and whether they are part of a case's identity. The
-// writer and the reader of result files, the journal and identify() all use this table; `python3 -m analysis.schema`
-// generates the tables in results/README.md and analysis/shared/columns.py from it. To add a column, add a member in
-// case.h, outcome.h or row.h and a line in column_tables.cpp.
+// The table of all columns of a result file. For each column, it has the name, the meaning, functions that get and set
+// the value in a row in memory, and whether the column is part of a case's identity. The writer and the reader of
+// result files, the journal and identify() all use this table; `python3 -m analysis.schema` generates the tables in
+// results/README.md and analysis/shared/columns.py from it. To add a column, add a member in case.h, outcome.h or row.h
+// and a line in column_tables.cpp.
 //
 // If a file lacks a column, its member keeps its default. Columns that this program does not know are ignored.
 #pragma once

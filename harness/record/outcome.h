@@ -35,8 +35,8 @@ struct Repeat {
     std::int64_t iterations = 1;
 };
 
-// The time of the first answer to a case in one round. A round is a fresh process in which nothing is warmed up, so
-// this is the cost of a single query.
+// The time of the first answer to a case in one round, a fresh process. Nothing is warmed up yet, so this is the cost
+// of a single query.
 struct FirstAnswer {
     int round = 0;
     double wall_seconds = 0, cpu_seconds = 0;

@@ -35,8 +35,8 @@ Origin origin_of(const Outcome& outcome, const std::string& program);
 std::string reason_apart(const Origin& a, const Origin& b);
 
 // Returns the time to solve, by the clock of the row: the median over rounds of again_by_round() or, if nothing was
-// repeated, of first_by_round(). If only one round has repeats, returns the median of these repeats, with their
-// extremes in place of a confidence interval. If nothing was timed, n is 0.
+// repeated, of first_by_round(). If only one round has repeats, returns their median, with their extremes in place of a
+// confidence interval. If nothing was timed, n is 0.
 Estimate time_of(const Outcome& outcome);
 
 // Returns the median ratio candidate / base over the rounds that both have. If there are none, n is 0.

@@ -35,8 +35,7 @@ std::filesystem::path file_of_way_back(const std::filesystem::path& file);
 // vertices.
 //
 // VTK (legacy format 3.0) is for ParaView, whose PLY reader drops unknown properties. All fields become scalars of
-// points or of cells; `element` is the triangle of A that a piece belongs to. The data set is an unstructured grid of
-// triangles, or of vertices for a point set.
+// points or of cells; `element` is the triangle of A that a piece belongs to.
 void export_fields(const std::filesystem::path& file, const DrawnField& drawn, const Fields& own);
 
 }  // namespace hausbench

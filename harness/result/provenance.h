@@ -29,7 +29,7 @@ std::string version_text();  // one line: version, commit, build type, compiler
 const Machine& this_machine();
 
 // Returns the build that contains a solver: the id of the program or, for a solver in a plug-in, a hash of program and
-// plug-in. The column `build` stores it; a resumed run keeps only answers of the same build.
+// plug-in. A resumed run keeps only answers of the same build.
 const std::string& build_of(const std::string& solver);
 
 // Returns the SHA-256 of each plug-in file. Computed at the first call.
@@ -42,8 +42,8 @@ std::string plugins_json();
 std::string titles_json();
 
 // Finds the build of the program that made a row, given the column `build` of the row. For a solver in a plug-in, this
-// column is a hash of program and plug-in. The times of such a solver are still comparable with times of built-in
-// solvers, because one program ran both.
+// column is a hash of program and plug-in, but its times are still comparable with times of built-in solvers, because
+// one program ran both.
 class Programs {
 public:
     explicit Programs(const std::map<std::string, std::string>& texts);  // ResultFile::texts

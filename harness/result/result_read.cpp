@@ -28,8 +28,8 @@ namespace fs = std::filesystem;
 namespace {
 
 // Reads the columns of a group. `whole` has one entry per row; part(entry) returns the struct that receives the
-// columns, such as the outcome of a row. If a column is missing, as in older files, its members keep their defaults;
-// `needed`, below, lists the columns that must be there.
+// columns, such as the outcome of a row. Members of missing columns keep their defaults, because older files lack some
+// columns; `needed`, below, lists the columns that must be there.
 template <class Row, class Whole, class Part>
 void read_columns(const h5::File& file, const std::string& group, const Columns<Row>& columns,
                   std::vector<Whole>& whole, Part part) {
