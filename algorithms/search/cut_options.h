@@ -12,8 +12,8 @@ namespace hausbench {
 ParameterSpec split_parameter();
 Split split_of(const Options& options);
 
-// Where a triangle of A is cut: where its edges are equally far from two triangles of B, at the midpoints of all edges,
-// or only at the midpoint of the longest edge.
+// How a triangle of A is cut: at the points of its edges that are equally far from two triangles of B, at the midpoints
+// of all edges, or only at the midpoint of the longest edge.
 enum class Cutting { voronoi, midpoint, longest_edge };
 
 // The parameters `split` and `least_part`, for solvers whose papers cut at Voronoi boundaries

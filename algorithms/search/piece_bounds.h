@@ -1,7 +1,7 @@
 // Upper bounds on h(T, B), the largest distance from a point of T to B, for a piece T of a triangle of A. They are
-// computed from the corners of T, their distances to B, and S1, S2 and S3, the triangles of B nearest to the corners.
-// Sacht and Jacobson 2024, section 3.2, call the four bounds of their cascade u1 to u4; the numbers of equations below
-// are theirs.
+// computed from the corners of T, their distances to B, and the triangles of B nearest to the corners. Sacht and
+// Jacobson 2024, section 3.2, call the four bounds of their cascade u1 to u4; the numbers of equations below are
+// theirs.
 //
 // The bounds rest on two facts. The distance to a convex set (a triangle, a point) is a convex function, so over a
 // polygon it is largest at a corner. And however T is cut, its parts cover T: the position of a cut decides how tight a

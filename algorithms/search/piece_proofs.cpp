@@ -8,7 +8,7 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// Limit on the cuts made after the search. If the proof needs more, there is no certificate.
+// Limit on the cuts made after the search. If the proof needs more, the result has no certificate.
 constexpr std::uint64_t most_more_cuts = 1'000'000;
 
 // The certificate claims a bound, `proven`, that exceeds the upper bound of the search, so that a checker, which rounds

@@ -10,9 +10,9 @@ namespace hausbench {
 // A priority queue of pieces: the one with the largest upper bound comes out first. `Piece` is any type with a member
 // `upper`, its upper bound.
 //
-// The heap moves only entries of 16 bytes, each a bound and the index of a slot; a piece stays in its slot. Slots are
-// reused, so memory is bounded by the largest number of pieces queued at one time. Pieces with equal bounds come out in
-// an order that depends only on the sequence of calls.
+// The heap moves entries of 16 bytes (a bound and the index of a slot), not pieces. Slots are reused, so memory is
+// bounded by the largest number of pieces queued at one time. Pieces with equal bounds come out in an order that
+// depends only on the sequence of calls.
 template <class Piece> class PieceQueue {
 public:
     bool empty() const { return heap_.empty(); }

@@ -1,4 +1,4 @@
-// Defines columns (columns.h) from members of rows. For column_tables.cpp, the file that lists all columns.
+// Defines columns (columns.h) from members of rows, for column_tables.cpp.
 #pragma once
 
 #include "harness/record/columns.h"

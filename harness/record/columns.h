@@ -4,7 +4,7 @@
 // results/README.md and analysis/shared/columns.py from it. To add a column, add a member in case.h, outcome.h or row.h
 // and a line in column_tables.cpp.
 //
-// If a file lacks a column, its member keeps its default. Columns that this program does not know are ignored.
+// If a file lacks a column, its member keeps its default. Unknown columns are ignored.
 #pragma once
 
 #include "harness/record/row.h"

@@ -1,5 +1,5 @@
-// The outcome of a case, and the verdicts of its check. An Outcome is what a result file keeps of a solver's Result
-// (solver.h), with times, memory and how the process ended.
+// The outcome of a case, and the verdicts of its check. An Outcome is the part of a solver's Result (solver.h) that a
+// result file keeps, with times, memory and how the process ended.
 #pragma once
 
 #include "harness/record/case.h"
@@ -71,7 +71,7 @@ struct Outcome {
     double solve_seconds = unknown;
     double reported_seconds = unknown;
     std::int64_t peak_bytes = -1;
-    // The clock that gives the time of the case, "cpu" or "wall" (run/timing.h). Empty if there is no answer.
+    // The clock that gives the time of the case, "cpu" or "wall" (run/timing.h). Empty without an answer.
     std::string clock;
     std::vector<Preparation> preparation;
     std::vector<FirstAnswer> answers;
