@@ -92,11 +92,11 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
 // - 5.01u (x^2 + y^2 + z^2) from the three squares,
 // - 2.1u x^2 from the sum,
 // - 1.1u x^2 from the difference,
-// which is less than 19u x^2 in total, because y, z <= x. The code adds 24u s_x, so `twice` is at least the exact y^2 +
-// z^2 - x^2. Then cos X is at most (1 + 9u) * `cosine`, and its square at most (1 + 19u) times the computed square. The
-// square is capped at 1/4, which is right because X is at least 60 degrees. So 1 - square, which is at least 3/4, has a
-// relative error of (19/4 + 2)u / (3/4) = 9u, and its root one of 5u. With 3.5u for sqrt(s_x) and u for the division
-// this is less than 10u in total.
+// which is less than 19u x^2 in total, because y, z <= x. The code adds 24u s_x, so `twice` is at least the exact
+// y^2 + z^2 - x^2. Then cos X is at most (1 + 9u) * `cosine`, and its square at most (1 + 19u) times the computed
+// square. The square is capped at 1/4, which is right because X is at least 60 degrees. So 1 - square, which is at
+// least 3/4, has a relative error of (19/4 + 2)u / (3/4) = 9u, and its root one of 5u. With 3.5u for sqrt(s_x) and u
+// for the division this is less than 10u in total.
 // If rounding took another edge for the longest, that edge is shorter than x by at most the fraction 5.1u, and sin X is
 // smaller by as much; then 3.5u, 2u and 5.1u add up to less than 11u. If the triangle is not acute, `twice` is not
 // used, and half of the longest edge errs by 3.5u and 5.1u. The factor 1 + 16u covers each of these cases, and the
@@ -105,8 +105,8 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
 // Underflow: if x < 2^-459, the result errs by at most 2^-459. That is 1/64 of the uM that surface_sum_at_most() has to
 // spare, because M, the largest |coordinate|, is at least 2^-400 (kernel/rounding.h). If x >= 2^-459, squares that
 // underflow are off by 2^-155 s_x, which is negligible. If z is so short that its own square is subnormal, the cap
-// applies: `twice` is at least 5u s_x, so `cosine` is infinite or at least 2.4u sqrt(s_x) / sqrt(s_z) >= 2.4u * 2^-459
-// / 2^-511 > 1.
+// applies: `twice` is at least 5u s_x, so `cosine` is infinite or at least
+// 2.4u sqrt(s_x) / sqrt(s_z) >= 2.4u * 2^-459 / 2^-511 > 1.
 double covering_radius_at_most(const std::array<Vec3, 3>& corners) {
     std::array<double, 3> edges = squared_edges(corners);
     std::sort(edges.begin(), edges.end());

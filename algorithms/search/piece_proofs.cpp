@@ -18,8 +18,8 @@ constexpr std::uint64_t most_more_cuts = 1'000'000;
 //   each of 50 levels, or one for each of 102, and at most six for the cells;
 // - 100 u D for the rounding of the corners of cells, which is less (piece_cells.h);
 // - `slack` u D if some piece was bounded again.
-// The two terms of 100 are `loss_of_check`. The sum is at most (14 * 156 + 200 + 4096) u D = 6480 u D, less than 1e-12
-// D = 9007 u D.
+// The two terms of 100 are `loss_of_check`. The sum is at most (14 * 156 + 200 + 4096) u D = 6480 u D, less than
+// 1e-12 D = 9007 u D.
 constexpr double loss_of_check = 200, loss_of_cut = 14, slack = 4096;
 
 // Writes the cuts that divide a piece into its parts. Calls next(i) where the subtree of part i belongs, so that next()

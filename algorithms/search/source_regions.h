@@ -35,8 +35,7 @@ public:
           bounds_(bounds),
           counters_(counters) {}
 
-    // Visits the regions, the one with the largest upper bound first, and calls one of two functions once for every
-    // triangle of A:
+    // Calls one of two functions once for every triangle of A:
     // - settle(triangle, upper, shown) if the triangle can be skipped: none of its points is farther than `upper` from
     //   triangle `shown` of B, and `upper` is at most bounds.purged_at_most(0);
     // - look(triangle, near) if it must be examined. `near` is a triangle of B near it, or -1 if none is known. `look`

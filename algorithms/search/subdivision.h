@@ -1,5 +1,5 @@
-// Cuts a triangle into two or four smaller ones, called its pieces. The pieces share their new vertices, so a solver
-// computes the distance from each new vertex to B only once.
+// Cuts a triangle into two or four smaller ones, its pieces. Pieces share their new vertices, so a solver computes the
+// distance from each new vertex to B only once.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -17,9 +17,9 @@ enum class Split {
 };
 
 // Returns the number of subdivisions after which further cuts are pointless, because a piece is then smaller than the
-// rounding errors of its corners. Let u = 2^-53, and M be the largest |coordinate|. At first the diameter is at most 2
-// sqrt(3) M. Split::midpoint halves it each time, so after 50 times it is at most 28uM, while the corners may be off by
-// 100uM (kernel/rounding.h). Split::longest_edge halves the diameter every second time, up to a factor of sqrt(3)
+// rounding errors of its corners. Let u = 2^-53, and M be the largest |coordinate|. At first the diameter is at most
+// 2 sqrt(3) M. Split::midpoint halves it each time, so after 50 times it is at most 28uM, while the corners may be off
+// by 100uM (kernel/rounding.h). Split::longest_edge halves the diameter every second time, up to a factor of sqrt(3)
 // overall. 102 times make it as small, because sqrt(3) * 2^-51 < 2^-50.
 constexpr int most_levels(Split split) { return split == Split::midpoint ? 50 : 102; }
 

@@ -1,7 +1,7 @@
 // Hints that a mesh solver carries from one pose of A to the next: nearest triangles and the farthest point.
 //
-// Hints only decide what is tried first. Bounds are proven anew at each pose, so bad hints cost only time. The papers
-// do not describe hints, so a solver uses them only if the caller passes a state.
+// Hints only decide which triangles and points come first. Bounds are proven anew at each pose, so bad hints cost only
+// time. The papers do not describe hints, so a solver uses them only if the caller passes a state.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"

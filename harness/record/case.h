@@ -61,7 +61,7 @@ struct Case {
     // Whether the solver starts from the state that it kept at the previous pose.
     bool warm = false;
     // Identity of the previous case: if `warm`, the case of the previous pose; in a search for the nearest target, the
-    // case of the previous target, whose answer may lower the cutoff. Empty for the first case.
+    // case of the previous target, whose answer may lower the cutoff. Empty: no such case.
     std::string chain;
     double exact = unknown;     // the true distance, if the experiment gives it
     std::string family;         // name of a sweep over severity that the scene belongs to

@@ -58,7 +58,7 @@ private:
 // and its midpoint, so no gap opens between them. All lengths are scaled by the same power of two.
 class FieldCutter {
 public:
-    // Differences and lengths up to `floor` cause no cuts, because they may be rounding errors.
+    // Interpolation errors and lengths up to `floor` cause no cuts, because they may be rounding errors.
     FieldCutter(const Points& vertices, const Triangles& triangles, const DistanceTo& distance_to, double floor,
                 std::size_t most_pieces)
         : distance_to_(distance_to),
