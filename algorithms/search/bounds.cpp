@@ -4,10 +4,9 @@
 
 namespace hausbench {
 
-// Returns a proven lower bound on the distance from this point to B. The computed distance minus some multiple of uM
-// would prove nothing, because only tests, not a proof, show that computed distances are not too large
-// (kernel/point_triangle.h). Support planes prove a bound for the point. The point itself may lie off A by up to
-// 2 * level * uM (kernel/rounding.h, which defines u and M), so this much is subtracted.
+// Returns a proven lower bound on the distance from a point of A to B. The computed distance may be too large, so
+// Target::certified_distance() proves a bound for the computed point. Rounding may have moved this point off A by up to
+// 2 * level * uM, which is subtracted; u = 2^-53, and M is the largest |coordinate| (kernel/rounding.h).
 double SearchBounds::lower_of(const Farthest& farthest, Counters& counters) const {
     if (!rounding_.certify || farthest.source < 0) return std::sqrt(std::max(farthest.point.squared, 0.0));
     const double distance = target_.certified_distance(farthest.point.point, counters);
@@ -24,7 +23,7 @@ std::optional<Status> SearchBounds::answered(double queued) {
         const double high = std::max(settled_, queued), low = std::max(std::sqrt(farthest_squared()) - loss_, 0.0);
         if (trace_.on()) trace_.record(certified_lower(), high);
         // Certification costs a query, so it comes last: when the uncertified bounds seem to answer the query, or when
-        // nothing is left to split.
+        // splitting cannot lower the upper bound any more.
         const std::optional<Status> seems = query_.answer(low, high);
         const bool done = queued <= settled_;
         if (seems || done) {
@@ -32,8 +31,8 @@ std::optional<Status> SearchBounds::answered(double queued) {
         }
         if (seems != Status::converged && !done) return std::nullopt;
         if (!seems) return Status::precision_floor;
-        // The certified lower bound was too low by this loss. The search must make the gap that much smaller before it
-        // tries to certify again. If the loss is as large as the tolerance, doubles are not precise enough to reach it.
+        // Certification lowered the lower bound by this loss. The search must narrow the gap by as much before it tries
+        // again. If the loss reaches the tolerance, doubles are not precise enough.
         loss_ = std::max(2 * loss_, std::sqrt(farthest_squared()) - certified_lower());
         if (!(loss_ < query_.tolerance.gap(certified_lower()))) return Status::precision_floor;
     }
@@ -63,8 +62,8 @@ Result SearchBounds::result(Status status, double queued) {
 }
 
 Result SearchBounds::result_without_bounds(const Triangles& triangles, const Points& vertices) {
-    // The distance to one point of B is at least the distance to B. Being convex, it is largest at a vertex
-    // of a triangle of A.
+    // The distance to one point of B is an upper bound on the distance to B. It is a convex function, so over a
+    // triangle of A it is largest at a vertex.
     const Vec3 point = target_.triangle(0).a;
     const auto squared = [&](Index v) { return squared_length(Vec3(vertices.row(v)) - point); };
     double most = 0;

@@ -8,16 +8,16 @@
 
 namespace hausbench {
 
-// The parameter `split` of solvers whose papers cut triangles at midpoints, and the value that it has in `options`.
+// The parameter `split`, for solvers whose papers cut triangles at midpoints. split_of() reads its value.
 ParameterSpec split_parameter();
 Split split_of(const Options& options);
 
-// The points where a triangle of A is cut: the points of its edges that are equally far from two triangles of B, the
-// midpoints of all its edges, or only the midpoint of the longest edge.
+// How a triangle of A is cut: at the points of its edges that are equally far from two triangles of B, at the midpoints
+// of all edges, or only at the midpoint of the longest edge.
 enum class Cutting { voronoi, midpoint, longest_edge };
 
-// The parameters `split` and `least_part` of solvers whose papers describe Voronoi subdivision
-// (meshes/tang/voronoi_cut.h), and the value that `split` has in `options`.
+// The parameters `split` and `least_part`, for solvers whose papers cut at Voronoi boundaries
+// (meshes/tang/voronoi_cut.h). cutting_of() reads the value of `split`.
 std::vector<ParameterSpec> cutting_parameters();
 Cutting cutting_of(const Options& options);
 

@@ -1,5 +1,4 @@
-// The base class of mesh solvers. It names the shapes that they accept, keeps a tree or grid over B, moves A by its
-// pose, and finds the largest coordinate, on which the rounding errors depend.
+// The base class of mesh solvers.
 #pragma once
 
 #include "algorithms/kernel/posed_box.h"
@@ -16,7 +15,7 @@
 
 namespace hausbench {
 
-// The two meshes of one query. It owns neither the meshes nor the trees.
+// The two meshes of one query, with A moved by its pose. Owns none of the data.
 struct MeshPair {
     const TriangleMesh& source;       // A in its own coordinates
     const Points& points;             // the vertices of A, moved by its pose
@@ -32,14 +31,14 @@ inline double diagonal_of(const MeshPair& pair) {
     return (box.high - box.low).norm();
 }
 
-// A solver derives from this class and implements search(). `Tree` is its structure over B, a tree or a grid, which
-// finds closest points; it is not built if B is so small that testing all its triangles is as fast. A solver that needs
-// further structures overrides needs() and prepare(), and calls the functions of this class from them.
+// A mesh solver derives from this class and implements search(). `Tree` is a tree or a grid over B that finds closest
+// points. It is not built if B is so small that testing all triangles is as fast. A solver that needs further
+// structures overrides needs() and prepare(), and calls the functions of this class from them.
 template <class Tree> class MeshSolver : public Solver {
     static constexpr bool is_tree = std::derived_from<Tree, TriangleTree>;
 
 public:
-    // The type of the tree over A, for solvers that use regions (source_regions.h).
+    // The type of the tree over A (source_regions.h).
     using RegionTree = std::conditional_t<is_tree, Tree, TriangleBvh>;
 
     Needs needs(const Scene& scene, const QuerySet&) const override {
@@ -59,7 +58,8 @@ public:
     Result solve(const Query& query, State* state, Trace& trace) const final {
         const Points points = posed(source_->vertices, query.source_pose);
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
-        // Beyond these sizes the rounding errors are not bounded: returns `stalled`, with the bounds 0 and infinity.
+        // Outside this range the rounding errors are not bounded, so the result is `stalled`, with the bounds 0 and
+        // infinity.
         if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return {};
         const Target target = [&] {
             if constexpr (is_tree)
@@ -73,8 +73,8 @@ public:
 protected:
     explicit MeshSolver(bool textbook = false, bool regions = false) : textbook_(textbook), regions_(regions) {}
 
-    // Returns whether to use regions (source_regions.h) for this scene. Depends only on the option and on the size of
-    // A, not on the structures that were built: the answer must be the same if some were left out.
+    // Returns whether to skip groups of triangles of A in this scene (source_regions.h). The answer does not depend on
+    // which structures were built.
     bool has_regions(const Scene& scene) const { return regions_ && element_count(scene.source) > scan_at_most; }
 
     const TriangleMesh& source() const { return *source_; }
@@ -84,15 +84,15 @@ private:
     virtual Result search(const MeshPair& pair, const Query& query, State* state, Trace& trace) const = 0;
 
     bool textbook_;  // see Target
-    bool regions_;   // whether to use a tree over A
+    bool regions_;   // see has_regions()
     const TriangleMesh* source_ = nullptr;
     const TriangleMesh* target_ = nullptr;
     const Tree* tree_ = nullptr;
     const RegionTree* source_tree_ = nullptr;
 };
 
-// Returns the SolverInfo of a certified solver that accepts meshes and point sets on either side, records traces and
-// gives fields. The solver adds its own abilities, structures and parameters.
+// Returns the common part of the SolverInfo of mesh solvers: certified, accepts meshes and point sets on either side,
+// records traces and gives fields. Each solver adds its other abilities, structures and parameters.
 template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string title, std::string paper) {
     SolverInfo info;
     info.name = std::move(name);
@@ -105,7 +105,8 @@ template <class Tree> SolverInfo mesh_solver_info(std::string name, std::string 
     return info;
 }
 
-// Returns the parameter `regions`. A solver with this parameter must list a tree over A in its SolverInfo::may_need.
+// Returns the parameter `regions`: whether to skip groups of triangles of A by a tree over A (source_regions.h). A
+// solver with this parameter must list such a tree in its SolverInfo::may_need.
 inline ParameterSpec regions_parameter(bool by_default, std::string paper_value) {
     return {.name = "regions",
             .default_value = by_default,

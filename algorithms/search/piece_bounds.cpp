@@ -15,30 +15,30 @@ std::array<double, 3> squared_edges(const std::array<Vec3, 3>& v) {
 
 std::array<Vec3, 3> points_of(const PieceCorners& v) { return {v[0].point, v[1].point, v[2].point}; }
 
-// Returns the point of the edge ab at which a linear function with these values at a and b is zero. One value must be
-// positive and the other one not; then t is in [0, 1] even after rounding.
+// Returns the point of the edge ab at which a linear function with these values at a and b is zero. Exactly one value
+// must be positive; then t is in [0, 1] even after rounding.
 Vec3 zero_on_edge(const Vec3& a, const Vec3& b, double at_a, double at_b) {
     const double t = at_a / (at_a - at_b);
     return (1 - t) * a + t * b;
 }
 
-// Returns the unit vector orthogonal to the edge ab that points to the side of `apex`; NaN if `apex`
-// lies on the line ab.
+// Returns the unit vector orthogonal to the edge ab that points to the side of `apex`, or NaN if `apex` lies on the
+// line ab.
 Vec3 across(const Vec3& a, const Vec3& b, const Vec3& apex) {
     const Vec3 edge = b - a, to = apex - a;
     const Vec3 height = to - (dot(to, edge) / squared_length(edge)) * edge;
     return height / std::sqrt(squared_length(height));
 }
 
-// A plane; of(point) is positive on the side to which the normal points, and 0 on the plane.
+// A plane through `origin`. of(point) is 0 on the plane, and positive on the side to which the normal points.
 struct Plane {
     Vec3 origin, normal;
     double of(const Vec3& point) const { return dot(point - origin, normal); }
 };
 
-// Returns the plane through the common edge of two triangles of B that halves the angle between them; it is positive on
-// the side of `one`. Returns nothing if the triangles do not have exactly two corners in common. Corners are compared
-// by their coordinates, not by their indices, so neighbours are found even if each has its own copy of the vertices.
+// Returns the plane that halves the angle between two triangles of B with a common edge; Plane::of() is positive on the
+// side of `one`. Returns nothing if they do not share exactly two corners. Compares corners by their coordinates,
+// because neighbours may have separate copies of their vertices.
 std::optional<Plane> bisector(const Triangle& one, const Triangle& two) {
     const std::array<Vec3, 3> p{one.a, one.b, one.c}, q{two.a, two.b, two.c};
     std::array<int, 3> partner{-1, -1, -1};
@@ -59,9 +59,10 @@ std::optional<Plane> bisector(const Triangle& one, const Triangle& two) {
     return Plane{a, across(a, b, p[alone_p]) - across(a, b, q[3 - in_q])};
 }
 
-// Returns h(T, {p, q})^2, the largest squared distance from a point of T to the nearer one of p and q. The plane midway
-// between p and q cuts T in two; on each part the distance is convex, so the maximum is at a corner of T or at a point
-// where the plane cuts an edge. Sets `nearer` as in PieceArgument.
+// Returns the largest squared distance from a point of triangle v to the nearer of p and q. The plane midway between p
+// and q cuts the triangle in two. On each part the distance is convex, so the maximum is at a corner of the triangle or
+// where the plane cuts an edge. Sets `nearer`, for each corner, to the squared distance to p minus the squared distance
+// to q.
 double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const Vec3& q,
                              std::array<double, 3>& nearer) {
     double most = 0;
@@ -72,8 +73,7 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
     }
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t j = (i + 1) % 3;
-        // Both ends are on the same side of the plane, which does not cut the edge. If p = q, this is so for all edges,
-        // and zero_on_edge() never divides 0 by 0.
+        // The plane does not cut this edge. If p = q, it cuts no edge, so zero_on_edge() never divides 0 by 0.
         if ((nearer[i] > 0) == (nearer[j] > 0)) continue;
         const Vec3 cut = zero_on_edge(v[i], v[j], nearer[i], nearer[j]);
         most = std::max({most, squared_length(cut - p), squared_length(cut - q)});
@@ -83,9 +83,9 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
 
 }  // namespace
 
-// Let x >= y >= z be the edges and X the angle opposite to x, so cos X = (y^2 + z^2 - x^2) / (2yz). T is acute if
-// cos X > 0. Its circumradius is then x / (2 sin X), which is well conditioned, because X, the largest angle of an
-// acute triangle, is in [60, 90] degrees.
+// Let x >= y >= z be the edges and X the angle opposite to x, so cos X = (y^2 + z^2 - x^2) / (2yz). The triangle is
+// acute if cos X > 0. Its circumradius is then x / (2 sin X), which is well conditioned, because X, the largest angle
+// of an acute triangle, is in [60, 90] degrees.
 //
 // Rounding, with u = 2^-53. Write s_x for the computed x^2, and s_y, s_z likewise. s_x is within 5.01u x^2 of x^2. The
 // computed (s_y + s_z) - s_x errs by
@@ -97,15 +97,16 @@ double squared_to_two_points(const std::array<Vec3, 3>& v, const Vec3& p, const 
 // square. The square is capped at 1/4, which is right because X is at least 60 degrees. So 1 - square, which is at
 // least 3/4, has a relative error of (19/4 + 2)u / (3/4) = 9u, and its root one of 5u. With 3.5u for sqrt(s_x) and u
 // for the division this is less than 10u in total.
-// If rounding took another edge for the longest, that edge is shorter than x by at most the fraction 5.1u, and sin X
-// is smaller by as much; then 3.5u, 2u and 5.1u add up to less than 11u. If T is not acute, `twice` is not used, and
-// half of the longest edge errs by 3.5u and 5.1u. The factor 1 + 16u covers each of these cases, and the rounding of
-// the product with it.
+// If rounding took another edge for the longest, that edge is shorter than x by at most the fraction 5.1u, and sin X is
+// smaller by as much; then 3.5u, 2u and 5.1u add up to less than 11u. If the triangle is not acute, `twice` is not
+// used, and half of the longest edge errs by 3.5u and 5.1u. The factor 1 + 16u covers each of these cases, and the
+// rounding of the product with it.
 //
 // Underflow: if x < 2^-459, the result errs by at most 2^-459. That is 1/64 of the uM that surface_sum_at_most() has to
-// spare, because M >= 2^-400 (kernel/rounding.h). If x >= 2^-459, squares that underflow are off by 2^-155 s_x, which
-// is negligible. If z is so short that its own square is subnormal, the cap applies: `twice` is at least 5u s_x, so
-// `cosine` is infinite or at least 2.4u sqrt(s_x) / sqrt(s_z) >= 2.4u * 2^-459 / 2^-511 > 1.
+// spare, because M, the largest |coordinate|, is at least 2^-400 (kernel/rounding.h). If x >= 2^-459, squares that
+// underflow are off by 2^-155 s_x, which is negligible. If z is so short that its own square is subnormal, the cap
+// applies: `twice` is at least 5u s_x, so `cosine` is infinite or at least
+// 2.4u sqrt(s_x) / sqrt(s_z) >= 2.4u * 2^-459 / 2^-511 > 1.
 double covering_radius_at_most(const std::array<Vec3, 3>& corners) {
     std::array<double, 3> edges = squared_edges(corners);
     std::sort(edges.begin(), edges.end());
@@ -123,8 +124,8 @@ double PieceBounds::same_triangle(const PieceCorners& v, int level) {
     return same ? at_most(largest_squared(v), level) : infinity;
 }
 
-// `slack` allows for the rounding of the two distances that are compared. It cannot make the bound wrong, because
-// h(T, S_i) is an upper bound for any S_i.
+// `slack` allows for the rounding of the two distances that are compared. It cannot make the result wrong: the distance
+// to any triangle of B is an upper bound on the distance to B.
 double PieceBounds::tied_triangle(const PieceCorners& v, int level) {
     const double slack = 8 * unit_roundoff * magnitude_;
     ++counters_.bound_tests;
@@ -180,10 +181,9 @@ BlockFeet PieceBounds::distances(const std::array<Vec3, 7>& points, std::size_t 
     return feet;
 }
 
-// Cuts T into two cells, one with corner `alone` and one with the other two corners, which share their S
-// (PieceArgument). Returns the squared bound: the largest squared distance of a corner of a cell to the S of that cell.
-// The cut is the plane that halves the angle between the two S; if this plane does not cut both edges at corner
-// `alone`, the cut goes through the midpoints of these edges. Returns infinity if the two S have no common edge.
+// Cuts the piece into two cells, one with corner `alone`, the other with the other two corners, which have the same
+// nearest triangle of B. Returns the largest squared distance from a corner of a cell to the nearest triangle of that
+// cell, or infinity if the two triangles have no common edge.
 double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
     const MeasuredPoint &one = v[alone], &two = v[(alone + 1) % 3], &three = v[(alone + 2) % 3];
     const auto side = bisector(target_.triangle(one.triangle), target_.triangle(two.triangle));
@@ -192,6 +192,8 @@ double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
     argument_.kind = PieceArgument::Kind::corner_cut_off;
     argument_.alone = alone;
     argument_.ends = {1, -1, -1};
+    // Cuts the edges at corner `alone` where they meet the plane that halves the angle between the triangles, if both
+    // do; otherwise at their midpoints.
     std::array<Vec3, 7> cuts{0.5 * (one.point + two.point), 0.5 * (one.point + three.point)};
     if (s > 0 && s2 <= 0 && s3 <= 0 && s < infinity) {
         cuts = {zero_on_edge(one.point, two.point, s, s2), zero_on_edge(one.point, three.point, s, s3)};
@@ -202,9 +204,10 @@ double PieceBounds::in_two(const PieceCorners& v, std::size_t alone) {
                      to_two.squared_distance[0], to_two.squared_distance[1]});
 }
 
-// Cuts T into three cells, each a quadrilateral of a corner, the midpoints of its two edges and the barycentre. Returns
-// the squared bound: the largest squared distance of a corner of a cell to the S of that cell. Also sets `whole` to the
-// least of the h(T, S_i)^2, and `near` to this S_i.
+// Cuts the piece into three cells, one for each corner: the quadrilateral of the corner, the midpoints of its two edges
+// and the barycentre. Returns the largest squared distance from a cell to the triangle of B nearest to its corner. Also
+// bounds the whole piece by the best of these three triangles: sets `near` to this triangle and `whole` to the squared
+// bound.
 double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) {
     std::array<Vec3, 7> points{v[0].point, v[1].point, v[2].point};
     for (std::size_t k = 0; k < 3; ++k) points[3 + k] = 0.5 * (v[(k + 1) % 3].point + v[(k + 2) % 3].point);
@@ -225,8 +228,8 @@ double PieceBounds::in_three(const PieceCorners& v, double& whole, Index& near) 
     return most;
 }
 
-// Rounding may move the corners of the cells off T by level_of_inner_point, which adds to the errors
-// of the corners of T.
+// Rounding may move the corners of cells off the piece. level_of_inner_point bounds this error, and is added to
+// `level`, the error of the piece's own corners (kernel/rounding.h).
 double PieceBounds::u3(const PieceCorners& v, int level) {
     ++counters_.bound_tests;
     for (std::size_t alone = 0; alone < 3; ++alone) {
@@ -246,14 +249,13 @@ double PieceBounds::u3(const PieceCorners& v, int level) {
     return std::min(three, one);
 }
 
-// The feet as computed are within 7uM of B. The distance from a point to a foot is computed like the distance from a
-// point to B, and errs as much, so it is widened in the same way.
-// The two pairs of corners are the ends of the two longer edges of T.
+// A foot is the point of B closest to a corner. As computed, it is within 7uM of B, where u = 2^-53 and M is the
+// largest |coordinate|. Distances to feet err as much as distances to B, so they are widened in the same way.
 double PieceBounds::u4(const PieceCorners& v, int level) {
     ++counters_.bound_tests;
     const auto points = points_of(v);
     const auto edges = squared_edges(points);
-    // The corner opposite to the shortest edge, which is an end of both longer edges.
+    // Tries the ends of each of the two longer edges, which meet at the corner opposite to the shortest edge.
     const auto shortest =
         static_cast<std::size_t>(std::distance(edges.begin(), std::min_element(edges.begin(), edges.end())));
     std::array<Vec3, 3> feet;

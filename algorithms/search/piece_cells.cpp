@@ -11,18 +11,18 @@ namespace {
 using Kind = PieceArgument::Kind;
 using Polygon = std::vector<Vec3>;
 
-// Returns the fraction of the way along an edge at which a linear function is 0, if it has the values `from` and `to`,
-// of opposite signs, at its ends. Never returns -0, because a fraction of a certificate must not have a sign.
+// Returns the fraction along an edge at which a linear function is 0, given its values at the ends, which have opposite
+// signs. Never returns -0, because the fractions in a certificate have no sign.
 double zero_between(double from, double to) { return std::abs(from) / (std::abs(from) + std::abs(to)); }
 
-// The line through a polygon on which a linear function is 0, given by its two points on the boundary.
+// The line on which a linear function is 0 in a polygon, given by the two points where it meets the boundary.
 struct Chord {
-    std::size_t into, out_of;   // going around: the edges where the function becomes positive and stops being so
+    std::size_t into, out_of;   // going around: the edges where the function turns positive, and where it ceases to be
     double into_at, out_of_at;  // how far along these edges, in [0, 1]
 };
 
-// Returns the chord of a linear function with these values at the corners of a polygon, or nothing if it does
-// not change its sign.
+// Returns the line on which a linear function is 0, given its values at the corners of a polygon. Returns nothing if
+// the function does not change sign.
 std::optional<Chord> chord_of(const std::vector<double>& values) {
     std::optional<std::size_t> into, out_of;
     const auto next = [&](std::size_t i) { return (i + 1) % values.size(); };
@@ -36,16 +36,16 @@ std::optional<Chord> chord_of(const std::vector<double>& values) {
                  zero_between(values[*out_of], values[next(*out_of)])};
 }
 
-// Writes the cut along a chord; the first child is the part where the function is positive.
+// Writes the cut of a polygon along a chord. The first child is the part where the linear function is positive.
 void write(CertificateTree& tree, const Chord& chord) {
     tree.cut(CutPoint::along(chord.into, chord.into_at), CutPoint::along(chord.out_of, chord.out_of_at));
 }
 
 // --- a cell for each corner (u2) -------------------------------------------------------------------------------------
 
-// The two parts of a polygon that was cut along a chord.
+// The two parts of a polygon that was cut along the line on which a linear function is 0.
 struct Halves {
-    Polygon positive, other;  // the function is positive on the first one
+    Polygon positive, other;  // the part where the function is positive, and the rest
 };
 
 Halves cut(const Polygon& whole, const Chord& chord) {
@@ -67,8 +67,8 @@ struct Site {
     Index triangle;
 };
 
-// Cuts a polygon into cells, each with the points nearest to one site, and writes them. Only the given sites can be
-// nearest to a point of the polygon.
+// Cuts a polygon into cells, each with the points nearest to one site, and writes them. `sites` must include every site
+// that is nearest to some point of the polygon.
 void write_nearest(CertificateTree& tree, const Polygon& polygon, const std::vector<Site>& sites) {
     if (sites.size() == 1) return tree.one(sites[0].triangle);
     const Vec3 &a = sites[0].point, &b = sites[1].point, way = b - a;
@@ -97,7 +97,7 @@ void write_nearest_corner(CertificateTree& tree, const PieceCorners& v, PieceTur
 
 // --- the other kinds of cells ----------------------------------------------------------------------------------------
 
-// Writes a cut across the two edges at corner `alone`; the first child holds the other two corners.
+// Writes the cut across the two edges at corner `alone`. The first child holds the other two corners.
 void write_corner_cut_off(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& v, PieceTurn turn) {
     const auto& [at_corner, at_next, at_last] = argument.ends;
     tree.cut(CutPoint::along(turn.place(argument.alone), zero_between(at_corner, at_next)),
@@ -106,15 +106,15 @@ void write_corner_cut_off(CertificateTree& tree, const PieceArgument& argument, 
     tree.one(v[argument.alone].triangle);
 }
 
-// The first cut is the median from the middle of edge 01 to corner 2. The barycentre is a third of the way along it.
+// Cuts first along the median from the midpoint of edge 01 to corner 2. The barycentre is a third of the way along it.
 void write_three(CertificateTree& tree, const PieceCorners& v, PieceTurn turn) {
     constexpr double third = 1.0 / 3;
     tree.cut(CutPoint::along(turn.place(0), 0.5), CutPoint::corner(turn.place(2)));
-    // Cuts the first child, whose corners are the middle of 01, corner 1 and corner 2.
+    // Cuts the first child, whose corners are the midpoint of edge 01, corner 1 and corner 2.
     tree.cut(CutPoint::along(1, 0.5), CutPoint::back(2, third));
     tree.one(v[2].triangle);
     tree.one(v[1].triangle);
-    // Cuts the second child, whose corners are corner 2, corner 0 and the middle of 01.
+    // Cuts the second child, whose corners are corner 2, corner 0 and the midpoint of edge 01.
     tree.cut(CutPoint::along(0, 0.5), CutPoint::along(2, third));
     tree.one(v[0].triangle);
     tree.one(v[2].triangle);

@@ -1,5 +1,5 @@
-// Writes the arguments of piece_bounds.h as trees of a certificate (certificate/cover_certificate.h): the cuts of a
-// piece into cells, and for each cell the triangle of B near it.
+// Writes each PieceArgument (piece_bounds.h) as a tree of a certificate (certificate/cover_certificate.h): the cuts of
+// a piece into cells, and for each cell the triangle of B near it.
 //
 // A certificate is about exact points, but the corners of cells were computed with rounding. The bounds leave room for
 // this difference, except for two kinds of corners, which are computed here:
@@ -23,17 +23,16 @@
 
 namespace hausbench {
 
-// Tells how the corners of a piece are numbered in the certificate. A piece is a polygon there, with the same
-// three corners, but its list of corners may begin with another one: corner i of the piece is corner (i + turn)
-// % 3 of the polygon.
+// By how many places the list of a piece's corners is rotated in a certificate: corner i of the piece is corner
+// (i + turn) % 3 of its polygon.
 struct PieceTurn {
     std::uint8_t turn = 0;
 
-    // Returns the index in the polygon of corner i, which is also the index of the edge from it to the next corner.
+    // Returns the index in the polygon of corner i, and of the edge from corner i to the next one.
     std::size_t place(std::size_t i) const { return (i + turn) % 3; }
 };
 
-// Appends the subtree of a piece to the tree: the cuts into cells, and a leaf with a triangle of B for each cell.
+// Appends the subtree of a piece: its cuts into cells, and for each cell a leaf with the triangle of B near it.
 void write_cells(CertificateTree& tree, const PieceArgument& argument, const PieceCorners& corners, PieceTurn turn);
 
 }  // namespace hausbench

@@ -8,21 +8,22 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// The most cuts that are made after the search. If the proof needs more, the result has no certificate.
+// Limit on the cuts made after the search. If the proof needs more, the result has no certificate.
 constexpr std::uint64_t most_more_cuts = 1'000'000;
 
-// The certificate claims a bound, `proven`, that exceeds the upper bound of the search, so that a checker, which
-// rounds outward itself, can confirm it. Let u = 2^-53, and let D be the diagonal of the box around both meshes. The
-// excess is the sum of
-// - (14 L + 100) u D for the checker's own rounding below L cuts (cover_certificate.h). L <= 156: three cuts for each
-//   of 50 levels, or one for each of 102, and at most six for the cells;
+// The certificate claims a bound, `proven`, that exceeds the upper bound of the search, so that a checker, which rounds
+// outward itself, can confirm it. Let u = 2^-53, and let D be the diagonal of the box around both meshes. The excess is
+// the sum of
+// - (14 L + 100) u D for the checker's own rounding after L nested cuts (cover_certificate.h). L <= 156: three cuts for
+//   each of 50 levels, or one for each of 102, and at most six for the cells;
 // - 100 u D for the rounding of the corners of cells, which is less (piece_cells.h);
 // - `slack` u D if some piece was bounded again.
 // The two terms of 100 are `loss_of_check`. The sum is at most (14 * 156 + 200 + 4096) u D = 6480 u D, less than
 // 1e-12 D = 9007 u D.
 constexpr double loss_of_check = 200, loss_of_cut = 14, slack = 4096;
 
-// Writes the cuts of a piece into its parts to the tree. Calls next(i) at the place in the tree where part i belongs.
+// Writes the cuts that divide a piece into its parts. Calls next(i) where the subtree of part i belongs, so that next()
+// can write it.
 template <class Write>
 void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t opposite, const Write& next) {
     if (split == Split::longest_edge) {
@@ -43,7 +44,8 @@ void write_cuts(CertificateTree& tree, Split split, PieceTurn turn, std::size_t 
     next(3);
 }
 
-// The turn (piece_cells.h) of each part of cut_triangle() in the polygon that write_cuts() makes of it.
+// The `turn` of each part (PieceTurn in piece_cells.h): by how many places write_cuts() rotates the corners that
+// cut_triangle() gives the part.
 constexpr std::array<std::uint8_t, 4> turns_of_four = {1, 1, 1, 2};
 constexpr std::array<std::uint8_t, 2> turns_of_two = {0, 2};
 
@@ -53,7 +55,7 @@ std::uint8_t turn_of(Split split, std::size_t part) {
 
 constexpr std::size_t parts_of(Split split) { return split == Split::midpoint ? 4 : 2; }
 
-// Repeats a cut of the search, bit for bit, with the points of the vertices alone.
+// Repeats a cut of the search to get the corners of the parts with the same rounding, but computes no distances.
 struct PointCut {
     struct Vertex {
         Vec3 point;
@@ -119,7 +121,7 @@ void PieceProofs::one_for_all(Index near) {
 
 // --- writing the certificate after the search ------------------------------------------------------------------------
 
-// Writes the trees of all triangles of A for one certificate.
+// Writes the proof of each triangle of A as a tree of one certificate.
 class PieceProofs::Writing {
 public:
     Writing(const PieceProofs& proofs, double upper)
@@ -129,17 +131,17 @@ public:
           unit_(unit_roundoff * diagonal_of(proofs.pair_)),
           slack_(slack * unit_) {}
 
-    // Writes the tree of triangle i; returns false if it needs too many cuts.
+    // Writes the tree of triangle i. Returns false if this needs too many cuts.
     bool triangle(Index i, CertificateTree& tree) {
         const auto v = proofs_.pair_.source.triangles.row(i);
         const Points& points = proofs_.pair_.points;
         return piece(static_cast<Node>(i), {points.row(v[0]), points.row(v[1]), points.row(v[2])}, 0, tree);
     }
 
-    // Returns by how much the bound that a checker finds may exceed the upper bound of the search.
+    // Returns by how much a checker's bound may exceed the upper bound of the search.
     double loss() const { return (loss_of_cut * depth_ + loss_of_check) * unit_ + (looked_again_ > 0 ? slack_ : 0); }
 
-    // Returns the number of pieces that were bounded again.
+    // Returns the number of pieces bounded again after the search.
     std::uint64_t looked_again() const { return looked_again_; }
 
 private:
@@ -150,7 +152,7 @@ private:
         Index near;  // triangle of B to try first; -1: none
     };
 
-    // Writes the subtree of a piece. Returns false if it needs too many cuts.
+    // Writes the subtree of a piece, with its parts. Returns false if this needs too many cuts.
     bool piece(Node node, const Corners& corners, int level, CertificateTree& tree) {
         const Entry& entry = proofs_.nodes_[node];
         if (entry.first == 0) return leaf(entry, corners, level, tree);
@@ -172,9 +174,9 @@ private:
         return true;
     }
 
-    // Bounds a piece again; if that does not suffice, cuts it and does the same with its parts. Returns false if this
-    // needs too many cuts. A bound suffices even if it exceeds the upper bound by `slack_`: the bound of the parent may
-    // have been equal to the upper bound, and a bound of the part includes more rounding.
+    // Bounds a piece again. If the new bound is too large, cuts the piece and treats its parts in the same way. Returns
+    // false if this needs too many cuts. A new bound may exceed the final upper bound by `slack_`, because it includes
+    // more rounding.
     bool look_again(const More& more, CertificateTree& tree) {
         PieceCorners corners;
         Index near = more.near;
@@ -194,7 +196,8 @@ private:
         return all;
     }
 
-    // Writes the cells of the first bound of the piece that suffices. Returns false if none does.
+    // Tries several bounds of the piece and writes the cells of the first one that is small enough. Returns false if
+    // none is.
     bool leaf_of(const PieceCorners& corners, const More& more, CertificateTree& tree) {
         const auto suffices = [&](double upper) {
             if (!(upper <= upper_ + slack_)) return false;
@@ -207,8 +210,8 @@ private:
                suffices(bounds_.u4(corners, more.level));
     }
 
-    // Records that a piece of this level is not cut further: there are up to 3 cuts (or 1) for each level,
-    // and 6 for its cells.
+    // Updates `depth_` for a piece of this level that is not cut further: up to three cuts for each level (one if the
+    // longest edge was cut), and six for the cells of the piece.
     void reach(int level) { depth_ = std::max(depth_, (proofs_.split_ == Split::midpoint ? 3 : 1) * level + 6); }
 
     const PieceProofs& proofs_;
@@ -216,7 +219,7 @@ private:
     PieceBounds bounds_;
     double upper_, unit_, slack_;
     std::uint64_t more_cuts_ = 0, looked_again_ = 0;
-    int depth_ = 0;  // at least the number of cuts above any leaf
+    int depth_ = 0;  // upper bound on the number of nested cuts above a leaf
 };
 
 void PieceProofs::finish(Result& result) const {

@@ -1,4 +1,4 @@
-// The priority queue of a branch-and-bound search: the piece with the largest upper bound comes out first.
+// The priority queue of branch-and-bound searches.
 #pragma once
 
 #include <algorithm>
@@ -7,12 +7,12 @@
 
 namespace hausbench {
 
-// A priority queue of pieces. `Piece` is any type with a member `upper`, the upper bound of the piece.
+// A priority queue of pieces: the one with the largest upper bound comes out first. `Piece` is any type with a member
+// `upper`, its upper bound.
 //
-// The heap reorders only small entries of 16 bytes, each a bound and the index of a slot; a piece stays in its slot.
-// The slot of a removed piece is reused, so memory is bounded by the largest number of pieces queued at one time.
-// Pieces with equal bounds come out in an order that depends only on the sequence of calls, because std::push_heap and
-// std::pop_heap determine it.
+// The heap moves entries of 16 bytes (a bound and the index of a slot), not pieces. Slots are reused, so memory is
+// bounded by the largest number of pieces queued at one time. Pieces with equal bounds come out in an order that
+// depends only on the sequence of calls.
 template <class Piece> class PieceQueue {
 public:
     bool empty() const { return heap_.empty(); }

@@ -11,7 +11,8 @@ double SourceRegions::upper_of(const Box& box, const Vec3& q) {
     return bounds_.at_most(squared_distance_at_most(q, box), 0);
 }
 
-// Replaces the upper bound of the region with the bound that follows from its q, if that is smaller.
+// Lowers the upper bound of the region to the distance from its point q of B to the farthest corner of its box, if that
+// is smaller.
 void SourceRegions::lower(Region& region) {
     const double upper = upper_of(region.box, region.q);
     if (!(upper < region.upper)) return;
@@ -19,8 +20,9 @@ void SourceRegions::lower(Region& region) {
     region.shown = region.near;
 }
 
-// Finds a q for the box of the region itself, if this may settle the region, and returns whether it did so. It cannot
-// settle the region if half the diagonal of the box is too large, because no q gives a smaller bound than that.
+// Finds the point q of B closest to the centre of the region's box, and lowers the region's upper bound with it.
+// Returns false without searching if this was done before, or if half the diagonal of the box is too large to skip the
+// region: no q gives a smaller bound.
 bool SourceRegions::improve(Region& region) {
     if (region.own || 0.5 * std::sqrt(squared_length(region.box.high - region.box.low)) > bounds_.purged_at_most(0))
         return false;

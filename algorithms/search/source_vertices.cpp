@@ -7,7 +7,7 @@ Triangle SourceVertices::posed_triangle(Index i) const {
     return {points_.row(corners[0]), points_.row(corners[1]), points_.row(corners[2])};
 }
 
-// Measures the farthest point of the previous pose first, so that the lower bound is large from the start.
+// First measures the point that was farthest at the previous pose, so that the lower bound is large from the start.
 void SourceVertices::begin_warm() {
     WarmStart& last = *warm_start_;
     last.nearest.resize(vertices_.size(), -1);
@@ -21,9 +21,8 @@ void SourceVertices::begin_warm() {
     }
 }
 
-// Tries to skip triangle i without a closest point query. Each corner has a triangle of B that was nearest to it at the
-// previous pose; the largest distance of a point of triangle i to that triangle of B is an upper bound, and it is
-// reached at a corner, because the distance is convex.
+// Tries to skip triangle i without a closest point query. An upper bound is its largest distance to a triangle of B
+// that was nearest to one of its corners at the previous pose. Distance is convex, so it is largest at a corner.
 bool SourceVertices::settle_by_last_pose(Index i) {
     const auto corners = a_.triangles.row(i);
     for (const Index v : corners) {
@@ -39,7 +38,8 @@ bool SourceVertices::settle_by_last_pose(Index i) {
     return false;
 }
 
-// measure_triangle() offers a vertex only once, for the first of its triangles. This offers it to all of them.
+// Offers each measured vertex to the bounds of all triangles that contain it. measure_triangle() offered it only to the
+// first.
 void SourceVertices::offer_to_all_triangles() const {
     for (Index i = 0; i < a_.triangles.rows(); ++i) {
         for (const MeasuredPoint& corner : corners(i)) {
@@ -58,8 +58,8 @@ bool SourceVertices::measure() {
     return done;
 }
 
-// Skips triangle i and returns true, if `upper` is small enough. `upper` is an upper bound on the distance of its
-// points to triangle `near` of B; a proof with this triangle is recorded if proofs are wanted.
+// Skips triangle i and returns true if `upper` is small enough. No point of the triangle is farther than `upper` from
+// triangle `near` of B, which is recorded as the proof if proofs are wanted.
 bool SourceVertices::leave_out(Index i, double upper, Index near) {
     if (!bounds_.settle(upper, i, 0, most_levels_)) return false;
     if (proofs_) proofs_->one(static_cast<PieceProofs::Node>(i), upper, near);
@@ -67,9 +67,9 @@ bool SourceVertices::leave_out(Index i, double upper, Index near) {
     return true;
 }
 
-// Measures the corners of triangle i, except if the hints of the previous pose settle it. `near` is a triangle of B at
-// which to start, or -1. Returns the triangle of B nearest to the last corner, a good start for the next triangle of A;
-// returns `near` if the corners were not measured.
+// Measures the corners of triangle i, unless hints from the previous pose show that it can be skipped. `near` is a
+// triangle of B to start at, or -1. Returns a start for the next triangle of A: the triangle of B nearest to the last
+// corner, or `near` if no corner was measured.
 Index SourceVertices::measure_triangle(Index i, Index near) {
     if (warm_start_ && settle_by_last_pose(i)) return near;
     const auto vertex = [&](Index v) -> MeasuredPoint& { return vertices_[static_cast<std::size_t>(v)]; };
@@ -86,7 +86,7 @@ Index SourceVertices::measure_triangle(Index i, Index near) {
     return near;
 }
 
-// First measures one triangle, whatever the regions say, so that there is a witness and a first lower bound.
+// Measures one triangle first, even if its region could be skipped, so that there is a witness and a first lower bound.
 bool SourceVertices::measure_regions() {
     measure_triangle(0, -1);
     return regions_->walk([&](Index i, Index near) { measure_triangle(i, near); },

@@ -1,4 +1,4 @@
-// The first step of searches over triangles of A: measures each vertex of A once, that is, computes its distance to B.
+// The first step of searches over triangles of A: computes the distance from each vertex of A to B, once per vertex.
 #pragma once
 
 #include "algorithms/search/bounds.h"
@@ -11,11 +11,11 @@
 
 namespace hausbench {
 
-// The distances of the vertices of A, and the triangles of A that need no further work after this step.
+// The distances from the vertices of A to B, and the triangles of A that need no further work.
 class SourceVertices {
 public:
-    // Keeps references. `points` are the vertices of A, moved by its pose; `warm_start` is null for a cold start;
-    // `most_levels` as in SearchBounds::settle.
+    // Keeps references. `points` are the vertices of A, moved by its pose. `warm_start` holds hints from an earlier
+    // pose, or is null. `most_levels` is passed to SearchBounds::settle().
     SourceVertices(const TriangleMesh& a, const Points& points, const Target& target, WarmStart* warm_start,
                    int most_levels, SearchBounds& bounds, Counters& counters)
         : a_(a),
@@ -26,35 +26,34 @@ public:
           bounds_(bounds),
           counters_(counters) {}
 
-    // Makes measure() skip groups of triangles of A that cannot contain the farthest point (source_regions.h). `tree`
-    // is over A in its own coordinates, and `pose` is the pose of A.
+    // Makes measure() skip groups of triangles of A that cannot contain the point farthest from B (source_regions.h).
+    // `tree` is over A in its own coordinates.
     void use_regions(const TriangleTree& tree, const Pose& pose);
 
-    // Makes measure() record a proof for each triangle of A that it skips.
+    // Makes measure() record a proof of the upper bound of each triangle of A that it skips.
     void use_proofs(PieceProofs& proofs) { proofs_ = &proofs; }
 
-    // Measures the vertices, triangle by triangle, and offers each to the bounds. Returns false if time runs out.
-    // - To be fast, the query of a vertex starts at the triangle of B nearest to the vertex before it or, with a warm
-    //   start, at the triangle of B nearest to the same vertex at the previous pose.
-    // - A triangle of A is skipped if a bound settles it (bounds.h): with a warm start, its distance to the triangle of
-    //   B that was nearest to one of its corners at the previous pose; with regions, the bound of its region. Vertices
-    //   that belong only to skipped triangles are not measured.
-    // - If the bounds of each triangle are kept (ElementBounds), a vertex is offered to every triangle
-    //   that contains it.
+    // Computes the distances of the vertices, triangle by triangle, and passes each to SearchBounds::offer(). Returns
+    // false if time runs out.
+    // - Each query starts at the triangle of B nearest to the previous vertex or, with a warm start, to the same vertex
+    //   at the previous pose.
+    // - A triangle of A is skipped if an upper bound is small enough. With a warm start, this is its distance to a
+    //   triangle of B that was nearest to one of its corners; with regions, the bound of its region. Vertices that
+    //   belong only to skipped triangles are not measured.
+    // - With ElementBounds, a vertex is offered to every triangle that contains it.
     bool measure();
 
-    // Returns whether triangle i of A was skipped; the search bounds then have its upper bound. Call
-    // it after measure().
+    // Returns whether measure() skipped triangle i of A. The search bounds then include its upper bound.
     bool settled(Index i) const { return !settled_.empty() && settled_[static_cast<std::size_t>(i)]; }
 
-    // Returns the corners of triangle i. If the triangle was skipped, only corners that other triangles needed are
-    // measured; for the others, MeasuredPoint::triangle is -1.
+    // Returns the corners of triangle i. Some corners of a skipped triangle may not be measured; their
+    // MeasuredPoint::triangle is -1.
     std::array<MeasuredPoint, 3> corners(Index i) const {
         const auto v = [&](int k) { return vertices_[static_cast<std::size_t>(a_.triangles(i, k))]; };
         return {v(0), v(1), v(2)};
     }
 
-    // Saves hints for the next pose when the search is over.
+    // Saves the nearest triangles and the farthest point of a finished search as hints for the next pose.
     void remember() const;
 
 private:
@@ -75,7 +74,7 @@ private:
     SearchBounds& bounds_;
     Counters& counters_;
     std::vector<MeasuredPoint> vertices_;
-    std::vector<bool> settled_;  // by triangle of A; empty if there is neither a warm start nor regions
+    std::vector<bool> settled_;  // by triangle of A; empty if nothing allows to skip triangles
     std::optional<SourceRegions> regions_;
     PieceProofs* proofs_ = nullptr;  // set only if a certificate is wanted
 };

@@ -6,10 +6,9 @@
 
 namespace hausbench {
 
-// Takes the piece with the largest upper bound from the queue, again and again, until the bounds are close enough or
-// the time or the budget is spent; returns the reason. settle(piece) must return whether the piece needs no further
-// work; the lower bound may have grown since the piece was queued. If it returns false, split(piece) must cut the piece
-// and queue its parts.
+// Takes pieces from the queue, the largest upper bound first, until the bounds answer the query or the time or the
+// budget is spent. Returns the reason. settle(piece) must return whether the piece can be dropped: the lower bound may
+// have grown since the piece was queued. If not, split(piece) must cut the piece and queue its parts.
 template <class Piece, class Settle, class Split>
 Status split_until_done(PieceQueue<Piece>& queue, SearchBounds& bounds, const Counters& counters, const Settle& settle,
                         const Split& split) {

@@ -1,4 +1,4 @@
-// Measures the time of each stage of a solve, for Wanted::stages.
+// Times the stages of a solve (Wanted::stages).
 #pragma once
 
 #include "algorithms/solver.h"
@@ -8,15 +8,15 @@
 
 namespace hausbench {
 
-// A stopwatch for the stages of a solve. If it is off, it never reads the clock and records nothing.
+// Measures how many seconds each stage of a solve takes. If `on` is false, this never reads the clock and records
+// nothing.
 class Stages {
 public:
     explicit Stages(bool on) : on_(on) {
         if (on_) begin_ = std::chrono::steady_clock::now();
     }
 
-    // Ends a stage, which began when the previous one ended, and records its time under a name. Times with
-    // the same name add up.
+    // Ends the current stage, which began when the previous one ended, and adds its seconds to the total of this name.
     void end(const char* name) {
         if (!on_) return;
         const auto now = std::chrono::steady_clock::now();
@@ -26,7 +26,7 @@ public:
         begin_ = now;
     }
 
-    // Returns the seconds of each stage that has ended, under names for Result::reported, such as "seconds: subdivide".
+    // Returns the seconds of the finished stages by name, such as "seconds: subdivide", ready for Result::reported.
     const Reported& seconds() const { return seconds_; }
 
 private:

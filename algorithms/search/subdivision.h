@@ -1,5 +1,5 @@
-// Cuts a triangle into two or four smaller ones, called its pieces. Pieces of one triangle share their new vertices, so
-// each new vertex is *measured* only once: a solver computes its distance to B and its nearest triangle of B.
+// Cuts a triangle into two or four smaller ones, its pieces. Pieces share their new vertices, so a solver computes the
+// distance from each new vertex to B only once.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -17,15 +17,15 @@ enum class Split {
 };
 
 // Returns the number of subdivisions after which further cuts are pointless, because a piece is then smaller than the
-// rounding errors of its corners. At first the diameter is at most 2 sqrt(3) M, where M is the largest |coordinate|.
-// Split::midpoint halves the diameter each time; 50 times make it at most 28uM, where u = 2^-53, but its corners may be
-// off by 100uM (kernel/rounding.h). Split::longest_edge halves the diameter every second time, up to a factor of
-// sqrt(3) overall; 102 times make it as small, because sqrt(3) * 2^-51 < 2^-50.
+// rounding errors of its corners. Let u = 2^-53, and M be the largest |coordinate|. At first the diameter is at most
+// 2 sqrt(3) M. Split::midpoint halves it each time, so after 50 times it is at most 28uM, while the corners may be off
+// by 100uM (kernel/rounding.h). Split::longest_edge halves the diameter every second time, up to a factor of sqrt(3)
+// overall. 102 times make it as small, because sqrt(3) * 2^-51 < 2^-50.
 constexpr int most_levels(Split split) { return split == Split::midpoint ? 50 : 102; }
 
-// A triangle cut into pieces. `vertices` holds the corners of the triangle (0, 1, 2), then the new vertices. A piece is
-// three indices of vertices, in the orientation of the triangle. The pieces cover the triangle, except for the rounding
-// of the new vertices (kernel/rounding.h).
+// A triangle cut into pieces. `vertices` holds its corners (0, 1, 2), then the new vertices. A piece is three indices
+// into `vertices`, in the orientation of the triangle. The pieces cover the triangle, except for the rounding of the
+// new vertices (kernel/rounding.h).
 template <class Vertex> struct Cut {
     std::array<Vertex, 6> vertices;
     std::size_t vertex_count = 3, piece_count = 0;
@@ -38,8 +38,8 @@ template <class Vertex> struct Cut {
 };
 
 // Cuts a triangle into four pieces, with a new vertex on each edge. `Vertex` has a member `point`. place(one, two)
-// returns the point at which the edge between two vertices is cut. measure(point, near) returns the new vertex at this
-// point; `near` is one end of the edge, whose nearest triangle of B is a good start for a search.
+// returns the point at which to cut the edge between two vertices. measure(point, near) returns the new vertex at this
+// point; `near` is an end of the edge, whose nearest triangle of B is a good start for a query.
 template <class Vertex, class Place, class Measure>
 Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place, const Measure& measure) {
     Cut<Vertex> cut;
@@ -53,8 +53,9 @@ Cut<Vertex> cut_in_four(const std::array<Vertex, 3>& corners, const Place& place
     return cut;
 }
 
-// Cuts a triangle into four or two pieces, at midpoints of edges. Calls `measure` (see cut_in_four) once for each new
-// vertex, in the order of Cut::vertices. If the longest edge is cut, the corner opposite to it is pieces[0][0].
+// Cuts a triangle at the midpoints of all edges (four pieces) or of the longest edge (two pieces). Calls `measure` (see
+// cut_in_four) once for each new vertex, in the order of Cut::vertices. If only the longest edge is cut, pieces[0][0]
+// is the corner opposite to it.
 template <class Vertex, class Measure>
 Cut<Vertex> cut_triangle(const std::array<Vertex, 3>& corners, Split split, const Measure& measure) {
     const auto midpoint = [](const Vertex& one, const Vertex& two) { return Vec3(0.5 * (one.point + two.point)); };

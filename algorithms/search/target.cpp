@@ -28,7 +28,7 @@ ClosestPoint Target::closest(const Vec3& point, Index warm, Counters& counters) 
 
     ClosestPoint best =
         tree_ ? tree_->textbook_closest(point, hints, counters) : textbook_closest_by_scan(mesh_, point, counters);
-    // All distances were NaN: return any triangle.
+    // All distances were NaN, so no triangle was found: return the first one.
     if (best.triangle < 0) best = {best.squared_distance, triangle(0).a, 0};
     return best;
 }

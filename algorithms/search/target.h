@@ -1,5 +1,4 @@
-// Distances to the mesh B, the target. A tree, a grid or blocks of triangles find them; without these, a scan of
-// all triangles does.
+// Distances from points to B, the target mesh, by a tree, a grid, blocks of triangles or a scan of all triangles.
 #pragma once
 
 #include "algorithms/kernel/closest.h"
@@ -13,20 +12,20 @@ namespace hausbench {
 // If B has at most this many triangles, testing all of them is as fast as using a tree.
 inline constexpr Index scan_at_most = 32;
 
-// A point of A, moved by its pose, and its distance to B if that is known. Often a vertex of A or of a
-// piece of a triangle.
+// A point of A, moved by its pose, and its distance to B if that is known. Usually a vertex of A or a corner of a piece
+// cut from a triangle of A.
 struct MeasuredPoint {
     Vec3 point;
     double squared = -1;  // squared distance to B; negative: unknown
     Index triangle = -1;  // nearest triangle of B
 };
 
-// The mesh B with at most one structure for closest point queries.
+// The mesh B, with an optional structure that speeds up closest point queries.
 class Target {
 public:
-    // `tree` is over `mesh`, or null to scan all triangles. Both arguments must outlive this. With `textbook`,
-    // distances are computed with textbook formulas (kernel/textbook.h), to show how these fail, so bounds from them
-    // may be wrong; only certified distances are computed as usual.
+    // `tree` is over `mesh`, or null to scan all triangles. Both must outlive this object. With `textbook`, distances
+    // come from textbook formulas (kernel/textbook.h), to show where these fail; bounds may then be wrong. Certified
+    // distances never use these formulas.
     Target(const TriangleMesh& mesh, const TriangleTree* tree, bool textbook = false)
         : mesh_(mesh), tree_(tree), textbook_(textbook) {}
 
@@ -37,14 +36,14 @@ public:
     const TriangleMesh& mesh() const { return mesh_; }
     Triangle triangle(Index i) const { return triangle_of(mesh_, i); }
 
-    // Returns the point of B closest to `point`. `warm` is a triangle of B to test first, or -1, as in ClosestHints.
+    // Returns the point of B closest to `point`. `warm` is a triangle of B to test first, or -1 for none.
     ClosestPoint closest(const Vec3& point, Index warm, Counters& counters) const;
 
     // Returns the squared distance from `point` to one triangle. Changes no counter.
     double squared_distance(const Vec3& point, const Triangle& triangle) const;
 
-    // Computes the squared distances from the first `count` points of `block` (at most 8) to one triangle:
-    // feet.squared_distance[k] belongs to point k. Changes no counter.
+    // Computes the squared distances from the first `count` points of `block` (at most 8) to one triangle, and stores
+    // the distance of point k in feet.squared_distance[k]. Changes no counter.
     void squared_distances(const PointBlock& block, std::size_t count, const Triangle& triangle, BlockFeet& feet) const;
 
     // Returns a lower bound on the exact distance from `point` to B; valid under rounding.

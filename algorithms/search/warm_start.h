@@ -1,8 +1,7 @@
-// Hints that a mesh solver may carry from one pose of A to the next: nearest triangles and the farthest point.
+// Hints that a mesh solver carries from one pose of A to the next: nearest triangles and the farthest point.
 //
-// They only decide which triangles and points are tried first. Every bound is proven anew at each pose, so hints from
-// any other pose give correct bounds, too, only more slowly. The papers do not describe this, so a solver uses it only
-// if the caller passes a state.
+// Hints only decide which triangles and points come first. Bounds are proven anew at each pose, so bad hints cost only
+// time. The papers do not describe hints, so a solver uses them only if the caller passes a state.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"
@@ -18,17 +17,18 @@ struct WarmStart final : State {
     // The triangle of B nearest to each vertex of A; -1: unknown. Empty before the first pose.
     std::vector<Index> nearest;
     Index source = -1;             // triangle of A that contained the farthest point; -1: unknown
-    int corner = -1;               // the corner of `source` that is the farthest point; -1: none is
+    int corner = -1;               // the corner of `source` that was the farthest point; -1: it was not a corner
     double second = 0, third = 0;  // if corner is -1: weights of the second and third corner, in [0, 1]
     Index target = -1;             // triangle of B nearest to the farthest point
-    // For each triangle of A, a triangle of B that was near it; -1, or an index beyond the end: unknown. In the
-    // other direction of H(A, B), these pairs say which triangle of A to try first for a triangle of B (Tang et
-    // al. 2009, section 6).
+    // For each triangle of A, a triangle of B that was near it; unknown if the entry is -1 or missing. When the solver
+    // computes h(B, A), these pairs tell which triangle of A to try first for a triangle of B (Tang et al. 2009,
+    // section 6).
     std::vector<Index> partner;
-    // A triangle of B near each node of a tree over A, then one near each leaf; -1: unknown.
+    // For each node of a tree over A, then for each leaf, a triangle of B near it; -1: unknown.
     std::vector<Index> near_node;
 
-    // Takes the pairs of the other direction with their roles exchanged. Pairs that are known here are kept.
+    // Adds the pairs of `partner` that the search for h(B, A) found, with A and B exchanged. Pairs already known here
+    // are kept.
     void learn_from(const State& opposite) override {
         const auto& other = static_cast<const WarmStart&>(opposite).partner;
         for (std::size_t t = 0; t < other.size(); ++t) {
@@ -45,17 +45,17 @@ struct WarmStart final : State {
         target = farthest.point.triangle;
         const Vec3& point = farthest.point.point;
         corner = point == triangle.a ? 0 : point == triangle.b ? 1 : point == triangle.c ? 2 : -1;
-        // Weights by plain least squares. They need not be accurate, because the point is only a starting point.
+        // Computes the weights by plain least squares. This is accurate enough for a starting point.
         const Vec3 e = triangle.b - triangle.a, f = triangle.c - triangle.a, p = point - triangle.a;
         const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), scale = ee * ff - ef * ef;
-        // x / scale, clamped to [0, 1]; 0 if it is NaN.
+        // Returns x / scale, clamped to [0, 1], or 0 if the quotient is NaN.
         const auto weight = [&](double x) { return x / scale > 0 ? std::min(x / scale, 1.0) : 0.0; };
         second = weight(ff * dot(e, p) - ef * dot(f, p));
         third = weight(ee * dot(f, p) - ef * dot(e, p));
     }
 
-    // Returns the point of `triangle` that has about the same weights as the saved farthest point; `triangle` is
-    // `source` at another pose. Rounding moves the point off the triangle by no more than level_of_closest_point
+    // Returns the point of `triangle`, which is `source` at another pose, with about the same weights as the saved
+    // farthest point. Rounding moves it off the triangle by no more than level_of_closest_point allows
     // (kernel/rounding.h).
     Vec3 point_in(const Triangle& triangle) const {
         const Vec3 near = triangle.a + second * (triangle.b - triangle.a) + third * (triangle.c - triangle.a);

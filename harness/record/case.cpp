@@ -20,8 +20,8 @@ double diagonal_of_both(const Points& a, const Points& b) {
     return diagonal(corners);
 }
 
-// The lower limit serves an A that is a point, or so small that the product rounds to 0: the answer should then be as
-// tight as doubles allow. The upper limit serves an A whose diagonal is too large for a double.
+// The lower limit is for an A that is a point, or so small that the product rounds to 0: the answer should then be as
+// tight as doubles allow. The upper limit is for an A whose diagonal overflows.
 double tolerance_as_length(double tolerance, double unit) {
     using Limit = std::numeric_limits<double>;
     return std::clamp(tolerance * unit, Limit::denorm_min(), Limit::max());

@@ -1,4 +1,4 @@
-// A case: one question to one solver. Everything that can change its answer goes into its identity.
+// A case: one query to one solver. Everything that can change its answer goes into its identity, a hash.
 #pragma once
 
 #include "algorithms/options.h"
@@ -16,20 +16,20 @@ namespace hausbench {
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Limits {
-    // For one answer; timed repeats together may take twice as long.
+    // Time limit for one answer. All timed repeats together may take twice as long.
     double case_seconds = 60;
     double prepare_seconds = 120;                       // for loading and preparing
     std::int64_t memory_bytes = std::int64_t(8) << 30;  // resident set of a worker
 };
 
-// Units of a tolerance: the diagonal or the longest side of A's box, an absolute length, or the lower bound.
+// Units of a tolerance: the diagonal or the longest side of the bounding box of A, a plain length, or the lower bound.
 inline const std::vector<std::string> tolerance_units = {"diagonal", "longest", "absolute", "lower"};
 
-// Returns the length of one unit, given the diagonal and the longest side of A's box. Both are measured
-// on A as loaded, for every pose and for both directions of H. Returns 1 for `absolute` and `lower`.
+// Returns the length of one unit of a tolerance; 1 for `absolute` and `lower`. `diagonal` and `longest_side` are
+// measured on the bounding box of A as loaded, whatever the pose, and also for h(B,A).
 double unit_of(const std::string& of, double diagonal, double longest_side);
 
-// Returns the diagonal of the box that holds both.
+// Returns the diagonal of the bounding box of both point sets together.
 double diagonal_of_both(const Points& a, const Points& b);
 
 // Returns tolerance * unit, clamped to a finite length above 0.
@@ -54,39 +54,39 @@ struct Case {
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
     std::int64_t budget = -1;                                            // see Query; -1: none
     int threads = 1;                                                     // the most that the solver may use
-    // Hash of the files that the solver's command line names (plan/command_files.h); empty: the solver runs no command,
-    // or none of its files was found.
+    // Hash of the files that the solver's command line names (plan/command_files.h). Empty if the solver runs no
+    // command, or if none of the files was found.
     std::string program_sha256;
     Limits limits;
-    // A warm case starts from the state that the solver kept from the case of the previous pose; `chain` is the
-    // identity of that case. In a search (for the target nearest to each source) a case is not warm, but its cutoff
-    // comes from the earlier targets; `chain` is then the identity of the case of the previous target. Empty: first
-    // case of its chain.
+    // Whether the solver starts from the state that it kept at the previous pose.
     bool warm = false;
+    // Identity of the previous case: if `warm`, the case of the previous pose; in a search for the nearest target, the
+    // case of the previous target, whose answer may lower the cutoff. Empty: no such case.
     std::string chain;
     double exact = unknown;     // the true distance, if the experiment gives it
     std::string family;         // name of a sweep over severity that the scene belongs to
     double severity = unknown;  // position in that sweep
-    // 1: the solver promises bounds that hold under rounding; 0: it does not; -1: not built, so unknown.
+    // 1: the solver promises bounds that hold under rounding. 0: it does not. -1: unknown, because it is not built.
     int certified = -1;
 
     double unit() const { return unit_of(tolerance_of, source_diagonal, source_longest); }
     Tolerance resolved_tolerance() const;  // a length, unless it is a fraction of the lower bound
 };
 
-// Returns the identity: the hash of the two shapes and of the columns that columns.h marks as part of it.
+// Returns the identity of a case: the hash of the two shapes and of the columns that columns.h marks as part of the
+// identity.
 std::string identify(const Case& asked);
 
 // Returns the solver's name for display: "guthe", or "guthe(samples=8)" if the experiment sweeps a parameter.
 std::string shown(const Case& asked);
 
-// Returns the parameters of `one` that are not the same in all of `swept`, such as "samples=8, seed=1".
+// Returns the parameters of `one` that are not the same in all of `swept`, as text: "samples=8, seed=1".
 std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
 
-// Returns the suffix of a scene's name for quantities other than h(A,B): ", H" or ", depth".
+// Returns the suffix that shows the quantity in a scene's name: ", H" or ", depth"; empty for h(A,B).
 std::string suffix_of(Quantity quantity);
 
-// Returns a name for people: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
+// Returns a readable name: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
 std::string name_of(const Case& asked);
 
 }  // namespace hausbench

@@ -1,4 +1,4 @@
-// Builds the columns of columns.h from members of rows, for the source file that lists the columns (column_tables.cpp).
+// Defines columns (columns.h) from members of rows, for column_tables.cpp.
 #pragma once
 
 #include "harness/record/columns.h"
@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <utility>
 
-// COLUMN builds the column for a member of `Entry`, the struct of a row, and gives the column the name of the member.
-// NAMED gives it another name.
+// COLUMN defines the column for a member of `Entry`, the struct of a row, and names it after the member. NAMED gives
+// the column another name.
 #define COLUMN(member, ...) NAMED(#member, member, __VA_ARGS__)
 #define NAMED(name, where, ...) column<Entry, MEMBER(where)>(name, __VA_ARGS__)
 #define MEMBER(where) \
@@ -22,7 +22,7 @@ namespace hausbench::columns {
 
 using nlohmann::json;
 
-// Whether a column holds values of this type as JSON texts.
+// Whether values of type T are stored as JSON text.
 template <class T>
 inline constexpr bool is_json_text =
     std::is_same_v<T, ParameterMap> || std::is_same_v<T, std::map<std::string, double>> || std::is_same_v<T, Facts>;
@@ -41,7 +41,7 @@ template <class T> T parsed_json_text(const std::string& text) {
         return json::parse(text).get<T>();
 }
 
-// Returns the value of a JSON text. Files repeat the same text in row after row, so the last value is cached.
+// Parses JSON text. Caches the last value, because files repeat the same text in row after row.
 template <class T> const T& from_json_text(const std::string& text) {
     thread_local std::string known = "{}";
     thread_local T value;
@@ -51,7 +51,7 @@ template <class T> const T& from_json_text(const std::string& text) {
     return value;
 }
 
-// Returns the number of doubles in a value of this type; 0 if its column does not hold doubles.
+// Returns the number of doubles in a value of type T, or 0 if T is not stored as doubles.
 template <class T> constexpr std::size_t width_of() {
     if constexpr (std::is_same_v<T, double>) return 1;
     if constexpr (std::is_same_v<T, Vec3>) return 3;
@@ -60,7 +60,8 @@ template <class T> constexpr std::size_t width_of() {
     return 0;
 }
 
-// Calls take() for each double of a value, in file order: a rotation goes row by row.
+// Calls take() for each double of a value, in the order of the file. A pose is its rotation row by row, then its
+// translation.
 template <class T, class F> void each_double(T& value, F take) {
     using Plain = std::remove_const_t<T>;
     if constexpr (std::is_same_v<Plain, double>) {
@@ -80,7 +81,7 @@ template <class E> E named(const std::string& text) {
     throw std::runtime_error(fmt::format("'{}' is not one of its values", text));
 }
 
-// Builds a column. `member` is a lambda that returns a reference to the value in a row.
+// Defines a column for one member of a row. `member` is a lambda that returns a reference to this member.
 template <class Row, auto member>
 Column<Row> column(std::string_view name, std::string_view meaning, Identity identity = Identity::no) {
     using T = std::remove_cvref_t<decltype(member(std::declval<Row&>()))>;

@@ -7,7 +7,7 @@ namespace hausbench {
 using namespace columns;
 
 const Columns<Case>& case_columns() {
-    // Columns of the identity come first, in the order in which they are hashed.
+    // The columns of the identity come first. Do not reorder them: identify() hashes them in this order.
     using Entry = Case;
     static const Columns<Entry> all = {
         COLUMN(solver, "name of the solver in the registry", Identity::always),

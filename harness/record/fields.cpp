@@ -31,7 +31,7 @@ Points standing(const PreparedShape& shape, const Pose& pose, const char* name) 
 
 constexpr double longest_edge = 1.0 / 64;  // as a fraction of the diagonal of A
 
-// Measures the distances of points to B and finds the nearest elements.
+// Finds the distance from a point to B, and the nearest element of B.
 class DistanceTo {
 public:
     explicit DistanceTo(const PreparedShape& target) : tree_(target.triangles()) {}
@@ -40,7 +40,7 @@ public:
         double distance;
         Index element;
     };
-    // `near` is an element of B that is probably near, or -1.
+    // `near` is an element of B that is probably near p, or -1.
     Found operator()(const Vec3& p, Index near) const {
         Counters unused;
         ClosestHints hints;
@@ -53,12 +53,12 @@ private:
     TriangleBvh tree_;
 };
 
-// Cuts A into pieces by bisecting edges. Whenever an edge is bisected, so is the longest edge of every piece that has
-// this edge; the angles of pieces then stay at least half as large as the angles of A (Rivara 1984). An edge and its
-// midpoint belong to both neighbours, so no gap opens between them. All lengths are scaled by the same power of two.
+// Cuts A into pieces by bisecting edges. When an edge is bisected, so is the longest edge of every piece that has this
+// edge, so the angles of pieces stay at least half as large as the angles of A (Rivara 1984). Neighbours share an edge
+// and its midpoint, so no gap opens between them. All lengths are scaled by the same power of two.
 class FieldCutter {
 public:
-    // Differences and lengths up to `floor` may be rounding errors and cause no cuts.
+    // Interpolation errors and lengths up to `floor` cause no cuts, because they may be rounding errors.
     FieldCutter(const Points& vertices, const Triangles& triangles, const DistanceTo& distance_to, double floor,
                 std::size_t most_pieces)
         : distance_to_(distance_to),
@@ -81,7 +81,7 @@ public:
     std::vector<Index> nearest;
     std::vector<Piece> pieces;
 
-    // Cuts a triangle of A into three pieces that meet at p.
+    // Cuts a triangle of A into three pieces that meet at p, a new vertex.
     void insert(const Vec3& p, Index element) {
         Piece& whole = pieces[static_cast<std::size_t>(element)];
         const auto [a, b, c] = whole.corners;
@@ -91,8 +91,8 @@ public:
         pieces.push_back({{c, a, middle}, element, false});
     }
 
-    // Cuts until all differences are at most `resolution`. Returns false if the limit on pieces ended the cutting
-    // before.
+    // Cuts until the distance differs from its linear interpolation by at most `resolution` everywhere it is compared.
+    // Returns false if the limit on pieces ended the cutting before.
     bool cut(double resolution) {
         resolution_ = std::max(resolution, floor_);
         while (true) {
@@ -127,8 +127,8 @@ private:
     Vec3 midpoint(Edge edge) const { return (points[edge >> 32] + points[edge & 0xffffffff]) / 2; }
     double squared_length_of(Edge edge) const { return squared_length(points[edge >> 32] - points[edge & 0xffffffff]); }
 
-    // Returns which of the edges 0, 1, 2 is the longest. Among equally long edges, takes the one with the largest Edge,
-    // so that mark(), which goes on from edges to longer edges, cannot go in circles.
+    // Returns which of the edges 0, 1, 2 is the longest. Ties go to the largest Edge, so that mark(), which goes from
+    // an edge to the longest edges of its pieces, cannot go in circles.
     int longest_of(const Piece& piece) const {
         int best = 0;
         std::pair<double, Edge> most{-1, 0};
@@ -142,8 +142,8 @@ private:
         return best;
     }
 
-    // Measures the differences of the pieces that are not settled, and settles them. Returns the edges to bisect, the
-    // largest difference first.
+    // Compares the distance with its linear interpolation on all pieces that are new since the last call. Returns the
+    // edges to bisect, the largest difference first.
     std::vector<std::pair<double, Edge>> compare_unsettled() {
         std::vector<std::pair<double, Edge>> wanted;
         std::vector<Edge> edges;
@@ -164,8 +164,8 @@ private:
         return wanted;
     }
 
-    // Returns whether a piece is too long. Excludes thin pieces, whose height is at most the resolution, because
-    // cutting one only makes more of them.
+    // Returns whether a piece is too long. A thin piece, whose height is at most the resolution, is never too long,
+    // because cutting it only makes more thin pieces.
     bool is_long(const Piece& piece) const {
         const double squared = squared_length_of(edge_of(piece, longest_of(piece)));
         const auto corner = [&](int k) { return points[static_cast<std::size_t>(piece.corners[k])]; };
@@ -198,8 +198,8 @@ private:
         due_ = 0;
     }
 
-    // Marks the edge and the edges that have to be bisected with it. If this would exceed the limit on pieces, marks
-    // nothing and returns false.
+    // Marks an edge for bisection, and the longest edges that must be bisected with it. If this would exceed the limit
+    // on pieces, marks nothing and returns false.
     bool mark(Edge first) {
         std::vector<Edge> open{first}, fresh;
         std::size_t more = 0;  // new pieces: bisecting an edge adds one for each piece that has it
@@ -224,8 +224,8 @@ private:
         return true;
     }
 
-    // Cuts each piece that has marked edges: from the midpoint of its longest edge, which then is marked, to the
-    // opposite corner and to the midpoints of the other marked edges.
+    // Cuts each piece that has marked edges. The cuts start at the midpoint of its longest edge, which is then marked,
+    // too, and go to the opposite corner and to the midpoints of the other marked edges.
     void split() {
         const std::size_t count = pieces.size();
         for (std::size_t i = 0; i < count; ++i) {
@@ -251,7 +251,7 @@ private:
 
     const DistanceTo& distance_to_;
     double floor_, longest_, resolution_ = 0;
-    std::size_t most_, due_ = 0;                           // the most pieces; how many the marked edges will add
+    std::size_t most_, due_ = 0;                           // the limit on pieces; how many the marked edges will add
     std::vector<std::pair<Edge, std::size_t>> pieces_of_;  // each edge with each of its pieces, sorted
     std::unordered_map<Edge, Index> marks_;                // marked edges, each with the vertex at its midpoint
 };

@@ -75,7 +75,7 @@ json to_json(const Outcome& o) {
 
 namespace {
 
-// Throws unless the value is an integer: converting another number may overflow, which is undefined.
+// Returns the value, but throws if it is not an integer: converting another number may overflow, which is undefined.
 const json& whole(const json& value) {
     if (!value.is_number_integer()) throw std::runtime_error("a count is no whole number");
     return value;

@@ -1,4 +1,4 @@
-// Rows and their parts as JSON, for journals and pipes.
+// Converts rows and their parts to and from JSON, for journals and for pipes between processes.
 #pragma once
 
 #include "harness/record/row.h"
@@ -13,7 +13,7 @@ namespace hausbench {
 nlohmann::json to_json(const Outcome& outcome);
 Outcome outcome_from_json(const nlohmann::json& json);
 
-// Convert a double to and from JSON. JSON has no NaN or infinity: these become the texts "nan", "inf" and "-inf".
+// Convert a double to and from JSON. JSON has no NaN or infinity, so these become the texts "nan", "inf" and "-inf".
 nlohmann::json number(double value);
 double number(const nlohmann::json& json);
 
@@ -34,7 +34,7 @@ template <> struct adl_serializer<hausbench::Vec3> {
     static void from_json(const json& j, hausbench::Vec3& point);
 };
 
-// Twelve numbers: the rotation row by row, then the translation.
+// A pose is twelve numbers: the rotation row by row, then the translation.
 template <> struct adl_serializer<hausbench::Pose> {
     static void to_json(json& j, const hausbench::Pose& pose);
     static void from_json(const json& j, hausbench::Pose& pose);

@@ -1,5 +1,5 @@
-// The outcome of a case, and the result of its check. A solver returns a Result (solver.h); an Outcome
-// is the part of it that a row of a result file keeps, with times, memory and how the process ended.
+// The outcome of a case, and the verdicts of its check. An Outcome is the part of a solver's Result (solver.h) that a
+// result file keeps, with times, memory and how the process ended.
 #pragma once
 
 #include "harness/record/case.h"
@@ -13,7 +13,7 @@
 
 namespace hausbench {
 
-// Number of values of an enumeration E that columns store by name; specialised for each such enumeration.
+// The number of values of enumeration E. Specialised for each enumeration that result files store by name.
 template <class E> inline constexpr int count_of = 0;
 
 // How a case ended; results/README.md defines each status.
@@ -22,11 +22,11 @@ std::string_view to_string(RowStatus status);
 std::string to_string(const std::map<RowStatus, std::size_t>& counts);  // "24 ok, 3 timeout"
 template <> inline constexpr int count_of<RowStatus> = 10;
 
-// Returns the status of a row for a solver's own status: converged, below_floor and above_cutoff become `ok`.
+// Converts a solver's status to the status of a row: converged, below_floor and above_cutoff become `ok`.
 RowStatus row_status(Status status);
 
-// Returns whether the status (ok, floor or budget) says that the solver ended by itself, so that it would end in the
-// same way again. Only such an answer is timed, and may have fields.
+// Returns whether the solver ended by itself (ok, floor or budget), so that running it again would end in the same way.
+// Only such answers are timed, and only they may have fields.
 bool is_timed(RowStatus status);
 
 struct Repeat {
@@ -35,15 +35,15 @@ struct Repeat {
     std::int64_t iterations = 1;
 };
 
-// The time of the first answer to a case in the process of a round. Nothing is warmed up yet, so this is the cost of a
-// single question.
+// The time of the first answer to a case in one round, a fresh process. Nothing is warmed up yet, so this is the cost
+// of a single query.
 struct FirstAnswer {
     int round = 0;
     double wall_seconds = 0, cpu_seconds = 0;
     double reported_seconds = unknown;  // see Result
 };
 
-// The time to build one structure, or the solver's private data.
+// The time and memory for building one structure, or the solver's private data, in one round.
 struct Preparation {
     int round = 0;
     std::string name;
@@ -62,7 +62,7 @@ struct Outcome {
     Bounds bounds{unknown, unknown};
     Witness witness{Vec3::Constant(unknown), Vec3::Constant(unknown), -1, -1};
     Counters counters;
-    // Counters that this program does not know, read from a file of another version.
+    // Counters that this program does not know, from a file that another version wrote.
     std::map<std::string, std::uint64_t> other_counters;
     std::map<std::string, double> extras;  // numbers that the solver reports
     Facts facts;                           // texts that the solver reports
@@ -71,7 +71,7 @@ struct Outcome {
     double solve_seconds = unknown;
     double reported_seconds = unknown;
     std::int64_t peak_bytes = -1;
-    // "cpu" or "wall": the clock that gives the time of the case (run/timing.h); empty: no answer.
+    // The clock that gives the time of the case, "cpu" or "wall" (run/timing.h). Empty without an answer.
     std::string clock;
     std::vector<Preparation> preparation;
     std::vector<FirstAnswer> answers;
@@ -82,14 +82,14 @@ struct Outcome {
     double proven_upper = unknown;  // by a checked certificate of this answer; NaN: none
     std::string fields_sha256;  // hash of the file with the row's fields, in the folder of the journal (field_file.h)
     bool from_trace = false;
-    // True if other work of the run may have shared the machine, so that times are not comparable.
+    // True if other work of the run may have shared the machine, so that the times are not comparable.
     bool side_by_side = false;
     std::string build, machine;
 };
 
 bool same_answer(const Outcome& a, const Outcome& b);  // same status and bounds; NaN equals NaN
 
-// The result of re-checking a bound, see check/verify.h.
+// The result of re-checking a bound (check/verify.h).
 enum class Verdict {
     holds,        // lower: proven by its witness; upper: not below any verified lower bound
     unsound,      // lower: above what its witness shows; upper: below a verified lower bound

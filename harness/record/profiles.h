@@ -1,4 +1,4 @@
-// The column `profile`: names of an experiment's profiles, joined by commas.
+// The column `profile` of a row: the names of an experiment's profiles, joined by commas.
 #pragma once
 
 #include <set>

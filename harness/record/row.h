@@ -1,5 +1,5 @@
-// The rows of a result file in memory: cases with their outcomes, models, and the ledger.
-// columns.h lists the columns of the files.
+// The rows of a result file in memory: cases with their outcomes, fields, models and the ledger. columns.h lists the
+// columns of the file.
 #pragma once
 
 #include "harness/record/fields.h"
@@ -16,7 +16,7 @@ template <> inline constexpr int count_of<Witness::Direction> = 2;
 template <> inline constexpr int count_of<Field::Of> = 3;
 template <> inline constexpr int count_of<Field::Meaning> = 3;
 
-// One row of a result file.
+// One row of /cases or /references in a result file.
 struct Row {
     Case asked;
     Outcome outcome;
@@ -26,7 +26,8 @@ struct Row {
     bool is_reference = false;              // this row is itself a reference answer
 };
 
-// One row of /fields: a field of a case. Its values are the entries [begin, end) of /fields/values.
+// One row of /fields in a result file: the name and kind of a field. The values of the field are entries [begin, end)
+// of /fields/values.
 struct FieldRecord {
     std::string name;
     Field::Of of = Field::Of::vertices;
@@ -36,7 +37,7 @@ struct FieldRecord {
 
 inline constexpr std::array<double, 6> no_box{unknown, unknown, unknown, unknown, unknown, unknown};
 
-// One row of /models. Only an algebraic surface has a polynomial and a box.
+// One row of /models in a result file. `polynomial` and `box` are set only for an algebraic surface.
 struct ModelRecord {
     std::string name, sha256, kind, precision, source, licence, note, polynomial;
     std::int64_t elements = 0, vertices = 0, unreferenced = -1;
@@ -45,14 +46,14 @@ struct ModelRecord {
     std::string path = {}, file_sha256 = {};
 };
 
-// An entry of the ledger: work that was left out, or that could not be left out, and why; or the cost of the reference
-// answers.
+// One row of /ledger in a result file: work that a run left out, or could not leave out, with the reason; or the cost
+// of the reference answers.
 struct LedgerEntry {
     std::string kind;  // not_built | not_prepared | not_run | prepared_again | reference
     std::string subject, what, reason;
     std::int64_t count = 1;
     double seconds_saved = unknown;  // known only after the run, and not for every entry
-    std::string profile = {};        // of the experiment, as run
+    std::string profile = {};        // with which the experiment was run
 };
 
 }  // namespace hausbench

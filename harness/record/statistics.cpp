@@ -16,7 +16,7 @@ Estimate median(std::vector<double> values) {
                       0, n};
     if (n == 1) return estimate;
     const boost::math::binomial heads(double(n), 0.5);
-    // [x(k), x(n+1-k)] misses the true median if fewer than k values lie on one side of the true median.
+    // The interval [x(k), x(n+1-k)] misses the true median only if fewer than k values lie on one side of that median.
     std::size_t k = 1;
     while (2 * (k + 1) <= n && 1 - 2 * boost::math::cdf(heads, double(k)) >= 0.95) ++k;
     estimate.low = values[k - 1];

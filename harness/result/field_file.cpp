@@ -67,7 +67,7 @@ struct Property {
 
 using Properties = std::vector<Property>;
 
-// Replaces characters that neither format allows in a name; VTK reads %41 as A.
+// Replaces the characters that PLY or VTK does not allow in a name. VTK reads %41 as A, so % is one of them.
 std::string word(std::string name) {
     std::replace_if(
         name.begin(), name.end(), [](unsigned char c) { return c <= ' ' || c >= 0x7f || c == '%'; }, '_');

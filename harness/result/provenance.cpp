@@ -36,7 +36,7 @@ std::string first_line(const fs::path& file) {
     return line;
 }
 
-// Returns the value of the first line "KEY<separator>value" of a file, or "unknown".
+// Returns the value of the first line "KEY<separator>value" in a file, or "unknown" if there is none.
 std::string field(const fs::path& file, const std::string& key, char separator) {
     std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {
@@ -76,8 +76,8 @@ Build read_build() {
     libraries["HDF5"] = fmt::format("{}.{}.{}", hdf5[0], hdf5[1], hdf5[2]);
     libraries["assimp"] = fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
     build.libraries = libraries.dump();
-    // The commit is in a file beside the program, so that a commit without a change of code keeps
-    // the build's id. In an installation the file is with the data.
+    // The commit is in a separate file, so that a commit that changes no code keeps the build's id. The file is beside
+    // the program or, in an installation, with the data.
     const fs::path folder = program_path().parent_path();
     std::ifstream in(folder / "commit.json");
     if (!in) in.open(folder / HAUSBENCH_COMMIT_FILE);

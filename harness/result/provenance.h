@@ -1,4 +1,4 @@
-// The origin of results: build, machine and time.
+// The origin of results: the build of the program, the machine and the time.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 namespace hausbench {
 
 struct Build {
-    // SHA-256 of the program; changes with everything that can change an answer.
+    // SHA-256 of the program file, so every change of the code changes it.
     std::string id;
     std::string commit;  // of the sources; "unknown" outside a checkout; not part of the id
     std::string dirty;   // "yes", "no" or "unknown"
@@ -19,7 +19,7 @@ struct Build {
 };
 
 struct Machine {
-    std::string id;  // SHA-256 of the rest
+    std::string id;  // SHA-256 of the other members
     std::string cpu, caches, kernel, system;
     std::int64_t cores = 0, memory_bytes = 0;
 };
@@ -28,22 +28,22 @@ const Build& this_build();
 std::string version_text();  // one line: version, commit, build type, compiler
 const Machine& this_machine();
 
-// Returns the build of a solver: the id of the program or, if a plug-in contains the solver, a hash of program and
-// plug-in. A resumed run keeps only answers of the same build; the column `build` stores it.
+// Returns the build that contains a solver: the id of the program or, for a solver in a plug-in, a hash of program and
+// plug-in. A resumed run keeps only answers of the same build.
 const std::string& build_of(const std::string& solver);
 
-// Returns the SHA-256 of each plug-in by file, computed at the first call.
+// Returns the SHA-256 of each plug-in file. Computed at the first call.
 const std::map<std::filesystem::path, std::string>& plugin_hashes();
 
 // Returns JSON with the file name, SHA-256, compiler and solvers of each plug-in.
 std::string plugins_json();
 
-// Returns JSON with the title of each solver by its name.
+// Returns a JSON object that maps the name of each solver to its title.
 std::string titles_json();
 
-// Tells which build of the program made a row, given the column `build` of the row. For a solver in a plug-in this
-// column is a hash of program and plug-in, but the times of the solver are still comparable with times of built-in
-// solvers, because one program ran both.
+// Finds the build of the program that made a row, given the column `build` of the row. For a solver in a plug-in, this
+// column is a hash of program and plug-in, but its times are still comparable with times of built-in solvers, because
+// one program ran both.
 class Programs {
 public:
     explicit Programs(const std::map<std::string, std::string>& texts);  // ResultFile::texts

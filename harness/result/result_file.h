@@ -1,4 +1,4 @@
-// Writes and reads the HDF5 file that results/README.md documents.
+// Writes and reads result files (HDF5), which results/README.md documents.
 #pragma once
 
 #include "algorithms/error.h"
@@ -26,14 +26,14 @@ struct ResultFile {
 // Writes the whole file or nothing, through a temporary file and a rename. Throws InputError if it cannot be written.
 void write_result(const std::filesystem::path& file, const ResultFile& result);
 
-// Thrown for an intact file that a newer program wrote.
+// Thrown if a newer version of this program wrote the file, which this version cannot read.
 class NewerResult : public InputError {
 public:
     using InputError::InputError;
 };
 
-// Reads a result. Throws NewerResult, and InputError for a file that is missing, not a regular file, not HDF5, cut
-// short, or not a result of hausbench.
+// Reads a result. Throws NewerResult if a newer program wrote it. Throws InputError if the file is missing, not a
+// regular file, not HDF5, cut short, or not a result of hausbench.
 ResultFile read_result(const std::filesystem::path& file);
 
 // The experiment of an earlier result.
@@ -41,8 +41,8 @@ struct EarlierExperiment {
     std::string file, toml;  // the name of the experiment's file, and its text
 };
 
-// Returns the experiment that a result holds. If the result is missing or damaged, both members are empty; if an old
-// version wrote it, the name is empty. Throws NewerResult.
+// Returns the experiment stored in a result. If the result is missing or damaged, both members are empty; if an old
+// version wrote it, the name is empty. Throws NewerResult if a newer version wrote it.
 EarlierExperiment experiment_of(const std::filesystem::path& result);
 
 }  // namespace hausbench

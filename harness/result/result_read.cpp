@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Reads the columns of a group into `whole`, which has one entry per row; `part` returns the part of an entry that the
-// columns belong to, such as the outcome of a row. If a column is missing, its members keep their defaults, because
-// older files lack some columns; `needed`, below, lists the columns that must be there.
+// Reads the columns of a group. `whole` has one entry per row; part(entry) returns the struct that receives the
+// columns, such as the outcome of a row. Members of missing columns keep their defaults, because older files lack some
+// columns; `needed`, below, lists the columns that must be there.
 template <class Row, class Whole, class Part>
 void read_columns(const h5::File& file, const std::string& group, const Columns<Row>& columns,
                   std::vector<Whole>& whole, Part part) {
@@ -66,7 +66,7 @@ void read_columns(const h5::File& file, const std::string& group, const Columns<
     }
 }
 
-// Reads the columns that rows and reference answers share.
+// Reads the columns that /cases and /references share.
 std::vector<Row> read_answers(const h5::File& file, const std::string& group) {
     std::vector<Row> rows(file.read_texts(group + "/identity").size());
     read_columns(file, group, case_columns(), rows, [](Row& r) -> Case& { return r.asked; });
@@ -105,7 +105,7 @@ std::vector<Row> read_cases(const h5::File& file) {
     return rows;
 }
 
-// Reads a group with several rows per case into the outcomes of the cases.
+// Reads a group with several rows per case, and appends each row to the outcome of its case.
 template <class Detail>
 void read_details(const h5::File& file, const std::string& group, const Columns<Detail>& columns,
                   std::vector<Row>& rows, std::vector<Detail> Outcome::*member) {
@@ -163,7 +163,7 @@ std::vector<Row> read_group(const h5::File& file, const std::string& group, cons
     return rows;
 }
 
-// Columns without which a file is useless, whichever program wrote it.
+// Columns that every file must have, whichever version wrote it.
 constexpr const char* needed[] = {"cases/solver", "cases/scene",     "cases/status", "cases/lower",
                                   "cases/upper",  "cases/tolerance", "models/sha256"};
 
@@ -190,7 +190,7 @@ void expect_result(const fs::path& file, const h5::File& in) {
                                      file.string(), schema));
 }
 
-// Reads the file without protection from crashes of the HDF5 library; see read_in_a_copy().
+// Reads a result without protection: the HDF5 library crashes on some damaged files, see read_in_a_copy().
 ResultFile read_trusting(const fs::path& file) {
     const h5::File in(file, h5::Open::read);
     expect_result(file, in);
@@ -228,10 +228,9 @@ ResultFile read_trusting(const fs::path& file) {
     return result;
 }
 
-// Calls `read` in a child process, a copy of this one, within limits of time and memory. Throws if the child does not
-// survive: the HDF5 library crashes on some damaged files, so this process may read a file only after the child has
-// read it. (A seal detects damage, but a file that another program has changed has no seal.) Returns whether a newer
-// program wrote the file.
+// Calls `read` in a child process within limits of time and memory, because the HDF5 library crashes on some damaged
+// files. Throws if the child does not survive; otherwise this process can read the file, too. Returns whether a newer
+// program wrote the file. (A seal detects damage, but a file that another program has changed has no seal.)
 bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
     constexpr int out_of_memory = 4, newer = 5;
     const auto bytes = std::int64_t(fs::file_size(file));

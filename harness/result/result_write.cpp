@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Writes the columns of a group from `whole`, which has one entry per row; `part` returns the part of an entry that the
-// columns belong to, such as the outcome of a row.
+// Writes the columns of a group. `whole` has one entry per row; part(entry) returns the struct that holds the columns,
+// such as the outcome of a row.
 template <class Row, class Whole, class Part>
 void write_columns(h5::File& file, const std::string& group, const Columns<Row>& columns,
                    const std::vector<Whole>& whole, Part part) {
@@ -38,7 +38,7 @@ void write_columns(h5::File& file, const std::string& group, const Columns<Row>&
     }
 }
 
-// Writes the columns that rows and reference answers share.
+// Writes the columns that /cases and /references share.
 void write_answers(h5::File& file, const std::string& group, const std::vector<Row>& rows) {
     write_columns(file, group, case_columns(), rows, [](const Row& r) -> const Case& { return r.asked; });
     write_columns(file, group, outcome_columns(), rows, [](const Row& r) -> const Outcome& { return r.outcome; });
@@ -67,7 +67,7 @@ void write_cases(h5::File& file, const std::vector<Row>& rows) {
     }
 }
 
-// Writes a group with several rows per case, each with the number of its case.
+// Writes a group with several rows per case. Its column `case` holds the number of each row's case.
 template <class Detail>
 void write_details(h5::File& file, const std::string& group, const Columns<Detail>& columns,
                    const std::vector<Row>& rows, std::vector<Detail> Outcome::*member) {
@@ -83,7 +83,7 @@ void write_details(h5::File& file, const std::string& group, const Columns<Detai
     write_columns(file, group, columns, all, std::identity{});
 }
 
-// Writes all traces one after the other; each case records where its own begins and ends.
+// Writes all traces one after the other. Each case records where its trace begins and ends.
 void write_traces(h5::File& file, const std::vector<Row>& rows) {
     std::vector<std::int64_t> begins, ends;
     std::vector<TraceSample> all;
