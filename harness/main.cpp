@@ -23,7 +23,7 @@ namespace {
 
 using namespace hausbench;
 
-// Returns the message for an error in the command line. For an unknown verb or option, it suggests the nearest known
+// Returns the message for an error in the command line. For an unknown verb or option, it suggests the most similar
 // one.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     const auto verbs = app.get_subcommands();

@@ -1,6 +1,5 @@
-// Rounding is upward throughout the check, for doubles and for intervals. The computed sum or product of positive
-// doubles, and a computed square root, are then at least the exact value. The comment "rounded upward" marks the bounds
-// that depend on this.
+// The whole check runs with upward rounding. The computed sum or product of positive doubles, and a computed square
+// root, are then at least the exact value. The comment "rounded upward" marks the bounds that depend on this.
 #include "harness/check/certificate_check.h"
 
 #include "harness/check/certificate_tree.h"
@@ -31,8 +30,8 @@ IntervalVector difference(const Vec3& to, const Vec3& from) {
             Interval(to[2]) - Interval(from[2])};
 }
 
-// Returns an upper bound on the length of every vector in the box v. No square overflows, as coordinates are below 1.
-// If all components are so small that squares could lose bits to underflow, they are first scaled up, which is exact.
+// Returns an upper bound on the length of every vector in the box v. Squares cannot overflow, because coordinates are
+// scaled to below 1. Tiny vectors are scaled up first, which is exact, so that squares do not underflow.
 double length_at_most(const IntervalVector& v) {
     std::array<double, 3> x;
     double largest = 0;
@@ -49,13 +48,12 @@ double length_at_most(const IntervalVector& v) {
 
 using Corners = std::array<Vec3, 3>;
 
-// A triangle of B: the points s + x * f + y * g with x, y >= 0 and x + y <= 1. The weights x, y of the point closest to
-// a given point are computed in doubles, and then made to satisfy these conditions exactly. So the computed closest
-// point lies in the triangle, and the distance to it is a valid upper bound; rounding errors only make the bound
-// larger.
+// A triangle of B, as the points s + x * f + y * g with x, y >= 0 and x + y <= 1. To find the point closest to a given
+// point, x and y are computed in doubles and then changed to satisfy these conditions exactly. So the point lies in the
+// triangle, and its distance is a valid upper bound even if x and y are inaccurate.
 class TargetTriangle {
 public:
-    // Uses the longest edge as f, so that closest points on thin triangles are accurate, too.
+    // Uses the longest edge as f, which keeps closest points accurate on thin triangles.
     explicit TargetTriangle(const Corners& corners) {
         std::size_t longest = 0;
         double most = -1;
@@ -78,7 +76,7 @@ public:
 
     const Vec3& origin() const { return s_; }
 
-    // Returns an upper bound on the distance of the triangle from every point origin() + v with v in the box d.
+    // Returns an upper bound on the distance to the triangle from any point origin() + v, where v is in the box d.
     double distance_at_most(const IntervalVector& d) const {
         const auto [x, y] = foot(middle(d));
         IntervalVector rest;
@@ -89,14 +87,14 @@ public:
 private:
     using Weights = std::pair<double, double>;
 
-    // Returns the t for which t * edge is closest to v; 0 for an edge of length 0.
+    // Returns the t for which t * edge is closest to v, or 0 if the edge has length 0.
     static double slope(const Vec3& v, const Vec3& edge) {
         const double squared = edge.squaredNorm();
         return squared > 0 ? v.dot(edge) / squared : 0;
     }
-    // Returns x clamped to [0, most]. Maps NaN to 0: a slope may be NaN if a square underflows.
+    // Returns x clamped to [0, most], and 0 for NaN, which slope() may return if a square underflows.
     static double clamped(double x, double most) { return x > 0 ? std::min(x, most) : 0; }
-    // Returns weights near x and y that are in [0, 1] and whose sum in exact arithmetic is at most 1.
+    // Returns weights near x and y that are in [0, 1] and whose exact sum is at most 1.
     static Weights weights(double x, double y) {
         y = clamped(y, 1);
         return {clamped(x, (Interval(1) - Interval(y)).inf()), y};
@@ -105,9 +103,9 @@ private:
         return (p - at.first * along_ - at.second * side_).squaredNorm();
     }
 
-    // Returns the weights of the point closest to origin() + p, computed in doubles.
+    // Returns the weights x, y of the triangle's point closest to origin() + p, computed in doubles.
     Weights foot(const Vec3& p) const {
-        // First y, from the part of p that is orthogonal to the longest edge; then x along that edge, for this y.
+        // Computes y from the part of p orthogonal to the longest edge, then x along this edge.
         const double y = slope(p - slope(p, along_) * along_, height_), x = slope(p - y * side_, along_);
         if (x >= 0 && y >= 0 && x + y <= 1) return weights(x, y);
         const double last = slope(p - along_, third_);
@@ -117,14 +115,16 @@ private:
                                  [&](const Weights& a, const Weights& b) { return squared(p, a) < squared(p, b); });
     }
 
-    // The corner s; in doubles f, g, the third edge, and the part of g that is orthogonal to f.
+    // In doubles: the corner `s_`, the longest edge `along_` from it, the other edge `side_` from it, the third edge,
+    // and `height_`, the part of `side_` orthogonal to `along_`.
     Vec3 s_, along_, side_, third_, height_;
     IntervalVector f_, g_;
 };
 
 // --- the shapes -----------------------------------------------------------------------------------------------------------
 
-// A shape moved by its pose and scaled by 2^exponent. A point counts as a triangle with three equal corners.
+// A shape as triangles, moved by its pose and scaled by 2^exponent. A point becomes a triangle with three equal
+// corners.
 class Soup {
 public:
     Soup(const Shape& shape, const Points& points, int exponent)
@@ -143,7 +143,7 @@ public:
         if (!mesh_) return {vertex(i), vertex(i), vertex(i)};
         return {vertex(mesh_->triangles(i, 0)), vertex(mesh_->triangles(i, 1)), vertex(mesh_->triangles(i, 2))};
     }
-    bool exact() const { return exact_; }  // whether scaling rounded no coordinate
+    bool exact() const { return exact_; }  // true if scaling rounded no coordinate
 
 private:
     const TriangleMesh* mesh_;
@@ -153,13 +153,13 @@ private:
 
 // --- the check -----------------------------------------------------------------------------------------------------------
 
-// Reads the trees of a certificate and computes the bound that they prove.
+// Reads the tree of each triangle of A and computes the upper bound that the trees prove.
 class Cover {
 public:
     Cover(const Soup& source, const Soup& target, const std::string& bytes, CertificateCheck& check)
         : source_(source), target_(target), reader_(bytes), check_(check) {}
 
-    // Returns the bound for all of A. Requires upward rounding.
+    // Returns the largest bound over all triangles of A. Requires upward rounding.
     double run() {
         double most = 0;
         for (triangle_ = 0; triangle_ < source_.triangles(); ++triangle_) {
@@ -175,12 +175,12 @@ public:
         return most;
     }
 
-    // Returns where the certificate is being read, for the refusal.
+    // Returns the current position in the certificate, for error messages.
     std::string place() const { return fmt::format("triangle {}, node {}", triangle_, node_); }
 
 private:
-    // Reads the tree of the triangle number `triangle_`. Returns the bound for this triangle, which is the largest
-    // bound of the leaves. `pending_` holds the polygons whose nodes have not been read yet.
+    // Reads the tree of triangle number `triangle_` and returns the largest bound of its leaves. `pending_` is a stack
+    // of polygons whose nodes have not been read yet.
     double tree() {
         const Corners corners = source_.triangle(triangle_);
         a_ = corners[0];
@@ -239,8 +239,8 @@ private:
         return Index(index);
     }
 
-    // Returns the offset of the corner from corner a of the triangle of A. The functions below represent points of this
-    // triangle by this offset.
+    // Returns the vector from corner a of the triangle of A to a corner of a polygon. The functions below represent
+    // points by this vector.
     IntervalVector from_a(const Corner& corner) const {
         IntervalVector d;
         for (std::size_t k = 0; k < 3; ++k) d[k] = corner.v * e_[0][k] + corner.w * e_[1][k];
@@ -253,7 +253,7 @@ private:
         return near.distance_at_most(d);
     }
 
-    // Returns the bound of a leaf `one`.
+    // Returns the bound of a leaf of kind `one`: the largest distance from a corner to `near`.
     double largest_distance(const Polygon& polygon, const TargetTriangle& near) const {
         double most = 0;
         for (std::size_t i = 0; i < polygon.count; ++i)
@@ -261,7 +261,7 @@ private:
         return most;
     }
 
-    // Returns the rounded mean of the corners. Rounding does not matter: around() is valid for any point.
+    // Returns the mean of the corners. Its rounding does not matter, because around() is valid for any point.
     IntervalVector centre(const Polygon& polygon) const {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = 0; i < polygon.count; ++i) sum += middle(from_a(polygon.corners[i]));
@@ -269,8 +269,8 @@ private:
         return {sum[0], sum[1], sum[2]};
     }
 
-    // Returns the bound of a leaf `centre` or `vertex`: the distance of the point plus its distance to the farthest
-    // corner.
+    // Returns the bound of a leaf of kind `centre` or `vertex`: the distance from `point` to the triangle `near` plus
+    // the distance from `point` to the farthest corner.
     double around(const Polygon& polygon, const IntervalVector& point, const TargetTriangle& near) const {
         double radius = 0;
         for (std::size_t i = 0; i < polygon.count; ++i) {
@@ -288,19 +288,19 @@ private:
     std::uint64_t node_ = 0;
     Vec3 a_;
     std::array<IntervalVector, 2> e_;  // edges of the triangle, from corner a to the other two corners
-    std::vector<Polygon> pending_;     // the node of the last one is read next
+    std::vector<Polygon> pending_;     // a stack: the node of its last polygon is read next
 };
 
-// Returns x in the unit of the input, rounded up.
+// Undoes the scaling by 2^exponent, rounding up.
 double scaled_back(double x, int exponent) {
     const double original = std::ldexp(x, -exponent);
     return std::ldexp(original, exponent) == x ? original : std::nextafter(original, infinity);
 }
 
-// Returns the bound that the bytes prove. Scales both shapes by the power of two that brings the largest |coordinate|
-// into [0.5, 1), so that nothing overflows. A coordinate that underflows is rounded by at most 2^-1075, so a point
-// moves by at most sqrt(3) * 2^-1075 < 2^-1074. A distance between two points changes by less than twice that, 2^-1073,
-// which is added to the bound.
+// Returns the upper bound that the bytes prove. Scales both shapes by the power of two that brings the largest
+// |coordinate| into [0.5, 1), so that nothing overflows. If a coordinate underflows, scaling rounds it by at most
+// 2^-1075, so a point moves by at most sqrt(3) * 2^-1075 < 2^-1074. A distance depends on two points, so
+// 2 * 2^-1074 = 2^-1073 is added to the bound.
 double bound_of(const Shape& source, const Points& source_points, const Shape& target, const Points& target_points,
                 const std::string& bytes, CertificateCheck& check) {
     if (source_points.hasNaN() || target_points.hasNaN())

@@ -37,12 +37,12 @@ constexpr double most_off_rotation = 1e-9;  // largest deviation of an entry of 
 constexpr std::string_view seal_begin = "\nsha256 ";
 constexpr std::size_t seal_length = seal_begin.size() + 64 + 1;
 
-// Returns the seal of a file: its last line, with the SHA-256 of all bytes before it.
+// Returns the *seal*, the last line of a certificate file, with the SHA-256 of `bytes`, all bytes before it.
 std::string seal_of(std::string_view bytes) {
     return std::string(seal_begin) + Sha256().add(bytes.data(), bytes.size()).hex() + '\n';
 }
 
-// Returns the file without its seal. Throws if any byte of the file was changed.
+// Checks the SHA-256 in the last line, and returns the file without this line. Throws if any byte was changed.
 std::string_view unsealed(std::string_view file) {
     const std::size_t length = file.size() < seal_length ? 0 : file.size() - seal_length;
     const std::string_view content = file.substr(0, length);
@@ -54,7 +54,7 @@ std::string_view unsealed(std::string_view file) {
 
 json model_json(const CertificateFile::Model& m) { return {{"file", m.file}, {"sha256", m.sha256}, {"pose", m.pose}}; }
 
-// Returns j if it is an array of exactly `count` values; otherwise throws.
+// Returns j if it is an array of exactly `count` values; throws otherwise.
 const json& numbers(const json& j, std::size_t count) {
     if (!j.is_array() || j.size() != count) throw std::runtime_error(fmt::format("not {} numbers", count));
     return j;
@@ -62,8 +62,8 @@ const json& numbers(const json& j, std::size_t count) {
 
 CertificateFile::Model model_of(const json& j) { return {j.at("file"), j.at("sha256"), numbers(j.at("pose"), 12)}; }
 
-// Returns j as an integer of at least `least`; otherwise throws. Converting a number that does not fit would be
-// undefined behaviour.
+// Returns j as an integer of at least `least`. Throws if j is not one or does not fit into T, because converting it
+// would be undefined behaviour.
 template <class T> T whole(const json& j, T least) {
     const bool unsigned_one = j.is_number_unsigned();
     const bool fits = unsigned_one ? std::in_range<T>(j.get<std::uint64_t>())
@@ -73,9 +73,9 @@ template <class T> T whole(const json& j, T least) {
     return j.get<T>();
 }
 
-// Parses the first line. Throws on a duplicate key, because two readers of JSON could use different values of it.
+// Parses the first line. Throws on a duplicate key, because two JSON readers may use different values for it.
 json parse_header(std::string_view line) {
-    std::vector<std::set<std::string>> keys;  // of each open object
+    std::vector<std::set<std::string>> keys;  // the keys of each open object
     return json::parse(line.begin(), line.end(), [&](int, json::parse_event_t event, json& parsed) {
         if (event == json::parse_event_t::object_start) keys.emplace_back();
         if (event == json::parse_event_t::object_end) keys.pop_back();
@@ -161,14 +161,15 @@ void expect_shape(const CertificateFile::Model& model, const Shape& shape, const
                     model.file, hash, model.sha256, name));
 }
 
-// Returns whether a pose only rotates and moves a shape. A pose that flattened it would make any bound true.
+// Returns whether a pose is a rotation and translation, up to rounding. A pose that flattened a shape would make any
+// bound true.
 bool keeps_distances(const Pose& pose) {
     const Eigen::Matrix3d off = pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity();
     return (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite();
 }
 
-// Returns whether the certificates are exactly those that the quantity needs: one of h(A,B), and for H(A,B) a second
-// one of h(B,A), in this order.
+// Returns whether the file has exactly the certificates that its quantity requires: one of h(A,B) and, for H(A,B), then
+// one of h(B,A).
 bool proves_its_quantity(const CertificateFile& c) {
     using Direction = Witness::Direction;
     std::vector<Direction> wanted = {Direction::source_to_target};
@@ -177,7 +178,7 @@ bool proves_its_quantity(const CertificateFile& c) {
                       [](const Certificate& one, Direction direction) { return one.direction == direction; });
 }
 
-// Returns the verdict on the lower bound, as text; sets `wrong` if the file must be refused because of it.
+// Checks the lower bound of the answer. Returns the result as text, and sets `wrong` if the file must be refused.
 std::string check_lower(const CertificateFile& c, const Shape& source, const Shape& target, bool& wrong) {
     const double lower = c.bounds.lower;
     const Vec3& p =

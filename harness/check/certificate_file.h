@@ -1,6 +1,6 @@
-// Certificate files, each with an answer and its proof: `measure --certificate` writes one, `verify --certificate`
-// checks it. A file has one line of JSON, then the bytes of the certificates one after the other, and a last line
-// with the SHA-256 of everything before it; docs/certificate.md lists the keys.
+// A certificate file contains an answer and its proof. `measure --certificate` writes it, `verify --certificate` checks
+// it. The file has one line of JSON (docs/certificate.md lists the keys), the bytes of the certificates, and a last
+// line with the SHA-256 of everything before it.
 #pragma once
 
 #include "algorithms/prepared.h"
@@ -15,48 +15,48 @@ namespace hausbench {
 
 struct CertificateFile {
     struct Model {
-        std::string file;    // as given
-        std::string sha256;  // of the shape as loaded: content_hash()
+        std::string file;    // as named for `measure`
+        std::string sha256;  // content_hash() of the shape as loaded
         Pose pose;
     };
     Model source, target;
     Quantity quantity = Quantity::directed;
     std::string solver;
     double tolerance = 0;
-    std::string tolerance_of;  // as in `measure`
+    std::string tolerance_of;  // the unit, such as "diagonal"
     Bounds bounds;
     Witness witness;
     std::vector<Certificate> certificates;
 };
 
-// Returns the shape as loaded, before scaling: certificate files refer to these coordinates.
+// Returns the shape with its coordinates as loaded. Solvers work on scaled coordinates, certificate files on the
+// original ones.
 Shape as_loaded(const PreparedShape& prepared);
 
-// Writes the whole file or nothing. Throws InputError if it cannot be written.
+// Writes the whole file, or throws InputError and writes nothing.
 void write_certificate(const std::filesystem::path& file, const CertificateFile& content);
 
-// Reads a certificate file. Throws InputError (one line) if the file cannot be read, is not a certificate file, or is
-// damaged: any changed byte is detected.
+// Reads a certificate file. Throws InputError if the file cannot be read, is not a certificate file, or is damaged. Any
+// changed byte is detected.
 CertificateFile read_certificate(const std::filesystem::path& file);
 
-// Returns whether `proven` exceeds `upper` by at most 1e-12 of `extent`, the diagonal of the box around both shapes in
-// their poses.
+// Returns whether a certificate proves the bound `upper`: its own bound, `proven`, may be larger by up to
+// 1e-12 * extent. `extent` is the diagonal of the box around both shapes in their poses.
 bool proves_the_bound(double proven, double upper, double extent);
 
 struct CertificateVerdict {
     bool accepted = false;
-    double proven = 0;                     // upper bound on the quantity
+    double proven = 0;                     // upper bound on h(A,B) or H(A,B)
     std::vector<CertificateCheck> checks;  // one for each certificate
-    // Verdict on the lower bound: "holds", "not checked: ...", or why it does not hold.
+    // The result for the lower bound: "holds, ...", "not checked: ...", or why the bound is wrong.
     std::string lower;
-    std::string refusal;  // one line; empty: accepted
+    std::string refusal;  // the reason in one line; empty if accepted
 };
 
-// Checks each certificate, proves_the_bound() for the upper bound of the answer, and the lower bound by its
-// witness. Throws InputError if the shapes are not the shapes that the file was written for.
+// Checks every certificate, that they prove the upper bound of the answer, and that the witness proves its lower bound.
+// Throws InputError if a shape is not the one for which the file was written.
 CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target);
 
-// Returns a report for people; ends in a newline.
 std::string describe(const CertificateFile& content, const CertificateVerdict& verdict);
 
 }  // namespace hausbench

@@ -1,6 +1,5 @@
-// The trees of cuts in a certificate (docs/certificate.md), for the checker: a reader of the bytes, polygons whose
-// corners are intervals, and the cuts of polygons. CGAL's intervals round outward only while the rounding mode is
-// upward; the caller must set it.
+// Reads and cuts polygons for the certificate checker (docs/certificate.md). Their corners are intervals. The caller
+// must set the rounding mode to upward, because only then do CGAL's intervals round outward.
 #pragma once
 
 #ifndef __ROUNDING_MATH__
@@ -24,25 +23,25 @@ namespace hausbench::certificate {
 
 using Interval = CGAL::Interval_nt<false>;
 
-// The most corners of a polygon, and the most polygons that may wait for their nodes at the same time.
+// Limits on the checker's memory: the corners of a polygon, and the polygons whose nodes have not been read yet.
 inline constexpr std::size_t most_corners = 64, most_pending = 4096;
 
-// An error in a certificate; its text goes into CertificateCheck::refusal.
+// Thrown for an invalid certificate. The message becomes CertificateCheck::refusal.
 struct Refused : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
 // --- the bytes --------------------------------------------------------------------------------------------------------
 
-// Reads the bytes of a certificate from first to last. Throws Refused if they are malformed or end too early.
+// Reads the bytes of a certificate in order. Throws Refused if they are malformed or end too early.
 class Reader {
 public:
     explicit Reader(const std::string& bytes) : bytes_(bytes) {}
 
     bool at_end() const { return at_ == bytes_.size(); }
 
-    // Reads a number: seven bits per byte, lowest first, in as few bytes as possible, so that no number can be
-    // written in two ways.
+    // Reads an integer with seven bits per byte, lowest bits first. Throws Refused if it takes more bytes than
+    // necessary, so that each integer has only one encoding.
     std::uint64_t number() {
         std::uint64_t value = 0;
         for (int shift = 0; shift < 63; shift += 7) {
@@ -56,12 +55,12 @@ public:
         throw Refused("a number has more than 63 bits");
     }
 
-    // Reads a double in [0, 1]: eight bytes, lowest first.
+    // Reads a double in [0, 1] from eight bytes, lowest byte first.
     double parameter() {
         std::uint64_t bits = 0;
         for (int shift = 0; shift < 64; shift += 8) bits |= next() << shift;
-        // As integers, the bits of negative numbers, of -0 and of NaN are above the bits of 1, so one comparison
-        // refuses them.
+        // Compares the bits as integers. Negative numbers, -0 and NaN have larger bits than 1, so one comparison
+        // refuses them all.
         if (bits > std::bit_cast<std::uint64_t>(1.0)) throw Refused("a cut is not between the ends of its edge");
         return std::bit_cast<double>(bits);
     }
@@ -78,18 +77,19 @@ private:
 
 // --- polygons of a triangle of A ----------------------------------------------------------------------------------------
 
-// The point a + v * (b - a) + w * (c - a) of a triangle abc of A. The intervals contain the exact v and w.
+// The point a + v * (b - a) + w * (c - a) of a triangle with corners a, b, c. The intervals contain the exact v and w.
 struct Corner {
     Interval v, w;
 };
 
-// Returns a + t * (b - a). Computes it as (1 - t) * a + t * b, so that intervals grow from cut to cut only by rounding.
+// Returns a + t * (b - a), computed as (1 - t) * a + t * b. In this form a and b occur once each, so repeated cuts
+// widen the intervals only by rounding.
 inline Corner between(const Corner& a, const Corner& b, double t) {
     const Interval to(t), from = Interval(1) - to;
     return {from * a.v + to * b.v, from * a.w + to * b.w};
 }
 
-// A convex part of a triangle of A, given by its corners.
+// A convex polygon within a triangle of A.
 struct Polygon {
     std::size_t count = 0;
     std::array<Corner, most_corners> corners;
@@ -100,10 +100,9 @@ struct Polygon {
     }
 };
 
-// The point at which a cut meets the boundary of a polygon of n corners: a corner, or a point of an edge. `place`
-// numbers the corners and edges as they follow each other around the polygon, from 0 to 2n - 1: corner i has the place
-// 2i, and edge i, from corner i to the next corner, the place 2i + 1. On an edge, the point is the fraction t of the
-// way along the edge, or along the reversed edge if `backward`.
+// An end of a cut on the boundary of a polygon: a corner, or a point on an edge. `place` numbers corners and edges
+// together around the polygon: corner i has place 2 * i, and the edge from corner i to the next corner has place
+// 2 * i + 1. A point on an edge lies at the fraction `t` of the edge, measured from the edge's end if `backward`.
 struct Meeting {
     std::size_t place = 0;
     bool backward = false;
@@ -112,7 +111,7 @@ struct Meeting {
     bool on_edge() const { return place % 2 == 1; }
 };
 
-// Decodes the eight bits of a meeting. If the meeting is on an edge, the caller then reads its t.
+// Decodes the eight bits that describe one end of a cut. If this end is on an edge, the caller then reads `t`.
 inline Meeting read_meeting(std::uint64_t bits, std::size_t corners) {
     const bool corner = bits & 1;
     const std::size_t i = bits >> 2;
@@ -128,8 +127,8 @@ inline Corner point_at(const Polygon& polygon, const Meeting& meeting) {
                    meeting.t);
 }
 
-// Returns the part of a polygon on one side of a cut. Its corners are the point `first` at the place `from`, the
-// corners with places after `from` and before `to`, and the point `last` at the place `to`.
+// Returns the part of a polygon on one side of a cut. Its corners are `first`, then all corners of `whole` between the
+// places `from` and `to`, then `last`.
 inline Polygon part(const Polygon& whole, const Meeting& from, const Meeting& to, const Corner& first,
                     const Corner& last) {
     const std::size_t places = 2 * whole.count;
@@ -143,7 +142,7 @@ inline Polygon part(const Polygon& whole, const Meeting& from, const Meeting& to
     return child;
 }
 
-// Cuts a polygon from p to q. Returns the two children of the node, in their order.
+// Cuts a polygon along the segment from p to q. Returns the two parts in the order of the certificate.
 inline std::pair<Polygon, Polygon> cut(const Polygon& whole, const Meeting& p, const Meeting& q) {
     if (p.place == q.place) throw Refused("a cut begins and ends at one corner or edge");
     const Corner at_p = point_at(whole, p), at_q = point_at(whole, q);

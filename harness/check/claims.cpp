@@ -18,9 +18,9 @@ std::string gap_above_tolerance(const Row& row) {
     Query query;
     query.tolerance = row.asked.resolved_tolerance();
     query.floor = row.asked.floor;
-    query.cutoff = std::min(row.asked.cutoff, row.outcome.cutoff_used);  // older files have no cutoff_used
-    // A session solves in scaled units. If the bounds are subnormal in the unit of the input, it rounds them outward,
-    // by at most `least`; such bounds may also answer the query without this rounding.
+    query.cutoff = std::min(row.asked.cutoff, row.outcome.cutoff_used);  // missing in older files
+    // Solvers work in scaled units. Scaling back rounds subnormal bounds outward, by at most `least`, so it is enough
+    // if the bounds without this rounding answer the query.
     constexpr double least = std::numeric_limits<double>::denorm_min();
     if (query.answer(bounds.lower, bounds.upper) || query.answer(bounds.lower + least, bounds.upper - least)) return "";
     return fmt::format(
@@ -29,8 +29,8 @@ std::string gap_above_tolerance(const Row& row) {
         bounds.lower, bounds.upper, query.tolerance.gap(bounds.lower));
 }
 
-// Returns a contradiction between the status of the row and the status that its solver returned. They must agree,
-// unless the harness gave the row another status afterwards, such as `signal` for a crash.
+// Returns a contradiction between the row's status and the status that its solver returned, or an empty string. They
+// must agree unless the harness changed the row's status afterwards, such as to `signal` for a crash.
 std::string other_status(const Row& row) {
     const Outcome& o = row.outcome;
     const bool by_itself = o.status == RowStatus::ok || o.status == RowStatus::floor || o.status == RowStatus::budget;

@@ -13,8 +13,8 @@ double up(double x) { return std::nextafter(x, infinity); }
 
 bool fits(double root, const Rational& square) { return Rational(root) * Rational(root) <= square; }
 
-// Returns the root to within a few units in the last place. Squares of doubles and their sums are within
-// 2^(+-2200), so a few scalings are enough.
+// Returns the square root to within a few units in the last place. Squares of doubles and their sums lie between
+// 2^-2200 and 2^2200, so a few scaling steps are enough.
 double guess(Rational square) {
     const Rational large(std::ldexp(1.0, 1000)), small(std::ldexp(1.0, -1000));
     int exponent = 0;

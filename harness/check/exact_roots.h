@@ -1,4 +1,4 @@
-// Bounds on the square roots of rationals: the nearest doubles below and above.
+// Square roots of rationals, rounded down or up to a double.
 #pragma once
 
 #include <CGAL/Exact_rational.h>
@@ -7,8 +7,9 @@ namespace hausbench {
 
 using Rational = CGAL::Exact_rational;
 
-// Return the largest double whose square is at most `square`, and the smallest whose square is at least `square`
-// (infinity if there is none). `square` is not negative; it may be outside the range of doubles.
+// root_at_most() returns the largest double whose square is at most `square`. root_at_least() returns the smallest
+// double whose square is at least `square`, or infinity. `square` must not be negative, but may be outside the range of
+// doubles.
 double root_at_most(const Rational& square);
 double root_at_least(const Rational& square);
 

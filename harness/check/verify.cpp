@@ -19,8 +19,8 @@
 namespace hausbench {
 namespace {
 
-// Returns an upper bound on every |coordinate| of the shape moved by its pose R, t, and on every product and partial
-// sum in R * v + t.
+// Returns an upper bound on the |coordinates| of the shape after its pose v -> R * v + t, and on every product and
+// partial sum in this computation.
 double largest_within(const Shape& shape, const Pose& pose) {
     const Vec3 largest = points_of(shape).cwiseAbs().colwise().maxCoeff().transpose();
     return (pose.rotation.cwiseAbs() * largest + pose.translation.cwiseAbs()).maxCoeff();
@@ -29,7 +29,8 @@ double largest_within(const Shape& shape, const Pose& pose) {
 // Returns the slack of bounds that are not certified: the most that rounding can make them wrong if a solver is right
 // in exact arithmetic and computes in doubles. Let u = 2^-53, the unit roundoff, and M the larger largest_within() of
 // the two shapes. To first order in u, each coordinate of a point is off by at most the sum of
-// - 8uM if the solver poses vertices by other operations than the definition: 4 roundings of at most uM for each;
+// - 8uM if the solver poses vertices by other operations than the definition. Each of the two ways loses at most 4uM:
+//   uM in its three products together, and uM in each of three sums;
 // - 12uM for the point a + s * (b - a) + t * (c - a) of a triangle: 2uM for each of two differences and two products,
 //   uM for each of two sums, and 2uM because s + t may be rounded to above 1. (Other errors of s and t only choose
 //   another point of the triangle.)
@@ -43,20 +44,20 @@ double slack_for_rounding(const Shape& first, const Pose& first_pose, const Shap
     return std::isfinite(slack) ? slack : 0;
 }
 
-// Returns by how much `high` is above `low`, such as "by 1.1e-16 (1 ulp)"; one ulp is the step to the next double.
+// Says by how much `high` exceeds `low`, such as "by 1.1e-16 (1 ulp)". One ulp is the step to the next double.
 std::string excess(double high, double low) {
     const auto ulps = std::bit_cast<std::int64_t>(high) - std::bit_cast<std::int64_t>(low + 0.0);  // -0 + 0.0 is 0
     return ulps < 1'000'000 ? fmt::format("by {:.3g} ({} ulp{})", high - low, ulps, ulps == 1 ? "" : "s")
                             : fmt::format("by {:.3g} ({:.2g} ulps)", high - low, double(ulps));
 }
 
-// A row about a pair of shapes; `turned` if its source is the second shape of the pair.
+// The index of a row on a pair of shapes. `turned` is true if the row's source is the second shape of the pair.
 struct Member {
     std::size_t row;
     bool turned;
 };
 
-// Checks the rows of two shapes, each in one pose, against each other: rows of both orders and of both quantities.
+// Checks all rows on two shapes in fixed poses against each other: rows of h(first, second), h(second, first) and H.
 class PairCheck {
 public:
     PairCheck(std::vector<Row>& rows, std::vector<Member> members, const Shape& first, const Shape& second,
@@ -69,7 +70,7 @@ public:
           slack_(slack_for_rounding(first, poses().first, second, poses().second)),
           surfaces_(kind_of(first) == ShapeKind::surface && kind_of(second) == ShapeKind::surface) {}
 
-    // Returns false if it was stopped.
+    // Returns false if the check was stopped.
     bool run() {
         for (const Member& m : members_) {
             if (stop_ && stop_()) return false;
@@ -95,7 +96,7 @@ private:
         return rows_[m.row].asked.quantity == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
     }
 
-    // Returns the poses of the first and the second shape, which all members share.
+    // Returns the poses of the first and second shape, which all rows share.
     std::pair<Pose, Pose> poses() const {
         const Case& asked = rows_[members_.front().row].asked;
         return members_.front().turned ? std::pair(asked.target_pose, asked.pose)
@@ -141,9 +142,8 @@ private:
         row.check.reason += ", " + excess(lower, shown) + beyond_slack(row);
     }
 
-    // Returns the reason that refutes a lower bound: the value that its witness shows instead. The witness is on
-    // the source if `forward`. For surfaces, shown == 0 means that no point of the shape was found near the
-    // witness.
+    // Returns the end of a message on a refuted lower bound: the value that its witness shows instead. The witness is
+    // on the source if `forward`. For surfaces, `shown` is 0 if no point of the surface was found near the witness.
     std::string what_is_shown(double shown, bool forward) const {
         const char *own = forward ? "source" : "target", *other = forward ? "target" : "source";
         if (!surfaces_) return fmt::format(" is above the distance of its witness ({:.17g})", shown);
@@ -151,9 +151,9 @@ private:
         return fmt::format(": the {} has a point {:.17g} from the witness", other, shown);
     }
 
-    // Checks whether the row's witness is farther from the other shape than the row's upper bound allows. The witness
-    // then refutes this bound, whatever lower bound the row claims. For surfaces such a check is a long search, so it
-    // is made only if the row claims no lower bound.
+    // Checks whether the row's witness is farther from the other shape than the row's upper bound allows. If so, the
+    // witness refutes this bound, whatever lower bound the row claims. For surfaces this takes a long search, so it is
+    // done only for rows without a lower bound.
     void look_beyond_upper(const Member& m) {
         const Row& row = rows_[m.row];
         const Witness& witness = row.outcome.witness;
@@ -172,8 +172,7 @@ private:
         return slack(row) > 0 ? fmt::format("; rounding explains {:.3g}", slack(row)) : "";
     }
 
-    // Checks a lower bound by the witness of a row. Remembers the results, because many rows share a witness and a
-    // bound.
+    // Checks a lower bound by the witness of a row. Caches the results, because many rows share a witness and a bound.
     Verdict by_witness(const Member& m, double lower, double& shown) {
         const Row& row = rows_[m.row];
         const Witness& witness = row.outcome.witness;
@@ -198,8 +197,8 @@ private:
         return at->second.verdict;
     }
 
-    // Refutes lower bounds that have no witness but are above a certified upper bound. An upper bound on H is also
-    // one on h.
+    // Refutes lower bounds without a witness that are above a certified upper bound on the same distance. An upper
+    // bound on H is also one on h(A,B) and h(B,A).
     void refute_without_witness() {
         std::array<double, 3> least;
         least.fill(std::numeric_limits<double>::infinity());
@@ -221,7 +220,7 @@ private:
         }
     }
 
-    // Refutes an upper bound that is below a verified lower bound or below the row's own lower bound.
+    // Refutes the row's upper bound if it is below a verified lower bound or below the row's own lower bound.
     void check_upper(const Member& m) {
         Row& row = rows_[m.row];
         const Bounds& b = row.outcome.bounds;
@@ -266,7 +265,6 @@ void check_fields_of(Row& row, const std::function<const Shape*(const std::strin
     if (row.check.fields == Verdict::unsound) row.check.reason += (row.check.reason.empty() ? "" : "; ") + reason;
 }
 
-// Checks the penetration depths of one pair of meshes in one pose.
 void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& members, std::size_t checked,
                   const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
     const auto is_checked = [&](std::size_t i) { return i >= checked && rows[i].check.lower != Verdict::not_checked; };
@@ -291,14 +289,16 @@ bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.transla
 
 namespace {
 
-// The question of a row: two shapes in their poses, and the quantity.
+// The question of a row: two shapes in their poses, and a quantity. Rows with the same question have the same exact
+// answer.
 using Question = std::tuple<Placed, Placed, Quantity>;
 
 Question question_of(const Case& c) {
     return {placed(c.source_hash, c.pose), placed(c.target_hash, c.target_pose), c.quantity};
 }
 
-// Gives each row the bounds of the narrowest usable reference answer to its question.
+// Sets `reference` of each row to the narrowest reference interval for the same shapes, poses and quantity. Ignores
+// references that are unsound or refused.
 void take_references(std::vector<Row>& rows, const std::vector<Row>& references) {
     std::map<Question, Bounds> narrowest;
     for (const Row& one : references) {

@@ -1,33 +1,32 @@
-// Re-checks the answers of solvers. For points and meshes it shares no kernel, no tree and no rounding rule with
-// the solvers; verify_surface.h says which code is shared for surfaces.
+// Re-checks the answers of solvers. For points and meshes, it shares no kernel, no tree and no rounding rule with the
+// solvers; verify_surface.h says which code is shared for surfaces.
 //
 // Below, A and B are the shapes moved by their poses, and d is the distance.
 //
-// Lower bound, from its witness p: let e = d(p, A), which is 0 if p lies exactly on A. As h(A,B) >= d(p, B) - e,
-// `lower` holds if every element T of B is at least r = lower + e away from p. One of three tests has to show this;
-// they are tried in this order:
+// Lower bound, from its witness p, which should lie on A: let e = d(p, A), which is 0 if p lies exactly on A. Because
+// h(A,B) >= d(p, B) - e, `lower` holds if every element T of B is at least r = lower + e away from p. One of three
+// tests must show this; they are tried in this order:
 // - Along some axis, all corners of T are more than r away from p, on the same side.
 // - A plane separates T from the ball of radius r around p, in interval arithmetic: for any vector n, the convex set T
 //   is at least min n.(p - v) / |n| away from p, where the minimum is over the corners v of T.
-// - The exact distance of T from p, in rationals.
-// e is computed in rationals, too. O(|A| + |B|) per witness. The witness of a lower bound on H may be on B instead
-// (Witness::direction); A and B then swap roles.
+// - The exact distance of T from p, in rationals, is at least r.
+// e is computed in rationals, too. Each witness takes O(|A| + |B|) time. The witness of a lower bound on H may lie on B
+// instead (Witness::direction); A and B then swap roles.
 //
 // A lower bound without a witness is refuted if it is above a certified solver's upper bound; otherwise its verdict is
 // `no witness`.
 //
 // Upper bound: it must not be below a lower bound on the same distance that was verified for any solver. This can
-// refute an upper bound, not prove it. A lower bound on h(A,B) or on h(B,A) is also one on H, but not the other way
-// round.
+// refute an upper bound, not prove it. A lower bound on h(A,B) or on h(B,A) is also a lower bound on H, but not the
+// other way round.
 //
-// Reference answers (plan/references.h) are compared with the rows in the same way: a lower bound counts once its
-// witness is checked, an upper bound only if it is proven, by a checked certificate or point by point
-// (verify_upper.h).
+// Reference answers (plan/references.h) are compared with the rows in the same way. A lower bound counts once its
+// witness is checked, an upper bound only if it is proven, by a checked certificate or point by point (verify_upper.h).
 //
 // Penetration depths have their own check, see verify_penetration.h.
 //
-// Bounds that are not certified may be off by as much as rounding explains, 84 * 2^-53 of the largest |coordinate|
-// (verify.cpp derives it). Certified bounds must hold exactly.
+// Certified bounds must hold exactly. Other bounds may be off by as much as rounding explains, 84 * 2^-53 of the
+// largest |coordinate| (verify.cpp derives it).
 #pragma once
 
 #include "harness/result/result_file.h"
@@ -41,16 +40,17 @@
 
 namespace hausbench {
 
-// Polled from time to time; once it returns true, everything not checked yet stays `not checked`.
+// Called from time to time during a check. Once it returns true, everything not checked yet stays `not checked`.
 using Stop = std::function<bool()>;
 
-// Checks witnesses on two shapes: points or meshes, which must outlive it.
+// Checks lower bounds on the distance between two point sets or meshes. The shapes must outlive the checker.
 class Checker {
 public:
     Checker(const Shape& source, const Shape& target, Stop stop = {});
 
-    // Returns whether the witness proves `lower`, which must be finite. If not, `shown` is the lower bound that the
-    // witness does prove, rounded down. Returns `not_checked` if a pose moves a shape out of the range of doubles.
+    // Returns `holds` if the witness proves `lower`, which must be finite. Otherwise returns `unsound` and sets `shown`
+    // to the lower bound that the witness does prove, rounded down. Returns `not_checked` if a pose moves a shape out
+    // of the range of doubles or the check was stopped.
     Verdict lower(double lower, const Witness& witness, const Pose& source_pose, const Pose& target_pose,
                   double& shown) const;
 
@@ -59,19 +59,18 @@ private:
     Stop stop_;
 };
 
-// Fills in every row's check, overwriting earlier results; rows found unsound get that status and the reason. `load`
-// returns the shape of a model by name; if it returns null, the rows of that model stay `not checked`. A row that was
-// not run, but read from the trace of a run with a finer tolerance, has the witness of that run, which then checks its
-// lower bound, too.
+// Checks every row and overwrites earlier results. Rows found unsound get that status and the reason. `load` returns
+// the shape of a model by name, or null; the rows of that model then stay `not checked`. A row read from the trace of a
+// run with a finer tolerance has the witness of that run, which proves its smaller lower bound, too.
 //
-// Rows from number `checked` on were checked before. They are checked again only if that check was not finished, or if
-// a row before number `checked` has the same shapes in the same poses.
+// The rows from index `checked` on were checked earlier. They are checked again only if that check was not finished, or
+// if a row before `checked` has the same shapes in the same poses.
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load,
                  const Stop& stop = {}, std::size_t checked = std::numeric_limits<std::size_t>::max());
 
-// Does the same for the rows and the reference answers of a result together. Then gives each row the bounds of the
-// narrowest reference answer of the same distance (shapes, poses, quantity) that is not unsound; NaN if there is
-// none.
+// Checks the rows and the reference answers of a result together, like verify_rows() above. Then sets `reference` of
+// each row to the bounds of the narrowest sound reference answer for the same shapes, poses and quantity, or to NaN if
+// there is none.
 void verify_rows(std::vector<Row>& rows, std::vector<Row>& references,
                  const std::function<const Shape*(const std::string&)>& load, const Stop& stop = {},
                  std::size_t checked = std::numeric_limits<std::size_t>::max());

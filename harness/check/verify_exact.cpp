@@ -18,8 +18,8 @@ using Exact = CGAL::Simple_cartesian<Rational>;
 
 double down(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }
 
-// Returns the point moved by the pose, as algorithms/kernel/geometry.h defines it. Written again here on purpose, so
-// that the check shares no code with the solvers.
+// Returns the point moved by the pose. Repeats the operations of algorithms/kernel/geometry.h on purpose, so that the
+// check shares no code with the solvers.
 Vec3 moved(const Vec3& v, const Pose& pose) {
     if (pose.is_identity()) return v;
     Vec3 out;
@@ -32,7 +32,8 @@ Vec3 moved(const Vec3& v, const Pose& pose) {
 
 Exact::Point_3 exact(const Vec3& v) { return {Rational(v[0]), Rational(v[1]), Rational(v[2])}; }
 
-// Returns true only if every point of the element is proven to be at least r away from p. Requires upward rounding.
+// Returns true only if interval arithmetic proves that every point of the element is at least r away from p. Requires
+// upward rounding.
 bool separated(const Vec3& p, const Element& e, double r) {
     Vec3 n = -rough_offset(p, e);
     const double largest = n.cwiseAbs().maxCoeff();
@@ -77,7 +78,7 @@ bool Standing::beyond(Index i, const Vec3& p, double r) const {
     return false;
 }
 
-// CGAL's distance to a triangle requires a non-degenerate one; a degenerate triangle is the union of its edges.
+// CGAL cannot compute the distance to a degenerate triangle; such a triangle is the union of its edges.
 Rational squared_distance(const Vec3& p, const Element& e) {
     const Exact::Point_3 q = exact(p);
     if (e.size() == 1) return CGAL::squared_distance(q, exact(e[0]));
@@ -89,7 +90,7 @@ Rational squared_distance(const Vec3& p, const Element& e) {
     return std::min({edge(a, b), edge(b, c), edge(c, a)});
 }
 
-// Scales by the largest difference, so that squares neither overflow nor underflow.
+// Divides by the largest coordinate difference, so that squares neither overflow nor underflow.
 Vec3 rough_offset(const Vec3& p, Element e) {
     double scale = 0;
     for (Vec3& v : e) {
@@ -147,7 +148,7 @@ Verdict Checker::lower(double lower, const Witness& witness, const Pose& source_
     const Vec3 p = forward ? witness.source_point : witness.target_point;
     const Index named = forward ? witness.source_element : witness.target_element;
     if (!to.finite()) return Verdict::not_checked;
-    // The element on which p should lie: the one that the witness names, otherwise the nearest one. None if the pose
+    // The element on which p should lie: the element that the witness names, otherwise the nearest. Empty if the pose
     // moves it out of the range of doubles.
     std::optional<Element> nearest_off;
     const auto off = [&](Index i) -> std::optional<Element> {

@@ -1,5 +1,5 @@
-// Distances from points to a shape in its pose, for the harness's own checks: exact in rationals, or bounded in
-// interval arithmetic. Shares no kernel, no tree and no rounding rule with the solvers.
+// Distances from points to a shape in its pose, for checking solvers: exact in rationals, or bounded in interval
+// arithmetic. Shares no kernel, no tree and no rounding rule with the solvers.
 #pragma once
 
 #include "harness/check/exact_roots.h"
@@ -10,10 +10,10 @@
 
 namespace hausbench {
 
-using Element = std::vector<Vec3>;  // one corner or three
+using Element = std::vector<Vec3>;  // the corners: one for a point, three for a triangle
 
-// A shape moved by its pose: points or a mesh, which must outlive this object. The constructor computes the moved
-// points and must be called while rounding is to nearest.
+// A point set or mesh moved by its pose. The shape must outlive this object. The constructor computes the moved points;
+// call it while rounding is to nearest.
 class Standing {
 public:
     Standing(const Shape& shape, const Pose& pose);
@@ -24,9 +24,9 @@ public:
     bool finite() const { return points_->allFinite(); }
     Element operator[](Index i) const;
 
-    // Returns whether along some axis all corners of an element are more than r away from p, on the same side. Then
-    // every point of the element is more than r away. The computed differences prove this although they are rounded (to
-    // nearest), because a difference of at most r never rounds to more than r.
+    // Returns true if along some axis all corners of element i are more than r away from p, on the same side. Then the
+    // whole element is. Rounding the differences to nearest is safe, because a difference of at most r never rounds to
+    // more than r.
     bool beyond(Index i, const Vec3& p, double r) const;
 
 private:
@@ -40,10 +40,9 @@ Rational squared_distance(const Vec3& p, const Element& e);
 // Returns the vector from p to the nearest point of the element, computed in doubles. No proof depends on its accuracy.
 Vec3 rough_offset(const Vec3& p, Element e);
 
-// Decides whether the shape is at least r away from p: it is if the result is nothing, or at least r^2. For most
-// elements, beyond() or interval arithmetic proves that they are at least r away. Returns the least squared distance of
-// the other elements, in rationals; nothing if there are none. If `stop` ends the search, sets `stopped` and returns
-// nothing. O(count).
+// Decides whether the shape is at least r away from p: it is if the result is nothing, or at least r^2. Skips elements
+// that beyond() or interval arithmetic proves to be at least r away. Returns the smallest exact squared distance of the
+// others, or nothing if all were skipped. If `stop` ends the search, sets `stopped` and returns nothing. O(count).
 std::optional<Rational> nearer_than(const Standing& shape, const Vec3& p, double r, const Stop& stop, bool& stopped);
 
 }  // namespace hausbench

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t samples = 100;
 
-// Returns at most 100 of 0, 1, ..., count - 1, evenly spread, including the first and the last.
+// Returns at most 100 indices from 0 to count - 1, evenly spread, including the first and the last.
 std::vector<std::size_t> spread(std::size_t count) {
     const std::size_t n = std::min(samples, count);
     std::vector<std::size_t> out;
@@ -24,7 +24,7 @@ std::vector<std::size_t> spread(std::size_t count) {
     return out;
 }
 
-// Thrown to end the check: a field is unsound, or `stop` returned true.
+// Exceptions that end the check: a field is unsound, or `stop` returned true.
 struct Unsound {
     std::string reason;
 };
@@ -36,7 +36,8 @@ const Field* first(const Fields& fields, Field::Of of, std::string_view name) {
     return at == fields.end() ? nullptr : &*at;
 }
 
-// A, cut into pieces as the fields x, y, z, a, b, c and element say; without these fields, A itself.
+// The shape A after cutting: the fields x, y, z contain its vertices, and a, b, c, element its pieces. Without these
+// fields, A was not cut.
 class DrawnShape {
 public:
     DrawnShape(const Fields& fields, const Standing& source, double error) : source_(source), error_(error) {
@@ -50,7 +51,7 @@ public:
         cut_ = moved_ && std::none_of(std::begin(pieces_), std::end(pieces_), missing);
     }
 
-    // Returns whether the field has values for the vertices that cuts added, too.
+    // Returns whether the field must also have values for the vertices that cuts added.
     bool has(const Field& field) const {
         return moved_ && field.of == Field::Of::vertices &&
                (field.name == "distance" || field.name == "nearest" ||
@@ -113,8 +114,7 @@ private:
         }
     }
 
-    // Returns side k of a triangle, scaled so that coordinates are about 1; its square then neither overflows nor
-    // underflows.
+    // Returns side k of a triangle. Scales coordinates to about 1, so that squares neither overflow nor underflow.
     Vec3 side(const Element& e, int k) const {
         const auto scaled = [&](const Vec3& p) -> Vec3 {
             return p.unaryExpr([&](double x) { return std::ldexp(x, -exponent_); });
@@ -124,7 +124,7 @@ private:
 
     double area(const Element& e) const { return e.size() < 3 ? 0 : side(e, 0).cross(side(e, 2)).norm() / 2; }
 
-    // Returns an allowance for the change of the area if each corner moves by up to 2e.
+    // Returns the allowed error of the triangle's area if each corner may be off by 2 * error_.
     double rounding_of(const Element& e) const {
         if (e.size() < 3) return 0;
         const double error = std::ldexp(error_, -exponent_);
@@ -136,7 +136,7 @@ private:
     int exponent_;  // of the largest coordinate of A
     const Field* places_[3];
     const Field* pieces_[4];
-    bool moved_, cut_;  // whether there are fields of vertices, of pieces
+    bool moved_, cut_;  // whether the fields x, y, z exist, and whether also a, b, c, element do
 };
 
 class FieldCheck {
@@ -196,13 +196,13 @@ private:
         if (squared_distance(p, target_[Index(nearest)]) > most * most)
             throw Unsound{fmt::format("{}, but element {} of B, which it names, is farther", what(), nearest)};
         if (least <= 0) return;
-        // A radius that is rounded up is safe: more elements are then measured exactly.
+        // Rounding this radius up is safe: it can only make nearer() compute more exact distances.
         const double away = std::nextafter(distance - error(), std::numeric_limits<double>::infinity());
         const auto squared = nearer(p, away);
         if (squared && *squared < least * least) throw Unsound{what() + ", but an element of B is nearer"};
     }
 
-    // Checks that lower bounds are not above upper bounds.
+    // Checks that no lower bound is above an upper bound of the same element or vertex.
     void in_order(const Fields& fields) const {
         for (const Field& low : fields) {
             for (const Field& high : fields) {
@@ -217,7 +217,7 @@ private:
         }
     }
 
-    // Returns the element of B nearest to p, computed in doubles.
+    // Returns the index of the element of B nearest to p, up to rounding.
     Index about_nearest(const Vec3& p) const {
         Index best = 0;
         double least = std::numeric_limits<double>::infinity();
@@ -259,15 +259,16 @@ private:
             refuse("above the distance of all its points");
     }
 
-    // Returns whether p is at most `upper` from B. Allows for the distance of p from the element of A, which a rounded
-    // centroid may have. `likely` is an element of B that is probably near.
+    // Returns whether p is at most `upper` away from B. Because p may be a rounded centroid slightly off its element of
+    // A, `corners`, its distance from this element is added to `upper`. First tries `likely`, an element of B that is
+    // probably near.
     bool covers(double upper, const Vec3& p, const Element& corners, const Element& likely) const {
         if (std::isinf(upper)) return upper > 0;
         const double off = root_at_least(squared_distance(p, corners));
         const Rational most = Rational(upper) + Rational(off);
         if (most < 0) return false;
         if (squared_distance(p, likely) <= most * most) return true;
-        return *nearer(p, std::numeric_limits<double>::infinity()) <= most * most;  // exact, all of B
+        return *nearer(p, std::numeric_limits<double>::infinity()) <= most * most;  // exact distances to all of B
     }
 
     const Standing &source_, &target_;

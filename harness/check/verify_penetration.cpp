@@ -30,8 +30,8 @@ Triangle exact(const Element& e) { return {exact(e[0]), exact(e[1]), exact(e[2])
 
 enum class Crossing { none, clean, doubtful };
 
-// Returns how the segment pq crosses a triangle; doubtful if it meets an edge or a corner, or if p or q lies in the
-// plane of the triangle.
+// Returns whether the segment pq crosses a triangle; `doubtful` if it meets an edge or a corner, or if p or q lies in
+// the plane of the triangle.
 Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, const Element& e) {
     const auto a = point(e[0]), b = point(e[1]), c = point(e[2]);
     const auto of_p = CGAL::orientation(a, b, c, p), of_q = CGAL::orientation(a, b, c, q);
@@ -46,8 +46,7 @@ Crossing crossing(const Predicates::Point_3& p, const Predicates::Point_3& q, co
     return touches ? Crossing::doubtful : Crossing::clean;
 }
 
-// A solid in its pose. Leaves out triangles with two equal corners and repeated triangles, as the solver's cutting
-// does.
+// A solid in its pose. Omits repeated triangles and triangles with two equal corners, as the solver does.
 struct Body {
     Body(const Shape& shape, const Pose& pose) : surface(shape, pose) {
         if (!surface.finite()) return;
@@ -67,13 +66,13 @@ struct Body {
         }
     }
 
-    // Returns whether p lies inside, or nothing if p lies on the surface or every ray meets an edge.
+    // Returns whether p lies inside the solid, or nothing if p lies on the surface or every tested ray meets an edge.
     std::optional<bool> holds(const Vec3& p) const {
         if (!whole.contains(p)) return false;
         const double length = 2 * whole.diagonal().norm();
         constexpr int rays = 16;
         for (int ray = 1; ray <= rays; ++ray) {
-            // Along x, slightly tilted, so that the ray meets few boxes.
+            // The rays run almost along x, so that their boxes meet few triangles. Different tilts help to avoid edges.
             const Vec3 end = p + length * Vec3(1, 1e-3 * ray, 7e-4 * (rays - ray + 1));
             Eigen::AlignedBox3d way(p);
             way.extend(end);
@@ -90,7 +89,7 @@ struct Body {
         return std::nullopt;
     }
 
-    // Returns whether the segment meets the surface.
+    // Returns whether the segment pq meets the surface; true also if this is doubtful.
     bool crossed_by(const Vec3& p, const Vec3& q) const {
         Eigen::AlignedBox3d way(p);
         way.extend(q);
@@ -101,8 +100,8 @@ struct Body {
         return false;
     }
 
-    // Returns whether the connected component of the surface that contains this triangle meets the other surface.
-    // Compares O(n m) boxes.
+    // Returns whether the other surface meets the connected part of this surface that contains the triangle. O(n m) for
+    // surfaces of n and m triangles.
     bool connected_surface_meets(Index triangle, const Body& other) const {
         std::map<std::array<double, 3>, std::vector<std::size_t>> around;
         const auto key = [](const Vec3& v) { return std::array<double, 3>{v[0] + 0.0, v[1] + 0.0, v[2] + 0.0}; };
@@ -135,15 +134,15 @@ struct Body {
     }
 
     Standing surface;
-    std::vector<Index> triangles;            // the triangles that are not left out
-    std::vector<Eigen::AlignedBox3d> boxes;  // the box of each of these
+    std::vector<Index> triangles;            // indices of the triangles that are not omitted
+    std::vector<Eigen::AlignedBox3d> boxes;  // the box of each of these triangles
     Eigen::AlignedBox3d whole;
 };
 
 bool nearer(const Rational& squared, double r) { return squared < Rational(r) * Rational(r); }
 
-// Returns whether two triangles have a common point nearer to p than r. Returns true without measuring if they
-// overlap in one plane or one of them is degenerate.
+// Returns whether two triangles share a point that is nearer to p than r. To be safe, returns true if a triangle is
+// degenerate, or if they overlap in one plane.
 bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) {
     const Triangle a = exact(e), b = exact(other);
     if (a.is_degenerate() || b.is_degenerate()) return true;
@@ -169,7 +168,7 @@ std::string unsound(const char* bound, double value, const std::string& why) {
 
 }  // namespace
 
-// The two solids, and what earlier rows have shown about them.
+// The two solids, and results of earlier checks.
 struct PenetrationChecker::Pair {
     Pair(const Shape& a, const Pose& a_pose, const Shape& b, const Pose& b_pose, Stop asked)
         : source(a, a_pose), target(b, b_pose), stop(std::move(asked)) {
@@ -185,8 +184,8 @@ struct PenetrationChecker::Pair {
         slack = 1e-10 * largest;
     }
 
-    // Returns `holds` if the bound is proven, `unsound` and the reason if it is refuted, else `no_witness` or
-    // `not_checked`.
+    // Checks a lower bound by its witness. Returns `holds` if it is proven, `unsound` and the reason if it is refuted,
+    // else `no_witness` or `not_checked`.
     Verdict lower(double lower, const Witness& witness, std::string& reason) const {
         if (!std::isfinite(lower)) {
             reason = "lower is infinite, and no two points are that far apart";
@@ -207,7 +206,7 @@ struct PenetrationChecker::Pair {
             reason = unsound("lower", lower, "the witness does not lie in the other solid");
             return Verdict::unsound;
         }
-        const double r = lower - 4 * slack;  // p and the point at the other end may each be off by 2 * slack
+        const double r = lower - 4 * slack;  // p and the nearest point may each be off by 2 * slack
         if (!(r > 0)) return Verdict::holds;
         bool settled = true;
         std::vector<Vec3> outside;  // nearer points that do not bound the common volume
@@ -236,8 +235,8 @@ struct PenetrationChecker::Pair {
                        fmt::format("the same part of the volume is bounded {:.17g} from the witness", (q - p).norm()));
     }
 
-    // Returns whether the segment pq is proven to lie in both solids. Leaves out a length of 8 * slack at either end,
-    // because p and q may lie on a surface.
+    // Returns whether the segment pq is proven to lie in both solids. Ignores 8 * slack at either end, because p and q
+    // may lie on a surface.
     bool within_both(const Vec3& p, const Vec3& q) const {
         const double length = (q - p).norm(), step = 8 * slack / length;
         if (!(step < 0.25)) return false;
@@ -246,8 +245,9 @@ struct PenetrationChecker::Pair {
                !source.crossed_by(begin, end) && !target.crossed_by(begin, end);
     }
 
-    // Returns whether points p and q of the surfaces are proven to bound the same part of the common volume: a segment
-    // inside both solids joins p and q or, as the segment pq may run along a surface, inner points close to them.
+    // Returns whether p and q, points on the surfaces, are proven to bound the same part of the common volume: a
+    // segment inside both solids joins them. Because the segment pq may run along a surface, also tries segments
+    // between inner points near p and q.
     bool same_part(const Vec3& p, const Vec3& q) const {
         if (within_both(p, q)) return true;
         const double aside = std::max(1e-4 * (q - p).norm(), 64 * slack);
@@ -257,7 +257,8 @@ struct PenetrationChecker::Pair {
         });
     }
 
-    // Returns up to four points q at about this distance from the point p of a surface, each with within_both(p, q).
+    // Returns up to four points at about this distance from the surface point p. The segments from p to them are proven
+    // to lie inside both solids.
     std::vector<Vec3> inner_points(const Vec3& p, double distance) const {
         std::vector<Vec3> found;
         for (int direction = 0; direction < 24 && found.size() < 4;
@@ -272,13 +273,14 @@ struct PenetrationChecker::Pair {
         return found;
     }
 
-    // Decides the case that the other surface is nearer to p than `lower`, but only at points outside the own solid. If
-    // the other surface bounds the part of p elsewhere, the bound holds. If it bounds this part nowhere, the other mesh
-    // encloses the part. The depth of the part is then the distance to all of that mesh, and the bound is refuted.
+    // Returns the verdict on `lower` if the surface of `other` is nearer to the witness p, a point on the surface of
+    // `own`, but only at points outside `own`. These do not bound the part of the common volume at p. If `other` bounds
+    // this part elsewhere, the bound holds. Otherwise `other` encloses the part, so the depth is the distance to its
+    // whole surface, and the bound is refuted.
     Verdict beside(double lower, const Vec3& p, Index at, const Body& own, const Body& other,
                    const std::vector<Vec3>& outside, std::string& reason) const {
         if (own.connected_surface_meets(at, other)) return Verdict::holds;
-        bool within = false;  // a vertex of the other mesh may lie in the own solid
+        bool within = false;  // a vertex of the other mesh may lie inside `own`
         for (const Index i : other.triangles) {
             if (stop && stop()) return Verdict::not_checked;
             for (const Vec3& v : other.surface[i]) {
@@ -294,8 +296,8 @@ struct PenetrationChecker::Pair {
         return Verdict::unsound;
     }
 
-    // Returns a vertex of one mesh that lies in the other solid, farther than `length` from its surface, or
-    // nothing. O(|A| |B|).
+    // Returns a vertex of one mesh that lies inside the other solid, at least `length` away from its surface. Returns
+    // nothing if there is none. O(|A| |B|).
     std::optional<Vec3> deeper_than(double length) const {
         for (const auto& [own, other] : {std::pair{&source, &target}, std::pair{&target, &source}}) {
             std::set<std::array<double, 3>> seen;
@@ -310,10 +312,10 @@ struct PenetrationChecker::Pair {
         return std::nullopt;
     }
 
-    // Returns whether p is at least `length` away from the surface.
+    // Returns whether p is at least `length` away from the surface of the body.
     static bool deep(const Body& body, const Vec3& p, double length) {
         const Standing& surface = body.surface;
-        for (const Index i : body.triangles)  // in most cases, some point is clearly nearer
+        for (const Index i : body.triangles)  // often a triangle is clearly nearer, which is cheap to see
             if (!surface.beyond(i, p, length) && rough_offset(p, surface[i]).norm() < 0.999 * length) return false;
         return near(body, p, length).empty();
     }
@@ -322,7 +324,7 @@ struct PenetrationChecker::Pair {
     Stop stop;
     double slack = 0;
     bool usable = false;  // coordinates are finite, sizes neither too large nor too small
-    double proven = 0;    // the largest lower bound that held, less 4 * slack
+    double proven = 0;    // the largest lower bound that held, minus 4 * slack
     double shallow = std::numeric_limits<double>::infinity();  // an earlier search has shown that no vertex is deeper
 };
 

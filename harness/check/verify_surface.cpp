@@ -20,9 +20,9 @@ bool changes_sign(const Interval& a, const Interval& b) {
     return (a.sup() <= 0 && b.inf() >= 0) || (a.inf() >= 0 && b.sup() <= 0);
 }
 
-// Returns a distance e such that a point of the surface lies within e of p on the axis k through p. The polynomial must
-// change sign between `low` and `high`, two points of this axis. Bisects this interval as long as the signs are
-// certain, so that e becomes small: the solver's lower bound has to hold with e added.
+// Returns a distance e such that the surface f = 0 has a point within e of p, on the line through p parallel to axis k.
+// `low` and `high` are points of this line between which f changes sign. Bisects between them while the signs are
+// certain, because the solver's lower bound has to hold with e added.
 double bracketed(const Polynomial& f, const Vec3& p, Vec3 low, Vec3 high, int k) {
     const Interval at_low = value_at(f, low);
     for (int step = 0; step < 60; ++step) {
@@ -40,11 +40,11 @@ double bracketed(const Polynomial& f, const Vec3& p, Vec3 low, Vec3 high, int k)
     return std::max(high[k] - p[k], p[k] - low[k]);
 }
 
-// Returns an upper bound on the distance from p to a proven point of the surface, or nothing if none is found in the
-// box. Looks for a change of sign along the three axes through p, over larger and larger distances, since the witness
-// of a coarse mesh may be far off the surface. If the surface crosses none of these axes, as near the apex of a cone,
-// the signs at ends of two axes may still differ. The surface then crosses the segment between these ends, no point of
-// which is farther from p than the farther end, so that `reach` is the bound.
+// Returns an upper bound on the distance from p to a proven point of the surface f = 0, or nothing if none is found in
+// the box. Looks for a change of sign along the three axes through p, at growing distances, because the witness of a
+// coarse mesh may be far off the surface. If the surface crosses none of these axes, as near the apex of a cone, the
+// signs at ends of two axes may still differ. The surface then crosses the segment between these ends, which lies
+// within `reach` of p.
 std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec3& p) {
     if ((p.array() < box.low.array()).any() || (p.array() > box.high.array()).any()) return std::nullopt;
     const Interval here = value_at(f, p);
@@ -74,8 +74,9 @@ std::optional<double> off_surface(const Polynomial& f, const Box& box, const Vec
 
 enum class Found { nothing, near, open };
 
-// Examines one box. `nothing`: it has no point of B nearer to p than r. `near`: it has a point of B nearer to p than
-// `lower`, at most `shown` away. `open`: neither is proven, and the box has to be subdivided.
+// Examines one box. Returns `nothing` if no point of B in it is nearer to p than r. Returns `near` if a point of B in
+// it is nearer to p than `lower`, and sets `shown` to an upper bound on its distance. Otherwise returns `open`; the
+// caller then subdivides the box.
 Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double lower, double& shown) {
     Interval gap(0.0), far(0.0);
     for (int k = 0; k < 3; ++k) {
@@ -98,9 +99,9 @@ Found look(FormEvaluator& f, const Box& box, const Vec3& p, double r, double low
         linear[std::size_t(k)] = 2.0 * d * Interval(form.half[k]);
         rough[k] = linear[std::size_t(k)].sup();
     }
-    // Tries eight numbers m: 0, and for each set of axes the m that makes the slope of the function along these axes
-    // the smallest (least squares). If the point of B nearest to p lies on some sides of the box, the axes across these
-    // sides are best left out.
+    // Tries eight values of m in |y - p|^2 - r^2 - m * f(y), which must be nonnegative in the box (verify_surface.h):
+    // 0, and for each set of axes the m that minimises the slope along these axes (least squares). If the point of B
+    // nearest to p lies on sides of the box, the axes across these sides are best ignored.
     std::array<double, 8> candidates{};
     for (unsigned free = 1; free < 8; ++free) {
         const Vec3 axes(free & 1, free >> 1 & 1, free >> 2);

@@ -17,15 +17,16 @@ namespace {
 
 using Interval = CGAL::Interval_nt<false>;
 
-// Points, hashed by the grid cell that contains them.
+// A hash table of points by the grid cell that contains them.
 class Grid {
 public:
-    // `origin`: a position near most of the points, so that their cell indices are small and therefore exact.
+    // `origin` should be near most of the points, so that their cell indices are small and exact.
     Grid(const Points& points, double side, const Vec3& origin) : side_(side), origin_(origin) {
         for (Index i = 0; i < points.rows(); ++i) cells_[cell_of(points.row(i))].push_back(i);
     }
 
-    // Calls visit(i) for the points in the cell of p, then in the 26 cells around it, until it returns true.
+    // Calls visit(i) for the points in the cell of p, then in the 26 cells around it, and stops when visit(i) returns
+    // true.
     template <class Visit> void near(const Vec3& p, Visit visit) const {
         const Cell own = cell_of(p);
         if (any_in(own, visit)) return;
@@ -69,8 +70,8 @@ bool is_within(const Vec3& p, const Vec3& q, double upper) {
     return squared_distance(p, {q}) <= Rational(upper) * Rational(upper);
 }
 
-// What interval arithmetic says about the distance of two points: certainly at most `upper`; doubtful, so that
-// rationals must decide; or, if both are false, certainly more.
+// The result of comparing the distance of two points with `upper` in interval arithmetic. `certain`: it is at most
+// `upper`. `doubtful`: exact rationals must decide. If both are false, it is larger.
 struct Judged {
     bool certain, doubtful;
 };
@@ -84,7 +85,7 @@ Judged judge(const Vec3& p, const Vec3& q, double upper) {
     return {certain, !certain && !(sum.inf() > most.sup())};
 }
 
-// A time limit that reads the clock only at every 4096th call.
+// A time limit. To be fast, passed() reads the clock only at every 4096th call.
 class Limit {
 public:
     explicit Limit(double seconds) : seconds_(seconds) {}
@@ -101,7 +102,7 @@ private:
     bool passed_ = false;
 };
 
-// Returns whether a point of `to` is at most `upper` from p. The result is meaningless once the limit has passed.
+// Returns whether a point of `to` is at most `upper` away from p. The result is meaningless once the limit has passed.
 bool has_near(const Grid& grid, const Points& to, const Vec3& p, double upper, Limit& limit) {
     std::vector<Index> doubtful;
     bool found = false;
@@ -117,7 +118,7 @@ bool has_near(const Grid& grid, const Points& to, const Vec3& p, double upper, L
         grid.near(p, visit);
     }
     if (settled()) return true;
-    // Rounding may assign a point to a wrong cell, so every point is tried before p is refuted.
+    // Rounding may have put a point into a wrong cell, so all points are tried before giving up.
     doubtful.clear();
     {
         CGAL::Protect_FPU_rounding<true> upward;
@@ -126,8 +127,8 @@ bool has_near(const Grid& grid, const Points& to, const Vec3& p, double upper, L
     return settled();
 }
 
-// Returns the median of the points along each axis, and their longest extent along an axis. For the extent, ignores 5 %
-// of the points at either end of an axis as outliers, unless the extent would then be 0.
+// Returns the median of the points along each axis, and their longest extent along an axis. The extent ignores 5 % of
+// the points at either end as outliers, unless this makes it 0.
 std::pair<Vec3, double> bulk_of(const Points& points) {
     Vec3 middle;
     double longest = 0;
@@ -160,7 +161,7 @@ Verdict one_way(const Standing& from, const Standing& to, double upper, double s
     if (!from.finite() || !to.finite() || !std::isfinite(upper)) return Verdict::not_checked;
     if (upper < 0) return Verdict::unsound;
     const auto [middle, extent] = bulk_of(b);
-    // A little wider than `upper`, to allow for rounding of cells, and wide enough that most cell indices are
+    // A cell is slightly wider than `upper`, to absorb rounding errors, and wide enough that most cell indices are
     // exact.
     const double side = std::max({1.001 * upper, 0x1p-40 * extent, std::numeric_limits<double>::min()});
     if (!std::isfinite(side)) return Verdict::not_checked;

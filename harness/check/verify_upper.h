@@ -1,5 +1,5 @@
-// Checks upper bounds on distances between point sets, for reference answers, which need an independent proof.
-// Shares nothing with the solvers.
+// Proves or refutes upper bounds on distances between point sets. Used for reference answers, whose proof must be
+// independent of the solvers.
 #pragma once
 
 #include "harness/check/verify_exact.h"
@@ -11,14 +11,12 @@ struct UpperCheck {
     double upper = 0;
     double seconds = std::numeric_limits<double>::infinity();  // time limit for each direction
 
-    // Returns whether each point of A (for H: of B, too) has a point of the other set, both posed, at most `upper`
-    // away. If interval arithmetic cannot decide between `holds` and `unsound`, exact rationals do. Returns
-    // `not_checked` if a coordinate or `upper` is not finite, or if time runs out. A grid of cells as wide as `upper`
-    // finds the candidates: O(|A| + |B|) if most points of a cell are within `upper` of each other, O(|A| |B|) at
-    // worst.
+    // Returns whether each point of A (for H, also each point of B) has a point of the other set at most `upper` away.
+    // Exact rationals decide if interval arithmetic cannot. Returns `not_checked` if a coordinate or `upper` is not
+    // finite, or if time runs out. Takes about O(|A| + |B|) time with a grid of points, O(|A| |B|) in the worst case.
     Verdict of_points(const Shape& source, const Pose& source_pose, const Shape& target, const Pose& target_pose) const;
 
-    static const char* words(Verdict verdict);  // text of the fact `certificate` of a reference answer
+    static const char* words(Verdict verdict);  // text for the fact `certificate` of a reference answer
 };
 
 }  // namespace hausbench

@@ -29,14 +29,14 @@ namespace {
 constexpr int usual_shards = 16;
 constexpr double seconds_for_slurm = 120;  // time limit of each of its commands
 
-// Returns the text of a file; empty if it cannot be read.
+// Returns the text of a file, or an empty string if it cannot be read.
 std::string text_of(const fs::path& file) {
     std::ifstream in(file);
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// Runs a command of Slurm and returns its output. `seconds`: time limit. `code`, if given, receives the exit code;
-// otherwise any code but 0 is an error.
+// Runs a Slurm command and returns its output. Throws InputError if it fails or takes longer than `seconds`. If `code`
+// is given, it receives the exit code, and a nonzero one is not an error.
 std::string ask(std::vector<std::string> words, double seconds = seconds_for_slurm, int* code = nullptr) {
     const std::string name = words.front();
     words.insert(words.begin(), "/usr/bin/env");
@@ -61,35 +61,35 @@ std::string ask(std::vector<std::string> words, double seconds = seconds_for_slu
     return child.output();
 }
 
-// Returns the folder for the split, scripts and logs of an experiment's tasks, inside the folder of results.
+// Returns the folder with the experiment's files for Slurm: the split into shards, scripts and logs.
 fs::path cluster_folder(const fs::path& results, const Experiment& experiment) {
     return results / fmt::format("{}.{}.slurm", experiment.stem, experiment.profile);
 }
 
-// Returns the same path for every spelling of a folder (relative or absolute, with or without a final slash), because
-// the name of the jobs contains its hash.
+// Returns one path for every spelling of a folder (relative or absolute, with or without a final slash), because job
+// names contain a hash of the path.
 fs::path one_spelling(const fs::path& folder) {
     const fs::path text = fs::weakly_canonical(fs::absolute(folder));
     return text.has_filename() ? text : text.parent_path();
 }
 
-// Makes the name of a job safe for Slurm, which separates the names in a list by commas: replaces everything but
-// letters, digits, _ and - with _.
+// Replaces everything but letters, digits, _ and - with _. Slurm separates job names by commas, so names must not
+// contain any.
 std::string safe(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return !std::isalnum(c) && c != '_' && c != '-'; }, '_');
     return text;
 }
 
-// Returns sbatch's option for a log file. Slurm expands patterns in it, such as %a to the number of the task, so a %
-// in the name of the folder is doubled.
+// Returns sbatch's option for a log file. Doubles each % in the folder's name, because Slurm expands patterns such as
+// %a.
 std::string log_name(const fs::path& folder, const std::string& name) {
     std::string text;
     for (const char c : folder.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
     return "--output=" + text + "/logs/" + name;
 }
 
-// The shards of one experiment and profile: their files, and their jobs in Slurm's queue.
+// Manages the shards of one experiment and profile: their files and their jobs in Slurm's queue.
 class Cluster {
 public:
     Cluster(const ExperimentArguments& arguments, const Plan& plan, bool any_build = false)
@@ -103,8 +103,8 @@ public:
 
     bool is_split() const { return fs::exists(split_file()); }
 
-    // Writes the split, which says which job is in which shard. Keeps the shards of an earlier split, unless `shards`
-    // requests another number of them (0 requests none).
+    // Distributes the plan's jobs over shards and writes this split to a file. Keeps the shards of an earlier split if
+    // `shards` is 0 or their number.
     void divide(int shards) {
         const Split earlier = is_split() ? read_split(split_file()) : Split{0, {}};
         if (shards > 0 && earlier.of > 0 && shards != earlier.of && !queue().shards.empty())
@@ -141,7 +141,7 @@ public:
         return all;
     }
 
-    // Submits an array with these shards and returns its job number.
+    // Submits an array job with one task per shard in `numbers`. Returns its job number.
     std::string submit_array(const std::vector<int>& numbers, int of, const std::vector<std::string>& options) const {
         int threads = 1;
         for (const Case& asked : plan_.cases) threads = std::max(threads, asked.threads);
@@ -161,8 +161,8 @@ public:
         return number_in(ask(std::move(words)));
     }
 
-    // Submits the collection (`run --collect`), which Slurm starts when all tasks and collections of this name have
-    // ended. With --wait, waits for it and returns its exit code, otherwise returns 0.
+    // Submits the job that collects the results (`run --collect`). Slurm starts it when all other jobs of this name
+    // have ended. With --wait, waits for it and returns its exit code, otherwise returns 0.
     int submit_collection(const ClusterArguments& cluster) const {
         const fs::path script = folder_ / "collect.sh";
         write_whole_file(script, fmt::format("#!/bin/sh\nexec {} --collect\n", run_words()));
@@ -202,7 +202,7 @@ public:
         return all;
     }
 
-    // Returns the queue. If squeue fails, returns an empty queue and sets `trouble` to the reason.
+    // Returns Slurm's queue. If squeue fails, returns an empty queue and sets `trouble` to the reason.
     Queue queue_if_it_answers(std::string& trouble) const {
         try {
             return queue();
@@ -230,7 +230,7 @@ private:
         return words;
     }
 
-    // Extracts the job number, 12, from the last line of sbatch's output, "12" or "12;cluster".
+    // Extracts the job number from the last line of sbatch's output, "12" or "12;cluster".
     static std::string number_in(const std::string& said) {
         const std::size_t last = said.find_last_not_of(" \n");
         const std::size_t begin = said.find_last_of('\n', last);

@@ -10,7 +10,7 @@ namespace hausbench {
 
 namespace {
 
-// The options --scene and --profile: only rows of these scenes and of this profile are compared. Empty: all.
+// Selects the rows to compare, by scene and profile. An empty value selects all rows.
 struct Rows {
     std::vector<std::string> scenes;
     std::string profile;

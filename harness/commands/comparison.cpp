@@ -37,12 +37,12 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
                                      to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status),
                                      b.bounds.lower, b.bounds.upper);
         }
-        // The builds may differ: they are being compared.
+        // Ignores the builds (""), because the purpose is to compare them.
         if (const std::string why = reason_apart(origin_of(a, ""), origin_of(b, "")); !why.empty()) {
             ++apart[why];
             continue;
         }
-        if (b.from_trace) continue;  // it has the times of the row that it was read off
+        if (b.from_trace) continue;  // its times belong to the row whose trace it was read from
         const bool cpu = cpu_clock(b);
         const bool again = !a.repeats.empty() && !b.repeats.empty();  // otherwise compares the first answers
         const Estimate ratio = again ? ratio_by_round(again_by_round(a, cpu), again_by_round(b, cpu))
@@ -80,13 +80,13 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
 
 namespace {
 
-// The question that a row answers, whatever its solver. Poses are compared by their numbers, not by their index in a
-// motion.
+// The problem that a row solves, without its solver. Contains the numbers of the poses, because an index may mean
+// different poses in two motions.
 using Question = std::tuple<std::string, std::vector<double>, std::string, std::string, std::string, double,
                             std::string, double, double>;
 
-// Returns the numbers of both poses, in which -0 and 0 compare equal. A map cannot order NaN, which only a damaged
-// file contains, so infinity replaces it.
+// Returns the numbers of both poses, for a map key. Replaces NaN, which only a damaged file contains, with infinity,
+// because a map cannot order NaN.
 std::vector<double> pose_numbers(const Case& c) {
     std::vector<double> all;
     for (const Pose* pose : {&c.pose, &c.target_pose}) {
@@ -101,7 +101,7 @@ Question question_of(const Case& c) {
             c.tolerance, c.tolerance_of,  c.floor,  c.cutoff};
 }
 
-// Returns the name of a question: its scene, pose and tolerance.
+// Returns the scene, pose and tolerance of a case as text.
 std::string place_of(const Case& c) {
     return fmt::format("{}{}, pose {}, tolerance {:g}{}", c.scene, suffix_of(c.quantity), c.pose_index, c.tolerance,
                        c.tolerance_of == "diagonal" ? "" : " " + c.tolerance_of);
@@ -130,7 +130,7 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
     for (const Row* row : first) {
         const auto at = answers.find(question_of(row->asked));
         if (at == answers.end()) continue;
-        // If the other solver has a row with the same swept parameters, only such rows are partners.
+        // If some rows of the other solver have the same swept parameters, only these are partners of this row.
         const auto same = [&](const Row* other) { return other->asked.variant == row->asked.variant; };
         const bool both_sweep = std::any_of(at->second.begin(), at->second.end(), same);
         for (const Row* other : at->second) {
@@ -141,8 +141,8 @@ Pairs pairs_of(const std::vector<const Row*>& first, const std::vector<const Row
     return pairs;
 }
 
-// Returns the name of a pair of rows: scene, pose and tolerance. If `several` is true, because a solver has rows with
-// different parameters, both solvers and their parameters come first.
+// Returns the scene, pose and tolerance of a pair of rows as text. If `several` is set, because a solver has rows with
+// different parameters, the text starts with both solvers.
 std::string names_of(const Row& a, const Row& b, bool several) {
     return printable(several ? fmt::format("{} and {}, {}", shown(a.asked), shown(b.asked), place_of(a.asked))
                              : place_of(a.asked));

@@ -16,8 +16,8 @@ namespace hausbench {
 
 namespace {
 
-// Returns `named` if it is the path of a file, otherwise the experiment of the project or the installation that has
-// this stem.
+// Returns `named` if it is a path, otherwise the experiment with this stem in the project or the installation. Throws
+// InputError if there is none.
 std::filesystem::path experiment_file(const std::filesystem::path& named) {
     if (named.has_parent_path() || named.has_extension() || std::filesystem::exists(named)) return named;
     std::vector<std::string> stems;

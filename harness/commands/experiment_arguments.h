@@ -1,4 +1,4 @@
-// The options that `run`, `explain` and `status` share.
+// Command-line options shared by `run`, `explain` and `status`.
 #pragma once
 
 #include "harness/commands/verb.h"
@@ -36,13 +36,12 @@ inline void take_experiment(CLI::App* verb, ExperimentArguments& arguments) {
         ->allow_extra_args(false);
 }
 
-// Reads the experiment and makes its plan. Shows progress on models unless `quiet`.
+// Reads the experiment and makes its plan. Unless `quiet`, shows progress while models are prepared.
 Plan plan_of(const ExperimentArguments& arguments, bool quiet);
-// Returns a function that loads the shape of a model that a result recorded. The function looks for the model among the
-// models of the project and of the experiment, and throws InputError if it is missing or has changed. It makes this
-// catalogue only when it is first called.
+// Returns a function that loads the shape of a model recorded in a result. It searches the models of the project and of
+// the experiment, and throws InputError if the model is missing or has changed.
 ShapeOf recorded_shapes(const Experiment& experiment);
-// Returns the folder of results: the one given with --results, otherwise results_folder() of paths.h.
+// Returns the folder given with --results, or the default, results_folder() of paths.h.
 std::filesystem::path results_of(const ExperimentArguments& arguments);
 
 }  // namespace hausbench

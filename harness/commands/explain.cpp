@@ -40,8 +40,8 @@ std::size_t shapes_of(const Job& job) {
     return files.size();
 }
 
-// Adds a line for each structure that the solver may need: whether it is prepared for this scene (for a matrix, for
-// its first pair) or left out.
+// Adds a line for each structure that the solver may need: whether it is prepared or left out for this scene, or for
+// the first pair of a matrix.
 void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     const Case& first = plan.cases[job.cases.front()];
     const SolverEntry& entry = find_solver(first.solver);
@@ -56,13 +56,13 @@ void describe_needs(const Plan& plan, const Job& job, std::string& text) {
     }
 }
 
-// Returns the solver's name and parameters as shown to people, but with "seed=..." for every seed.
+// Returns the solver and its parameters as text, with every seed replaced by "seed=...".
 std::string without_seed(const Case& asked) {
     static const std::regex seed("seed=[^,)]*");
     return std::regex_replace(shown(asked), seed, "seed=...");
 }
 
-// Groups the jobs of one solver on one scene that differ only in their seeds.
+// Groups jobs that have the same solver and scene and differ only in their seeds.
 std::vector<std::vector<const Job*>> alike(const Plan& plan) {
     std::vector<std::vector<const Job*>> groups;
     std::map<std::pair<std::string, std::size_t>, std::size_t> number;
@@ -80,7 +80,8 @@ std::vector<std::vector<const Job*>> alike(const Plan& plan) {
     return groups;
 }
 
-// Adds some lines about these jobs. Returns the estimates of their total time and of the largest memory of one of them.
+// Appends lines about these jobs to `text`. Returns their estimated total time and the largest estimated memory of a
+// job.
 JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs, const Estimates& estimates,
                           std::string& text) {
     const Experiment& e = plan.experiment;
@@ -117,7 +118,7 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
     return all;
 }
 
-// Returns the text that `explain` prints. Times and memory are estimated from the result files in `results`.
+// Returns the text that `explain` prints, with estimates based on the result files in `results`.
 std::string explain(const Plan& plan, const fs::path& results) {
     const Estimates estimates(results);
     const Experiment& e = plan.experiment;

@@ -11,7 +11,7 @@ namespace hausbench {
 
 namespace {
 
-// Writes a model as OFF, OBJ or PLY, by the extension, with 17 digits, so that reading it gives the same bits.
+// Writes a model as OFF, OBJ or PLY, depending on the extension, with 17 digits so that coordinates round-trip exactly.
 // Returns a line for the user.
 std::string export_model(const std::string& model, const std::filesystem::path& to) {
     const MeshFormat format = mesh_format_of(to);  // before loading, so that a wrong extension fails at once

@@ -17,11 +17,11 @@ namespace {
 constexpr std::size_t widest = 100;                          // most characters of a line
 constexpr std::size_t verb_column = 12, option_column = 26;  // where the meanings of verbs and of options begin
 
-// An argument of a verb, for help, manual and completion.
+// An option or positional argument of a verb.
 struct Argument {
-    std::string name;     // "--tolerance"; a positional: "A"
-    std::string value;    // "NUMBER", "here|slurm"; empty: a flag
-    std::string meaning;  // with its default
+    std::string name;     // "--tolerance"; for a positional argument "A"
+    std::string value;    // "NUMBER" or "here|slurm"; empty for a flag
+    std::string meaning;  // includes the default value
     bool positional, required, many;
 
     std::string shown() const { return positional ? name : value.empty() ? name : name + " " + value; }
@@ -44,7 +44,7 @@ Argument argument_of(const CLI::Option& option) {
             .many = positional && option.get_items_expected_max() > 1};
 }
 
-// Returns the visible arguments of a verb except --help, positionals first.
+// Returns the visible arguments of a verb except --help, with positional arguments first.
 std::vector<Argument> arguments_of(const CLI::App& verb) {
     std::vector<Argument> all;
     for (const CLI::Option* option : verb.get_options()) {
@@ -61,7 +61,7 @@ std::vector<const CLI::App*> verbs_of(const CLI::App& program) {
     return verbs;
 }
 
-// A footer is the example, a line break, and the notes (add_verb in verb.h).
+// A verb's footer, set by add_verb(), is its example, a line break, and its notes.
 std::string example_of(const CLI::App& verb) {
     return "Example:  " + verb.get_footer().substr(0, verb.get_footer().find('\n'));
 }
@@ -82,7 +82,7 @@ std::string usage_of(const CLI::App& verb) {
                        : "");
 }
 
-// Returns "  NAME    meaning", with the meaning in its own column; below the name if the name is too long.
+// Returns a name and its meaning in two columns. If the name is too long, the meaning starts on the next line.
 std::string entry(const std::string& name, const std::string& meaning, std::size_t column, std::size_t width) {
     std::string lines = wrapped(meaning, column, width);
     std::string head = "  " + name;
@@ -121,7 +121,7 @@ std::string Help::make_help(const CLI::App* app, std::string, CLI::AppFormatMode
 
 namespace {
 
-// Escapes a text for the macros of man(7).
+// Escapes text for the macros of man(7).
 std::string roff(const std::string& text) {
     std::string out;
     for (const char c : text) {
@@ -175,8 +175,8 @@ std::string man_page(const CLI::App& program) {
 
 namespace {
 
-// Returns the words that complete a value: the listed ones ("here slurm"), or a shell command that lists them by
-// calling the program. Empty: file names complete it.
+// Returns the words that complete a value: a list ("here slurm"), or a shell command that prints it. An empty string
+// means that file names complete it.
 std::string values_of(const std::string& value) {
     if (value.find('|') != std::string::npos) {
         std::string words = value;

@@ -1,5 +1,4 @@
-// Verbs for programs: `load`, `derive` and `worker`, which only this program calls, and `describe`, for the
-// installation and the shell.
+// Hidden verbs. Only this program calls `load`, `derive` and `worker`; the installation and the shell call `describe`.
 #include "algorithms/registry.h"
 #include "datasets/derive.h"
 #include "datasets/load.h"
@@ -30,7 +29,7 @@ void derive_file(const std::string& operation, const std::vector<std::string>& t
     write_shape(out, derive(operation, numbers, read_shape(origin)));
 }
 
-// Returns the man page, the completion of bash, or the names of solvers, experiments or models, one per line.
+// Returns the man page, the bash completion, or the names of solvers, experiments or models, one per line.
 std::string described(const CLI::App& program, const std::string& what) {
     if (what == "man") return man_page(program);
     if (what == "bash") return bash_completion(program);

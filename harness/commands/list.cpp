@@ -111,7 +111,7 @@ json experiment_json(const std::filesystem::path& file) {
     return out;
 }
 
-// Describes an experiment; if it cannot be read, the reason takes the place of its title.
+// Describes an experiment. If it cannot be read, the reason takes the place of its title.
 json experiment_or_error(const std::filesystem::path& file) {
     try {
         return experiment_json(file);
@@ -167,7 +167,7 @@ std::string experiments_text(const json& all, const Paper& paper) {
     return table.text(paper);
 }
 
-// Counts the meshes of the corpus without those that are derived.
+// Returns the number of meshes in the corpus that are not derived from others.
 std::size_t meshes_of_corpus(const json& all) {
     const json& corpus = all["corpus"];
     return std::size_t(
@@ -332,8 +332,8 @@ json list_as_json() {
     return out;
 }
 
-// Lists a group, such as "models", or describes the solver, experiment or model with the name `what`. If `what` is
-// empty, lists the solvers. Throws InputError for another name.
+// Lists a group, such as "models", or describes the solver, experiment or model named `what`. If `what` is empty, lists
+// the solvers. Throws InputError for an unknown name.
 std::string list_as_text(const std::string& what, const Paper& paper) {
     const json all = list_as_json();
     if (what.empty()) return screen(all, paper);

@@ -82,8 +82,8 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
     verb->add_flag("--json", json, "prints one JSON object");
 }
 
-// Throws InputError for options that make sense only for a single pair, for --pairs together with A, and for a pattern
-// without B.
+// Checks the options for several pairs. Throws InputError for options of a single pair, for --pairs with A, and for a
+// missing B.
 void check_batch(const MeasureRequest& request, const std::filesystem::path& pairs, bool json) {
     if (!pairs.empty() && !request.source.empty())
         throw InputError("--pairs: the list names the shapes: leave out A and B");

@@ -23,8 +23,8 @@ namespace {
 
 const char* name_of_unit(const std::string& of) { return of == "longest" ? "longest side" : "diagonal"; }
 
-// Returns a hint for an error message: the solvers that accept shapes of these kinds for this quantity, or that none
-// does.
+// Returns a hint for an error message: the solvers that accept shapes of these kinds for this quantity, or a sentence
+// that none does.
 std::string solvers_for(ShapeKind source, ShapeKind target, Quantity quantity) {
     std::string names;
     for (const SolverEntry& entry : solvers()) {
@@ -88,8 +88,8 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
     const Points& points = points_of(loaded.shape);
     const auto* mesh = std::get_if<TriangleMesh>(&loaded.shape);
     const double largest = magnitude(points);
-    // A float32 has 24 bits, so numbers from 2^e to 2^(e+1) are 2^(e-23) apart. Below the smallest e of a normal
-    // float32, -126, the spacing stays the same.
+    // A float32 has 24 significant bits, so numbers from 2^e to 2^(e+1) are 2^(e-23) apart. Below 2^-126, the smallest
+    // normal float32, the spacing is constant.
     const int exponent = largest > 0 ? std::max(std::ilogb(largest), -126) : -126;
     return {file,
             loaded.report,
@@ -102,8 +102,8 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
 }
 
 // Returns the tolerance as a length, or as a fraction of the lower bound. The default tolerance must be meaningful for
-// every legal input: if A's box has no extent, it is a fraction of the diagonal of both shapes; if they have none
-// either, it is a length.
+// every legal input: if the box of A has no extent, it is a fraction of the diagonal of both shapes. If they have no
+// extent either, it is a length.
 Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, Measured& measured) {
     measured.tolerance_of = request.of;
     if (request.of == "lower") {
@@ -133,7 +133,7 @@ std::string default_solver(ShapeKind source, ShapeKind target) {
     return source == ShapeKind::points ? "scan" : source == ShapeKind::surface ? "surface_enclosure" : "cover";
 }
 
-// Warns if the spacing of a file's float32 coordinates is larger than the tolerance.
+// Warns if the float32 coordinates of a file are spaced wider than the tolerance.
 void warn_of_float32(const MeasureRequest& request, Measured& measured) {
     const bool relative = request.of == "lower";
     const double gap = relative ? request.tolerance * measured.result.bounds.lower : measured.tolerance_absolute;
@@ -146,7 +146,7 @@ void warn_of_float32(const MeasureRequest& request, Measured& measured) {
     }
 }
 
-// Warns about the usual mistake of one file in millimetres and the other in metres.
+// Warns about a common mistake: one file in millimetres, the other in metres.
 void warn_of_units(Measured& measured) {
     const double a = measured.source.diagonal, b = measured.target.diagonal;
     const double ratio = std::max(a, b) / std::min(a, b);

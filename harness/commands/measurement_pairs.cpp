@@ -43,7 +43,7 @@ bool in_quotes(const std::string& text, std::size_t at) {
     return std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '"') % 2 == 1;
 }
 
-// Removes the quotes around a name, as in CSV: "" stands for a quote.
+// Removes the quotes around a CSV field; inside them, "" stands for one quote.
 std::string unquoted(const std::string& text) {
     if (text.size() < 2 || text.front() != '"' || text.back() != '"') return text;
     std::string name;
@@ -60,8 +60,8 @@ std::size_t find_outside_quotes(const std::string& text, const char* separators,
     return at;
 }
 
-// Splits a line at its only comma or tab outside quotes; if it has none, at the first blank. Returns empty parts if
-// there is nothing to split at, or more than one comma or tab.
+// Splits a line at its only comma or tab outside quotes, or at the first blank if it has neither. Returns empty names
+// if the line has none of these, or more than one comma or tab.
 std::pair<std::string, std::string> two_of(const std::string& line) {
     const std::string text = trimmed(line);
     for (const char* separators : {",\t", " "}) {
@@ -73,7 +73,7 @@ std::pair<std::string, std::string> two_of(const std::string& line) {
     return {};
 }
 
-// Returns the columns for the witness and for both directions. Unknown values are empty.
+// Returns the CSV fields for the witness and for the bounds of both directions. Unknown values are empty.
 std::string more_fields(const Measured& m, bool known) {
     std::vector<std::string> fields;
     const Witness& witness = m.result.witness;

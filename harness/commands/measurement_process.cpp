@@ -87,8 +87,8 @@ DrawnFile drawn_of(const json& j) {
 
 enum class Trouble { input, memory, solver };
 
-// Does the work in the child. Writes one JSON object per line to the pipe `events`: a message after each step, and the
-// error if the work fails.
+// Solves in the child process. Sends one JSON object per line to the pipe `events`: a message after each step, and an
+// error message if the work fails.
 void tell(const MeasureWork& work, Shape source, Shape target, Measured& measured, int events) {
     const auto send = [&](const json& event) {
         const std::string line = event.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
@@ -125,7 +125,7 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
 
 // --- in the process that waits ----------------------------------------------------------------------------------------
 
-// Puts the child's messages into `measured`, and kills the child if a step takes too long.
+// Stores the child's messages in `measured`, and kills the child if a step takes too long.
 class Waiting {
 public:
     Waiting(const MeasureWork& work, Child& child, Measured& measured)
@@ -156,14 +156,14 @@ public:
     }
 
 private:
-    // Starts the time limit of the next step. `phase` is the error message if the child exceeds the limit.
+    // Starts the time limit of the next step. If the child exceeds it, `phase` becomes the error message.
     void allow(const char* phase) {
         phase_ = phase;
         const double seconds = std::min(limit_ + grace_of(limit_), 1e9);  // a clock cannot hold infinity
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     }
 
-    // Kills the child and records the failure. An answer that has already arrived stays valid; only its fields or its
+    // Kills the child and records why. An answer that has already arrived stays valid; only its fields or its
     // certificate are then missing.
     void fail(RowStatus status, const std::string& reason) {
         child_.kill();
@@ -194,7 +194,7 @@ private:
                          answered_ ? "wrote all that was asked for" : "answered"));
     }
 
-    // Processes a line from the child. A solver may have written it, so nothing in it is trusted.
+    // Processes a line from the child. Does not trust its content, because a solver may have written it.
     void hear(const std::string& line) {
         Trouble kind{};
         std::string what;

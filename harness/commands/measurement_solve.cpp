@@ -23,8 +23,8 @@ namespace {
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-// Turns the answer of a solver for the scene with source B and target A into an answer for h(B,A), in which the source
-// point of the witness is on A.
+// Converts a solver's answer for the swapped scene (source B, target A) into an answer for h(B,A). Afterwards, the
+// source point of the witness is on A.
 Result turned(Result result) {
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);
@@ -33,8 +33,8 @@ Result turned(Result result) {
     return result;
 }
 
-// Combines both directions into H(A,B). If both gaps are within the tolerance, so is the gap of H: the upper bound of H
-// is the larger of the two upper bounds, and the lower bound of H is at least the lower bound of the direction that has
+// Combines both directions into H(A,B). If both gaps are within the tolerance, so is the gap of H. The upper bound of H
+// is the larger of the two upper bounds. The lower bound of H is at least the lower bound of the direction that has
 // this upper bound, so the gap of H is at most the gap of that direction.
 Result larger_of(const Query& query, const Result& forward, const Result& backward) {
     for (const Result* one : {&forward, &backward}) {
@@ -57,7 +57,6 @@ Result larger_of(const Query& query, const Result& forward, const Result& backwa
     return whole;
 }
 
-// Prepares and answers one request.
 class Solving {
 public:
     Solving(const MeasureWork& work, PreparedPair shapes, Measured& measured)
@@ -75,7 +74,7 @@ public:
         backward_.emplace(session(shapes_.target, shapes_.source, false));
     }
 
-    // Returns the total time to prepare; counts shared structures once.
+    // Returns the total preparation time. Structures shared between sessions count once.
     double prepare_seconds() const {
         double sum = 0;
         for (const auto* one : {&forward_, &both_, &backward_}) {
@@ -112,7 +111,7 @@ public:
         drawn();
     }
 
-    // Solves once more, writes the proof with the bounds of that answer, and checks the written proof.
+    // Solves once more, writes a certificate with the bounds of the new answer, and checks it.
     void write_certificate(const std::function<void()>& written) {
         Query query = query_;
         query.wanted.certificate = true;
@@ -153,22 +152,22 @@ public:
     }
 
 private:
-    // Returns the answer of a direction. If the direction has none of its own, returns the bounds that H gives: from 0
-    // to the upper bound of H.
+    // Returns the answer for a direction. If it was not solved separately, returns the bounds that follow from H: 0 and
+    // the upper bound of H.
     Result of_direction(const std::optional<Result>& answer) const {
         Result result;
         result.bounds.upper = measured_.result.bounds.upper;
         return answer.value_or(result);
     }
 
-    // Writes the shape `from` with its distances to `to`. `witness`: the point of `from` that is farthest from `to`, if
-    // it is known; it becomes a vertex.
+    // Writes the shape `from` with its distances to `to`. `witness` is the point of `from` farthest from `to`, if
+    // known, and becomes a vertex.
     void write_fields(const Session& session, const PreparedShape& from, const PreparedShape& to, const Result& answer,
                       const Vec3& witness, Index witness_element, const std::filesystem::path& file) {
         const Drawing drawing{work_.request.resolution, answer.bounds.lower, witness, witness_element};
         const DrawnField drawn = draw_distance(from, {}, to, {}, drawing);
         Fields own;
-        // Solves a second time for the solver's own fields, so that the measured time is the time for the bounds alone.
+        // Solves again for the solver's own fields, so that the measured time is the time for the bounds alone.
         if (work_.entry.info.can(Ability::fields)) {
             Query query = query_;
             query.wanted.fields = true;
@@ -205,7 +204,7 @@ private:
     }
 
     // Solves each direction to the full tolerance, because both are printed. (For H alone, the second direction could
-    // stop early, with the lower bound of the first as its floor.)
+    // stop once it is known to be below the first.)
     void solve_both() {
         const Result forward = ask(*forward_, query_, measured_.forward_seconds);
         measured_.forward = forward;
@@ -219,8 +218,8 @@ private:
     }
 
     // Solves with a tolerance that is a fraction of the lower bound. A direction with distance 0 has the lower bound 0,
-    // so that only the gap 0 would be within the tolerance. So H is solved first, and the gap that is allowed for H
-    // becomes the absolute tolerance of both directions.
+    // so its allowed gap would be 0. So H is solved first, and the gap allowed for H becomes the absolute tolerance of
+    // both directions.
     void solve_relative() {
         Query whole = query_;
         whole.quantity = Quantity::symmetric;

@@ -1,4 +1,4 @@
-// The solving part of `measure`, which runs in a process of its own.
+// The part of `measure` that solves. It runs in a process of its own.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -14,18 +14,18 @@ struct MeasureWork {
     Tolerance tolerance;
 };
 
-// Functions that prepare_and_solve() calls after each step.
+// Callbacks of prepare_and_solve(), called after each step.
 struct MeasureSteps {
     std::function<void()> prepared = [] {}, answered = [] {};
-    std::function<void()> drawn = [] {};   // the file described by the last entry of Measured::drawn is written
+    std::function<void()> drawn = [] {};   // a file of fields is written; Measured::drawn.back() describes it
     std::function<void()> proved = [] {};  // the certificate is written but not checked yet
 };
 
-// Prepares, solves, and fills in the answers of `measured`.
+// Prepares and solves, writes the requested files, and stores the answers in `measured`.
 void prepare_and_solve(const MeasureWork& work, Shape source, Shape target, Measured& measured,
                        const MeasureSteps& steps);
 
-// Does the same in a process of its own.
+// Like prepare_and_solve(), but in a child process, so that a crash of the solver ends only that process.
 void solve_outside(const MeasureWork& work, Shape source, Shape target, Measured& measured);
 
 }  // namespace hausbench

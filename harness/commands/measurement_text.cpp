@@ -26,14 +26,13 @@ Index count_parts(const MeasuredShape& s) {
     return s.parts.empty() ? 0 : *std::max_element(s.parts.begin(), s.parts.end()) + 1;
 }
 
-// Returns the connected part of an element; -1 if unknown.
+// Returns the number of the connected part that contains an element, or -1 if unknown.
 Index part_of(const MeasuredShape& s, Index element) {
     return element < 0 || element >= Index(s.parts.size()) ? -1 : s.parts[std::size_t(element)];
 }
 
 json known(Index number) { return number < 0 ? json() : json(number); }
 
-// Describes the distance of one direction, or of H.
 json answer_json(const Result& r, const Measured& m) {
     const double diagonal = m.source.diagonal;
     return {{"lower", number(r.bounds.lower)},

@@ -26,17 +26,17 @@ bool was_run(const Outcome& o) {
     return (o.status != RowStatus::skipped && o.status != RowStatus::not_built) || !o.solver_status.empty();
 }
 
-// Returns a key that names the case within the experiment. Case::identity cannot serve as the key, because it contains
-// the hashes of the shapes, which a machine without the model does not know. Options are compared separately
-// (same_options()), because a machine without the solver knows only the parameters that the experiment gives.
+// Returns a key that identifies the case within its experiment. Unlike Case::identity, it omits the hashes of the
+// shapes, because a machine without the model does not know them. It also omits the options, because a machine without
+// the solver knows only some of them; same_options() compares them.
 std::string place_of_case(const Case& c) {
     return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
                            c.tolerance_of, to_string(c.quantity), c.warm})
         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-// Returns whether two rows have the same options. If the solver of one is not built, that row has only the parameters
-// that the experiment gives, and the other row must have at least these.
+// Returns whether two rows have the same options. A row whose solver is not built has only the parameters given in the
+// experiment, so the other row need only contain these.
 bool same_options(const Row& a, const Row& b) {
     const auto within = [](const ParameterMap& few, const ParameterMap& many) {
         return std::all_of(few.begin(), few.end(),
@@ -47,8 +47,8 @@ bool same_options(const Row& a, const Row& b) {
     return a.asked.options == b.asked.options;
 }
 
-// Returns the shards in a result, as pairs (3, 1), (3, 2), from its attribute `shard`, here "1/3, 2/3". Returns none
-// for a whole result, for an old result, which lacks the attribute, and for a damaged one.
+// Parses the attribute `shard` of a result: "1/3, 2/3" gives the pairs (3, 1) and (3, 2). Returns no pairs for a
+// complete, old or damaged result.
 std::set<std::pair<int, int>> shards_in(const std::string& text) {
     std::set<std::pair<int, int>> shards;
     std::istringstream in(text);
@@ -63,7 +63,8 @@ std::set<std::pair<int, int>> shards_in(const std::string& text) {
     return shards;
 }
 
-// Returns the shards of two results together; empty if one of them is whole, or if no shard is missing.
+// Returns the shards of two results together, as text. Returns an empty string if no shard is missing, or if one of the
+// results is complete.
 std::string both_shards(const std::string& one, const std::string& other) {
     std::set<std::pair<int, int>> shards = shards_in(one), more = shards_in(other);
     if (shards.empty() || more.empty()) return "";
@@ -77,7 +78,7 @@ std::string both_shards(const std::string& one, const std::string& other) {
     return text;
 }
 
-// Adds results, one after the other, to the first one. Its errors name the first file and the one being added.
+// Merges results into the first one. Errors name the first file and the one being added.
 class Merger {
 public:
     Merger(ResultFile first, const fs::path& file) : merged_(std::move(first)), first_(file) {
@@ -133,8 +134,7 @@ private:
         merged_.rows.push_back(row);
     }
 
-    // Adds reference answers, of which each shard has some. A row gets its reference bounds when `verify` or the next
-    // run checks it against all of them.
+    // Adds the reference answers that `merged_` lacks. merge() checks the rows against all of them afterwards.
     void add_references(const ResultFile& next) {
         std::set<std::string> known;
         for (const Row& one : merged_.references) known.insert(one.asked.identity);
@@ -142,8 +142,8 @@ private:
             if (known.insert(one.asked.identity).second) merged_.references.push_back(one);
     }
 
-    // Joins two rows of one case, of which `row` was run: replaces `mine` if it was not run, otherwise checks that both
-    // have the same identity and answer.
+    // Joins two rows of one case; `row` was run. Replaces `mine` if it was not run. Otherwise checks that both have the
+    // same identity and answer.
     void join(Row& mine, const Row& row) const {
         const Outcome &a = mine.outcome, &b = row.outcome;
         if (!was_run(a)) {
@@ -179,16 +179,16 @@ private:
     std::map<std::string, std::vector<std::size_t>> places_;
 };
 
-// Joins several results of the same experiment and profile, such as shards. Each case gets a row that was run, if any
-// result has one: another machine may have lacked its model or solver. Throws InputError for different experiments, for
-// different builds or machines (unless any_build), or for two rows of one case whose answers differ.
+// Merges results of the same experiment and profile, such as shards. For each case, keeps a row that was run if there
+// is one, because another machine may have lacked the model or solver. Throws InputError if the experiments differ, if
+// the builds or machines differ (unless `any_build`), or if two rows of a case have different answers.
 ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
     Merger merger(read_result(files.front()), files.front());
     for (std::size_t f = 1; f < files.size(); ++f) merger.add(read_result(files[f]), files[f], any_build);
     return merger.merged();
 }
 
-// Returns a line that names the shards missing from a result; empty if every case is in one of its shards.
+// Returns a line that names the shards missing from a result. Returns an empty string if no case is in a missing shard.
 std::string missing_shards(const ResultFile& merged) {
     const auto elsewhere = std::count_if(merged.rows.begin(), merged.rows.end(), [](const Row& row) {
         return row.outcome.status == RowStatus::skipped && row.outcome.reason == in_another_shard;

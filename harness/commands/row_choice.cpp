@@ -17,14 +17,14 @@ namespace hausbench {
 
 namespace {
 
-// One condition of --where. Exactly one of `text` and `value` is set; it gets the value of the column from a row.
+// One condition of --where. Exactly one of `text` and `value` is set, and reads the column from a row.
 struct Condition {
     std::function<std::string(const Row&)> text;  // for a column of texts
     std::function<double(const Row&)> value;      // for a column of numbers
     std::string wanted;
     double number = 0;
     std::string sign;      // "=", "!=", "<", "<=", ">" or ">="
-    bool profile = false;  // the column `profile`: a list of names, one of which must match
+    bool profile = false;  // the column is `profile`, a list of names, one of which must match
 
     bool holds(const Row& row) const {
         const bool differs = sign == "!=";
@@ -39,9 +39,9 @@ struct Condition {
     }
 };
 
-// Makes the condition read the column with this name. `part` returns the part of a row that the columns belong to, such
-// as its outcome. Returns false if no column has this name, or if the column has several numbers per row, as for a
-// point.
+// Finds the column with this name and makes the condition read it. `part` returns the part of a row that has these
+// columns, such as its outcome. Returns false if no column has this name, or if it has several numbers per row, such as
+// a point.
 template <class Part>
 bool find_column(const Columns<Part>& columns, const std::string& name,
                  const std::function<const Part&(const Row&)>& part, Condition& condition) {
@@ -65,7 +65,7 @@ bool find_column(const Columns<Part>& columns, const std::string& name,
     return false;
 }
 
-// Makes the condition read a column that is computed for the tables of `show`: gap, check or answer.
+// Makes the condition read gap, check or answer, columns that `show` computes. Returns false for any other name.
 bool find_shown(const std::string& name, Condition& condition) {
     if (name == "gap") condition.value = [](const Row& row) { return gap_of(row.outcome); };
     if (name == "check") condition.text = check_text;
@@ -73,8 +73,8 @@ bool find_shown(const std::string& name, Condition& condition) {
     return condition.value || condition.text;
 }
 
-// Returns whether a column gets its values only when the rows are checked, which is after the run, so that `run
-// --again` cannot choose rows by it.
+// Returns whether a column gets its values only from the check after a run. `run --again` cannot choose rows by such a
+// column.
 bool is_checked_afterwards(const std::string& name) {
     const auto has = [&](const auto& columns) {
         return std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.name == name; });

@@ -16,7 +16,7 @@ using nlohmann::json;
 
 namespace {
 
-// Returns a row for programs, with all digits. The keys, in this order, are also the names of the CSV columns.
+// Returns the values of a row for JSON and CSV, with all digits. The keys, in this order, are also the CSV columns.
 nlohmann::ordered_json row_object(const Row& row) {
     const Case& c = row.asked;
     const Outcome& o = row.outcome;
@@ -82,8 +82,8 @@ struct Shown {
     std::function<std::string(const Row&)> cell;
 };
 
-// Returns the columns to show. Pose, tolerance and profile are shown only if they differ between rows, and `answer`
-// only if some row answers by its floor or cutoff.
+// Returns the columns to show. Omits pose, tolerance and profile if they are the same in all rows, and `answer` if no
+// row stopped at its floor or cutoff.
 std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::size_t>& rows) {
     const auto differ = [&](auto value) {
         return std::any_of(rows.begin(), rows.end(), [&](std::size_t row) {

@@ -14,7 +14,7 @@ namespace hausbench {
 
 std::string duration_text(double seconds) {
     if (!std::isfinite(seconds)) return "";
-    // From 999.5 of a unit on, the next unit is used: three digits would give "1e+03".
+    // Switches to the next unit at 999.5, because three digits would give "1e+03".
     return seconds < 999.5e-6   ? fmt::format("{:.3g} µs", seconds * 1e6)
            : seconds < 999.5e-3 ? fmt::format("{:.3g} ms", seconds * 1e3)
            : seconds < 999.5    ? fmt::format("{:.3g} s", seconds)
@@ -23,7 +23,7 @@ std::string duration_text(double seconds) {
 
 std::string bound_text(double value, bool lower) {
     if (!std::isfinite(value)) return std::isnan(value) ? "" : "inf";
-    // Not stod(), which throws for numbers below the normal range.
+    // stod() would throw for subnormal numbers.
     const auto read = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
     std::string text = fmt::format("{:.5e}", value);
     const double shown = read(text);

@@ -28,7 +28,8 @@ struct RunArguments : ExperimentArguments {
     ClusterArguments slurm;
 };
 
-// Leaves only the jobs of one shard in the plan. Without a file that says which jobs these are, splits the plan anew.
+// Removes the jobs of all other shards from the plan. `split_file` gives the shard of each job; if it is empty, splits
+// the plan here.
 void take_shard(Plan& plan, const Shard& shard, const std::filesystem::path& split_file) {
     const Split parts = split_file.empty() ? split(plan, Estimates({}), shard.of) : read_split(split_file);
     if (parts.of != shard.of)
@@ -37,7 +38,7 @@ void take_shard(Plan& plan, const Shard& shard, const std::filesystem::path& spl
     take_shard(plan, shard, parts.of_jobs(plan));
 }
 
-// Refuses options that --engine slurm cannot pass on to its tasks.
+// Throws InputError for options that cannot be combined with --engine slurm.
 void refuse_with_slurm(const RunArguments& arguments) {
     const std::pair<bool, const char*> others[] = {
         {arguments.fresh, "--fresh (remove the journals of its shards instead)"},
@@ -54,7 +55,7 @@ void refuse_with_slurm(const RunArguments& arguments) {
     }
 }
 
-// Returns whether a case failed, crashed or ran out of memory when it was run. Cases that were left out do not count.
+// Returns whether a case failed, crashed or ran out of memory while it ran. Cases that were not started do not count.
 bool any_failed(const std::vector<Row>& rows) {
     return std::any_of(rows.begin(), rows.end(), [](const Row& row) {
         const RowStatus status = row.outcome.status;

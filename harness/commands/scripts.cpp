@@ -19,8 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Number of values of an option. The scripts parse their options themselves, too; a test checks that the options here
-// are the same.
+// The number of values that an option takes. The Python scripts define the same options again; a test compares both.
 enum class Takes { nothing, value, values };
 
 void take(CLI::App* verb, const std::string& name, Takes takes, const std::string& value, const std::string& meaning) {
@@ -35,7 +34,7 @@ void take(CLI::App* verb, const std::string& name, Takes takes, const std::strin
 }
 
 // Returns the command line for the script. Positional arguments come first, because an option with several values would
-// swallow positional arguments after it.
+// swallow them.
 std::vector<std::string> words_of(const CLI::App& verb) {
     std::vector<std::string> positionals, options;
     for (const CLI::Option* option : verb.get_options()) {
@@ -59,10 +58,10 @@ std::vector<std::string> words_of(const CLI::App& verb) {
     return positionals;
 }
 
-// Replaces this process with `python3 -P -m MODULE GIVEN...`, or with the script MODULE if it ends in .py, so that
-// Ctrl-C and the exit code work as if Python had been called directly. `folder` contains the module's package and comes
-// first in PYTHONPATH. The environment variable PYTHON chooses another Python than /usr/bin/python3; HAUSBENCH_PROGRAM
-// is set to this program. Never returns; throws InputError if Python cannot be started.
+// Replaces this process with `python3 -P -m MODULE GIVEN...` (or `python3 MODULE GIVEN...` if MODULE ends in .py), so
+// that Ctrl-C and the exit code work as if Python had been called directly. Puts `folder`, which contains the module's
+// package, first in PYTHONPATH. The environment variable PYTHON chooses another Python; HAUSBENCH_PROGRAM is set to
+// this program. Never returns; throws InputError if Python cannot be started.
 [[noreturn]] void become_python(const std::string& verb, const fs::path& folder, const std::string& module,
                                 const std::vector<std::string>& given) {
     const char* chosen = std::getenv("PYTHON");
@@ -88,8 +87,8 @@ std::vector<std::string> words_of(const CLI::App& verb) {
                     verb, python, std::strerror(errno)));
 }
 
-// Returns the checkout or share/hausbench of the installation, whichever has this file. Throws InputError if neither
-// does.
+// Returns the folder that contains this file: the checkout, or share/hausbench of the installation. Throws InputError
+// if neither contains it.
 fs::path folder_with(const std::string& verb, const fs::path& file) {
     if (const auto root = find_project_root(); root && fs::exists(*root / file)) return *root;
     if (fs::exists(installed_folder() / file)) return installed_folder();
@@ -99,7 +98,7 @@ fs::path folder_with(const std::string& verb, const fs::path& file) {
 
 }  // namespace
 
-// Adds `draw`, which makes tables and figures of any result with analysis/draw.py.
+// Adds the verb `draw`, which makes tables and figures of a result with analysis/draw.py.
 void add_draw(CLI::App& app, int&) {
     auto* verb = add_verb(app, "draw", "draws tables and figures of a result, for papers",
                           "hausbench draw results/zhang2017_table3.h5 --as table");
@@ -118,7 +117,7 @@ void add_draw(CLI::App& app, int&) {
     });
 }
 
-// Adds `fetch`, which gets real meshes from packages into the cache with datasets/fetch.py.
+// Adds the verb `fetch`, which copies meshes from packages into the cache with datasets/fetch.py.
 void add_fetch(CLI::App& app, int&) {
     auto* verb =
         add_verb(app, "fetch", "fetches models from the Debian packages that have them", "hausbench fetch bunny");
@@ -136,8 +135,8 @@ void add_fetch(CLI::App& app, int&) {
     });
 }
 
-// Adds `track`, which tells whether the solvers of a checkout have become slower. bench/tracking does the work in
-// Python, because its statistics use scipy.
+// Adds the verb `track`, which tests whether the solvers of a checkout have become slower. bench/tracking is in Python,
+// because its statistics use scipy.
 void add_track(CLI::App& app, int&) {
     auto* verb = add_verb(
         app, "track", "tells whether solvers have become slower", "hausbench track --base main --tiers counters,time",

@@ -15,7 +15,7 @@ namespace hausbench {
 
 namespace {
 
-// Shows the metadata of a result: how, with which program and where it was measured.
+// Returns the metadata of a result: how, where and with which program it was measured.
 std::string show_meta(const ResultFile& result, Form form) {
     nlohmann::ordered_json all;
     for (const auto& [name, value] : result.texts) all[name] = value;

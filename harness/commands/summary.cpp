@@ -58,10 +58,10 @@ std::string describe_references(const ResultFile& result) {
 
 namespace {
 
-// How well the upper bounds of a solver were tested.
+// Statistics on how well the upper bounds of a solver were tested.
 struct Tried {
-    std::size_t answers = 0, held = 0;  // number of answers with bounds, and of those with a known distance
-    // Largest fraction of the way from lower to upper bound at which the distance is known to lie.
+    std::size_t answers = 0, held = 0;  // answers with bounds; those with a known distance
+    // Largest (distance - lower) / (upper - lower) of an answer with a known distance.
     double share = 0;
 };
 
@@ -71,7 +71,7 @@ std::vector<std::string> describe_tried(const ResultFile& result) {
     std::map<std::string, Tried> tried;
     for (const Row& row : result.rows) {
         const Bounds& bounds = row.outcome.bounds;
-        // A reference answer is checked, so it takes precedence over the distance that the experiment gives.
+        // Prefers the reference answer to the distance given in the experiment, because it was checked.
         const double distance = std::isnan(row.reference.lower) ? row.asked.exact : row.reference.lower;
         const bool exact = bounds.gap() == 0 && !std::isnan(distance);  // the known distance then tests both bounds
         if (row.asked.certified != 1 || !plugin_of(row.asked.solver) || exact || !(bounds.gap() >= 0) ||
@@ -123,13 +123,13 @@ std::vector<std::string> describe_wrong_exact(const ResultFile& result) {
 
 namespace {
 
-// Replaces every number by "#", so that reasons which differ only in their numbers become equal.
+// Replaces every number with "#", so that reasons that differ only in numbers become equal.
 std::string without_numbers(const std::string& text) {
     static const std::regex number(R"([-+]?\d[\d.]*(e[-+]?\d+)?)");
     return std::regex_replace(text, number, "#");
 }
 
-// Groups of rows with the same key, in the order of their first rows.
+// Groups rows by a key. The groups are in the order of their first rows.
 class Groups {
 public:
     void add(const std::string& key, const Row& row) {
@@ -144,7 +144,7 @@ private:
     std::vector<std::vector<const Row*>> groups_;
 };
 
-// Returns whether all rows belong to one scene at one tolerance; otherwise the median time and the largest gap mean
+// Returns whether all rows have the same scene and tolerance. Otherwise the median time and the largest gap mean
 // nothing.
 bool of_one_question(const std::vector<Row>& rows) {
     return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {

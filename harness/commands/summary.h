@@ -11,10 +11,11 @@
 
 namespace hausbench {
 
-// Returns a table with a line for each solver; then a line for each reason why rows are not `ok`.
+// Returns a table with one line per solver, followed by a line for each reason why rows are not `ok`.
 std::string show_summary(const ResultFile& result, const Paper& paper);
 
-// The names of solvers in summaries: a sweep of many values, such as seeds, becomes one name, "ohd(60 variants)".
+// Names of solvers in summaries. If a solver has more than eight variants, such as seeds, they share one name,
+// "ohd(60 variants)".
 class SummaryNames {
 public:
     explicit SummaryNames(const std::vector<Row>& rows);
@@ -26,18 +27,18 @@ private:
 
 std::string count_statuses(const std::vector<Row>& rows);  // "24 ok, 3 timeout"
 
-// Returns text on the reference answers (plan/references.h): how many there are, how many are within their tolerance,
-// how many upper bounds are proven, and how many rows are compared with one. It also counts the rows whose interval is
-// narrower than the interval of their reference: the comparison misses errors up to the width of the reference. Empty
-// if the result has no references.
+// Describes the reference answers (plan/references.h): how many there are, how many are within their tolerance, how
+// many upper bounds are proven, and how many rows are compared with one. Also counts the rows whose interval is
+// narrower than their reference, because errors up to the reference's width go unnoticed. Returns an empty string
+// without references.
 std::string describe_references(const ResultFile& result);
 
-// Returns a line for each certified solver of a plug-in whose upper bounds were tested little or not at all: in every
-// row with a known distance, the distance lies in the lower half of the solver's interval. Upper bounds that are wrong
-// on other scenes could then all hold here.
+// Returns a warning for each certified solver of a plug-in whose upper bounds were hardly tested: every known distance
+// lies in the lower half of the solver's interval. Upper bounds that are wrong on other scenes could then all hold
+// here.
 std::vector<std::string> describe_tried(const ResultFile& result);
 
-// Returns a line for each scene whose true distance according to the experiment (key `exact`) lies outside its
+// Returns a warning for each scene whose exact distance, given in the experiment (key `exact`), lies outside the
 // reference answer by more than rounding explains.
 std::vector<std::string> describe_wrong_exact(const ResultFile& result);
 

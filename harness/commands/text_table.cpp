@@ -88,7 +88,7 @@ TextTable::Layout TextTable::layout(const Paper& paper) const {
         layout.widths.erase(layout.widths.begin() + (at - layout.columns.begin()));
         layout.columns.erase(at);
     }
-    // Shortens the widest column that allows it, one character at a time.
+    // Repeatedly takes one character from the widest column that may be shortened.
     while (paper.width > 0 && needed() > paper.width) {
         std::size_t* widest = nullptr;
         for (std::size_t i = 0; i < layout.columns.size(); ++i) {

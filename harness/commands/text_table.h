@@ -15,8 +15,8 @@ struct Paper {
     bool colour = false;
 };
 
-// Returns the settings for standard output: the width of the terminal (or COLUMNS, if set), and colour only on a
-// terminal without NO_COLOR.
+// Returns the settings for standard output: the width is COLUMNS or the width of the terminal. Colour is used only on a
+// terminal, unless NO_COLOR is set.
 Paper paper_of_output();
 
 enum class Colour { none, red, yellow, grey };
@@ -25,8 +25,8 @@ std::string coloured(const std::string& text, Colour colour, const Paper& paper)
 // Returns the text wrapped at `width` characters (0: one line), with each line indented by `indent` blanks.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width);
 
-// A table. If it is wider than the paper, it leaves out columns, the highest `rank` first and never rank 0; if it is
-// still too wide, it shortens texts of columns that allow it; if that is not enough, it prints each row as running
+// A table that fits the width of the paper. If it is too wide, it first omits columns, the highest `rank` first and
+// never rank 0, then shortens texts in columns that allow it. If that is not enough, it prints each row as running
 // text.
 class TextTable {
 public:
@@ -47,7 +47,7 @@ public:
         for (std::string& cell : row.cells) cell = printable(cell);
         rows_.push_back(std::move(row));
     }
-    // Returns the table. `left_out`, if given, receives the titles of the columns that were left out.
+    // Returns the table as text. If `left_out` is given, it receives the titles of the omitted columns.
     std::string text(const Paper& paper, std::vector<std::string>* left_out = nullptr) const;
 
 private:

@@ -11,9 +11,9 @@
 
 namespace hausbench {
 
-// Each adds a verb to the command line. CLI11 calls the verb's callback, which does the work and sets `code`, the exit
-// code of the program, if it is not 0. The variables that receive the verb's arguments are static in each function;
-// this is enough because the program reads its command line once.
+// Each function adds a verb to the command line. CLI11 calls the verb's callback, which does the work and sets `code`,
+// the exit code, if it is not 0. The parsed arguments are static variables, which is safe because the program parses
+// its command line only once.
 void add_run(CLI::App& app, int& code);
 void add_explain(CLI::App& app, int& code);
 void add_list(CLI::App& app, int& code);
@@ -28,8 +28,8 @@ void add_track(CLI::App& app, int& code);
 void add_draw(CLI::App& app, int& code);
 void add_fetch(CLI::App& app, int& code);
 
-// Adds hidden verbs, most of which the program calls itself: it runs readers and solvers in processes of their own, so
-// that a crash ends only that process.
+// Adds hidden verbs. The program calls most of them itself, to run readers and solvers in separate processes, so that a
+// crash ends only that process.
 void add_internal_verbs(CLI::App& app, int& code);
 
 // Adds a verb with its help: a description in one line ("joins results", no full stop), an example, and notes such as
@@ -37,14 +37,14 @@ void add_internal_verbs(CLI::App& app, int& code);
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& meaning, const std::string& example,
                    const std::string& notes = "");
 
-// Adds the option --plugin. The given libraries are loaded before the verb's callback runs, so that it finds their
-// solvers.
+// Adds the option --plugin. The given libraries are loaded before the verb's callback runs, so that the callback finds
+// their solvers.
 void take_plugins(CLI::App* verb);
 const std::vector<std::filesystem::path>& plugins_given();
 
 Catalogue catalogue();  // the models of the project or the installation
 
-// Write text in the characters that printable.h allows.
+// Print text. Control characters are replaced (printable.h).
 void print(const std::string& text);              // to standard output
 void say(const std::vector<std::string>& lines);  // to standard error, as messages of the program
 

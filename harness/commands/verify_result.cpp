@@ -54,8 +54,8 @@ void send(int pipe, const json& told) {
     }
 }
 
-// Makes the models of a result in `folder`; runs in a process of its own. Sends a line for each model, in order, with
-// the file of its shape or the reason why it is missing. Ends at the first model that cannot be made.
+// Makes the models of a result in `folder`. Runs in a child process and sends a line for each model, in order: the file
+// of its shape, or the reason why it is missing. Stops at the first model that cannot be made.
 int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& folder, int pipe) {
     try {
         std::error_code unknown;
@@ -80,7 +80,8 @@ int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& f
     return 0;
 }
 
-// Starts a process that runs make_shapes(), receives its lines one by one, and throws InputError beyond its limits.
+// Starts a process that runs make_shapes(), and receives its lines. Throws InputError if the process takes too much
+// time or memory.
 class Maker {
 public:
     explicit Maker(Launch launch)
@@ -112,10 +113,10 @@ private:
     Child child_;
 };
 
-// Returns the shapes of the result's models by name, and adds a line to `missing` for each model that is not
-// available. The result file itself says how its models are made, and the file may come from a stranger. So the models
-// are made in a process of its own, within limits of time, memory and size, and nothing is written to the cache. Throws
-// InputError beyond a limit, for a model that cannot be made, and for one that differs from the measured model.
+// Returns the shapes of the result's models by name. Adds a line to `missing` for each model that is not available. The
+// result says how its models are made, and may come from a stranger. So a separate process makes them, within limits of
+// time, memory and size, and without writing to the cache. Throws InputError beyond a limit, or if a model cannot be
+// made or differs from the measured one.
 std::map<std::string, Shape> foreign_shapes(const ResultFile& result, const Catalogue& manifest,
                                             std::vector<std::string>& missing) {
     const HoldInterrupts hold;  // destroyed after the folder, so that Ctrl-C leaves no folder behind
