@@ -64,7 +64,7 @@ public:
     Result solve(const Query& query, State*, Trace& trace) const override {
         if (!meshes_) return without_meshes(query);
         Query inner = query;
-        inner.floor = 0;  // the query's floor and cutoff refer to the surfaces, not to the meshes
+        inner.floor = 0;  // floor and cutoff of the query refer to the surfaces, not to the meshes
         inner.cutoff = std::numeric_limits<double>::infinity();
         Trace unused;
         Result result = meshes_->solve(inner, unused);
@@ -96,8 +96,8 @@ public:
     }
 
 private:
-    // Returns an upper bound on the distance between a point of one box and a point of the other. Each box is given by
-    // two opposite corners.
+    // Returns an upper bound on the distance between any point of one box and any point of the other. Row 0 of a box is
+    // its low corner, row 1 its high corner.
     static double farthest(const Points& a, const Points& b) {
         const UpwardRounding upward;
         Interval sum(0.0);

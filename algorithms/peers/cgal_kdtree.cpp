@@ -39,7 +39,7 @@ class CgalKdTree final : public Solver {
 public:
     explicit CgalKdTree(const Options&) {}
 
-    // Calls build(), because otherwise the first search would build the tree, and solve() would take the time for it.
+    // Calls build() explicitly. Otherwise the first search would build the tree, and its time would count in solve().
     void prepare(const Scene& scene, const Prepared&) override {
         scene_ = &scene;
         const Points& b = points_of(scene.target);
@@ -48,9 +48,9 @@ public:
         tree_.build();
     }
 
-    // Returns the memory of the points, of the nodes, and of one pointer per point, which CGAL keeps after building.
-    // num_nodes() of CGAL 5.5 counts only the leaves; a binary tree has one inner node fewer than leaves. The unused
-    // capacity of CGAL's arrays of nodes, a few percent, is not counted.
+    // Returns the memory of the tree: the points, one pointer for each point, and the nodes. num_nodes() of CGAL 5.5
+    // counts only the leaves; a binary tree has one inner node fewer. Does not count the unused capacity of CGAL's
+    // arrays of nodes, which is a few percent.
     std::size_t prepared_bytes() const override {
         const std::size_t leaves = tree_.root()->num_nodes();
         return tree_.size() * (sizeof(Entry) + sizeof(const Entry*)) + leaves * sizeof(Tree::Leaf_node) +

@@ -98,8 +98,9 @@ private:
         return result;
     }
 
-    // Measures one part: H between its two sides. If the part lies inside one of the meshes, one side is empty; then
-    // measures h from the other side to the whole of that mesh.
+    // Computes the depth of one part: the symmetric distance H between its boundary from A and its boundary from B. If
+    // the part lies inside one of the meshes, it has no boundary from that mesh. The depth is then the directed
+    // distance h from the part to the whole mesh.
     Result measure(const CommonPart& part, Query query) const {
         const bool in_target = part.of_target.triangles.rows() == 0, in_source = part.of_source.triangles.rows() == 0;
         const auto whole = [](const TriangleMesh& mesh, const Pose& pose) {

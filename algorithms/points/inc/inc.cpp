@@ -25,12 +25,13 @@
 namespace hausbench {
 namespace {
 
-// A node or a point of an R-tree: a node is its index in RTree::nodes(), a point is ~i (so it is negative), where i is
-// its position in RTree::order().
+// Identifies a node or a point of an R-tree. A node has its index in RTree::nodes(). A point has the negative number
+// ~i, where i is its position in RTree::order().
 using Id = std::int32_t;
 bool is_point(Id id) { return id < 0; }
 
-// A node or point of B in the queue of an entry, with its least squared distance to the node or point of A.
+// A node or point of B that may contain the nearest neighbour of a point in x, a node or point of A. `squared_lower` is
+// a lower bound on its squared distance to x.
 struct Near {
     double squared_lower;
     Id id;
@@ -40,18 +41,18 @@ struct Near {
     }
 };
 
-// An entry of the main queue. The one with the largest upper bound is on top.
+// An entry of the main queue, in which the entry with the largest upper bound comes first.
 struct Entry {
     double squared_upper;
     Id id;                   // a node or point of A
-    std::vector<Near> near;  // its queue over B, a heap
+    std::vector<Near> near;  // nodes and points of B that may contain nearest neighbours: a heap
 
     bool operator<(const Entry& other) const {
         return squared_upper != other.squared_upper ? squared_upper < other.squared_upper : id < other.id;
     }
 };
 
-// The search of one query.
+// The search for one query.
 class IncSearch {
 public:
     IncSearch(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query,
@@ -132,8 +133,8 @@ private:
     }
     static std::size_t held(const Entry& entry) { return entry.near.capacity() * sizeof(Near); }
 
-    // Sets `lower` and `upper` to bounds on the squared distance between any point in x and any point in `near`. If
-    // both are points, the bounds are equal.
+    // Sets `lower` and `upper` to bounds on the squared distance between any point in the box x and any point in
+    // `near`, a node or point of B. The bounds are equal if both are single points.
     void bound(const Box& x, Id near, double& lower, double& upper) {
         const Box y = target_box(near);
         ++(is_point(near) ? counters_.bound_tests : counters_.node_visits);
@@ -141,7 +142,7 @@ private:
         upper = squared_distance_at_most(x, y);
     }
 
-    // Pushes an entry for each child of a node of A.
+    // Splits a node of A: pushes an entry for each of its children.
     void split_source(const Entry& parent) {
         ++counters_.subdivisions;
         for_each_child(source_, parent.id, [&](Id child) {
@@ -163,7 +164,8 @@ private:
         bytes_ -= held(parent);
     }
 
-    // Replaces the first node in the queue of an entry with its children. `x` is the box of the entry.
+    // Replaces the node of B that comes first in the queue of an entry with its children. `x` is the box of the entry's
+    // node or point of A.
     void split_target(Entry entry, const Box& x) {
         bytes_ -= held(entry);
         const Id node = entry.near.front().id;
@@ -179,8 +181,8 @@ private:
         push(std::move(entry));
     }
 
-    // Puts the items that are not farther than the upper bound of the entry into its queue, once this bound is final.
-    // Allocates no spare capacity, because these queues take most of the memory.
+    // Sets the queue of an entry to the items in `all` that are not farther than the upper bound of the entry, which
+    // must be final. Allocates no spare capacity, because these queues take most of the memory.
     static void keep(Entry& entry, const std::vector<Near>& all) {
         const auto kept = [&](const Near& near) { return near.squared_lower <= entry.squared_upper; };
         entry.near.reserve(static_cast<std::size_t>(std::count_if(all.begin(), all.end(), kept)));
@@ -198,11 +200,11 @@ private:
     const Points &a_, &b_;
     const Query& query_;
     Trace& trace_;
-    Box a_box_;  // the box of A as moved by its pose; not set, and not needed, for the identity
+    Box a_box_;  // the box of A, moved by its pose; left empty for the identity
     Deadline deadline_;
     Counters counters_;
     std::vector<Entry> heap_;                 // the main queue
-    std::size_t bytes_ = 0, most_bytes_ = 0;  // of all queues over B: now, and at the peak with the main queue
+    std::size_t bytes_ = 0, most_bytes_ = 0;  // memory of all queues over B now; peak memory with the main queue
 };
 
 class Inc final : public Solver {

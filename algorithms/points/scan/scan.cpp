@@ -113,8 +113,9 @@ private:
         return squared_distance(point, grid_.candidate(point).point);
     }
 
-    // Compares up to `batch` points, those farthest from their candidates, with all of B. Removes them from
-    // `undecided`, and all other points that the new largest distance decides.
+    // Compares the `batch` points that are farthest from their candidates (all points if there are fewer) with all of
+    // B. Removes them from `undecided`. Also removes each point that has a known point of B within the new largest
+    // distance.
     static void compare_farthest(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) {
         const std::size_t count = std::min(batch, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
@@ -129,9 +130,9 @@ private:
         drop_decided(undecided, state);
     }
 
-    // Compares the undecided points with one point of B from each occupied cell of the grid, which may be nearer than
-    // the candidate. For points of A far from B, the nearest of these is about as near as the closest point. Does
-    // nothing if this takes more than 8 * |B| comparisons.
+    // Lowers the known distances of undecided points: compares each with one point of B from every occupied cell of the
+    // grid. For points of A far from B, the nearest of these is about as near as the closest point of B. Does nothing
+    // if this takes more than 8 * |B| comparisons.
     void compare_with_spread(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) const {
         const std::size_t pairs = undecided.size() * grid_.occupied();
         if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
@@ -156,7 +157,8 @@ private:
         return farthest;
     }
 
-    // Returns whether candidates would decide fewer than half of the points in a sample of A.
+    // Returns whether most points in a sample of A are farther from their candidates than the largest distance so far.
+    // Step 3 would then discard too few points to be worth its time.
     bool candidates_decide_few(const Points& a, ScanState& state) const {
         const std::vector<Index> some = sample_of(a, nullptr);
         std::size_t left = 0;
@@ -165,7 +167,8 @@ private:
         return left > some.size() / 2;
     }
 
-    // Performs step 3: returns the points of A that remain undecided. `farthest` comes from farthest_of_blocks().
+    // Step 3: returns the points of A that may still raise the largest distance. `farthest` is the result of
+    // farthest_of_blocks().
     std::vector<Undecided> keep_undecided(const ScanWork& work, const std::vector<Undecided>& farthest,
                                           ScanState& state) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
@@ -182,8 +185,8 @@ private:
             }
         }
         compare_with_spread(work, undecided, state);
-        // Compares the farthest points with all of B once, and again as long as the last pass decided at least half of
-        // the points or two more passes would decide all others. Then these passes are cheaper than step 5.
+        // Compares the farthest points with all of B once. Goes on while the last pass removed at least half of the
+        // points, or if two more passes are enough for the rest: these passes are cheaper than step 5.
         for (std::size_t before = 2 * undecided.size();
              !undecided.empty() && undecided.size() <= std::max(before / 2, 2 * batch);) {
             before = undecided.size();
@@ -192,7 +195,7 @@ private:
         return undecided;
     }
 
-    // Removes the points that have a known point of B within the largest distance.
+    // Removes the points that cannot raise the largest distance, because a known point of B is within it.
     static void drop_decided(std::vector<Undecided>& undecided, const ScanState& state) {
         std::erase_if(undecided, [&](const Undecided& one) { return one.squared <= state.farthest.squared; });
     }

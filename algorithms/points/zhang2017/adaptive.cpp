@@ -31,7 +31,7 @@ namespace {
 
 enum Choice : std::size_t { nohd = 0, earlybreak = 1, ohd = 2 };
 constexpr const char* names[] = {"nohd", "earlybreak", "ohd"};
-// Parameters of the three solvers that this one offers too, and passes on to them.
+// Parameters that this solver passes on to the solvers among which it chooses.
 constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};
 
 // How much two boxes overlap.
@@ -40,8 +40,7 @@ struct Overlap {
     double alpha = -1, iou = 0;
 };
 
-// Multiplies the fractions that the intersection takes of the boxes along each axis, because volumes could overflow or
-// underflow.
+// Multiplies ratios of lengths along the axes instead of dividing volumes, because volumes could overflow or underflow.
 Overlap overlap_of(const Box& a, const Box& b) {
     double of_a = 1, of_b = 1;  // the intersection as a fraction of each box
     for (int k = 0; k < 3; ++k) {
@@ -77,9 +76,9 @@ public:
         return needs;
     }
 
-    // The octrees that needs() asked for tell which solvers may be chosen. If A moves, there are both octrees, and each
-    // query may choose any solver. Otherwise the choice is made: only the octree of A means NOHD, only the octree of B
-    // means OHD, and none means EARLYBREAK.
+    // Prepares the solvers that queries may choose. The octrees that needs() requested tell which ones. If A moves,
+    // both octrees exist, and queries may choose any solver. If A does not move, they choose NOHD if only the octree of
+    // A exists, OHD if only the octree of B exists, and EARLYBREAK if neither exists.
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         target_box_ = box_of(points_of(scene.target));
@@ -102,8 +101,8 @@ public:
         if (out_of_range(a, points_of(scene_->target))) return {};
         const Overlap overlap = overlap_of(box_of(a), target_box_);
         std::size_t chosen = choose(overlap);
-        // The chosen solver is not ready if the query moves A although QuerySet::moves was false. Any solver that is
-        // ready will do then, because all are exact.
+        // Takes another solver if the chosen one is not prepared. This happens only if the query moves A although
+        // QuerySet::moves was false. Any solver will do, because all are exact.
         while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
         Result result = solvers_[chosen]->solve(query, state, trace);
         result.reported["chosen"] = names[chosen];

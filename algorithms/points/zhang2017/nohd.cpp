@@ -29,7 +29,7 @@
 namespace hausbench {
 namespace {
 
-// The search of one query.
+// The search for one query.
 class NohdSearch {
 public:
     NohdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth,
@@ -80,7 +80,7 @@ public:
     }
 
 private:
-    // Runs Algorithm 5 for the points of a cell. Returns false if time ran out.
+    // Calls look_at() for each point of a cell. Returns false if time runs out.
     bool look_at_points(const Cursor& cell) {
         const PointOctree::Node& node = tree_.nodes()[static_cast<std::size_t>(cell.node)];
         for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
@@ -90,7 +90,8 @@ private:
         return true;
     }
 
-    // Algorithm 5: compares point i of A with the points of B.
+    // Algorithm 5 of the paper: compares point i of A with the points of B, until one is nearer than the lower bound.
+    // If none is, raises the lower bound to the distance of point i.
     void look_at(Index i) {
         const double* point = a_.row(i).data();
         double nearest = std::numeric_limits<double>::infinity();
@@ -108,12 +109,12 @@ private:
         squared_lower_ = std::max(squared_lower_, nearest);
     }
 
-    // Makes the result. `rest` is an upper bound on the squared distances of the points that were not examined. If the
-    // lower bound comes from a cell, every point of the cell is at least as far from B, so any of them is a witness;
-    // the first one is compared with all of B to find its nearest point.
+    // Returns the result. `rest` is an upper bound on the squared distances of the points that were not examined. If
+    // the lower bound comes from a cell, every point of the cell is at least as far from B, so any of them is a
+    // witness. Compares the first one with all of B to find its nearest point.
     Result finish(double rest, Status stopped) {
         if (std::isinf(rest)) rest = squared_distances_at_most(a_, b_, nullptr, 0);
-        // A search that stopped early need not show a witness.
+        // If the search stopped early, the result may lack a witness.
         const bool shown = farthest_.source >= 0 || stopped != Status::converged;
         if (!shown || squared_lower_ > std::max(farthest_.squared, 0.0)) {
             const Index i = first_point(tree_, witness_cell_);
@@ -136,7 +137,7 @@ private:
     int depth_;
     bool early_break_;
     Trace& trace_;
-    Box a_box_;  // the box of A as moved by its pose; not set, and not needed, for the identity
+    Box a_box_;  // the box of A, moved by its pose; left empty for the identity
     Deadline deadline_;
     Counters counters_;
     double squared_lower_ = 0;  // the lower bound so far, the paper's MaxLB

@@ -28,13 +28,13 @@
 namespace hausbench {
 namespace {
 
-// The search of one query.
+// The search for one query.
 class OhdSearch {
 public:
     OhdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, Trace& trace)
         : tree_(tree), a_(a), b_(b), query_(query), trace_(trace), deadline_(query.time_limit) {}
 
-    // Algorithm 6: gets the first lower bound from the sample, then examines all points of A.
+    // Algorithm 6 of the paper: gets the first lower bound from the sample, then examines all points of A.
     Result run(std::span<const Index> sample, const ShuffledTarget& target, bool culling) {
         std::uint64_t taken = 0, culled = 0;
         for (const Index i : sample) {
@@ -64,9 +64,9 @@ private:
         return taken >= query_.budget ? Status::budget : Status::converged;
     }
 
-    // Returns whether some cell contains this point of A and a point of B and has a diagonal of at most the lower
-    // bound. Then the point of A cannot raise the lower bound. The diagonal is rounded like a distance, so this holds
-    // for the computed distances, too.
+    // Returns whether some cell contains this point of A and a point of B, and has a diagonal of at most the lower
+    // bound. The point of A then cannot raise the lower bound. The diagonal is rounded like a distance, so this also
+    // holds for computed distances.
     bool lies_near(const Vec3& point) {
         if (farthest_.squared <= 0) return false;
         Cursor at = root_of(tree_);
@@ -85,8 +85,8 @@ private:
         }
     }
 
-    // Algorithm 7: finds the nearest point of B for point i of A, nearest cells first, and updates `farthest_`. Stops
-    // at the first point of B within the lower bound, because point i then cannot raise it.
+    // Algorithm 7 of the paper: finds the nearest point of B to point i of A, nearest cells first, and updates
+    // `farthest_`. Stops at the first point of B within the lower bound, because point i then cannot raise the bound.
     void look_at(Index i, const Vec3& point) {
         ++counters_.closest_point_queries;
         double nearest = std::numeric_limits<double>::infinity();
@@ -122,7 +122,7 @@ private:
         if (nearest > farthest_.squared) farthest_ = {nearest, i, at};
     }
 
-    // Makes the result if the points of A from row `first` on were not examined.
+    // Returns the result, given that the rows of A from `first` on were not examined.
     Result finish(std::uint64_t culled, Index first, Status stopped) {
         const double rest = squared_distances_at_most(a_, b_, nullptr, first);
         Result result = exact_result(query_, a_, b_, farthest_, counters_, rest, stopped);
@@ -132,7 +132,7 @@ private:
 
     const PointOctree::Node& node(std::int32_t i) const { return tree_.nodes()[static_cast<std::size_t>(i)]; }
 
-    // A node in the queue of look_at(), with its least squared distance to the point of A.
+    // A node in the queue of look_at(), and a lower bound on its squared distance to the point of A.
     struct Near {
         double squared_lower;
         std::int32_t node;
@@ -148,7 +148,7 @@ private:
     Deadline deadline_;
     Counters counters_;
     FarthestPoint farthest_;          // its distance is the lower bound so far
-    double squared_resolution_ = -1;  // the square of AHD, once it is known: cells with this diagonal are leaves
+    double squared_resolution_ = -1;  // square of AHD: cells with at most this diagonal are leaves
     std::vector<Near> queue_;         // a heap, kept here so that its memory is reused
 };
 

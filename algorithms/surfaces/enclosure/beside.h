@@ -14,17 +14,21 @@ namespace hausbench {
 // Returns an upper bound on the distance between two points.
 double apart_at_most(const Vec3& a, const Vec3& b);
 
-// Returns M / m, where M = `most` must be at least |f_B| on the piece. The box of the piece is widened along an axis k,
-// by at least M / m, and m is a lower bound of |df_B/dx_k| in the widened box, which must lie in B's box. Then f_B has
-// a zero, a point of B, within M / m of each point of the piece.
+// Returns an upper bound on the distance from any point of the piece to B, given that |f_B| <= `most` on the piece; f_B
+// is the polynomial of B. If the box of the piece is widened along one axis by at least `most` / m, and |df_B/dx| >= m
+// along this axis in the widened box, f_B has a zero within `most` / m of each point of the piece. The zero is a point
+// of B if the widened box lies in the box of B.
 double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, Counters& counters);
 
-// Returns within() with an M that is computed from the linear forms of both surfaces.
+// Like within(), but computes a bound on |f_B| from the linear forms of both surfaces.
 double next_to(const SurfaceTree::Node& piece, SurfaceTree& target, Counters& counters);
 
-// Returns |t| for a vector t such that f_B has one sign on the piece, and the opposite sign on the piece moved by t.
-// Then f_B has a zero within |t| of each point of the piece. `p` is a point of the piece and `foot` the point of B
-// closest to it; tries t = foot - p and slightly longer vectors, as long as they are shorter than `known`.
+// Returns an upper bound on the distance from any point of the piece to B: the length of a vector t such that f_B has
+// one sign on the piece and the opposite sign, or 0, on the piece moved by t. Then f_B has a zero between each point
+// and its moved copy.
+//
+// Tries t = foot - p, where `p` is a point of the piece and `foot` the point of B closest to p, and slightly longer
+// vectors. Gives up if t is not shorter than `known`.
 double beside(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& p, const Vec3& foot, double known,
               Counters& counters);
 

@@ -27,11 +27,12 @@
 
 namespace hausbench {
 
-// Returns an upper bound on the distance from the piece of `source` to `target`. Newton's method starts from `p`,
-// a point near the piece, and from `foot`, a point near the foot of p. Returns infinity if the piece is not
-// proven to be a graph, if a segment may leave B's box, or if B curves too much; also, to save time, as soon as
-// the bound cannot be below `known`. The caller must hold an UpwardRounding. Takes about 25 evaluations of each
-// polynomial in Taylor models.
+// Returns an upper bound on the distance from any point of the piece, which belongs to `source`, to `target`. Newton's
+// method starts from `p`, a point near the piece, and `foot`, a point near the point of B closest to p.
+//
+// Returns infinity if the proof fails: if the piece is not proven to be a graph, if a segment may leave the box of B,
+// or if B curves too much. To save time, also returns infinity once the bound cannot be below `known`. The caller must
+// hold an UpwardRounding. Takes about 25 evaluations of each polynomial in Taylor models.
 double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTree& target, const Vec3& p,
                   const Vec3& foot, double known, Counters& counters);
 
