@@ -9,8 +9,8 @@ namespace hausbench {
 // points. `rest` and `stopped` are as for exact_result().
 //
 // This distance is an upper bound on h even if a search missed the nearest point, because each search returned some
-// point of B, and the nearest one cannot be farther. The lower bound is the true distance to B of the point of A in
-// `farthest`, which is compared with all of B. O(|B|).
+// point of B. The lower bound is the true distance to B of the point of A in `farthest`, which is compared with all of
+// B. O(|B|).
 inline Result checked_result(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
                              Counters counters, double rest = -1, Status stopped = Status::converged) {
     if (farthest.source >= 0) {

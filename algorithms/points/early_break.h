@@ -28,12 +28,12 @@ struct ShuffledTarget {
     }
 };
 
-// Compares point i of A with the points of B one by one. Stops at the first squared distance below `farthest.squared`:
-// point i then cannot be the farthest point of A. If there is none, the smallest distance found is the exact distance
-// of point i, and `farthest` becomes point i if this distance is larger.
+// Compares point i of A with the points of B one by one. Stops at the first squared distance below `farthest.squared`,
+// because point i then cannot be the farthest point of A. Otherwise the distance of point i is known, and `farthest`
+// becomes point i if it is farther.
 //
-// Returns false if time runs out first; the caller must then treat point i as not examined. Not inlined, so that the
-// compiler can use all registers for the loop.
+// Returns false if time runs out first; point i then counts as not examined. Not inlined, so that the compiler can use
+// all registers for the loop.
 [[gnu::noinline]] inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const Deadline& deadline,
                                           FarthestPoint& farthest, Counters& counters) {
     constexpr Index block = 4096;  // points of B between two checks of the clock

@@ -2,10 +2,9 @@
 //
 // Source: Taha, Hanbury: An efficient algorithm for calculating the exact Hausdorff distance, IEEE TPAMI 37, 2015, as
 // given by Zhang et al. 2017, Algorithm 2. That version sets cmin, the smallest distance of the current point of A, to
-// 0 before the break, so that a discarded point cannot raise the result; the first print omits this and may return the
+// 0 before the break, so that a discarded point cannot raise the result. The first print omits this and may return the
 // smallest distance found before the break. The option `exclude_common` skips points of A that are also in B, because
-// their distance is 0; no point of B is left out.
-// O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. The unit of Query::budget is one point of A.
+// their distance is 0. O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. The unit of Query::budget is one point of A.
 #include "algorithms/points/early_break.h"
 #include "algorithms/points/point_solver.h"
 

@@ -1,8 +1,8 @@
 // Functions shared by the exact solvers for point sets.
 //
 // These solvers compare squared distances and take a root only at the end. exact_result() turns the largest squared
-// distance into an interval that contains the exact Hausdorff distance in spite of rounding; kernel/rounding.h has the
-// proof ("point to point").
+// distance into an interval that contains the exact Hausdorff distance in spite of rounding (proof in
+// kernel/rounding.h).
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -32,12 +32,11 @@ inline bool out_of_range(const Points& a, const Points& b) {
 // Returns the result of a search: bounds, witness and status.
 //
 // `rest` is an upper bound on the squared distances of the points of A that were not examined, or -1 if all were.
-// `stopped` is the reason why the search ended, or `converged` if it ran to its end. `tiny` says whether some nonzero
-// |coordinate| is below smallest_safe_coordinate; the bounds are then widened for underflow.
+// `stopped` is the reason why the search ended, or `converged` if it ran to its end. If `tiny`, some nonzero
+// |coordinate| is below smallest_safe_coordinate, and the bounds are widened for underflow.
 //
-// The status depends on the bounds first: if they already answer the query, it does not matter why the search
-// stopped. If they do not, although the search ran to its end, the query asks for more than doubles can give
-// (`precision_floor`).
+// If the bounds answer the query, the status says so, whatever the reason to stop. If they do not, although the search
+// ran to its end, the query asks for more than doubles can give (`precision_floor`).
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, bool tiny, double rest, Status stopped) {
     Result result;
@@ -67,8 +66,8 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
 }
 
 // Adds a sample with the bounds known so far to the trace, if tracing is on. The arguments are squared distances; omit
-// the upper bound if none is known yet. Always widens the bounds for underflow, because to check whether underflow is
-// possible would take O(n) time.
+// an unknown upper bound. Always widens the bounds for underflow, because checking whether underflow is possible would
+// take O(n) time.
 inline void record(Trace& trace, double squared_lower, double squared_upper = std::numeric_limits<double>::infinity()) {
     if (trace.on()) [[unlikely]]
         record_sample(trace, squared_lower, squared_upper);

@@ -40,9 +40,8 @@ public:
     // Builds nothing: keeps only the scene, which outlives every call of solve().
     void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
 
-    // Examines the points of A in order. If the search must stop at point i, squared_distances_at_most() gives a bound
-    // for the points from i on in O(|A|) time, so the upper bound of the result is valid although these points were not
-    // examined.
+    // Examines the points of A in order. If it must stop at point i, squared_distances_at_most() bounds the points from
+    // i on in O(|A|) time, so the upper bound of the result is valid.
     Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);

@@ -11,7 +11,6 @@ public:
     // Keeps references to both arguments.
     SurfaceDescent(const Polynomial& polynomial, const Box& box) : polynomial_(polynomial), box_(box) {}
 
-    // Returns whether the box contains p.
     bool holds(const Vec3& p) const { return p == clamped(p); }
 
     // Returns a point of the box near y at which the polynomial is 0 up to rounding, if Newton's method finds one.

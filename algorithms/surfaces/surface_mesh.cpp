@@ -26,9 +26,9 @@ public:
     }
 
     TriangleMesh run() {
-        // Cuts a cell into six tetrahedra around its diagonal, which runs from corner 0 to corner 7. Each tetrahedron
-        // has these two corners and the two given here. There is one pair for each order in which to walk along the
-        // three axes from corner 0 to corner 7.
+        // The six tetrahedra of a cell share its diagonal, from corner 0 to corner 7. Each has one of these pairs as
+        // its other two corners: one pair for each order in which to walk from corner 0 to corner 7 along the three
+        // axes.
         constexpr int orders[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
         const std::size_t n = std::size_t(cells_) + 1;
         for (int z = 0; z < cells_; ++z) {
@@ -174,8 +174,7 @@ private:
         return box;
     }
 
-    // Returns the cell that contains p. It is only used to find triangles near p, so a wrong cell, because of rounding,
-    // does no harm.
+    // Returns the grid cell that contains p, up to rounding: it is only used to find triangles near p.
     std::array<int, 3> cell_of(const Vec3& p) const {
         std::array<int, 3> cell;
         for (int k = 0; k < 3; ++k) {
@@ -185,9 +184,9 @@ private:
         return cell;
     }
 
-    // Returns an upper bound on the distance from any point of triangle t to the surface f = 0, or infinity if the
-    // proof fails. The bound is M / m, where M >= |f| on the triangle, and m > 0 is a lower bound on the slope of f
-    // along one axis near the triangle (see deviation() in surface_mesh.h).
+    // Returns an upper bound on the distance from any point of triangle t to the surface f = 0: M / m, where |f| <= M
+    // on the triangle and |df/dx| >= m along one axis near it (see deviation() in surface_mesh.h). Returns infinity if
+    // the proof fails.
     double graph(Index t) {
         Box box = box_of(t);
         // A flat box has no linear form, so it is widened a little, but not beyond the box of the surface.
@@ -210,8 +209,8 @@ private:
         int axis = 0;
         gradient.cwiseAbs().maxCoeff(&axis);
         if (!(std::abs(gradient[axis]) > 0)) return infinity;
-        // Guesses how far to widen the box: M divided by the slope in the middle, and a little more. Then checks the
-        // guess with the smallest slope in the widened box.
+        // Guesses how far to widen the box from the slope in the middle, then checks the guess with the smallest slope
+        // in the widened box.
         for (const double room : {1.25, 4.0}) {
             const double move = room * most / std::abs(gradient[axis]);
             Box wide = box;
@@ -241,8 +240,8 @@ private:
     }
 
     // Returns an upper bound on the distance from any point of the piece to the mesh: the distance from the middle of
-    // its box to a triangle, plus half the diagonal of the box. Takes triangles in the cell of the middle or, if there
-    // are none, one or two cells away. Returns infinity if these have none, either.
+    // its box to a triangle, plus half the diagonal. Looks for triangles in the grid cell of the middle, then in the
+    // cells around it. Returns infinity if there are none near.
     double middle_to_mesh(const SurfaceTree::Node& piece) {
         const Vec3& p = piece.form.middle;
         const double half = std::sqrt(piece.form.half.squaredNorm());

@@ -11,9 +11,8 @@ Interval squared(const std::array<Interval, 3>& v) {
     return CGAL::square(v[0]) + CGAL::square(v[1]) + CGAL::square(v[2]);
 }
 
-// Returns an upper bound on n.(y - c) for all points y of the piece, where c is the middle of its box: how far the
-// piece extends from c in the direction n. The formula is derived in surface_piece.h; `best` is the number l that makes
-// it smallest.
+// Returns an upper bound on n.(y - c) for all points y of the piece, where c is the middle of its box. Uses the formula
+// of surface_piece.h, with the number l that makes it smallest.
 double support(const LinearForm& f, const Vec3& n) {
     const Vec3 q = n.cwiseProduct(f.half);
     const auto cost = [&](double l) {

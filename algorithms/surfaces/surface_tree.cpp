@@ -127,8 +127,8 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
 }
 
 // First walks along tangent planes. If y - p is then not normal to the surface, y is not the nearest point: tangent
-// planes mislead if the surface curves strongly, compared with its distance to p. Newton's method still works there, so
-// it is tried next.
+// planes mislead if the surface curves strongly, compared with the distance from p to y. Newton's method still works
+// there, so it is tried next.
 std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& seed, Counters& counters) const {
     ++counters.closest_point_queries;
     const SurfaceDescent surface(polynomial(), box_);

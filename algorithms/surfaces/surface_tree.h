@@ -1,6 +1,5 @@
-// An algebraic surface as a tree of boxes, an octree that is refined on demand. It has the data for the bounds of
-// surface_enclosure.cpp: a linear enclosure of the piece of the surface in each box, and points that are proven to
-// lie on the surface.
+// An algebraic surface as an octree of boxes that is refined on demand. It has a linear enclosure of the surface in
+// each box, and finds points that are proven to lie on the surface.
 //
 // The caller of every function must hold an UpwardRounding (kernel/interval.h), which sets the rounding mode.
 #pragma once
@@ -25,7 +24,7 @@ class SurfaceTree {
 public:
     struct Node : SurfacePiece {
         std::int32_t first = -1;  // the first child; -1: not split yet
-        std::int32_t count = 0;   // the number of children
+        std::int32_t count = 0;
         std::int32_t depth = 0;
     };
 
@@ -39,8 +38,8 @@ public:
     const Polynomial& derivative(int axis) const { return derivatives_[static_cast<std::size_t>(axis)].polynomial(); }
 
     // Splits node i unless it is split already: halves its box along each axis and keeps the children that may contain
-    // a point of the surface. Skips an axis if no double lies between the two sides of the box, because one half would
-    // be the whole box again. Call it only if may_split(i). Invalidates references to nodes.
+    // a point of the surface. Does not halve an axis if no double lies between the two sides of the box. Call it only
+    // if may_split(i). Invalidates references to nodes.
     void split(std::int32_t i, Counters& counters);
     // Returns whether the box of node i is large enough to be split.
     bool may_split(std::int32_t i) const;

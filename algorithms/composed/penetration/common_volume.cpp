@@ -95,7 +95,6 @@ private:
     std::vector<std::array<Index, 3>> rows_;
 };
 
-// Returns the diagonal of the bounding box of a part.
 double size_of(const CommonPart& part) {
     Eigen::AlignedBox3d box;
     for (const Points* points : {&part.of_source.vertices, &part.of_target.vertices})

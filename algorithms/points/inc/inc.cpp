@@ -2,18 +2,17 @@
 //
 // Source: Nutanong, Jacox, Samet: An incremental Hausdorff distance calculation algorithm, PVLDB 4(8), 2011.
 //
-// The main queue has entries for nodes and points of A, ordered by upper bound. The entry of x, a node or a point,
-// consists of x, an upper bound on the distance to B of every point in x, and a queue of its own: the nodes and points
-// of B that may contain the nearest neighbour of a point in x, ordered by their least distance to x. Each step takes
-// the entry with the largest upper bound and looks at y, the first in its queue. If x and y are points, their distance
-// is h. Otherwise the step splits the one with the larger box: if it is x, each child of x becomes an entry with a copy
-// of the queue; if it is y, the children of y replace y in the queue. Nodes and points of B that are farther from x
-// than the upper bound of x are dropped from its queue.
+// The main queue has entries for nodes and points x of A. An entry has an upper bound on the distance to B of every
+// point in x, and its own queue: the nodes and points of B that may contain the nearest neighbour of a point in x,
+// nearest first. Each step takes the entry with the largest upper bound and looks at y, the first in its queue. If x
+// and y are points, their distance is h. Otherwise the one with the larger box is split: the children of x become
+// entries with copies of the queue, or the children of y replace y in the queue. Nodes and points of B that are farther
+// from x than its upper bound are dropped.
 //
 // Bounds are squared, and each is rounded like the distance that it bounds (posed_box.h), so the answer has the same
-// bits as the answer of NAIVEHDD. The trees are built once; if A moves, the box of a node of A is replaced with a box
-// around the moved box. The drawback is memory: the copied queues take O(|A| |B|) in the worst case (`queue_bytes`
-// reports the peak). The unit of Query::budget is one entry taken from the main queue.
+// bits as with NAIVEHDD. The trees are built once; if A moves, the box of a node of A is replaced with a box around the
+// moved box. The copied queues take O(|A| |B|) memory in the worst case (`queue_bytes` reports the peak). The unit of
+// Query::budget is one entry taken from the main queue.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
@@ -30,8 +29,8 @@ namespace {
 using Id = std::int32_t;
 bool is_point(Id id) { return id < 0; }
 
-// A node or point of B that may contain the nearest neighbour of a point in x, a node or point of A. `squared_lower` is
-// a lower bound on its squared distance to x.
+// A node or point of B that may contain the nearest neighbour of a point of A. `squared_lower` is a lower bound on its
+// squared distance to the node or point of A that has it in its queue.
 struct Near {
     double squared_lower;
     Id id;
@@ -41,18 +40,18 @@ struct Near {
     }
 };
 
-// An entry of the main queue, in which the entry with the largest upper bound comes first.
+// An entry of the main queue: a node or point of A, and the queue of nodes and points of B that may contain its nearest
+// neighbours. The entry with the largest upper bound comes first.
 struct Entry {
     double squared_upper;
-    Id id;                   // a node or point of A
-    std::vector<Near> near;  // nodes and points of B that may contain nearest neighbours: a heap
+    Id id;
+    std::vector<Near> near;  // a heap
 
     bool operator<(const Entry& other) const {
         return squared_upper != other.squared_upper ? squared_upper < other.squared_upper : id < other.id;
     }
 };
 
-// The search for one query.
 class IncSearch {
 public:
     IncSearch(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query,
@@ -164,8 +163,8 @@ private:
         bytes_ -= held(parent);
     }
 
-    // Replaces the node of B that comes first in the queue of an entry with its children. `x` is the box of the entry's
-    // node or point of A.
+    // Splits the first node of B in the queue of an entry: replaces it with its children. `x` is the box of the node or
+    // point of A.
     void split_target(Entry entry, const Box& x) {
         bytes_ -= held(entry);
         const Id node = entry.near.front().id;
@@ -203,7 +202,7 @@ private:
     Box a_box_;  // the box of A, moved by its pose; left empty for the identity
     Deadline deadline_;
     Counters counters_;
-    std::vector<Entry> heap_;                 // the main queue
+    std::vector<Entry> heap_;
     std::size_t bytes_ = 0, most_bytes_ = 0;  // memory of all queues over B now; peak memory with the main queue
 };
 

@@ -23,9 +23,9 @@ struct CellFindings {
     std::vector<Index> open;
 };
 
-// Searches for each of the given rows of A. If a point of B is within the largest distance so far, the row is done,
-// because it cannot raise that distance. Otherwise finds the closest point of B, whose distance becomes the largest. If
-// this takes too long, adds the row to findings.open instead, so the search takes O(1) time per row.
+// Searches for each of the given rows of A. A row with a point of B within the largest distance so far cannot raise it
+// and is done. Otherwise finds the closest point of B, whose distance becomes the largest. Rows for which this takes
+// too long are added to findings.open, so the search takes O(1) time per row.
 //
 // `cells` must contain every point of B that may be closest to one of the rows. `grid` must be a grid over B.
 void search_cells(const PointCells& cells, const NearGrid& grid, const Points& a, std::span<const Index> rows,

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::uint64_t most_a_row = 48;  // points of B compared per row of A, on average, above which a tree is faster
 
-// Step 4 of scan.cpp: returns the rows of B that may be closest to an undecided point of A. These are the points in the
-// grid cells around such a point, up to its known distance from some point of B. Returns nothing if there are so many
-// of these cells that most points of B would be kept anyway.
+// Step 4 of scan.cpp: returns the rows of B that may be closest to an undecided point of A. They lie in grid cells
+// within the distance from that point to a known point of B. Returns nothing if there are so many of these cells that
+// this is not worth the time.
 std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std::vector<Undecided>& undecided,
                                                  ScanState& state) {
     std::vector<std::uint8_t> flags(work.grid.cells());
@@ -33,15 +33,14 @@ std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std
     return near;
 }
 
-// Adds the results for some rows to the results of the query.
 void take(const CellFindings& found, ScanState& state) {
     state.counters += found.counters;
     if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
 }
 
-// Calls search_cells() for the given rows of A (all if null), in rounds of 64 blocks of rows. Each block starts from
-// the largest distance known before its round, so the result does not depend on which blocks run at the same time.
-// Appends the rows whose search was given up to `open`. Returns `converged`, or the reason if it had to stop early.
+// Calls search_cells() for the given rows of A (all if null), in rounds of 64 blocks. Each block starts from the
+// largest distance known before its round, so the result does not depend on the threads. Appends rows whose search was
+// given up to `open`. Returns `converged`, or the reason if it had to stop early.
 Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const PointCells& cells,
                      std::vector<Index>& open, ScanState& state) {
     constexpr std::size_t size = ScanWork::block_rows, at_once = 64;  // blocks between two checks of the clock
@@ -67,22 +66,22 @@ Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const
     return Status::converged;
 }
 
-// Step 5 of scan.cpp: puts the rows `near` of B (all if null) into small cells, and searches the cells for the given
-// rows of A (all if null). Appends the rows whose search was given up to `open`. Returns nothing if a sample shows that
-// a tree would be faster; all rows are then still to be searched.
+// Step 5 of scan.cpp: puts the rows `near` of B (all if null) into small cells, and searches them for the given rows of
+// A (all if null). Appends rows whose search was given up to `open`. Returns nothing if a tree would be faster,
+// according to a sample; all rows are then still to be searched.
 std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<Index>* rows,
                                       const std::vector<Index>* near, std::vector<Index>& open, ScanState& state) {
     // Chooses the edge of the cells. An occupied cell of the grid contains `crowd` points on average. If the points lie
     // on a surface, a cell whose edge is shorter by a factor of sqrt(crowd / 2) contains about two. A longer edge is
-    // used if the largest distance d so far allows it: with the edge d / 1.75, the diagonal of a cell is sqrt(3) / 1.75
-    // * d < d, so any point of B in the cell of a point of A is within d of it.
+    // used if the largest distance d so far allows it: with the edge d / 1.75, a cell has the diagonal (sqrt(3) / 1.75)
+    // d < d, so any point of B in the cell of a point of A is within d of it.
     const double crowd = static_cast<double>(work.b.rows()) / static_cast<double>(work.grid.occupied());
     const double finer = std::sqrt(std::max(crowd / 2, 1.0));
     const double wide_enough = 1.75 / distance_at_most(std::max(state.farthest.squared, 0.0), true);
     const double cells_per_length = std::min(work.grid.cells_per_length() * finer, wide_enough);
     const PointCells cells(work.b, near, work.target_box, cells_per_length, work.threads);
-    // Searches for a sample of the rows first. It raises the largest distance, so that one cell is enough for most
-    // other rows.
+    // Searches for a sample of the rows first. It raises the largest distance early, so that one cell is enough for
+    // most other rows.
     const std::vector<Index> some = sample_of(work.a, rows);
     CellFindings first{state.farthest, {}, {}};
     search_cells(cells, work.grid, work.a, some, work.b, first);
@@ -94,8 +93,9 @@ std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<In
     return search_blocks(work, rows, cells, open, state);
 }
 
-// Compares the given rows of A (all if null) with the rows `near` of B (all if null), pair by pair. Leaves a row of A
-// as soon as a point of B is within the largest distance so far. Builds no structure, so it is fastest for few pairs.
+// Compares the given rows of A (all if null) with the rows `near` of B (all if null), pair by pair. Goes on to the next
+// row of A as soon as a point of B is within the largest distance so far. Builds no structure, so it is fastest for few
+// pairs.
 Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near, ScanState& state) {
     const Points &a = work.a, &b = work.b;
     const auto count = near ? static_cast<Index>(near->size()) : static_cast<Index>(b.rows());
@@ -131,8 +131,8 @@ Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const Poi
 }
 
 // Finds the largest distance from the given rows of A (all if null) to B. Their closest points must be among the rows
-// `near` of B (all if null). The number of pairs (rows of A times rows of B) determines the method: small cells from
-// `cells_from` pairs on; for the rows that remain, a tree from `tree_from` pairs on, otherwise plain comparisons.
+// `near` of B (all if null). Uses small cells if there are at least `cells_from` pairs of these rows. For the rows that
+// remain, uses a tree if there are at least `tree_from` pairs, and plain comparisons otherwise.
 Status search_near(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near,
                    ScanState& state) {
     if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;

@@ -11,14 +11,14 @@
 
 namespace hausbench {
 
-// The input for one query. The steps only read it; their results are in ScanState.
+// The input of steps 4 to 6 of scan.cpp for one query. Their results are in ScanState.
 struct ScanWork {
     const Query& query;
     const Deadline& deadline;
     Threads threads;
-    const Points &a, &b;           // A, moved by the pose of the query, and B
-    const NearGrid& grid;          // over B
-    const Box& target_box;         // the box of B
+    const Points &a, &b;  // A, moved by the pose of the query, and B
+    const NearGrid& grid;
+    const Box& target_box;
     double cells_from, tree_from;  // numbers of pairs: the parameters with these names in scan.cpp
 
     static constexpr std::size_t block_rows = 1024;  // rows of A that one thread takes at a time
@@ -36,11 +36,11 @@ struct Undecided {
 // Returns up to 1024 of the given rows of A (of all rows if null), evenly spaced.
 std::vector<Index> sample_of(const Points& a, const std::vector<Index>* rows);
 
-// Finds the largest distance from a point of A to B with steps 5 and 6, and stores it in `state`. Returns `converged`,
-// or the reason if the search had to stop early.
+// Finds the largest distance from any point of A to B with steps 5 and 6 of scan.cpp, and stores it in `state`. Returns
+// `converged`, or the reason if the search had to stop early.
 Status search_all(const ScanWork& work, ScanState& state);
 
-// Like search_all(), but only for the undecided points of A, with steps 4 to 6.
+// Like search_all(), but only for the undecided points of A, with steps 4 to 6 of scan.cpp.
 Status search_undecided(const ScanWork& work, const std::vector<Undecided>& undecided, ScanState& state);
 
 }  // namespace hausbench

@@ -23,7 +23,6 @@ struct CellLayout {
         const double scaled = (x - low[k]) * cells_per_length;
         return static_cast<std::int32_t>(std::min(std::max(scaled, 0.0), last[k]));
     }
-    // Returns the number of the cell that contains a point.
     std::int32_t cell_of(const double* point) const {
         return along(point[0], 0) + size[0] * (along(point[1], 1) + size[1] * along(point[2], 2));
     }

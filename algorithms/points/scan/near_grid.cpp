@@ -19,9 +19,9 @@ int squared(const Place& p, int x, int y, int z) {
     return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + (p.z - z) * (p.z - z);
 }
 
-// Returns up to 1024 points: one from each of up to 1024 consecutive ranges of rows, of equal size. The position within
-// the range varies (by multiples of the golden ratio), so that a regular order of the input does not bias the sample.
-// Removes duplicates, because they say nothing about the extent of the set.
+// Returns up to 1024 points, one from each of as many consecutive ranges of rows. The position within the range varies
+// (by multiples of the golden ratio), so that a regular order of the input does not bias the sample. Removes
+// duplicates, because they say nothing about the extent of the set.
 std::vector<std::array<double, 3>> sample_of(const Points& points) {
     const Eigen::Index count = std::min<Eigen::Index>(points.rows(), 1024);
     std::vector<std::array<double, 3>> sample;
@@ -80,8 +80,8 @@ NearGrid::NearGrid(const Points& points, const Box& box, const Threads& threads)
 // from it. So it is taken only if the cell contains no point in `inside`, the box of the grid (null: all points are in
 // it).
 //
-// Each thread takes a range of the points and notes the last row in each cell. The last range with a point in the cell
-// gives the candidate, so the result does not depend on the number of threads.
+// Each thread notes the last row in each cell for a range of the points. The last range with a point in the cell gives
+// the candidate, so the result does not depend on the number of threads.
 void NearGrid::take_last_of_each(const Points& points, const Box* inside, const Threads& threads) {
     constexpr std::size_t chunk = 1024;
     const auto count = static_cast<std::size_t>(points.rows());
@@ -126,8 +126,8 @@ std::size_t NearGrid::squared_to_candidates(const double* points, std::size_t co
     return squared_to_cells(layout_, candidates_.front().point, points, count, squared);
 }
 
-// Chooses the size of the cubic cells: tries 1/1024 of the longest axis as their edge, then ever longer edges, until
-// the grid has at most `most` cells or the edge is the whole axis. A box without extent gets a single cell.
+// Chooses the edge of the cubic cells: tries 1/1024 of the longest side of the box, then ever longer edges, until the
+// grid has at most `most` cells or the edge is the whole side. A box without extent gets a single cell.
 void NearGrid::lay_cells(const Box& box, double most) {
     const Vec3 width = box.high - box.low;
     const double longest = width.maxCoeff();
@@ -145,8 +145,8 @@ void NearGrid::lay_cells(const Box& box, double most) {
 }
 
 // Gives each empty cell the candidate of an occupied cell nearby, which need not be the nearest one. Each sweep visits
-// all cells. An empty cell adopts the nearest of the occupied cells that its three neighbours visited before have
-// found.
+// all cells. An empty cell takes the nearest of the occupied cells that are known to the three neighbours visited
+// before it.
 void NearGrid::fill_empty_cells() {
     std::vector<Place> places(candidates_.size());
     const std::int32_t(&size_)[3] = layout_.size;
@@ -177,7 +177,7 @@ void NearGrid::fill_empty_cells() {
             }
         }
     };
-    // The third sweep runs forward again, to spread what the backward sweep found.
+    // The third sweep, forward again, spreads the cells that the backward sweep found.
     sweep(true);
     sweep(false);
     sweep(true);

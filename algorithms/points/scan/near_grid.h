@@ -1,8 +1,6 @@
 // A coarse grid over a point set. Each cell stores one point of the set, its *candidate*: a quick guess at the closest
-// point for any query point in the cell. The candidate need not be the closest point, but its distance is an upper
-// bound on the distance to the set.
-//
-// The candidate of an occupied cell lies in the cell. An empty cell has the candidate of an occupied cell nearby.
+// point for any query point in the cell. It lies in the cell or, if the cell is empty, in an occupied cell nearby. It
+// need not be the closest point, but its distance is an upper bound on the distance to the set.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -30,12 +28,10 @@ public:
 
     // Returns the number of the cell that contains a point, or of the nearest cell if the point is outside the grid.
     std::size_t cell_of(const double* point) const { return static_cast<std::size_t>(layout_.cell_of(point)); }
-    // Returns the candidate of the cell that contains a point.
     const Candidate& candidate(const double* point) const { return candidates_[cell_of(point)]; }
 
-    // Writes the squared distance from each of `count` > 0 points to the candidate of its cell to `squared`, with the
-    // same bits as squared_distance(). `points` has three coordinates for each point. Returns the index of the point
-    // with the largest distance, the first one if there are several.
+    // Writes the squared distance from each of `count` > 0 points to the candidate of its cell to `squared`. Returns
+    // the index of the point with the largest distance. The parameters are as for squared_to_cells() (near_cells.h).
     std::size_t squared_to_candidates(const double* points, std::size_t count, double* squared) const;
 
     // Sets flags[cell] to 1 for each cell that may contain a point x with |x - point| <= radius along each axis.
@@ -61,13 +57,13 @@ public:
     std::size_t bytes() const { return candidates_.capacity() * sizeof(Candidate); }
 
 private:
-    void lay_cells(const Box& box, double most);  // sets layout_
+    void lay_cells(const Box& box, double most);
     void take_last_of_each(const Points& points, const Box* inside, const Threads& threads);
     void fill_empty_cells();
 
     CellLayout layout_;
-    std::size_t occupied_ = 0;           // number of cells that contain points
-    std::vector<Candidate> candidates_;  // indexed by cell
+    std::size_t occupied_ = 0;
+    std::vector<Candidate> candidates_;
 };
 
 }  // namespace hausbench

@@ -14,8 +14,8 @@
 namespace hausbench {
 namespace {
 
-// The nearest point of B so far for one row of A. To keep the inner loop fast, only the tile of this point is stored: a
-// group of 256 successive rows of B. compare_with_all() finds the row in the tile.
+// The nearest point of B so far for one row of A. Stores only its tile, a group of 256 successive rows of B, to keep
+// the inner loop fast. compare_with_all() finds the row in the tile.
 struct Best {
     double squared = std::numeric_limits<double>::infinity();
     std::size_t begin = 0;  // the first row of the tile
@@ -74,8 +74,8 @@ Extent extent_of_part(const double* data, std::size_t count) {
     return extent;
 }
 
-// Compares each of the given rows of A with the rows [begin, end) of B. Updates best[q] if one of these is nearer to
-// point rows[q] of A than best[q].squared.
+// Compares each of the given rows of A with the rows [begin, end) of B. Updates best[q], the nearest point to rows[q]
+// so far, if one of these is nearer.
 void nearest_of_part(const Points& a, std::span<const Index> rows, const Points& b, std::size_t begin, std::size_t end,
                      Best* best) {
     const Doubles d;
@@ -106,7 +106,7 @@ void nearest_of_part(const Points& a, std::span<const Index> rows, const Points&
             for (std::size_t i = 0; i < tile; i += hn::Lanes(d)) {
                 const auto dx = hn::Sub(px, hn::Load(d, x + i)), dy = hn::Sub(py, hn::Load(d, y + i)),
                            dz = hn::Sub(pz, hn::Load(d, z + i));
-                // the operations of squared_distance() in the same order, so that the bits are the same
+                // Uses the operations of squared_distance() in the same order, so that the bits are the same.
                 least = hn::Min(least, hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz)));
             }
             const double squared = hn::GetLane(hn::MinOfLanes(d, least));
@@ -129,7 +129,6 @@ namespace {
 
 constexpr std::size_t part_rows = 1 << 14;  // least number of rows for which a thread is worth its cost
 
-// Returns the nearest point of B for each of the given rows of A. Threads share the rows of B.
 std::vector<Best> nearest_of_all(const Points& a, std::span<const Index> rows, const Points& b,
                                  const Threads& threads) {
     const auto count = static_cast<std::size_t>(b.rows());

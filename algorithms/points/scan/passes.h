@@ -17,12 +17,11 @@ struct Extent {
     Box box;
     bool tiny = false;  // whether some nonzero |coordinate| is smaller than smallest_safe_coordinate
 
-    // Returns the largest |coordinate|.
     double magnitude() const { return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff()); }
 };
 Extent extent_of(const Points& points, const Threads& threads = Threads());
 
-// Compares each of the given rows of A with all points of B, and updates `farthest` if a row is farther from B than it.
+// Compares each of the given rows of A with all points of B. Updates `farthest` if one of them is farther from B.
 // O(|rows| * |B|).
 void compare_with_all(const Points& a, std::span<const Index> rows, const Points& b, const Threads& threads,
                       FarthestPoint& farthest, Counters& counters);

@@ -23,8 +23,7 @@ public:
 
     // Puts the chosen rows of `points` (all if null) into cubes with the edge 1 / cells_per_length, which must be
     // positive. `box` must contain the points. Takes O(n) time, 4 bytes for each row of `points` and up to 16 bytes for
-    // each chosen row. Each list has its rows in descending order of their position in `chosen`, whatever the number of
-    // threads.
+    // each chosen row. Each list has the chosen rows in reverse order, whatever the number of threads.
     PointCells(const Points& points, const std::vector<Index>* chosen, const Box& box, double cells_per_length,
                const Threads& threads);
 
@@ -33,11 +32,8 @@ public:
     Cell cell_of(const double* point) const { return {cell(point[0], 0), cell(point[1], 1), cell(point[2], 2)}; }
 
     // The cells between `from` and `to` along each axis. range_of() returns a range that contains cell_of(x) for every
-    // x with |x - point| <= radius along each axis.
-    //
-    // The range need not be widened for rounding. Rounding to nearest is monotone and leaves doubles unchanged. So if
-    // point - radius <= x <= point + radius holds exactly and x is a double, it also holds with both ends rounded. And
-    // cell_of() is monotone, too.
+    // x with |x - point| <= radius along each axis. It need not be widened for rounding, because cell_of() is monotone:
+    // NearGrid::mark() in near_grid.cpp has the proof.
     struct Range {
         Cell from, to;
     };

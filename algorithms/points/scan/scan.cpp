@@ -1,13 +1,12 @@
 // scan: exact distances of point sets, fast both if a single outlier decides and if the sets are nearly the same.
 //
-// A point of A is *decided* once it is known that it cannot raise the largest distance found so far: either some point
-// of B is within that distance of it (early breaking, Taha and Hanbury 2015), or its closest point of B is known and
-// its distance counted. The steps go from cheap to expensive; each runs only if the steps before leave points of A
-// undecided:
-//   1. A coarse grid over B stores one point of B for each of its cells. The point stored for the cell of a point of A,
-//      its *candidate*, is near it, so its distance is an upper bound.
-//   2. The 8 points of A that are farthest from their candidates are compared with all of B. The largest of their
-//      distances to B is the first value of the largest distance.
+// A point of A is *decided* once it cannot raise the largest distance found so far: either some point of B is within
+// that distance of it (early breaking, Taha and Hanbury 2015), or its closest point of B is known and its distance
+// counted. The steps go from cheap to expensive; each runs only if points of A are still undecided:
+//   1. A coarse grid over B stores a point of B for each cell. The point stored for the cell of a point of A is its
+//      *candidate*. The distance to the candidate is an upper bound.
+//   2. The 8 points of A that are farthest from their candidates are compared with all of B, which gives the first
+//      largest distance.
 //   3. Points of A whose candidate is within the largest distance are decided.
 //   4. For each undecided point of A, the grid cells within the distance to its candidate are marked. Points of B in
 //      other cells cannot be closest to an undecided point and are left out.
@@ -16,18 +15,16 @@
 //      may contain the closest point are searched.
 //   6. If many points of B share a cube, these points and the undecided points of A are sorted in Morton order and cut
 //      into leaves of 16, with a tree of boxes over the leaves of B. A leaf of A is compared with one or two near
-//      leaves of B, first as a whole, then point by point; for the points still undecided the tree is searched.
-// If a sample shows that step 3 would decide fewer than half of the points, steps 3 and 4 are skipped. Only the grid is
-// built in advance: the structures of steps 5 and 6 depend on the largest distance, and building them costs less than
-// searching.
+//      leaves of B, first as a whole, then point by point; then the tree is searched. If a sample shows that step 3
+//      would decide fewer than half of the points, steps 3 and 4 are skipped. Only the grid is built in advance: the
+//      structures of steps 5 and 6 depend on the largest distance, and building them costs less than searching.
 //
 // Threads share the points of A in steps 1 and 5, and the points of B in steps 2 and 3. In step 5 each block of points
 // of A starts from the largest distance known before its round of 64 blocks, so the work, the answer and its witness do
 // not depend on the number of threads.
 //
-// Outliers and clusters do not slow it down: the grid covers only the part of B that contains most points, and the
-// sorts in Morton order sort the points of a crowded cell again in a smaller frame (kernel/morton.h). So a few far
-// points do not make the cells of the others large.
+// Outliers do not slow it down: the grid covers only the part of B that contains most points, and crowded cells are
+// sorted again in a smaller Morton frame (kernel/morton.h).
 //
 // The answer is exact and certified, and it has the same bits as the answer of `naive`: only squared distances to
 // points of B decide, computed with the operations of squared_distance() in the same order. Distances to boxes are
@@ -202,8 +199,8 @@ private:
 
     double cells_from_, tree_from_;
     const Scene* scene_ = nullptr;
-    Extent target_;  // of B
-    NearGrid grid_;  // over B
+    Extent target_;
+    NearGrid grid_;
 };
 
 }  // namespace

@@ -22,7 +22,6 @@ HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
 }
 
-// The nearest point of B so far for one point of A.
 struct Nearest {
     double squared = infinity;
     std::size_t leaf = 0;
@@ -85,10 +84,10 @@ HWY_INLINE std::size_t push_children(const PointBlocks& b, const OpenBlock& at, 
     return size;
 }
 
-// Finds the nearest point of B to the point p of A. Stops early at a point within the *early-out radius*, which is the
-// largest distance so far: p then cannot raise that distance. `nearest` is the nearest point known before. Skips leaf
-// `scanned`, which was searched before. Distances to boxes are rounded like distances to points (kernel/box.h), so a
-// box that is at least as far as the nearest point contains no nearer point.
+// Finds the nearest point of B to the point p of A. Stops early at a point within the *early-out radius*, the largest
+// distance so far, because p then cannot raise it. `nearest` is the nearest point known before. Skips leaf `scanned`,
+// which was searched before. Distances to boxes are rounded like distances to points (kernel/box.h), so a box that is
+// at least as far as the nearest point contains no nearer point.
 HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double squared_early_out, std::size_t scanned,
                             Nearest& nearest, Counters& counters) {
     // Each level pops one node and pushes up to 8. There are at most 12 levels, because the number of points is an
@@ -113,8 +112,8 @@ HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double s
 }
 
 // Searches for the nearest point of B to point i of a leaf of A, and updates the state. Looks first in the leaf of B in
-// which the last point was found, then in the leaf `home` (see home_of()), then in the tree. Stops at a point within
-// the largest distance so far.
+// which the last point was found, then in leaf `home` (see home_of()), then in the tree. Stops at a point within the
+// largest distance so far.
 void search_point(const PointBlocks& b, const PointLeaf& leaf, std::size_t i, std::size_t home, ScanState& state) {
     const double p[3] = {leaf.x[i], leaf.y[i], leaf.z[i]};
     const double squared_early_out = state.farthest.squared;
@@ -165,9 +164,9 @@ HWY_INLINE LeafBox box_of(const PointLeaf& leaf) {
     return box;
 }
 
-// Returns whether some point of a leaf of B is within the largest distance so far of every point in `box`, the box of a
-// leaf of A. If so, no point of the leaf of A can raise that distance. Testing the corner of `box` that is farthest
-// from the point of B is enough, because every operation of squared_distance() is monotone in |a - b|.
+// Returns whether one point of a leaf of B is within the early-out radius (see search_tree()) of every point in `box`,
+// the box of a leaf of A. If so, no point of that leaf can raise the largest distance. Testing the corner of `box` that
+// is farthest from the point of B is enough, because every operation of squared_distance() is monotone in |a - b|.
 HWY_INLINE bool covers(const PointLeaf& points, const LeafBox& box, double squared_early_out) {
     const Doubles d;
     auto least = hn::Set(d, infinity);

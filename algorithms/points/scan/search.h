@@ -14,9 +14,9 @@ namespace hausbench {
 
 // The state of the search for one query, which all steps of scan.cpp update.
 struct ScanState {
-    FarthestPoint farthest;  // the largest distance so far
+    FarthestPoint farthest;
     Counters counters;
-    std::size_t last_leaf = 0;  // the leaf of B with the point found last; points of A that follow are probably near it
+    std::size_t last_leaf = 0;  // the leaf of B with the point found last; the next points of A are probably near it
 };
 
 // Updates state.farthest with a sample of A: the first point of every fourth leaf. Call it before search_leaves(). The

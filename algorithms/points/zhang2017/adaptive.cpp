@@ -1,17 +1,16 @@
 // The framework of Zhang et al.: for each query, chooses NOHD, EARLYBREAK or OHD, depending on how much the bounding
 // boxes of A and B overlap.
 //
-// Source: Zhang et al. 2017, Algorithm 8. The overlap of two boxes that meet is a number alpha from 0 to 1. The choice
-// is NOHD if the boxes are disjoint, EARLYBREAK if alpha <= theta, and OHD otherwise. The paper says only that alpha is
-// 0 if the boxes touch and 1 at full overlap. Here it is
+// Source: Zhang et al. 2017, Algorithm 8. The choice is NOHD if the boxes are disjoint, EARLYBREAK if their overlap
+// alpha is at most theta, and OHD otherwise. The paper says only that alpha is 0 if the boxes touch and 1 at full
+// overlap. Here it is
 //     alpha = volume(boxA intersected with boxB) / min(volume(boxA), volume(boxB)).
-// If a box is flat along an axis, that axis is left out of all three volumes. If one box contains the other, alpha is 1
-// however large h is; therefore the volume of the intersection divided by the volume of the union (`iou`) is reported
-// too.
+// An axis along which a box is flat is left out of all three volumes. If one box contains the other, alpha is 1 however
+// large h is; therefore the volume of the intersection divided by the volume of the union (`iou`) is reported too.
 //
 // Reports `chosen` (the name of the solver), `alpha` (-1 if the boxes are disjoint) and `iou`. Time, memory and the
-// unit of Query::budget are as for the chosen solver; the box of A takes O(|A|) time more. If A does not move, the
-// choice is made before anything is built, so only the structures of the chosen solver are built.
+// unit of Query::budget are as for the chosen solver, plus O(|A|) time for the box of A. If A does not move, only the
+// structures of the chosen solver are built.
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/point_solver.h"
@@ -34,7 +33,6 @@ constexpr const char* names[] = {"nohd", "earlybreak", "ohd"};
 // Parameters that this solver passes on to the solvers among which it chooses.
 constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};
 
-// How much two boxes overlap.
 struct Overlap {
     bool meet = true;  // they have a point in common
     double alpha = -1, iou = 0;
@@ -76,9 +74,9 @@ public:
         return needs;
     }
 
-    // Prepares the solvers that queries may choose. The octrees that needs() requested tell which ones. If A moves,
-    // both octrees exist, and queries may choose any solver. If A does not move, they choose NOHD if only the octree of
-    // A exists, OHD if only the octree of B exists, and EARLYBREAK if neither exists.
+    // Prepares the solvers that queries may choose. If A moves, both octrees exist, and queries may choose any solver.
+    // Otherwise needs() has chosen one: NOHD if only the octree of A exists, OHD if only the octree of B exists,
+    // EARLYBREAK if neither exists.
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         target_box_ = box_of(points_of(scene.target));

@@ -30,9 +30,8 @@ struct CellToPoints {
 };
 
 // Algorithm 4 of the paper: compares a cell of A with the points of B, to bound the distances from its points to B.
-// Stops early if a point of B shows that no point of the cell is farther than the largest lower bound so far, whose
-// square is `squared_max_lb` (MaxLB in the paper). If `early_break` is false, omits lines 5 to 8, so that it never
-// stops early.
+// Stops early if no point of the cell can be farther than the largest lower bound so far (MaxLB; `squared_max_lb` is
+// its square). With early_break = false, leaves out lines 5 to 8 and never stops early.
 inline CellToPoints cell_to_points(const Box& cell, const Points& b, double squared_max_lb, bool early_break,
                                    Counters& counters) {
     ++counters.node_visits;

@@ -73,8 +73,8 @@ public:
             }
         }
         // The largest lower bound, MaxLB, may come from a cell. At the end, no point of A is farther from B than MaxLB,
-        // and no point of that cell is nearer, so each of them is at exactly this distance. Compares one with all of B
-        // to find its nearest point.
+        // and no point of that cell is nearer, so the points of the cell are at exactly this distance. Compares one of
+        // them with all of B to find its nearest point.
         if (farthest.squared < max_lb || farthest.source < 0) farthest = point_to_points(a, shows_it, b, -1, counters);
         return exact_result(query, a, b, farthest, counters);
     }

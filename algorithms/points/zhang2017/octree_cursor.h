@@ -15,8 +15,8 @@ struct Cursor {
 
 inline Cursor root_of(const PointOctree& tree) { return {0, 0, tree.root_cell()}; }
 
-// Calls f(Cursor) for each octant of a cell that contains points, in ascending order. A leaf has one such octant, with
-// the same points, and so on without end, so the caller must decide when to stop.
+// Calls f(Cursor) for each octant of a cell that contains points, in ascending order. A leaf, too, has such an octant,
+// with the same points, and so on without end; the caller must decide when to stop.
 template <class F> void for_each_part(const PointOctree& tree, const Cursor& at, F&& f) {
     const PointOctree::Node& node = tree.nodes()[static_cast<std::size_t>(at.node)];
     const auto below = [&](std::int32_t child, const PointOctree::Node& of) {

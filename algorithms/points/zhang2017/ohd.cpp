@@ -1,20 +1,19 @@
 // OHD: finds the nearest point of B for each point of A in an octree of B. A point of A in a small cell that also
 // contains a point of B is so near to B that it cannot raise the lower bound; it is culled, that is, skipped.
 //
-// Source: Zhang et al. 2017, Algorithms 6 and 7 (line 6 of Algorithm 6 lacks the argument Maxlb) and sections 4.4.1
-// and 4.4.2. The first lower bound, called AHD, comes from EARLYBREAK on a sample of ceil(lambda * |A|) points of A.
-// Then all points of A are culled or searched for, in the given order. There are two changes:
-//   - As printed, the octree has cells of side AHD, and a point of A is culled if its cell contains a point of B. This
-//     is wrong: the two points may be sqrt(3) * AHD apart, the diagonal of the cell. Here a point of A is culled if
-//     some cell contains it and a point of B and has a diagonal of at most the lower bound so far (`culling = exact`).
-//     Searches treat cells with a diagonal of at most AHD as leaves. `culling = as_printed` selects ohd_as_printed.cpp,
-//     which is not certified.
+// Source: Zhang et al. 2017, Algorithms 6 and 7 (line 6 of Algorithm 6 lacks the argument Maxlb) and sections 4.4.1 and
+// 4.4.2. The first lower bound, called AHD, comes from EARLYBREAK on a sample of ceil(lambda * |A|) points of A. Then
+// all points of A are culled or searched for, in the given order. There are two changes:
+//   - As printed, a point of A is culled if its cell, of side AHD, contains a point of B. This is wrong: the two points
+//     may be sqrt(3) * AHD apart. Here a point of A is culled if a cell with a diagonal of at most the lower bound so
+//     far contains it and a point of B (`culling = exact`). Searches treat cells with a diagonal of at most AHD as
+//     leaves. `culling = as_printed` selects ohd_as_printed.cpp, which is not certified.
 //   - A search stops when the lower bound at the head of its queue reaches the nearest distance found. The paper
 //     empties the queue.
 //
-// The octree is built once, down to single points; each query uses it down to the size of cells that its AHD requires.
-// Time: O(lambda |A| |B|) in the worst case for AHD, then O(|A| log |B|) on typical data. Memory: O(|A| + |B|). The
-// unit of Query::budget is one point of A; the points of the sample count, too.
+// The octree is built once, down to single points. Time: O(lambda |A| |B|) in the worst case for AHD, then O(|A| log
+// |B|) on typical data. Memory: O(|A| + |B|). The unit of Query::budget is one point of A; the points of the sample
+// count, too.
 #include "algorithms/points/zhang2017/ohd.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
@@ -28,7 +27,6 @@
 namespace hausbench {
 namespace {
 
-// The search for one query.
 class OhdSearch {
 public:
     OhdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, Trace& trace)
@@ -64,9 +62,9 @@ private:
         return taken >= query_.budget ? Status::budget : Status::converged;
     }
 
-    // Returns whether some cell contains this point of A and a point of B, and has a diagonal of at most the lower
-    // bound. The point of A then cannot raise the lower bound. The diagonal is rounded like a distance, so this also
-    // holds for computed distances.
+    // Returns whether a cell with a diagonal of at most the lower bound contains this point of A and a point of B. The
+    // point of A then cannot raise the lower bound. The diagonal is rounded like a distance, so this also holds for
+    // computed distances.
     bool lies_near(const Vec3& point) {
         if (farthest_.squared <= 0) return false;
         Cursor at = root_of(tree_);
@@ -86,7 +84,7 @@ private:
     }
 
     // Algorithm 7 of the paper: finds the nearest point of B to point i of A, nearest cells first, and updates
-    // `farthest_`. Stops at the first point of B within the lower bound, because point i then cannot raise the bound.
+    // `farthest_`. Stops at the first point of B within the lower bound, because point i then cannot raise it.
     void look_at(Index i, const Vec3& point) {
         ++counters_.closest_point_queries;
         double nearest = std::numeric_limits<double>::infinity();

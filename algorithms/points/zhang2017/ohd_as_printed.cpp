@@ -31,7 +31,7 @@ struct CellsOfB {
         return node.child_count == 0 || (levels >= 0 && node.depth >= levels);
     }
 
-    // Returns whether the cube with the given side that contains this point of A also contains a point of B.
+    // Returns whether the leaf-sized cell that contains this point of A also contains a point of B.
     bool occupied_at(const Vec3& point) const {
         Cursor at = root_of(tree);
         if ((point.array() < at.cell.low.array()).any() || (point.array() >= at.cell.high.array()).any()) return false;
@@ -105,7 +105,7 @@ struct NearCell {
 };
 
 // Algorithm 7 of the paper: finds the nearest point of B to point i of A and updates `farthest`. Stops at the first
-// point of B within the lower bound, because point i then cannot raise the bound.
+// point of B within the lower bound, because point i then cannot raise it.
 void nn_dist(const CellsOfB& cells, const Points& a, Index i, FarthestPoint& farthest, Counters& counters) {
     ++counters.closest_point_queries;
     const Vec3 point = a.row(i);

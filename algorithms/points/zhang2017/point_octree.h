@@ -19,8 +19,7 @@ int octant_of(const Box& cell, const Vec3& point);
 
 // An octree over a copy of the points. The root is a cube around the points, and each cell with different points is
 // split into its octants. No node is stored for a cell whose points are all in one octant, but its level counts in
-// Node::depth. So a tree of n points has fewer than 2n nodes. For a coarser octree, walk this one and stop earlier
-// (octree_cursor.h).
+// Node::depth. So a tree of n points has fewer than 2n nodes.
 class PointOctree {
 public:
     static constexpr std::string_view structure_name = "point octree";

@@ -6,8 +6,8 @@ namespace hausbench {
 namespace {
 
 // Returns an interval that contains f_B(y + t) for all points y of the piece of A, where f_B is the polynomial of B.
-// Returns nothing if y + t may leave the box of B. The polynomial of A is 0 on the piece, so a multiple of its linear
-// form can be subtracted; this makes the interval tighter.
+// Returns nothing if y + t may leave the box of B. Subtracts a multiple of the linear form of A, which is 0 on the
+// piece, to make the interval tighter.
 std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& t, Counters& counters) {
     Box box;
     for (int k = 0; k < 3; ++k) {
@@ -52,8 +52,8 @@ double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, 
     int axis = 0;
     gradient.cwiseAbs().maxCoeff(&axis);
     if (!(std::abs(gradient[axis]) > 0)) return infinity;
-    // Guesses how far to widen the box: `most` divided by the slope in the middle, and a little more. Then checks the
-    // guess with the smallest slope in the widened box.
+    // Guesses how far to widen the box from the slope in the middle, then checks the guess with the smallest slope in
+    // the widened box.
     for (const double room : {1.25, 4.0}) {
         const double t = room * most / std::abs(gradient[axis]);
         Box wide = piece.box;

@@ -14,8 +14,8 @@ using Models = std::array<TaylorModel, 3>;
 
 double squared_length(const Models& t) { return (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).at_most(); }
 
-// A piece of A as the graph of a function: one coordinate, number `axis`, is a polynomial P of the other two, up to an
-// error. This is step 1 of the proof in feet.h.
+// A piece of A as the graph of a polynomial P: coordinate `axis` as a function of the other two, up to an error. This
+// is step 1 of the proof in feet.h.
 class Graph {
 public:
     Graph(const SurfaceTree::Node& piece, SurfaceTree& source, int axis) : piece_(piece), source_(source), axis_(axis) {
@@ -46,8 +46,8 @@ public:
     }
 
     // Proves that the piece lies within M / m of the graph of P, and sets this as the error of coordinate `axis`. Here
-    // M is an upper bound on |f_A| on the graph, and m a lower bound on the slope of f_A along the axis. Returns false
-    // if m is not positive: the piece may then not be a graph.
+    // |f_A| <= M on the graph, and |df_A/dx| >= m along the axis. Returns false if m is not positive: the piece may
+    // then not be a graph.
     bool prove(Counters& counters) {
         TaylorModel& height = y_[std::size_t(axis_)];
         const Interval values = height.range();
@@ -71,9 +71,9 @@ private:
     Models y_;
 };
 
-// Finds t, which maps each point y of the graph to about the vector from y to its closest point z on B. Proves nothing.
-// Newton's method solves z - y + m * grad f_B(z) = 0 and f_B(z) = 0 for z and a factor m, first for the middle of the
-// piece, then degree by degree.
+// Finds polynomials t: t(y) is about the vector from a point y of the graph to its closest point z on B. Proves
+// nothing. Newton's method solves z - y + m * grad f_B(z) = 0 and f_B(z) = 0 for z and a factor m, first for the middle
+// of the piece, then degree by degree.
 class Feet {
 public:
     Feet(const Models& y, const SurfaceTree& target) : y_(y), target_(target) {}
@@ -92,7 +92,7 @@ public:
             size = std::max(size, std::abs(to_foot_[k].c[0]));
         }
         // Sets a component of t to 0 if it is only rounding noise. Otherwise y + t might leave a box that the piece
-        // touches from inside.
+        // touches from inside, as with two cylinders around one axis that end at the same sides of the box.
         for (TaylorModel& t : to_foot_) {
             if (std::abs(t.c[0]) + t.spread() < 0x1p-36 * size) t = {};
         }
@@ -169,7 +169,7 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
     const double sign = here.inf() > 0 ? 1 : -1;
     const Vec3 way(t[0].c[0], t[1].c[0], t[2].c[0]);
     f.value(Vec3(y[0].c[0], y[1].c[0], y[2].c[0]) + way, gradient);
-    // How much |f_B| decreases at the end of t, per unit of s, if t is multiplied by 1 + s.
+    // The decrease of |f_B| at the end of t, per unit of s, if t is multiplied by 1 + s.
     const double fall = -sign * gradient.dot(way);
     if (!(fall > 0)) return infinity;
     double further = 0;

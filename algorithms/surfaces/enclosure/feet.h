@@ -12,15 +12,12 @@
 // 2. Let t be three polynomials in (u, v). If f_B has one sign on Y, and is 0 or has the other sign on Y + t, then the
 //    segment from y to y + t(u, v) contains a zero of f_B. If both ends lie in B's box, so does the segment, because a
 //    box is convex. The zero is then a point of B, so the distance from y to B is at most max |t(u, v)|.
+//
 // Newton's method finds P and t in plain arithmetic, degree by degree; the proof holds for any polynomials. If Y + t
-// does not reach past B, t is made slightly longer.
-// A component of t that is only rounding noise is set to 0. Otherwise Y + t might leave a box that Y touches from
-// inside, as with two cylinders around one axis that end at the same sides of the box.
-// If f_B has both signs on Y, A and B meet or nearly meet there. The bound is then within() of beside.h, with
-// M >= |f_B| on Y; X and the segments along that axis must lie in B's box.
+// does not reach past B, t is made slightly longer. If f_B has both signs on Y, A and B meet or nearly meet there. The
+// bound is then within() of beside.h, with M >= |f_B| on Y; X and the segments along that axis must lie in B's box.
 //
 // TaylorModel::at_most() bounds the maximum of |t|^2. Its error is of third order if the distance has a maximum on A.
-// The solver's lower bound does not depend on this: it is the distance of one proven point.
 #pragma once
 
 #include "algorithms/surfaces/surface_tree.h"

@@ -14,7 +14,7 @@ constexpr int boxes_without_descent = 3;      // number of boxes that are split 
 constexpr int boxes_between_looks = 64;       // between two checks of the clock
 
 struct OpenBox {
-    double least;  // lower bound on the distance from p to the piece of B in the box
+    double least;  // lower bound on the distance to the piece of B in the box
     std::int32_t node;
     bool operator<(const OpenBox& other) const {
         return least > other.least || (least == other.least && node > other.node);
@@ -58,7 +58,7 @@ void ProvenFeet::descend_from(const Vec3& seed, const Vec3& p, Best& best) {
 double ProvenFeet::at_least(const Vec3& p, const FootSearch& search, Best& best) {
     std::priority_queue<OpenBox> queue;
     queue.push({0, 0});
-    // The largest value to return. It stays below the distance to the best foot by half of the precision, so that a
+    // The largest value to return. It is below the distance to the best foot by half of the precision, so that a
     // program that checks the bound needs no more boxes than this search.
     const auto given_away = [&] { return best.at_most - 0.5 * search.precision; };
     for (int opened = 1; !queue.empty(); ++opened) {

@@ -16,8 +16,8 @@ namespace hausbench {
 // How accurate a search for the nearest point of B must be, and when it may stop early.
 struct FootSearch {
     double precision;  // by how much the lower bound may be below the distance to the foot
-    // A search may stop once the distance is proven to be at most `lower - cell_size`, where `lower` is the solver's
-    // lower bound so far. No point in a cell of A of this size can then be farther from B than `lower`.
+    // A search may stop once the distance from p to B is proven to be at most `lower - cell_size`, where `lower` is the
+    // solver's lower bound so far. No point in a cell of A of this size can then be farther from B than `lower`.
     double lower, cell_size;
 };
 
@@ -26,7 +26,7 @@ struct NearestFoot {
     double at_least = 0;     // lower bound on the distance to B
 };
 
-// The feet, and the octree of B that the searches refine.
+// The proven points of B found so far (feet), and the octree of B that the searches refine.
 class ProvenFeet {
 public:
     ProvenFeet(const SurfaceTree& target, const Deadline& deadline, Counters& counters)
@@ -36,18 +36,17 @@ public:
     const SurfaceTree& tree() const { return tree_; }
     bool empty() const { return feet_.empty(); }
     const SurfacePoint& operator[](std::int32_t foot) const { return feet_[static_cast<std::size_t>(foot)]; }
-    // Adds a proven point and returns its index.
     std::int32_t add(const SurfacePoint& foot) {
         feet_.push_back(foot);
         return static_cast<std::int32_t>(feet_.size()) - 1;
     }
 
     // Returns an upper bound on the distance from any point of the piece to B: the largest distance from the piece to
-    // this foot.
+    // this point of B.
     double at_most(const SurfaceTree::Node& piece, std::int32_t foot);
 
     // Finds a proven point of B that is about nearest to p, and a lower bound on the distance from p to B. Starts from
-    // `known`, the feet of points near p. Adds proven points that are nearer to the feet.
+    // `known`, the feet of points near p. May add feet.
     NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search);
 
 private:

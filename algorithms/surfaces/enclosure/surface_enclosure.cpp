@@ -1,28 +1,24 @@
 // Certified bounds on the distance between algebraic surfaces, to any tolerance (ours).
 //
-// A *piece* is the part of a surface in a box; a *proven point* is a point that is proven to lie on a surface up to a
-// tiny error, by a change of sign of the polynomial on a tiny segment (surface_tree.h).
-// Lower bound: the distance from a proven point a of A to B. The boxes of an octree over B are refined near a until
-// none can contain a point nearer than the bound.
+// A *piece* is the part of a surface in a box; a *proven point* is proven to lie on a surface up to a tiny error, by a
+// change of sign of the polynomial on a tiny segment (surface_tree.h). Lower bound: the distance from a proven point a
+// of A to B. The boxes of an octree over B are refined near a until none can contain a point nearer than the bound.
 // Upper bound: every point of A lies in a box of an octree over A. For the piece in such a box, the distance to one
-// proven point b of B is bounded from above. Boxes whose upper bound is below the lower bound are dropped, and the box
-// with the largest upper bound is split, so boxes become small only where the answer is still undecided. The maximum
-// may lie where the box of the surface clips A. The octree covers just this box, so this is not a special case.
+// proven point of B is bounded from above. Boxes whose upper bound is below the lower bound are dropped, and the box
+// with the largest upper bound is split. The octree covers just the box that clips A, so a maximum at its sides is not
+// a special case.
 //
-// Both bounds use the fact that the piece in a box of size s lies within O(s^2) of a plane (surface_tree.h), so the
-// number of boxes of B does not grow as s shrinks. If A and B are close, or run side by side, there are more upper
-// bounds: beside.h, and feet.h, whose error is O(s^9), so that boxes stay large if the distance is constant over A
-// (concentric spheres).
+// Both bounds use the fact that the piece in a box of size s lies within O(s^2) of a plane, so the number of boxes of B
+// does not grow as s shrinks. If A and B are close, or run side by side, there are more upper bounds: beside.h, and
+// feet.h, whose error is O(s^9), so that boxes stay large if the distance is constant over A (concentric spheres).
 //
-// Surfaces are never empty (geometry.h); prepare() refuses a surface that is proven to have no point in its box. If no
-// point can be proven (f = g^2 does not change its sign), the bounds hold but do not approach each other: `stalled`. A
-// search that needs more than `most_cells` boxes also stalls. This happens to the lower bound at a point that is about
-// equally far from a large part of B.
+// prepare() refuses a surface that is proven to have no point in its box. If no point can be proven (f = g^2 never
+// changes sign), the bounds hold but do not approach each other: `stalled`. A search that needs more than `most_cells`
+// boxes also stalls. This happens to the lower bound at a point that is about equally far from a large part of B.
 //
-// Proofs of existence by changes of sign and linear enclosures by Taylor expansion are standard, see Neumaier:
-// Interval methods for systems of equations, 1990; best-first refinement of A against candidates of B is as in
-// Tang, Lee, Kim 2009.
-// Budget: boxes of A split. Time: boxes of A times boxes of B examined, each O(terms of the polynomial).
+// Proofs of existence by changes of sign and linear enclosures are standard, see Neumaier: Interval methods for systems
+// of equations, 1990; best-first refinement of A against candidates of B is as in Tang, Lee, Kim 2009. Budget: boxes of
+// A split. Time: boxes of A times boxes of B examined, each O(terms of the polynomial).
 #include "algorithms/error.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/interval.h"
@@ -44,12 +40,12 @@ namespace {
 constexpr int kept_feet = 3;
 constexpr int unproven_at_most = 4000;  // limit on boxes split, or points searched for, while no point is proven
 
-// The constants below, and those of proven_feet.cpp, were chosen by trial. Each percentage says by how much the number
-// of polynomial evaluations changes, at most, if a constant is halved or doubled. It is an average over 28 queries of
-// 12 pairs of surfaces (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
+// The constants below, and in proven_feet.cpp, were chosen by trial. Each percentage says by how much the number of
+// polynomial evaluations changes, at most, if a constant is halved or doubled: on average over 28 queries of 12 pairs
+// of surfaces (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
 
-// next_to() is tried for a cell if its upper bound is less than near_sizes times the size of the cell (0.3 %), or less
-// than near_coordinates times the largest coordinate of A (0 %; this matters for even smaller cells).
+// next_to() (beside.h) is tried for a cell if its upper bound is less than near_sizes times the size of the cell (0.3
+// %), or less than near_coordinates times the largest coordinate of A (0 %; this matters for even smaller cells).
 constexpr double near_sizes = 8, near_coordinates = 1e-3;
 // The distance from a point to B is computed with a precision of 1/8 of the tolerance (1 %) or 1/16 of the gap between
 // the bounds (0.3 %), whichever is larger.
@@ -77,8 +73,8 @@ struct EnclosureCell {
 
     std::span<const std::int32_t> known_feet() const { return {feet.data(), std::size_t(feet_count)}; }
 
-    // Puts the foot at the front of the list, from wherever it was before. Drops the least recently used foot if the
-    // list is full.
+    // Moves the foot to the front of the list, or inserts it there if it is new. Drops the least recently used foot if
+    // the list is full.
     void remember(std::int32_t foot) {
         auto* end = feet.data() + feet_count;
         auto* at = std::find(feet.data(), end, foot);
@@ -184,9 +180,9 @@ private:
         }
     }
 
-    // Lowers the upper bound of a cell with methods of increasing cost. Stops when this bound is at most the solver's
-    // lower bound, because the cell then cannot contain the farthest point. The last methods find a proven point in the
-    // cell, which may also raise the lower bound.
+    // Lowers the upper bound of a cell with methods of increasing cost, until it is at most the solver's lower bound:
+    // the cell then cannot contain the farthest point. The last methods find a proven point in the cell, which may also
+    // raise the lower bound.
     void bound(EnclosureCell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
         ++result_.counters.bound_tests;
@@ -217,8 +213,8 @@ private:
         cell.remember(near.foot);
     }
 
-    // Returns whether next_to() may give a better bound than the distance to a single foot. It does not if B is far
-    // away, compared with the size of the cell.
+    // Returns whether next_to() may give a better bound than the distance to a single proven point of B. It does not if
+    // B is far away, compared with the size of the cell.
     bool may_run_beside(double upper, double size) const {
         return upper < near_sizes * size || upper < near_coordinates * a_.box().high.cwiseAbs().maxCoeff();
     }
@@ -255,8 +251,8 @@ private:
     }
 
     // Searches for a point of A farther from B: moves `point` away from its closest point of B and back to A, as long
-    // as the distance to B grows. Then proves a lower bound on the distance of the last point. Does nothing unless this
-    // is the first search, or the gap between the bounds has halved since the last one.
+    // as the distance to B grows. Then proves a lower bound on this distance. Does nothing if the gap between the
+    // bounds has not halved since the last search.
     void local_search(SurfacePoint point, std::int32_t foot, double step, EnclosureCell cell) {
         const double gap = result_.bounds.gap();
         if (gap > gap_of_next_search * searched_at_) return;
@@ -290,7 +286,7 @@ private:
     Deadline deadline_;
     Result result_;
     SurfaceTree a_;
-    ProvenFeet feet_;  // the proven points of B
+    ProvenFeet feet_;
     std::priority_queue<EnclosureCell> queue_;
     bool proven_ = false;            // whether some point of A was proven
     double searched_at_ = infinity;  // the gap at the last local search

@@ -108,13 +108,13 @@ private:
     struct Cell {
         double bound;  // upper bound on the distances of all its voxels
         std::uint32_t node;
-        std::uint32_t voxel;  // one of its voxels
-        double squared;       // the squared distance of this voxel
+        std::uint32_t voxel;  // one of its voxels, with a known distance
+        double squared;       // its square
         bool operator<(const Cell& other) const { return bound < other.bound; }
     };
 
-    // Queues the children of a cell that may contain a voxel farther than the maximum so far. A child that contains the
-    // known voxel of the cell keeps it as its own.
+    // Queues those children of a cell that may contain a voxel farther than the maximum so far. The child that contains
+    // the known voxel of the cell takes it over.
     void split(const Cell& cell) {
         const Voxels::Node &node = a_.nodes[cell.node], &voxel = a_.nodes[cell.voxel];
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
@@ -164,7 +164,7 @@ private:
         return inside;
     }
 
-    // Returns a voxel of the cell, from the middle of its subtree of the octree. Returns nothing if the cell has no
+    // Returns a voxel near the middle of the cell, in the order of the octree. Returns nothing if the cell has no
     // voxels.
     std::optional<std::uint32_t> middle_voxel(std::uint32_t node) const {
         const Voxels::Node& cell = a_.nodes[node];

@@ -2,8 +2,8 @@
 // largest distance between a point of one and a point of the other. The result is [max over A of min over B of g, max
 // over A of min over B of G].
 //
-// Squared distances are rounded to nearest by monotone operations. If the budget or the time runs out,
-// VoxelWork::stopped is set. The results are then too small, because they are maxima over only a part of A.
+// If the budget or the time runs out, VoxelWork::stopped is set. The results are then too small, because they are
+// maxima over only a part of A.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -14,7 +14,6 @@
 
 namespace hausbench {
 
-// The limits of a query, and the work done so far.
 struct VoxelWork {
     const Query& query;
     const Deadline& deadline;
@@ -37,15 +36,15 @@ struct VoxelDistances {
 // Returns the square of the largest distance between a point of one box and a point of the other.
 double largest_squared_distance(const Box& a, const Box& b);
 
-// Computes the distances of all pairs of voxels. The unit of the budget is one voxel of A.
+// Computes the result by comparing all pairs of voxels. The unit of the budget is one voxel of A.
 VoxelDistances distances_of_all(const Voxels& a, const Voxels& b, VoxelWork& work);
 
 // Computes the same bits as distances_of_all() from far fewer pairs. All voxels of A are translates of each other. So
 // from one voxel of A to another, min over B of g grows by at most the length of the translation, and so does min over
-// B of G. The search therefore computes these values for one voxel of a cell of the octree over A, bounds them for the
-// whole cell, and skips the cell if it cannot contain the maximum. The values of a voxel are found with the octree over
-// B. The unit of the budget is one voxel of A whose value is computed; g and G are computed one after the other, each
-// with the whole budget.
+// B of G. The search computes both for one voxel of a cell of the octree over A, bounds them for the whole cell, and
+// skips the cell if it cannot contain the maximum. It finds the values of a voxel with the octree over B. The unit of
+// the budget is one voxel of A whose value is computed; g and G are computed one after the other, each with the whole
+// budget.
 VoxelDistances distances_by_search(const Voxels& a, const Voxels& b, VoxelWork& work);
 
 }  // namespace hausbench

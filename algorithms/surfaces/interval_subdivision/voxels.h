@@ -15,7 +15,6 @@
 
 namespace hausbench {
 
-// The voxels that may contain a point of one surface, and the octree above them.
 struct Voxels {
     using Grid = std::array<std::vector<double>, 3>;  // 2^depth + 1 lines per axis
 
@@ -29,9 +28,9 @@ struct Voxels {
 
     Grid grid;
     std::vector<Node> nodes;
-    std::vector<std::uint32_t> leaves;             // the nodes that are voxels
+    std::vector<std::uint32_t> leaves;
     std::array<std::vector<double>, 3> low, high;  // sides of these voxels along each axis, by leaf
-    std::uint64_t evaluations = 0;                 // number of evaluations of the polynomial
+    std::uint64_t evaluations = 0;
 
     // Returns the box of a cell. Inline, because searches need it for every cell: a call took a fifth of their
     // instructions.
