@@ -1,4 +1,4 @@
-// The bridge to mesh solvers: triangulates both surfaces, asks a mesh solver, and widens its answer by the largest
+// The bridge to mesh solvers: triangulates both surfaces, calls a mesh solver, and widens its answer by the largest
 // distance between each mesh and its surface, proven in both directions (surface_mesh.h). If MA and MB are the meshes
 // of A and B, and the mesh solver finds that h(MA, MB) is in [l, u], then
 //     l - h(MA,A) - h(B,MB) <= h(A,B) <= u + h(A,MA) + h(MB,B).
@@ -7,13 +7,12 @@
 //
 // The gap is at least the sum of the deviations. This sum is of the order of the size of a cell of the grid, or of its
 // square if the surface is smooth and does not meet the sides of its box. If the tolerance is smaller, the status is
-// `stalled`. If a deviation cannot be bounded, the upper bound is the largest distance between a point of A's box and
-// a point of B's box.
+// `stalled`. If a deviation cannot be bounded, the upper bound is the largest distance between a point of A's box and a
+// point of B's box.
 //
-// If a polynomial does not change its sign on the grid, its surface has no mesh: `stalled`. The upper bound is then the
-// same largest distance, or infinity if the target has no mesh, because the target may be empty.
-// Budget, counters and witness: as in the mesh solver. O(cells^3) to triangulate, O(cells^2 4^levels)
-// for the deviations.
+// If a polynomial has one sign on the whole grid, its surface has no mesh, and the status is `stalled`. The upper bound
+// is then the same largest distance, or infinity if B has no mesh, because B may be empty. Budget, counters and
+// witness: as in the mesh solver. O(cells^3) to triangulate, O(cells^2 4^levels) for the deviations.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -64,7 +63,7 @@ public:
     Result solve(const Query& query, State*, Trace& trace) const override {
         if (!meshes_) return without_meshes(query);
         Query inner = query;
-        inner.floor = 0;  // the query's floor and cutoff refer to the surfaces, not to the meshes
+        inner.floor = 0;  // floor and cutoff of the query refer to the surfaces, not to the meshes
         inner.cutoff = std::numeric_limits<double>::infinity();
         Trace unused;
         Result result = meshes_->solve(inner, unused);
@@ -96,8 +95,8 @@ public:
     }
 
 private:
-    // Returns an upper bound on the distance between a point of one box and a point of the other. Each box is given by
-    // two opposite corners.
+    // Returns an upper bound on the distance between any point of one box and any point of the other. Row 0 of a box is
+    // its low corner, row 1 its high corner.
     static double farthest(const Points& a, const Points& b) {
         const UpwardRounding upward;
         Interval sum(0.0);

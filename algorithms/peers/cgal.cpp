@@ -1,20 +1,20 @@
 // CGAL's one-sided Hausdorff distance of triangle meshes with bounded error, called as its users do.
 //
 // Source: CGAL 5.5, Polygon_mesh_processing::bounded_error_Hausdorff_distance (after Tang, Lee, Kim 2009, midpoint
-// subdivision). CGAL's function returns a single number v with |v - h| <= error_bound. It starts with error_bound as
-// its lower bound, so v is never smaller, except that it is 0 if each face of A is a face of B. Hence, if v is equal to
+// subdivision). It returns a single number v with |v - h| <= error_bound. It starts with error_bound as its lower
+// bound, so v is never smaller, except that it is 0 if each face of A is a face of B. Hence, if v is equal to
 // error_bound, h may be anywhere in [0, 2 * error_bound]; if v is larger, h is in [v, v + error_bound]. This ignores
-// rounding errors, so the solver is not certified. CGAL's function gives no witness, so the points are NaN and the
-// elements are -1. It builds its structures in every call, so their time counts in solve(), not in prepare().
+// rounding errors, so the solver is not certified. It gives no witness: the points are NaN, the elements -1. CGAL
+// builds its structures in every call, so their time counts in solve(), not in prepare().
 //
 // For an absolute tolerance, error_bound is set to the tolerance. If v is then equal to error_bound, the interval is
 // twice as wide as the tolerance, and a second call with half the error_bound gives [0, tolerance] or a narrower one.
 // For a tolerance relative to the lower bound, error_bound decreases until the tolerance is met. Limits of time and
 // work are ignored.
 //
-// A triangle soup that is a polygon mesh (as CGAL defines it) becomes a Surface_mesh with shared vertices. For any
-// other soup, each triangle gets three vertices of its own. CGAL's function accepts both, because it uses the faces one
-// by one. Only its search for faces that A and B share compares vertices, and it compares their sorted positions.
+// A triangle soup that is a polygon mesh (as CGAL defines it) becomes a Surface_mesh with shared vertices. In any other
+// soup, each triangle gets three vertices of its own. CGAL accepts both, because it uses the faces one by one. Only its
+// search for faces that A and B share compares vertices, and it compares their sorted positions.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/solver.h"
 
@@ -29,8 +29,8 @@
 namespace hausbench {
 namespace {
 
-// CGAL's example uses Exact_predicates_inexact_constructions_kernel instead. Its answers and times are the same, but
-// scenes with coordinates near 1e150 or 1e-160 end the process with SIGFPE in the library GMP. With this kernel such
+// CGAL's example uses Exact_predicates_inexact_constructions_kernel, which gives the same answers in the same time. But
+// with coordinates near 1e150 or 1e-160, it ends the process with SIGFPE in the library GMP. With this kernel, such
 // scenes get wrong answers, which the harness can report.
 using Kernel = CGAL::Simple_cartesian<double>;
 using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
@@ -91,8 +91,9 @@ public:
                 if (result.bounds.gap() > query.tolerance.value)
                     result.bounds = bounds(source, query.tolerance.value / 2);
             } else {
-                // h is not known, so error_bound starts at a fraction of the diagonal of A's box and decreases until
-                // the tolerance is met or error_bound is as small as the rounding errors of the coordinates.
+                // A relative tolerance depends on h, which is not known. So the error bound starts at a fraction of the
+                // diagonal of the box of A. It decreases until the tolerance is met, or until it is as small as the
+                // rounding errors of the coordinates.
                 double bound = std::max(diagonal(source_->vertices), std::numeric_limits<double>::min());
                 do {
                     bound *= query.tolerance.value < 0.5 ? query.tolerance.value : 0.5;
@@ -108,17 +109,18 @@ public:
     }
 
 private:
-    // Calls CGAL's function once, and returns the interval that its answer means.
+    // Calls CGAL's function once. Returns the interval that contains h according to its answer (see the top of this
+    // file).
     Bounds bounds(const SurfaceMesh& source, double error_bound) const {
         namespace pmp = CGAL::Polygon_mesh_processing;
         const auto matched = CGAL::parameters::match_faces(match_faces_);
         const double value =
             pmp::bounded_error_Hausdorff_distance<CGAL::Sequential_tag>(source, target_, error_bound, matched, matched);
         if (value == 0) return {0, 0};  // every face of A is a face of B
-        // CGAL rounds error_bound in this way.
+        // CGAL rounds error_bound by squaring it and taking the root.
         if (value == std::sqrt(error_bound * error_bound)) return {0, 2 * error_bound};
         Bounds result{value, value + error_bound};
-        // Rounding the sum may have made the interval too wide.
+        // Shrinks the interval if rounding the sum made it wider than error_bound.
         while (result.gap() > error_bound) result.upper = next_down(result.upper);
         return result;
     }

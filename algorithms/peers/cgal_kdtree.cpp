@@ -3,16 +3,14 @@
 //
 // Source: CGAL 5.5, package Spatial_searching, as in its example of points with an index: Kd_tree with the default
 // splitter and 10 points per leaf, and Orthogonal_k_neighbor_search with K = 1. Searches do not stop early, and the
-// points of A keep their order. (The solver `kdtree` uses nanoflann instead, stops searches early, and begins with the
-// points that are probably farthest.)
+// points of A keep their order; the solver `kdtree` does better in both.
 //
 // Certified although CGAL gives no guarantee. Each search returns some point of B, and its distance is computed again
-// here, so the largest distance is an upper bound on h. checked_result.h explains the lower bound.
-// Time: O(|A| log |B| + |B|) on typical data. Memory: O(|A| + |B|). The unit of Query::budget is one point of A.
+// here, so the largest distance is an upper bound on h. checked_result.h explains the lower bound. Time: O(|A| log |B|
+// + |B|) on typical data. Memory: O(|A| + |B|). The unit of Query::budget is one point of A.
 //
 // If n points of B coincide, CGAL builds a chain of n nodes. This takes O(n^2) time, and the recursion may overflow the
-// stack and crash the process, as in any program that uses CGAL's tree. A stack of 8 MB is enough for n = 20,000 but
-// not for 50,000.
+// stack and crash the process. A stack of 8 MB is enough for n = 20,000 but not for 50,000.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/peers/checked_result.h"
 #include "algorithms/points/point_solver.h"
@@ -39,7 +37,7 @@ class CgalKdTree final : public Solver {
 public:
     explicit CgalKdTree(const Options&) {}
 
-    // Calls build(), because otherwise the first search would build the tree, and solve() would take the time for it.
+    // Calls build() explicitly. Otherwise the first search would build the tree, and its time would count in solve().
     void prepare(const Scene& scene, const Prepared&) override {
         scene_ = &scene;
         const Points& b = points_of(scene.target);
@@ -48,9 +46,8 @@ public:
         tree_.build();
     }
 
-    // Returns the memory of the points, of the nodes, and of one pointer per point, which CGAL keeps after building.
-    // num_nodes() of CGAL 5.5 counts only the leaves; a binary tree has one inner node fewer than leaves. The unused
-    // capacity of CGAL's arrays of nodes, a few percent, is not counted.
+    // Returns the memory of the tree: the points, one pointer for each point, and the nodes. num_nodes() of CGAL 5.5
+    // counts only the leaves; a binary tree has one inner node fewer. Unused capacity, a few percent, is not counted.
     std::size_t prepared_bytes() const override {
         const std::size_t leaves = tree_.root()->num_nodes();
         return tree_.size() * (sizeof(Entry) + sizeof(const Entry*)) + leaves * sizeof(Tree::Leaf_node) +

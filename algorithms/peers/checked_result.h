@@ -1,16 +1,16 @@
-// Certified bounds from nearest point searches by a library that gives no guarantee.
+// Derives certified bounds from the nearest-point searches of a library that gives no guarantee.
 #pragma once
 
 #include "algorithms/points/exact.h"
 
 namespace hausbench {
 
-// Returns the result, given the largest distance that the searches found and its two points (`farthest`). `rest` and
-// `stopped` are as for exact_result().
+// Returns a certified result. `farthest` is the largest distance that the searches of the library found, with its two
+// points. `rest` and `stopped` are as for exact_result().
 //
-// The largest distance is an upper bound on h even if a search missed the nearest point, because each search returned
-// some point of B, and the nearest one cannot be farther. For the lower bound, the point of A in `farthest` is compared
-// with all of B again, which gives its true distance to B. O(|B|).
+// This distance is an upper bound on h even if a search missed the nearest point, because each search returned some
+// point of B. The lower bound is the true distance to B of the point of A in `farthest`, which is compared with all of
+// B. O(|B|).
 inline Result checked_result(const Query& query, const Points& a, const Points& b, FarthestPoint farthest,
                              Counters counters, double rest = -1, Status stopped = Status::converged) {
     if (farthest.source >= 0) {

@@ -88,8 +88,9 @@ public:
     }
 
 private:
-    // Returns the rows of A in the order of search. First come those 1/64 of them that are farthest from the nearest of
-    // `samples_` points of B, the farthest first. The others follow in ascending order.
+    // Returns the rows of A in the order in which to search. Finds, for each point of A, the nearest of `samples_`
+    // points of B. The 1/64 of A for which this distance is largest come first, in descending order of the distance.
+    // The others follow in ascending order.
     std::vector<Index> likely_farthest_first(const Points& a, const Points& b, Counters& counters) const {
         const auto count = static_cast<std::size_t>(a.rows());
         const Index samples = std::min<Index>(samples_, static_cast<Index>(b.rows()));

@@ -1,4 +1,5 @@
-// The inner loop of EARLYBREAK (earlybreak.cpp). OHD (zhang2017/ohd.cpp) also uses it, to get a first lower bound.
+// The inner loop of the solver EARLYBREAK (earlybreak.cpp). The solver OHD (zhang2017/ohd.cpp) also uses it, to get a
+// first lower bound on the Hausdorff distance.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -27,11 +28,12 @@ struct ShuffledTarget {
     }
 };
 
-// Compares point i of A with the points of B one by one. Stops at the first point of B that is closer than
-// `farthest.squared`, because point i then cannot be the farthest point of A. If B has no such point, the nearest
-// distance is known, and `farthest` is set to point i if that distance is larger.
-// Returns false if time runs out first; the caller must then treat point i as not examined. Not inlined, so that the
-// compiler can use all registers for the loop.
+// Compares point i of A with the points of B one by one. Stops at the first squared distance below `farthest.squared`,
+// because point i then cannot be the farthest point of A. Otherwise the distance of point i is known, and `farthest`
+// becomes point i if it is farther.
+//
+// Returns false if time runs out first; point i then counts as not examined. Not inlined, so that the compiler can use
+// all registers for the loop.
 [[gnu::noinline]] inline bool early_break(const Points& a, Index i, const ShuffledTarget& b, const Deadline& deadline,
                                           FarthestPoint& farthest, Counters& counters) {
     constexpr Index block = 4096;  // points of B between two checks of the clock

@@ -2,10 +2,9 @@
 //
 // Source: Taha, Hanbury: An efficient algorithm for calculating the exact Hausdorff distance, IEEE TPAMI 37, 2015, as
 // given by Zhang et al. 2017, Algorithm 2. That version sets cmin, the smallest distance of the current point of A, to
-// 0 before the break, so that a discarded point cannot raise the result; the first print omits this and may return the
+// 0 before the break, so that a discarded point cannot raise the result. The first print omits this and may return the
 // smallest distance found before the break. The option `exclude_common` skips points of A that are also in B, because
-// their distance is 0; no point of B is left out.
-// O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. The unit of Query::budget is one point of A.
+// their distance is 0. O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. The unit of Query::budget is one point of A.
 #include "algorithms/points/early_break.h"
 #include "algorithms/points/point_solver.h"
 
@@ -15,7 +14,8 @@
 namespace hausbench {
 namespace {
 
-// Returns the coordinates as a key that can be sorted. Adding 0.0 turns -0 into +0, which are equal coordinates.
+// Returns the coordinates of point i as a sort key. Adding 0.0 turns -0 into +0, so that equal coordinates have equal
+// keys.
 std::array<double, 3> key_of(const Points& points, Index i) {
     return {points(i, 0) + 0.0, points(i, 1) + 0.0, points(i, 2) + 0.0};
 }
@@ -71,8 +71,9 @@ public:
     }
 
 private:
-    // Returns whether point i of A is also in B, so that it need not be compared. If no point was examined before, sets
-    // `farthest` to point i and its copy in B, at distance 0, so that there is a witness even if h = 0.
+    // Returns whether B contains point i of A, so that the point can be skipped. If no point was examined before,
+    // `farthest` becomes this point and its copy in B, at distance 0. So there is a witness even if all points are
+    // skipped.
     bool excluded(const Points& a, Index i, FarthestPoint& farthest) const {
         if (!exclude_common_) return false;
         const std::array<double, 3> key = key_of(a, i);

@@ -1,7 +1,8 @@
 // Functions shared by the exact solvers for point sets.
 //
 // These solvers compare squared distances and take a root only at the end. exact_result() turns the largest squared
-// distance into an interval that contains h in spite of rounding (see rounding.h, "point to point").
+// distance into an interval that contains the exact Hausdorff distance in spite of rounding (proof in
+// kernel/rounding.h).
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -9,7 +10,7 @@
 
 namespace hausbench {
 
-// Returns |a - b|^2. All solvers for point sets compute it by these operations in this order, so their answers have
+// Returns |a - b|^2. All solvers for point sets compute it with these operations in this order, so their answers have
 // the same bits.
 inline double squared_distance(const double* a, const double* b) {
     const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
@@ -22,7 +23,7 @@ struct FarthestPoint {
     Index source = -1, target = -1;  // rows of A and B
 };
 
-// Returns whether some |coordinate| exceeds largest_safe_coordinate, so that squares might overflow. A solver then
+// Returns whether some |coordinate| exceeds largest_safe_coordinate, so that its square might overflow. A solver then
 // returns Result{}, which means status `stalled` and bounds [0, infinity].
 inline bool out_of_range(const Points& a, const Points& b) {
     return !(magnitude(a) <= largest_safe_coordinate && magnitude(b) <= largest_safe_coordinate);
@@ -31,12 +32,11 @@ inline bool out_of_range(const Points& a, const Points& b) {
 // Returns the result of a search: bounds, witness and status.
 //
 // `rest` is an upper bound on the squared distances of the points of A that were not examined, or -1 if all were.
-// `stopped` is the reason why the search ended, or `converged` if it ran to its end. `tiny` says whether some nonzero
-// |coordinate| is below smallest_safe_coordinate; the bounds are then widened for underflow.
+// `stopped` is the reason why the search ended, or `converged` if it ran to its end. If `tiny`, some nonzero
+// |coordinate| is below smallest_safe_coordinate, and the bounds are widened for underflow.
 //
-// The status depends on the bounds first: if they already answer the query, it does not matter why the search
-// stopped. If they do not, although the search ran to its end, the query asks for more than doubles can give
-// (`precision_floor`).
+// If the bounds answer the query, the status says so, whatever the reason to stop. If they do not, although the search
+// ran to its end, the query asks for more than doubles can give (`precision_floor`).
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, bool tiny, double rest, Status stopped) {
     Result result;
@@ -51,7 +51,8 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
     return result;
 }
 
-// Does the same, but finds out first whether there are tiny coordinates, in O(|A| + |B|).
+// Like exact_result() above, but determines `tiny` itself: looks for nonzero coordinates below smallest_safe_coordinate
+// in both sets. O(|A| + |B|).
 inline Result exact_result(const Query& query, const Points& a, const Points& b, const FarthestPoint& farthest,
                            const Counters& counters, double rest = -1, Status stopped = Status::converged) {
     const bool tiny = std::min(smallest_nonzero(a), smallest_nonzero(b)) < smallest_safe_coordinate;
@@ -64,16 +65,17 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
                  distance_at_most(std::max({squared_lower, squared_upper, 0.0}), true));
 }
 
-// Adds a sample to the trace, given bounds on the squared distance. The default upper bound means that none is known
-// yet. The bounds are widened for underflow in any case, because to look for tiny coordinates would take O(n).
+// Adds a sample with the bounds known so far to the trace, if tracing is on. The arguments are squared distances; omit
+// an unknown upper bound. Always widens the bounds for underflow, because checking whether underflow is possible would
+// take O(n) time.
 inline void record(Trace& trace, double squared_lower, double squared_upper = std::numeric_limits<double>::infinity()) {
     if (trace.on()) [[unlikely]]
         record_sample(trace, squared_lower, squared_upper);
 }
 
-// Returns an upper bound on the squared distances to B of the points of A that come at position `first` or later in
-// `order` (if `order` is null: of the rows from `first` on): the largest squared distance of such a point to the first
-// point of B. Returns -1 if A has no such points. O(|A|).
+// Returns an upper bound on the squared distances from some points of A to B: the largest squared distance from any of
+// them to the first point of B. The points are a.row(order[i]) for all i >= first, or a.row(i) if `order` is null.
+// Returns -1 if there are none. O(|A|).
 inline double squared_distances_at_most(const Points& a, const Points& b, const Index* order, Index first) {
     double most = -1;
     for (Index i = first; i < a.rows(); ++i) {

@@ -15,9 +15,9 @@
 namespace hausbench {
 namespace {
 
-// Compares one point of A with the rows [begin, end) of B. If a row is nearer than the squared distance `nearest`,
-// stores the squared distance and the number of the nearest row in `nearest` and `at`. Not inlined, so that the
-// compiler can use all registers for the loop.
+// Compares one point of A with the rows [begin, end) of B. `nearest` is the smallest squared distance so far and `at`
+// its row; updates both if one of these rows is nearer. Not inlined, so that the compiler can use all registers for the
+// loop.
 [[gnu::noinline]] void compare(const double* point, const Points& b, Index begin, Index end, double& nearest,
                                Index& at) {
     double least = nearest;
@@ -37,11 +37,11 @@ class Naive final : public Solver {
 public:
     explicit Naive(const Options&) {}  // a solver with parameters reads them here
 
-    // There is nothing to build. The scene outlives this solver's last solve().
+    // Builds nothing: keeps only the scene, which outlives every call of solve().
     void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
 
-    // Examines the points of A in order. If the search stops at point i, squared_distances_at_most() bounds the points
-    // from i on in O(|A|) time, so the upper bound of the result holds although they were not examined.
+    // Examines the points of A in order. If it must stop at point i, squared_distances_at_most() bounds the points from
+    // i on in O(|A|) time, so the upper bound of the result is valid.
     Result solve(const Query& query, State*, Trace& trace) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);

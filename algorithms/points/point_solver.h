@@ -7,8 +7,8 @@
 
 namespace hausbench {
 
-// Returns the info of a solver that takes two point sets, computes the exact distance whatever the tolerance, and
-// records a trace. The caller sets `certified` and the parameters.
+// Returns the description of a solver that takes two point sets, computes the exact distance whatever the tolerance,
+// and records a trace. The caller sets `certified` and the parameters.
 inline SolverInfo point_solver_info(std::string name, std::string title, std::string paper) {
     SolverInfo info;
     info.name = std::move(name);

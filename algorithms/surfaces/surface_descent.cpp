@@ -41,8 +41,8 @@ bool SurfaceDescent::step_onto(Vec3& y, double ulp) const {
     return true;
 }
 
-// Each step takes the point nearest to p on the tangent plane at y, within the box, and moves it to the surface. Steps
-// are repeated as long as they come nearer to p.
+// Repeats a step as long as it comes nearer to p: finds the point nearest to p on the tangent plane at y, within the
+// box, and moves it to the surface.
 Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
     double distance = (p - y).squaredNorm();
     for (int step = 0; step < 24; ++step) {
@@ -64,7 +64,7 @@ Vec3 SurfaceDescent::descend(const Vec3& p, Vec3 y) const {
     return y;
 }
 
-// Returns the foot of the perpendicular from p to the tangent plane at y. If it lies outside the box, returns a point
+// Returns the point of the tangent plane at y that is nearest to p. If this point lies outside the box, returns a point
 // of the plane near the box instead, about the one nearest to p.
 Vec3 SurfaceDescent::tangent_foot(const Vec3& p, const Vec3& y) const {
     Vec3 g;
@@ -73,7 +73,8 @@ Vec3 SurfaceDescent::tangent_foot(const Vec3& p, const Vec3& y) const {
     if (!(size > 0)) return p;
     const Vec3 foot = p - ((f + g.dot(p - y)) / size) * g, inside = clamped(foot);
     if (foot == inside) return foot;
-    // Fixes the coordinates in which the foot is outside at the sides of the box, and moves the others to the plane.
+    // Sets each coordinate that is outside the box to the side of the box, then moves along the other coordinates onto
+    // the plane.
     Vec3 to = p;
     for (int k = 0; k < 3; ++k) {
         if (foot[k] != inside[k]) to[k] = inside[k];

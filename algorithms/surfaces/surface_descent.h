@@ -8,17 +8,16 @@ namespace hausbench {
 
 class SurfaceDescent {
 public:
-    // Keeps references.
+    // Keeps references to both arguments.
     SurfaceDescent(const Polynomial& polynomial, const Box& box) : polynomial_(polynomial), box_(box) {}
 
-    // Returns whether the box contains p.
     bool holds(const Vec3& p) const { return p == clamped(p); }
 
-    // Moves y to the surface: returns a point of the box near y at which the polynomial is 0 up to rounding, if
-    // Newton's method finds one.
+    // Returns a point of the box near y at which the polynomial is 0 up to rounding, if Newton's method finds one.
+    // Otherwise returns the last point that it reached.
     Vec3 onto(Vec3 y) const;
 
-    // Returns a point of the surface that is about nearest to p, at least locally. Starts from y, a point of the
+    // Returns a point of the surface whose distance to p is about a local minimum. Starts from y, a point of the
     // surface, and moves along the surface as long as the distance to p decreases.
     Vec3 descend(const Vec3& p, Vec3 y) const;
 

@@ -26,8 +26,9 @@ public:
     }
 
     TriangleMesh run() {
-        // Each tetrahedron has the diagonal from corner 0 to corner 7 as an edge. Between these two it visits the two
-        // corners given here: one pair for each order in which to walk along the three axes.
+        // The six tetrahedra of a cell share its diagonal, from corner 0 to corner 7. Each has one of these pairs as
+        // its other two corners: one pair for each order in which to walk from corner 0 to corner 7 along the three
+        // axes.
         constexpr int orders[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
         const std::size_t n = std::size_t(cells_) + 1;
         for (int z = 0; z < cells_; ++z) {
@@ -72,7 +73,8 @@ private:
         return {lines_[0][v % n], lines_[1][v / n % n], lines_[2][v / n / n]};
     }
 
-    // Returns the vertex of the mesh on the edge ab of the grid, where the polynomial changes its sign.
+    // Returns the vertex of the mesh on the edge from grid point a to grid point b: the point where the polynomial
+    // changes sign.
     Index between(std::size_t a, std::size_t b) {
         const auto key = std::minmax(a, b);
         const auto [at, fresh] = edges_.emplace(key, Index(vertices_.size()));
@@ -107,7 +109,7 @@ private:
 
     Polynomial f_;
     int cells_;
-    std::array<std::vector<double>, 3> lines_;  // of the grid, for each axis
+    std::array<std::vector<double>, 3> lines_;  // grid lines, for each axis
     std::vector<char> positive_;                // for each corner of the grid: whether the polynomial is >= 0
     std::map<std::pair<std::size_t, std::size_t>, Index> edges_;
     std::vector<Vec3> vertices_;
@@ -172,8 +174,7 @@ private:
         return box;
     }
 
-    // Returns the cell that contains p. It is only used to find triangles near p, so a wrong cell by
-    // rounding does no harm.
+    // Returns the grid cell that contains p, up to rounding: it is only used to find triangles near p.
     std::array<int, 3> cell_of(const Vec3& p) const {
         std::array<int, 3> cell;
         for (int k = 0; k < 3; ++k) {
@@ -183,7 +184,9 @@ private:
         return cell;
     }
 
-    // Returns the bound M / m of the header for triangle t, or infinity if there is none.
+    // Returns an upper bound on the distance from any point of triangle t to the surface f = 0: M / m, where |f| <= M
+    // on the triangle and |df/dx| >= m along one axis near it (see deviation() in surface_mesh.h). Returns infinity if
+    // the proof fails.
     double graph(Index t) {
         Box box = box_of(t);
         // A flat box has no linear form, so it is widened a little, but not beyond the box of the surface.
@@ -206,7 +209,8 @@ private:
         int axis = 0;
         gradient.cwiseAbs().maxCoeff(&axis);
         if (!(std::abs(gradient[axis]) > 0)) return infinity;
-        // Guesses M / m from the slope in the middle, widens the box a little more than that, and checks the guess.
+        // Guesses how far to widen the box from the slope in the middle, then checks the guess with the smallest slope
+        // in the widened box.
         for (const double room : {1.25, 4.0}) {
             const double move = room * most / std::abs(gradient[axis]);
             Box wide = box;
@@ -221,8 +225,8 @@ private:
         return infinity;
     }
 
-    // Returns the other bound of the header for triangle t: by a proven point near a vertex. Infinity if
-    // no point is proven.
+    // Returns an upper bound on the distance from any point of triangle t to the surface: the distance from a vertex to
+    // a proven point of the surface, plus the longest edge from this vertex. Returns infinity if no point is proven.
     double by_vertex(Index t) {
         double best = infinity;
         for (int i = 0; i < 3; ++i) {
@@ -235,8 +239,9 @@ private:
         return best;
     }
 
-    // Returns the bound for a box: from its middle to the triangles in the same cell or, if there are none,
-    // one or two cells away.
+    // Returns an upper bound on the distance from any point of the piece to the mesh: the distance from the middle of
+    // its box to a triangle, plus half the diagonal. Looks for triangles in the grid cell of the middle, then in the
+    // cells around it. Returns infinity if there are none near.
     double middle_to_mesh(const SurfaceTree::Node& piece) {
         const Vec3& p = piece.form.middle;
         const double half = std::sqrt(piece.form.half.squaredNorm());

@@ -1,8 +1,5 @@
 // Converts algebraic surfaces to meshes for mesh solvers, by marching tetrahedra, with proven upper bounds on the
-// distance between mesh and surface in both directions.
-//
-// If MA and MB are meshes of A and B, and l <= h(MA, MB) <= u, then
-//     l - h(MA,A) - h(B,MB) <= h(A,B) <= u + h(A,MA) + h(MB,B).
+// distance between mesh and surface in both directions. composed/surface_meshes.cpp uses both.
 #pragma once
 
 #include "algorithms/scene.h"
@@ -11,13 +8,13 @@ namespace hausbench {
 
 // Triangulates a surface on a grid of `cells` cells per axis. Each cell consists of the six tetrahedra around its
 // diagonal. A vertex of the mesh lies on an edge of a tetrahedron, where bisection finds the change of sign of the
-// polynomial; only + - * / are used, so the bits are the same everywhere. A part of the surface is missed if the
-// polynomial has the same sign at all corners of the grid around it. Triangles with two equal corners are left out.
+// polynomial; only + - * / are used, so the bits are the same everywhere. Misses a part of the surface if the
+// polynomial has the same sign at all corners of the grid around it. Leaves out triangles with two equal corners.
 // Throws InputError if no triangle is found. O(cells^3).
 TriangleMesh triangulate(const AlgebraicSurface& surface, int cells);
 
 struct MeshDeviation {
-    double mesh_to_surface, surface_to_mesh;  // upper bounds of h(mesh, surface) and h(surface, mesh)
+    double mesh_to_surface, surface_to_mesh;  // upper bounds on h(mesh, surface) and h(surface, mesh)
 };
 
 // Bounds the distances between a surface f = 0 and its mesh.

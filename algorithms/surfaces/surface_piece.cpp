@@ -11,8 +11,8 @@ Interval squared(const std::array<Interval, 3>& v) {
     return CGAL::square(v[0]) + CGAL::square(v[1]) + CGAL::square(v[2]);
 }
 
-// Returns an upper bound on n.(y - c) over the points y of the piece, where c is the middle of its box: the right side
-// of the formula in the header, for the best l.
+// Returns an upper bound on n.(y - c) for all points y of the piece, where c is the middle of its box. Uses the formula
+// of surface_piece.h, with the number l that makes it smallest.
 double support(const LinearForm& f, const Vec3& n) {
     const Vec3 q = n.cwiseProduct(f.half);
     const auto cost = [&](double l) {
@@ -34,7 +34,7 @@ double support(const LinearForm& f, const Vec3& n) {
     return sum;
 }
 
-// Encloses n.(p - c).
+// Returns an interval that contains n.(p - c).
 Interval along(const Vec3& n, const Vec3& p, const Vec3& c) {
     Interval sum(0.0);
     for (int k = 0; k < 3; ++k) sum += Interval(n[k]) * (Interval(p[k]) - Interval(c[k]));
@@ -76,8 +76,8 @@ double distance_at_most(const SurfacePiece& piece, const Vec3& p) {
     for (int k = 0; k < 3; ++k)
         far[std::size_t(k)] = Interval(magnitude(Interval(f.middle[k]) - Interval(p[k])) + f.half[k]);
     const double corners = CGAL::sqrt(squared(far)).sup();
-    // Split y - p, for a point y of the piece, into its part along n and its part across n. The length across n is at
-    // most the length of c - p across n, where c is the middle of the box, plus half the diagonal of the box.
+    // For a point y of the piece, splits y - p into a part along n and a part across n. The part across n is at most as
+    // long as the part of c - p across n plus half the diagonal of the box, where c is the middle of the box.
     const Vec3 n = seed_on(piece, f.middle) - p;
     const Interval size = length(n);
     if (!(size.inf() > 0) || !std::isfinite(size.sup())) return corners;

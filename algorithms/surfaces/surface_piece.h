@@ -1,5 +1,5 @@
 // A *piece* is the part of an algebraic surface in a box. It is described by a linear form that encloses the polynomial
-// over the box (kernel/interval_form.h). From this follow bounds on the distance from a point to the piece.
+// over the box (kernel/interval_form.h). The linear form gives bounds on the distance from a point to the piece.
 //
 // The caller of every function must hold an UpwardRounding (kernel/interval.h), which sets the rounding mode.
 #pragma once

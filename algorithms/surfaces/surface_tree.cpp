@@ -95,14 +95,14 @@ std::optional<SurfaceTree::CriticalPoint> SurfaceTree::newton(const Vec3& p, con
     return point;
 }
 
-// Proves that the surface has a point near p: finds a segment through p, parallel to an axis, with opposite signs of
-// the polynomial at its ends. Tries the axis of the steepest slope first, and longer and longer segments.
+// Proves that the surface has a point near p: finds a segment through p, parallel to an axis, at whose ends the
+// polynomial has opposite signs. Tries the axis of the steepest slope first, and longer and longer segments.
 std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters) const {
     Vec3 g;
     const double f = polynomial().value(p, g);
     const double ulps = 0x1p-51 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
-    // Several axes are tried, because a segment must stay in the box: if p is on an edge of the box, only the axis
-    // along this edge will do.
+    // Tries several axes, because a segment must stay in the box: if p is on an edge of the box, only the axis along
+    // this edge will do.
     for (int tried = 0; tried < 3; ++tried) {
         int axis = 0;
         g.cwiseAbs().maxCoeff(&axis);
@@ -126,9 +126,9 @@ std::optional<SurfacePoint> SurfaceTree::prove(const Vec3& p, Counters& counters
     return std::nullopt;
 }
 
-// Descends from tangent plane to tangent plane first. If y - p is then not normal to the surface, y is not the nearest
-// point: the tangent planes mislead where the surface curves strongly, compared with its distance to p. Newton's
-// method still works there.
+// First walks along tangent planes. If y - p is then not normal to the surface, y is not the nearest point: tangent
+// planes mislead if the surface curves strongly, compared with the distance from p to y. Newton's method still works
+// there, so it is tried next.
 std::optional<SurfacePoint> SurfaceTree::nearby(const Vec3& p, const Vec3& seed, Counters& counters) const {
     ++counters.closest_point_queries;
     const SurfaceDescent surface(polynomial(), box_);

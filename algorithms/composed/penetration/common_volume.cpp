@@ -42,8 +42,8 @@ Corners sorted(Corners corners) {
     return corners;
 }
 
-// A visitor of CGAL's corefinement. Records for each triangle of the common volume whether it comes from A, and whether
-// any triangles of A and B are coplanar.
+// Records, while CGAL intersects two meshes, which triangles of the common volume come from A, and whether any
+// triangles of A and B are coplanar.
 struct Origins : pmp::Corefinement::Default_visitor<SurfaceMesh> {
     struct Found {
         std::map<Face, bool> of_source;
@@ -64,7 +64,7 @@ private:
     Found* found_;
 };
 
-// Collects triangles into a mesh that shares vertices.
+// Builds a mesh from triangles of other meshes; its triangles share vertices.
 class Collector {
 public:
     void add(const SurfaceMesh& mesh, Face face) {
@@ -95,7 +95,6 @@ private:
     std::vector<std::array<Index, 3>> rows_;
 };
 
-// Returns the diagonal of the box around both sides.
 double size_of(const CommonPart& part) {
     Eigen::AlignedBox3d box;
     for (const Points* points : {&part.of_source.vertices, &part.of_target.vertices})
@@ -103,8 +102,9 @@ double size_of(const CommonPart& part) {
     return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-// Splits the common volume into its connected parts. `target` is B after corefinement: CGAL cuts coplanar triangles of
-// A and B alike, so a triangle of A that is also a triangle of B has the same corners in `target`.
+// Splits the common volume into connected parts, and the boundary of each part into its triangles from A and from B.
+// `target` is B after corefinement, which cuts coplanar triangles of A and B alike. So a triangle of A that is also a
+// triangle of B has the same corners in `target`.
 std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& target, const Origins::Found& found) {
     std::set<Corners> of_target;
     if (found.coplanar)
@@ -112,8 +112,7 @@ std::vector<CommonPart> parts_of(const SurfaceMesh& volume, const SurfaceMesh& t
     std::map<Face, std::size_t> surface;
     std::size_t count =
         pmp::connected_components(volume, boost::associative_property_map<std::map<Face, std::size_t>>(surface));
-    // A part may have several surfaces: if a solid is hollow, one surface lies inside another. Groups
-    // surfaces by volume.
+    // Groups the surfaces that bound the same part: a hollow part has an outer and an inner surface.
     if (count > 1)
         count = pmp::volume_connected_components(volume,
                                                  boost::associative_property_map<std::map<Face, std::size_t>>(surface));
@@ -197,7 +196,7 @@ Solid::Solid(Solid&&) noexcept = default;
 
 std::size_t Solid::bytes() const {
     const SurfaceMesh& mesh = faces_->mesh;
-    // A point and a halfedge per vertex, four indices per halfedge, a halfedge per face.
+    // Counts a point and a halfedge index for each vertex, four indices for each halfedge, and one for each face.
     return std::size_t(vertices_.size()) * sizeof(double) + mesh.number_of_vertices() * (sizeof(Point) + 4) +
            mesh.number_of_halfedges() * 16 + mesh.number_of_faces() * 4;
 }

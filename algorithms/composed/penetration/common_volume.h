@@ -1,9 +1,9 @@
-// The connected parts of the common volume of two solids, with the boundary of each split into its part from A and
-// its part from B.
+// Computes the common volume of two solids as a list of connected parts. The boundary of each part is split into its
+// triangles from A and its triangles from B.
 //
 // Source: Tang et al. 2009, section 7.3, step 1. CGAL's corefinement does the cutting. It decides exactly which
-// triangles cross, and on which side of B a part of A lies, but rounds the points where they cross to doubles. So
-// nothing here is certified.
+// triangles cross, and on which side of B a part of A lies, but it rounds the points where triangles cross to doubles.
+// So nothing here is certified.
 #pragma once
 
 #include "algorithms/kernel/geometry.h"
@@ -21,8 +21,8 @@ public:
     ~Solid();
     Solid(Solid&&) noexcept;
 
-    // Returns why the mesh bounds no volume (it is open, crosses itself, or is not a manifold), or an empty text if
-    // it bounds one.
+    // Returns the reason why the mesh bounds no volume: it is open, crosses itself, or is not a manifold. Returns an
+    // empty string if the mesh bounds a volume.
     const std::string& flaw() const { return flaw_; }
 
     Points posed(const Pose& pose) const { return hausbench::posed(vertices_, pose); }
@@ -37,9 +37,9 @@ private:
     std::unique_ptr<Faces> faces_;
 };
 
-// The boundary of one connected part of the common volume: the triangles from A and the triangles from B. Triangles
-// that A and B have in common, facing the same way, belong to both. If all triangles come from one solid, the part lies
-// inside the other solid, and the other mesh is empty.
+// The boundary of one connected part of the common volume, as the triangles from A and the triangles from B. A triangle
+// that belongs to both A and B, facing the same way, is in both meshes. If the part lies inside one of the solids, the
+// mesh of that solid is empty.
 struct CommonPart {
     TriangleMesh of_source, of_target;
 };
@@ -49,8 +49,8 @@ struct CommonVolume {
     std::string failure;            // why cutting failed, or empty
 };
 
-// Intersects two solids, neither of which may have a flaw. Points and faces at which the two only touch have no
-// volume and are not parts.
+// Intersects two solids, neither of which may have a flaw(). Points and faces in which they only touch have no volume,
+// so they are not parts.
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose);
 
 }  // namespace hausbench

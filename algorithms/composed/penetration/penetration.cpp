@@ -1,8 +1,8 @@
 // The penetration depth of two solids, measured on their common volume.
 //
 // Source: Tang et al. 2009, section 7.3. The boundary of the common volume comes partly from A and partly from B; the
-// depth is H between these two parts, computed by any solver (parameter `solver`; the paper uses `tang`). If the
-// volume has several parts, the depth is the largest over them, and the witness is the deepest pair of points.
+// depth is H between these two parts, computed by any solver (parameter `solver`; the paper uses `tang`). If the volume
+// has several parts, the depth is the largest over them, and the witness is the deepest pair of points.
 //
 // The paper leaves some cases open. If a part of the volume has no boundary from B, because A lies inside B there, H to
 // this empty side would be infinite. The depth is then h from the boundary of the part to the whole mesh of B; the same
@@ -11,9 +11,9 @@
 //
 // Never certified: the points where triangles cross are rounded (composed/penetration/common_volume.h). Reports `parts`
 // (the number of parts of the volume) and the number of measured triangles. With `each_part` it also reports the bounds
-// and the witness of each part; otherwise the solver stops early at a part that cannot be the deepest.
-// Stages: "cut", "measure". Budget: passed to the inner solver for each part. Time: corefinement, O(n log n) plus
-// crossings, then the inner solver. Cutting ignores the time limit.
+// and the witness of each part; otherwise it stops early at a part that cannot be the deepest. Stages: "cut",
+// "measure". Budget: passed to the inner solver for each part. Time: corefinement, O(n log n) plus crossings, then the
+// inner solver. Cutting ignores the time limit.
 #include "algorithms/composed/penetration/common_volume.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/kernel/rounding.h"
@@ -98,8 +98,8 @@ private:
         return result;
     }
 
-    // Measures one part: H between its two sides. If the part lies inside one of the meshes, one side is empty; then
-    // measures h from the other side to the whole of that mesh.
+    // Computes the depth of one part: H between its boundary from A and its boundary from B. If one of them is empty,
+    // computes h from the other to the whole mesh instead (see the top of this file).
     Result measure(const CommonPart& part, Query query) const {
         const bool in_target = part.of_target.triangles.rows() == 0, in_source = part.of_source.triangles.rows() == 0;
         const auto whole = [](const TriangleMesh& mesh, const Pose& pose) {

@@ -2,18 +2,17 @@
 //
 // Source: Nutanong, Jacox, Samet: An incremental Hausdorff distance calculation algorithm, PVLDB 4(8), 2011.
 //
-// The main queue has entries for nodes and points of A, ordered by upper bound. The entry of x, a node or a point,
-// consists of x, an upper bound on the distance to B of every point in x, and a queue of its own: the nodes and points
-// of B that may contain the nearest neighbour of a point in x, ordered by their least distance to x. Each step takes
-// the entry with the largest upper bound and looks at y, the first in its queue. If x and y are points, their distance
-// is h. Otherwise the step splits the one with the larger box: if it is x, each child of x becomes an entry with a copy
-// of the queue; if it is y, the children of y replace y in the queue. Nodes and points of B that are farther from x
-// than the upper bound of x are dropped from its queue.
+// The main queue has entries for nodes and points x of A. An entry has an upper bound on the distance to B of every
+// point in x, and its own queue: the nodes and points of B that may contain the nearest neighbour of a point in x,
+// nearest first. Each step takes the entry with the largest upper bound and looks at y, the first in its queue. If x
+// and y are points, their distance is h. Otherwise the one with the larger box is split: the children of x become
+// entries with copies of the queue, or the children of y replace y in the queue. Nodes and points of B that are farther
+// from x than its upper bound are dropped.
 //
 // Bounds are squared, and each is rounded like the distance that it bounds (posed_box.h), so the answer has the same
-// bits as the answer of NAIVEHDD. The trees are built once; if A moves, the box of a node of A is replaced with a box
-// around the moved box. The drawback is memory: the copied queues take O(|A| |B|) in the worst case (`queue_bytes`
-// reports the peak). The unit of Query::budget is one entry taken from the main queue.
+// bits as with NAIVEHDD. The trees are built once; if A moves, the box of a node of A is replaced with a box around the
+// moved box. The copied queues take O(|A| |B|) memory in the worst case (`queue_bytes` reports the peak). The unit of
+// Query::budget is one entry taken from the main queue.
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
@@ -25,12 +24,13 @@
 namespace hausbench {
 namespace {
 
-// A node or a point of an R-tree: a node is its index in RTree::nodes(), a point is ~i (so it is negative), where i is
-// its position in RTree::order().
+// Identifies a node or a point of an R-tree. A node has its index in RTree::nodes(). A point has the negative number
+// ~i, where i is its position in RTree::order().
 using Id = std::int32_t;
 bool is_point(Id id) { return id < 0; }
 
-// A node or point of B in the queue of an entry, with its least squared distance to the node or point of A.
+// A node or point of B that may contain the nearest neighbour of a point of A. `squared_lower` is a lower bound on its
+// squared distance to the node or point of A that has it in its queue.
 struct Near {
     double squared_lower;
     Id id;
@@ -40,18 +40,18 @@ struct Near {
     }
 };
 
-// An entry of the main queue. The one with the largest upper bound is on top.
+// An entry of the main queue: a node or point of A, and the queue of nodes and points of B that may contain its nearest
+// neighbours. The entry with the largest upper bound comes first.
 struct Entry {
     double squared_upper;
-    Id id;                   // a node or point of A
-    std::vector<Near> near;  // its queue over B, a heap
+    Id id;
+    std::vector<Near> near;  // a heap
 
     bool operator<(const Entry& other) const {
         return squared_upper != other.squared_upper ? squared_upper < other.squared_upper : id < other.id;
     }
 };
 
-// The search of one query.
 class IncSearch {
 public:
     IncSearch(const RTree& source, const RTree& target, const Points& a, const Points& b, const Query& query,
@@ -132,8 +132,8 @@ private:
     }
     static std::size_t held(const Entry& entry) { return entry.near.capacity() * sizeof(Near); }
 
-    // Sets `lower` and `upper` to bounds on the squared distance between any point in x and any point in `near`. If
-    // both are points, the bounds are equal.
+    // Sets `lower` and `upper` to bounds on the squared distance between any point in the box x and any point in
+    // `near`, a node or point of B. The bounds are equal if both are single points.
     void bound(const Box& x, Id near, double& lower, double& upper) {
         const Box y = target_box(near);
         ++(is_point(near) ? counters_.bound_tests : counters_.node_visits);
@@ -141,7 +141,7 @@ private:
         upper = squared_distance_at_most(x, y);
     }
 
-    // Pushes an entry for each child of a node of A.
+    // Splits a node of A: pushes an entry for each of its children.
     void split_source(const Entry& parent) {
         ++counters_.subdivisions;
         for_each_child(source_, parent.id, [&](Id child) {
@@ -163,7 +163,8 @@ private:
         bytes_ -= held(parent);
     }
 
-    // Replaces the first node in the queue of an entry with its children. `x` is the box of the entry.
+    // Splits the first node of B in the queue of an entry: replaces it with its children. `x` is the box of the node or
+    // point of A.
     void split_target(Entry entry, const Box& x) {
         bytes_ -= held(entry);
         const Id node = entry.near.front().id;
@@ -179,8 +180,8 @@ private:
         push(std::move(entry));
     }
 
-    // Puts the items that are not farther than the upper bound of the entry into its queue, once this bound is final.
-    // Allocates no spare capacity, because these queues take most of the memory.
+    // Sets the queue of an entry to the items in `all` that are not farther than the upper bound of the entry, which
+    // must be final. Allocates no spare capacity, because these queues take most of the memory.
     static void keep(Entry& entry, const std::vector<Near>& all) {
         const auto kept = [&](const Near& near) { return near.squared_lower <= entry.squared_upper; };
         entry.near.reserve(static_cast<std::size_t>(std::count_if(all.begin(), all.end(), kept)));
@@ -198,11 +199,11 @@ private:
     const Points &a_, &b_;
     const Query& query_;
     Trace& trace_;
-    Box a_box_;  // the box of A as moved by its pose; not set, and not needed, for the identity
+    Box a_box_;  // the box of A, moved by its pose; left empty for the identity
     Deadline deadline_;
     Counters counters_;
-    std::vector<Entry> heap_;                 // the main queue
-    std::size_t bytes_ = 0, most_bytes_ = 0;  // of all queues over B: now, and at the peak with the main queue
+    std::vector<Entry> heap_;
+    std::size_t bytes_ = 0, most_bytes_ = 0;  // memory of all queues over B now; peak memory with the main queue
 };
 
 class Inc final : public Solver {

@@ -8,7 +8,7 @@ namespace {
 
 // Sorts items so that each group of `capacity` successive items, called a tile, is close together in space and can
 // become one node. Sorts by x and cuts the sequence into slabs, sorts each slab by y and cuts it into rows, and sorts
-// each row by z. Items with equal coordinates are sorted by number, so the order depends only on the points.
+// each row by z. Equal coordinates are ordered by index, so the result depends only on the points.
 void tile(std::vector<Index>& items, const Points& centres) {
     const auto sort = [&](std::size_t from, std::size_t to, int axis) {
         const auto at = [&](std::size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
@@ -18,8 +18,8 @@ void tile(std::vector<Index>& items, const Points& centres) {
     };
     const std::size_t capacity = RTree::capacity, n = items.size();
     const auto groups = [&](std::size_t count) { return (count + capacity - 1) / capacity; };
-    // Returns the number of items in a slab (k = 3) or in a row (k = 2) if `count` items are cut into slabs or rows of
-    // whole tiles. There are then about as many slabs or rows as the k-th root of the number of tiles.
+    // Returns the number of items per slab (k = 3) or per row (k = 2) when `count` items are cut. It is a multiple of
+    // `capacity`, chosen so that the number of slabs or rows is about the k-th root of the number of tiles.
     const auto run = [&](std::size_t count, int k) {
         const std::size_t tiles = groups(count);
         std::size_t runs = 1;

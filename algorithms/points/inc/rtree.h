@@ -19,21 +19,22 @@ public:
 
     struct Node {
         Box box;  // the smallest box around its points
-        // The range of its children: indices in nodes() or, if this is a leaf, of points, positions in order().
+        // The children are nodes()[first] to nodes()[first + count - 1]. A leaf has points instead: order()[first] to
+        // order()[first + count - 1].
         std::int32_t first, count;
         bool leaf;
     };
 
-    // Copies the points. O(n log n) time, O(n) memory.
+    // Builds the tree over a copy of the points. O(n log n) time, O(n) memory.
     explicit RTree(const Points& points);
 
     const std::vector<Node>& nodes() const { return nodes_; }   // the root is the last
-    const std::vector<Index>& order() const { return order_; }  // the rows of the input, neighbours in space together
+    const std::vector<Index>& order() const { return order_; }  // rows of the input, neighbours in space together
     const Points& points() const { return points_; }            // row i is row order()[i] of the input
 
     std::size_t bytes() const;
 
-    static constexpr std::int32_t capacity = 16;  // most children of a node, or points of a leaf
+    static constexpr std::int32_t capacity = 16;  // largest number of children of a node, or points of a leaf
 
 private:
     std::vector<Node> nodes_;

@@ -8,14 +8,15 @@ namespace {
 
 using Cell = PointCells::Cell;
 
-// Searches the cells for one point of A after the other.
+// Searches the cells for points of B near given points of A, one point of A after the other.
 class Searcher {
 public:
     Searcher(const PointCells& cells, const NearGrid& grid, const Points& a, const Points& b, CellFindings& findings)
         : cells_(cells), grid_(grid), a_(a), b_(b), findings_(findings) {}
 
-    // Searches for each of the rows row_of(0) to row_of(count - 1). Their cells may be anywhere in memory, so the lists
-    // and the first two points of 32 cells are prefetched before the first of them is searched.
+    // Searches for the points of A with rows row_of(0) to row_of(count - 1), in groups of 32. Their cells may be
+    // anywhere in memory, so the lists of a group and the first two points of each list are prefetched before the group
+    // is searched.
     template <class RowOf> void search(std::size_t count, const RowOf& row_of) {
         constexpr std::size_t ahead = 32;
         Cell at[ahead];
@@ -39,8 +40,8 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most = 128;  // points of B examined per point of A; a tree would examine fewer
-    static constexpr int widest = 16;           // cells along an axis; a search in more of them is given up
+    static constexpr std::uint64_t most = 128;  // limit on points of B per point of A; a tree needs fewer
+    static constexpr int widest = 16;           // limit on the cells along an axis that one search may visit
 
     void fetch(Index row) const {
         __builtin_prefetch(b_.row(row).data());
@@ -55,8 +56,9 @@ private:
         findings_.counters.point_distances += looked_;
     }
 
-    // Examines the list that starts at row `first` and updates the nearest point. Returns true as soon as a point is
-    // within the largest distance so far. Sets `crowded_` and returns false if `most` points were examined before that.
+    // Compares the point of A with the list of points of B that starts at row `first`, and updates the nearest point.
+    // Returns true as soon as a point is within the largest distance so far, because the point of A then cannot raise
+    // it. If this takes more than `most` comparisons, sets `crowded_` and returns false.
     bool near_enough_in(Index first) {
         const double squared_early_out = findings_.farthest.squared;
         for (Index j = first; j >= 0; j = cells_.next(j)) {
@@ -75,10 +77,11 @@ private:
         return false;
     }
 
-    // Continues the search outside the point's own cell, until a point of B within the largest distance decides the
-    // point of A: in the six cells that share a face with it; at the candidate of the grid; in all cells that may
-    // contain a point closer than the largest distance. If none decides it, finds the closest point in the cells that
-    // may contain a point closer than the nearest so far; its distance becomes the largest.
+    // Continues the search outside the cell of the point of A: in the six cells that share a face with it, at the
+    // candidate of the coarse grid, and in all cells within the largest distance so far. Stops at the first point of B
+    // within that distance. If there is none, searches all cells within the distance of the nearest point found. This
+    // gives the closest point, and its distance becomes the largest. If too many cells or points are in the way, adds
+    // the row to findings.open.
     void search_around(Index row, const Cell& cell) {
         constexpr std::int32_t faces[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
         for (const auto& [x, y, z] : faces) {
@@ -139,10 +142,10 @@ private:
     const NearGrid& grid_;
     const Points &a_, &b_;
     CellFindings& findings_;
-    // The search for one point of A.
+    // State of the search for the current point of A.
     const double* point_ = nullptr;
-    double squared_ = 0;        // squared distance to the nearest point of B so far
-    Index nearest_ = -1;        // row of that point
+    double squared_ = 0;  // squared distance to the nearest point of B so far
+    Index nearest_ = -1;
     std::uint64_t looked_ = 0;  // number of points of B examined
     bool crowded_ = false;      // whether the search was given up because of too many points or cells
 };

@@ -12,11 +12,11 @@
 namespace hausbench {
 namespace {
 
-constexpr std::uint64_t most_a_row = 48;  // points of B examined per row of A, on average; beyond this a tree is faster
+constexpr std::uint64_t most_a_row = 48;  // points of B compared per row of A, on average, above which a tree is faster
 
-// Step 4: returns the points of B in grid cells that may contain the closest point of an undecided point of A. Returns
-// nothing if so many cells would be marked that this takes longer than it saves; most points of B would then be kept
-// anyway.
+// Step 4 of scan.cpp: returns the rows of B that may be closest to an undecided point of A. They lie in grid cells
+// within the distance from that point to a known point of B. Returns nothing if there are so many of these cells that
+// this is not worth the time.
 std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std::vector<Undecided>& undecided,
                                                  ScanState& state) {
     std::vector<std::uint8_t> flags(work.grid.cells());
@@ -33,15 +33,14 @@ std::optional<std::vector<Index>> near_undecided(const ScanWork& work, const std
     return near;
 }
 
-// Adds the findings for some rows to the state.
 void take(const CellFindings& found, ScanState& state) {
     state.counters += found.counters;
     if (found.farthest.squared > state.farthest.squared) state.farthest = found.farthest;
 }
 
-// Searches the cells for each of `rows` (all of A if null), in rounds of 64 blocks. Each block starts from the largest
-// distance known before the round, so the answer does not depend on which blocks run at the same time. Appends rows
-// that stay undecided to `open`.
+// Calls search_cells() for the given rows of A (all if null), in rounds of 64 blocks. Each block starts from the
+// largest distance known before its round, so the result does not depend on the threads. Appends rows whose search was
+// given up to `open`. Returns `converged`, or the reason if it had to stop early.
 Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const PointCells& cells,
                      std::vector<Index>& open, ScanState& state) {
     constexpr std::size_t size = ScanWork::block_rows, at_once = 64;  // blocks between two checks of the clock
@@ -67,34 +66,36 @@ Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const
     return Status::converged;
 }
 
-// Step 5: puts the points of B (only those in `near` unless null) into cells and searches them for each of `rows` (all
-// of A if null). Rows that stay undecided are in `open` afterwards. Returns nothing if a sample shows that a tree would
-// be faster; all rows are then still to be searched.
+// Step 5 of scan.cpp: puts the rows `near` of B (all if null) into small cells, and searches them for the given rows of
+// A (all if null). Appends rows whose search was given up to `open`. Returns nothing if a tree would be faster,
+// according to a sample; all rows are then still to be searched.
 std::optional<Status> search_in_cells(const ScanWork& work, const std::vector<Index>* rows,
                                       const std::vector<Index>* near, std::vector<Index>& open, ScanState& state) {
-    // An occupied cell of the grid contains `crowd` points on average. If the points lie on a surface, cells with an
-    // edge shorter by a factor of sqrt(crowd / 2) contain about two. Larger cells are used if the largest distance d so
-    // far allows it: the diagonal of cells with the edge d / 1.75 is sqrt(3) / 1.75 * d < d, so any point of B in the
-    // cell of a point of A decides that point.
+    // Chooses the edge of the cells. An occupied cell of the grid contains `crowd` points on average. If the points lie
+    // on a surface, a cell whose edge is shorter by a factor of sqrt(crowd / 2) contains about two. A longer edge is
+    // used if the largest distance d so far allows it: with the edge d / 1.75, a cell has the diagonal (sqrt(3) / 1.75)
+    // d < d, so any point of B in the cell of a point of A is within d of it.
     const double crowd = static_cast<double>(work.b.rows()) / static_cast<double>(work.grid.occupied());
     const double finer = std::sqrt(std::max(crowd / 2, 1.0));
     const double wide_enough = 1.75 / distance_at_most(std::max(state.farthest.squared, 0.0), true);
     const double cells_per_length = std::min(work.grid.cells_per_length() * finer, wide_enough);
     const PointCells cells(work.b, near, work.target_box, cells_per_length, work.threads);
-    // Searches for a sample first: the largest distance in the sample decides most other rows at the first cell.
+    // Searches for a sample of the rows first. It raises the largest distance early, so that one cell is enough for
+    // most other rows.
     const std::vector<Index> some = sample_of(work.a, rows);
     CellFindings first{state.farthest, {}, {}};
     search_cells(cells, work.grid, work.a, some, work.b, first);
     take(first, state);
-    // A tree is better if cells leave many rows of the sample undecided, or if rows examine many points of B because
-    // some cells have far more points than others.
+    // A tree is faster if the search was given up for many rows of the sample, or if it compared many points of B per
+    // row because some cells are crowded.
     if (first.open.size() > some.size() / 4) return std::nullopt;
     if (first.counters.point_distances > most_a_row * some.size()) return std::nullopt;
     return search_blocks(work, rows, cells, open, state);
 }
 
-// Compares each of `rows` (all of A if null) with the points of B (only those in `near` unless null) until one is
-// within the largest distance: early breaking without any structure, for few pairs.
+// Compares the given rows of A (all if null) with the rows `near` of B (all if null), pair by pair. Goes on to the next
+// row of A as soon as a point of B is within the largest distance so far. Builds no structure, so it is fastest for few
+// pairs.
 Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near, ScanState& state) {
     const Points &a = work.a, &b = work.b;
     const auto count = near ? static_cast<Index>(near->size()) : static_cast<Index>(b.rows());
@@ -118,7 +119,7 @@ Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::
     return Status::converged;
 }
 
-// Step 6: searches the tree of B for the leaves of A.
+// Step 6 of scan.cpp: searches a tree over B for the nearest points of B to the points in the given leaves of A.
 Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const PointBlocks& blocks, ScanState& state) {
     constexpr std::size_t chunk = 64;  // leaves between two checks of the clock
     if (leaves.size() > chunk) search_samples(blocks, leaves, state);
@@ -129,9 +130,9 @@ Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const Poi
     return Status::converged;
 }
 
-// Decides each of `rows` (all of A if null), given the points of B that may be closest to them (`near`, all of B if
-// null). Chooses steps by the number of pairs, rows times points of B: cells from cells_from pairs on, a tree from
-// tree_from pairs on for the rows that the cells leave undecided, plain comparisons for fewer.
+// Finds the largest distance from the given rows of A (all if null) to B. Their closest points must be among the rows
+// `near` of B (all if null). Uses small cells if there are at least `cells_from` pairs of these rows. For the rows that
+// remain, uses a tree if there are at least `tree_from` pairs, and plain comparisons otherwise.
 Status search_near(const ScanWork& work, const std::vector<Index>* rows, const std::vector<Index>* near,
                    ScanState& state) {
     if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;

@@ -1,4 +1,5 @@
-// Steps 4 to 6 of scan.cpp, which describes them: compares the undecided points of A with the points of B near them.
+// Steps 4 to 6 of the solver in scan.cpp: compares the points of A that may still raise the largest distance with the
+// points of B near them.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -10,15 +11,15 @@
 
 namespace hausbench {
 
-// The input of the steps for one query. They do not change it; their results are in ScanState.
+// The input of steps 4 to 6 of scan.cpp for one query. Their results are in ScanState.
 struct ScanWork {
     const Query& query;
     const Deadline& deadline;
     Threads threads;
-    const Points &a, &b;           // A moved by the pose of the query; B
-    const NearGrid& grid;          // over B
-    const Box& target_box;         // the box of B
-    double cells_from, tree_from;  // numbers of pairs, see the parameters with these names in scan.cpp
+    const Points &a, &b;  // A, moved by the pose of the query, and B
+    const NearGrid& grid;
+    const Box& target_box;
+    double cells_from, tree_from;  // numbers of pairs: the parameters with these names in scan.cpp
 
     static constexpr std::size_t block_rows = 1024;  // rows of A that one thread takes at a time
 
@@ -28,18 +29,18 @@ struct ScanWork {
 
 // A point of A that may still raise the largest distance.
 struct Undecided {
-    double squared;  // squared distance to some point of B, first to the candidate: an upper bound
+    double squared;  // squared distance to some point of B, so an upper bound
     Index row;
 };
 
-// Returns a sample of `rows`, or of all rows of A if null: the first row of each of up to 1024 parts of equal size.
+// Returns up to 1024 of the given rows of A (of all rows if null), evenly spaced.
 std::vector<Index> sample_of(const Points& a, const std::vector<Index>* rows);
 
-// Decides all points of A by steps 5 and 6 with all points of B. Which of these steps run depends on |A| * |B|, the
-// number of pairs. Updates `state`. Returns the reason if it had to stop early, otherwise `converged`.
+// Finds the largest distance from any point of A to B with steps 5 and 6 of scan.cpp, and stores it in `state`. Returns
+// `converged`, or the reason if the search had to stop early.
 Status search_all(const ScanWork& work, ScanState& state);
 
-// Decides the undecided points of A by steps 4 to 6. Updates `state`, and returns the same as search_all().
+// Like search_all(), but only for the undecided points of A, with steps 4 to 6 of scan.cpp.
 Status search_undecided(const ScanWork& work, const std::vector<Undecided>& undecided, ScanState& state);
 
 }  // namespace hausbench

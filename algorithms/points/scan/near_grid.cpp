@@ -8,21 +8,20 @@
 namespace hausbench {
 namespace {
 
-// The positions of an occupied cell along the three axes, or `empty` if no such cell is known yet.
+// The indices of an occupied cell along the three axes. Empty if no occupied cell is known yet.
 struct Place {
     std::int16_t x = -1, y = -1, z = -1;
     bool empty() const { return x < 0; }
 };
 
-// Returns the squared distance from an occupied cell to the cell (x, y, z), in cells.
+// Returns the squared distance between the cells p and (x, y, z), in units of the edge of a cell.
 int squared(const Place& p, int x, int y, int z) {
     return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + (p.z - z) * (p.z - z);
 }
 
-// Returns a sample of up to 1024 points: one from each of up to 1024 parts of the set, of equal size. The position
-// within its part is different for each point (multiples of the golden ratio), so that points that are regularly
-// ordered in the input do not bias the sample. Duplicates are removed, because they say nothing about the extent of the
-// set.
+// Returns up to 1024 points, one from each of as many consecutive ranges of rows. The position within the range varies
+// (by multiples of the golden ratio), so that a regular order of the input does not bias the sample. Removes
+// duplicates, because they say nothing about the extent of the set.
 std::vector<std::array<double, 3>> sample_of(const Points& points) {
     const Eigen::Index count = std::min<Eigen::Index>(points.rows(), 1024);
     std::vector<std::array<double, 3>> sample;
@@ -77,18 +76,18 @@ NearGrid::NearGrid(const Points& points, const Box& box, const Threads& threads)
     fill_empty_cells();
 }
 
-// Makes the last of the points in each cell its candidate. Points outside the grid also count as in a cell but may be
-// far from it, so they are taken only if the cell contains no point inside `inside`, the box of the grid (null: all
-// points are inside).
+// Makes the last point in each cell its candidate. A point outside the grid belongs to the nearest cell but may be far
+// from it. So it is taken only if the cell contains no point in `inside`, the box of the grid (null: all points are in
+// it).
 //
-// Each thread takes a part of the points and notes the last row in each cell; of several parts, the last one that has a
-// point in the cell gives the candidate, so the result does not depend on the number of threads.
+// Each thread notes the last row in each cell for a range of the points. The last range with a point in the cell gives
+// the candidate, so the result does not depend on the number of threads.
 void NearGrid::take_last_of_each(const Points& points, const Box* inside, const Threads& threads) {
     constexpr std::size_t chunk = 1024;
     const auto count = static_cast<std::size_t>(points.rows());
     const std::size_t parts = std::min(static_cast<std::size_t>(threads.most()), blocks_of(count, 16 * chunk));
     struct Last {
-        std::vector<Index> any, within;  // by cell: the last row, and the last row inside `inside`; -1: none
+        std::vector<Index> any, within;  // for each cell: the last row, and the last row in `inside`; -1: none
     };
     std::vector<Last> last(parts);
     threads.for_each(parts, [&](std::size_t p) {
@@ -127,8 +126,8 @@ std::size_t NearGrid::squared_to_candidates(const double* points, std::size_t co
     return squared_to_cells(layout_, candidates_.front().point, points, count, squared);
 }
 
-// Chooses the size of the cubic cells: tries 1/1024 of the longest axis as their edge, then ever longer edges, until
-// the grid has at most `most` cells or the edge is the whole axis. A box without extent gets a single cell.
+// Chooses the edge of the cubic cells: tries 1/1024 of the longest side of the box, then ever longer edges, until the
+// grid has at most `most` cells or the edge is the whole side. A box without extent gets a single cell.
 void NearGrid::lay_cells(const Box& box, double most) {
     const Vec3 width = box.high - box.low;
     const double longest = width.maxCoeff();
@@ -145,9 +144,9 @@ void NearGrid::lay_cells(const Box& box, double most) {
     for (int k = 0; k < 3; ++k) layout_.last[k] = layout_.size[k] - 1;
 }
 
-// Gives each empty cell the candidate of an occupied cell nearby. Each sweep visits all cells, and an empty cell takes
-// over the nearest occupied cell known to the three neighbours that the sweep visited before. The result need not be
-// the nearest occupied cell of all.
+// Gives each empty cell the candidate of an occupied cell nearby, which need not be the nearest one. Each sweep visits
+// all cells. An empty cell takes the nearest of the occupied cells that are known to the three neighbours visited
+// before it.
 void NearGrid::fill_empty_cells() {
     std::vector<Place> places(candidates_.size());
     const std::int32_t(&size_)[3] = layout_.size;
@@ -178,7 +177,7 @@ void NearGrid::fill_empty_cells() {
             }
         }
     };
-    // The third sweep passes on the cells that the second one found.
+    // The third sweep, forward again, spreads the cells that the backward sweep found.
     sweep(true);
     sweep(false);
     sweep(true);

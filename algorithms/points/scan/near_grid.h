@@ -1,9 +1,6 @@
-// A coarse grid over a point set that stores one point of the set for each cell, the *candidate* of the cell. It is a
-// quick guess at the closest point for a query point in the cell: it need not be the closest, but as it belongs to the
-// set, its distance is an upper bound.
-//
-// The candidate of an occupied cell is a point in the cell. An empty cell takes the candidate of an occupied cell
-// nearby.
+// A coarse grid over a point set. Each cell stores one point of the set, its *candidate*: a quick guess at the closest
+// point for any query point in the cell. It lies in the cell or, if the cell is empty, in an occupied cell nearby. It
+// need not be the closest point, but its distance is an upper bound on the distance to the set.
 #pragma once
 
 #include "algorithms/kernel/box.h"
@@ -20,23 +17,21 @@ class NearGrid {
 public:
     struct Candidate {
         double point[3];
-        Index row;  // of this point in the set
+        Index row;  // its row in the set
     };
 
     NearGrid() = default;
 
-    // `box` is the bounding box of `points`. The grid covers only the part of the box that contains most points, so
-    // that a few outliers do not make its cells large. It has about n / 8 cells, at most 2^16. O(n) time.
+    // Builds a grid of about n / 8 cells, at most 2^16, over n points with the bounding box `box`. The grid covers only
+    // the part of the box that contains most points, so that a few outliers do not make its cells large. O(n) time.
     NearGrid(const Points& points, const Box& box, const Threads& threads = Threads());
 
-    // Returns the number of the cell of a point. A point outside the grid counts as in the nearest cell.
+    // Returns the number of the cell that contains a point, or of the nearest cell if the point is outside the grid.
     std::size_t cell_of(const double* point) const { return static_cast<std::size_t>(layout_.cell_of(point)); }
-    // Returns the candidate of the cell that contains a point.
     const Candidate& candidate(const double* point) const { return candidates_[cell_of(point)]; }
 
-    // Computes the squared distance of each of `count` > 0 points (three coordinates each) to its candidate, and writes
-    // it to squared[0..], with the same bits as squared_distance(). Returns the number of the point with the largest
-    // distance; if there are several, the first.
+    // Writes the squared distance from each of `count` > 0 points to the candidate of its cell to `squared`. Returns
+    // the index of the point with the largest distance. The parameters are as for squared_to_cells() (near_cells.h).
     std::size_t squared_to_candidates(const double* points, std::size_t count, double* squared) const;
 
     // Sets flags[cell] to 1 for each cell that may contain a point x with |x - point| <= radius along each axis.
@@ -46,14 +41,14 @@ public:
     // Cells per unit of length, the same along each axis; 0 if there is only one cell.
     double cells_per_length() const { return layout_.cells_per_length; }
 
-    // Return the number of occupied cells, and one point from each of them. These points are spread evenly over the set
-    // even if the density of the set varies.
+    // Return the number of cells that contain points, and one point from each of these cells. The points are spread
+    // evenly in space, even if the density of the set varies.
     std::size_t occupied() const { return occupied_; }
     Points spread() const;
 
-    // Does the same as mark() for each cell that may contain a point whose computed squared distance to `point` is at
-    // most `squared`. The exact distance of such a point is at most the value of distance_at_most()
-    // (kernel/rounding.h), and so is its distance along each axis.
+    // Like mark(), but for the cells that may contain a point whose computed squared distance to `point` is at most
+    // `squared`. distance_at_most() (kernel/rounding.h) bounds the exact distance of such a point, and so its distance
+    // along each axis.
     std::size_t mark_within(const double* point, double squared, std::vector<std::uint8_t>& flags) const {
         return mark(point, distance_at_most(squared, true), flags);
     }
@@ -62,13 +57,13 @@ public:
     std::size_t bytes() const { return candidates_.capacity() * sizeof(Candidate); }
 
 private:
-    void lay_cells(const Box& box, double most);  // sets layout_
+    void lay_cells(const Box& box, double most);
     void take_last_of_each(const Points& points, const Box* inside, const Threads& threads);
     void fill_empty_cells();
 
     CellLayout layout_;
-    std::size_t occupied_ = 0;           // number of cells that contain points
-    std::vector<Candidate> candidates_;  // by cell
+    std::size_t occupied_ = 0;
+    std::vector<Candidate> candidates_;
 };
 
 }  // namespace hausbench

@@ -14,8 +14,8 @@
 namespace hausbench {
 namespace {
 
-// The nearest point of B so far for one row of A. Only its tile, a group of 256 successive rows of B, is stored,
-// because that costs less in the inner loop; compare_with_all() finds the row in it.
+// The nearest point of B so far for one row of A. Stores only its tile, a group of 256 successive rows of B, to keep
+// the inner loop fast. compare_with_all() finds the row in the tile.
 struct Best {
     double squared = std::numeric_limits<double>::infinity();
     std::size_t begin = 0;  // the first row of the tile
@@ -32,7 +32,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;
 
-// Returns the extent of the points whose coordinates are the `count` numbers at `data`; `count` is a multiple of three.
+// Returns the bounding box of some points, and whether they have tiny coordinates. The points are given by `count`
+// coordinates, three for each point.
 Extent extent_of_part(const double* data, std::size_t count) {
     const Doubles d;
     const std::size_t lanes = hn::Lanes(d);
@@ -45,7 +46,7 @@ Extent extent_of_part(const double* data, std::size_t count) {
     };
     std::size_t i = 0;
     if (count >= 3 * lanes) {
-        // Three vectors hold `lanes` points. Lane j of vector v has the coordinate of axis (v * lanes + j) mod 3.
+        // Three vectors hold `lanes` points: lane j of vector v is a coordinate along axis (v * lanes + j) mod 3.
         hn::Vec<Doubles> low[3], high[3];
         for (auto& v : low) v = hn::Set(d, infinity);
         for (auto& v : high) v = hn::Set(d, -infinity);
@@ -73,8 +74,8 @@ Extent extent_of_part(const double* data, std::size_t count) {
     return extent;
 }
 
-// Compares a few rows of A with the rows [begin, end) of B. Updates best[q] if a row is nearer to rows[q] than
-// best[q].squared.
+// Compares each of the given rows of A with the rows [begin, end) of B. Updates best[q], the nearest point to rows[q]
+// so far, if one of these is nearer.
 void nearest_of_part(const Points& a, std::span<const Index> rows, const Points& b, std::size_t begin, std::size_t end,
                      Best* best) {
     const Doubles d;
@@ -91,7 +92,7 @@ void nearest_of_part(const Points& a, std::span<const Index> rows, const Points&
                 hn::Store(vz, d, z + i);
             }
         } else {
-            for (std::size_t i = 0; i < tile; ++i) {  // the last tile is filled up with its last point
+            for (std::size_t i = 0; i < tile; ++i) {  // pads the last tile with its last point
                 const double* const p = data + 3 * std::min(i, end - 1 - begin);
                 x[i] = p[0];
                 y[i] = p[1];
@@ -105,7 +106,7 @@ void nearest_of_part(const Points& a, std::span<const Index> rows, const Points&
             for (std::size_t i = 0; i < tile; i += hn::Lanes(d)) {
                 const auto dx = hn::Sub(px, hn::Load(d, x + i)), dy = hn::Sub(py, hn::Load(d, y + i)),
                            dz = hn::Sub(pz, hn::Load(d, z + i));
-                // the operations of squared_distance() in the same order
+                // Uses the operations of squared_distance() in the same order, so that the bits are the same.
                 least = hn::Min(least, hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz)));
             }
             const double squared = hn::GetLane(hn::MinOfLanes(d, least));
@@ -128,7 +129,6 @@ namespace {
 
 constexpr std::size_t part_rows = 1 << 14;  // least number of rows for which a thread is worth its cost
 
-// Returns the nearest point of B for each of a few rows of A; threads share the rows of B.
 std::vector<Best> nearest_of_all(const Points& a, std::span<const Index> rows, const Points& b,
                                  const Threads& threads) {
     const auto count = static_cast<std::size_t>(b.rows());

@@ -93,8 +93,8 @@ PointBlocks::PointBlocks(const Points& points, const std::vector<Index>* chosen,
 }
 
 std::size_t PointBlocks::leaf_at(const double* point) const {
-    // If many points lie in one cell of the frame, several leaves have the same key. frame.before() orders them by
-    // smaller cells.
+    // If many points lie in one cell of the frame, several leaves have the same key. frame.before() also orders points
+    // within a cell, so it tells these leaves apart.
     const auto [from, to] = std::equal_range(keys.begin(), keys.end(), frame.key(point));
     const auto begin = leaves.begin() + (from - keys.begin()), end = leaves.begin() + (to - keys.begin());
     const auto after = std::upper_bound(begin, end, point, [&](const double* p, const PointLeaf& leaf) {

@@ -5,8 +5,8 @@
 
 namespace hausbench {
 
-// Chooses the size of the table. Each axis gets at least as many entries as the box has cells along it, rounded up to a
-// power of two; then the axis with most entries is halved until the table has fewer than four entries per point.
+// Chooses the size of the table. Along each axis, starts with a power of two that exceeds the number of cells in the
+// box. Then halves the axis with the most entries until the table has fewer than four entries per point.
 void PointCells::lay_table(std::size_t count, const Box& box) {
     const int most = std::bit_width(2 * count - 1);
     int bits[3];
@@ -39,8 +39,8 @@ PointCells::PointCells(const Points& points, const std::vector<Index>* chosen, c
         for (std::size_t i = 0; i < count; ++i) add(row_of(i), place_of(row_of(i)));
         return;
     }
-    // First computes the entry of each point. Then each thread fills one part of the table: it looks at all points in
-    // order and adds those with an entry in its part.
+    // First computes the table entry of each point. Then each thread fills its own part of the table: it goes through
+    // all points in order and adds those whose entry is in this part.
     const auto places = std::make_unique_for_overwrite<std::uint32_t[]>(count);
     const std::size_t blocks = blocks_of(count, 1 << 13);
     threads.for_each(blocks, [&](std::size_t block) {

@@ -21,21 +21,19 @@ class PointCells {
 public:
     using Cell = std::array<std::int32_t, 3>;  // numbers of the cell along x, y and z; may be negative
 
-    // Puts the chosen rows of `points` (all if null), which lie in `box`, into cubes with the edge 1 /
-    // cells_per_length. cells_per_length must be positive. Takes O(n) time, and memory of 4 bytes for each row of
-    // `points` and up to 16 bytes for each chosen row. Each list has the chosen rows in reverse order, whatever the
-    // number of threads.
+    // Puts the chosen rows of `points` (all if null) into cubes with the edge 1 / cells_per_length, which must be
+    // positive. `box` must contain the points. Takes O(n) time, 4 bytes for each row of `points` and up to 16 bytes for
+    // each chosen row. Each list has the chosen rows in reverse order, whatever the number of threads.
     PointCells(const Points& points, const std::vector<Index>* chosen, const Box& box, double cells_per_length,
                const Threads& threads);
 
-    // Returns the cell of any point, also outside the box. Its numbers never decrease as the coordinates increase.
+    // Returns the cell that contains a point. The grid has no bounds, so the point may be outside the box. The cell
+    // numbers never decrease as the coordinates increase.
     Cell cell_of(const double* point) const { return {cell(point[0], 0), cell(point[1], 1), cell(point[2], 2)}; }
 
-    // Returns a range of cells that contains cell_of(x) for all x with |x - point| <= radius along each axis.
-    //
-    // The range need not be widened for rounding. Rounding to nearest is monotone and leaves doubles unchanged. So if
-    // point - radius <= x <= point + radius holds exactly and x is a double, it also holds with both ends rounded. And
-    // cell_of() is monotone, too.
+    // The cells between `from` and `to` along each axis. range_of() returns a range that contains cell_of(x) for every
+    // x with |x - point| <= radius along each axis. It need not be widened for rounding, because cell_of() is monotone:
+    // NearGrid::mark() in near_grid.cpp has the proof.
     struct Range {
         Cell from, to;
     };
@@ -62,7 +60,7 @@ public:
 
 private:
     std::int32_t cell(double x, std::size_t k) const {
-        constexpr double most = 0x1p29;  // differences of cell numbers fit into 32 bits
+        constexpr double most = 0x1p29;  // so that differences of cell numbers fit into 32 bits
         return static_cast<std::int32_t>(std::min(std::max((x - low_[k]) * cells_per_length_, -most), most));
     }
     // Returns the index in first_ of the entry that a cell uses.
@@ -79,7 +77,7 @@ private:
     std::uint32_t masks_[3] = {};
     int shift_y_ = 0, shift_z_ = 0;
     std::vector<Index> first_;       // the table: the first row of each list, or -1
-    std::unique_ptr<Index[]> next_;  // by row: the next row in its list, or -1; not set for rows that were not chosen
+    std::unique_ptr<Index[]> next_;  // for each row: the next row in its list, or -1; not set for rows not chosen
 };
 
 }  // namespace hausbench

@@ -1,13 +1,12 @@
 // scan: exact distances of point sets, fast both if a single outlier decides and if the sets are nearly the same.
 //
-// A point of A is *decided* once it is known that it cannot raise the largest distance found so far: either some point
-// of B is within that distance of it (early breaking, Taha and Hanbury 2015), or its closest point of B is known and
-// its distance counted. The steps go from cheap to expensive; each runs only if the steps before leave points of A
-// undecided:
-//   1. A coarse grid over B stores one point of B for each of its cells. The point stored for the cell of a point of A,
-//      its *candidate*, is near it, so its distance is an upper bound.
-//   2. The 8 points of A that are farthest from their candidates are compared with all of B. The largest of their
-//      distances to B is the first value of the largest distance.
+// A point of A is *decided* once it cannot raise the largest distance found so far: either some point of B is within
+// that distance of it (early breaking, Taha and Hanbury 2015), or its closest point of B is known and its distance
+// counted. The steps go from cheap to expensive; each runs only if points of A are still undecided:
+//   1. A coarse grid over B stores a point of B for each cell. The point stored for the cell of a point of A is its
+//      *candidate*. The distance to the candidate is an upper bound.
+//   2. The 8 points of A that are farthest from their candidates are compared with all of B, which gives the first
+//      largest distance.
 //   3. Points of A whose candidate is within the largest distance are decided.
 //   4. For each undecided point of A, the grid cells within the distance to its candidate are marked. Points of B in
 //      other cells cannot be closest to an undecided point and are left out.
@@ -16,18 +15,16 @@
 //      may contain the closest point are searched.
 //   6. If many points of B share a cube, these points and the undecided points of A are sorted in Morton order and cut
 //      into leaves of 16, with a tree of boxes over the leaves of B. A leaf of A is compared with one or two near
-//      leaves of B, first as a whole, then point by point; for the points still undecided the tree is searched.
-// If a sample shows that step 3 would decide fewer than half of the points, steps 3 and 4 are skipped. Only the grid is
-// built in advance: the structures of steps 5 and 6 depend on the largest distance, and building them costs less than
-// searching.
+//      leaves of B, first as a whole, then point by point; then the tree is searched. If a sample shows that step 3
+//      would decide fewer than half of the points, steps 3 and 4 are skipped. Only the grid is built in advance: the
+//      structures of steps 5 and 6 depend on the largest distance, and building them costs less than searching.
 //
 // Threads share the points of A in steps 1 and 5, and the points of B in steps 2 and 3. In step 5 each block of points
 // of A starts from the largest distance known before its round of 64 blocks, so the work, the answer and its witness do
 // not depend on the number of threads.
 //
-// Outliers and clusters do not slow it down: the grid covers only the part of B that contains most points, and the
-// sorts in Morton order sort the points of a crowded cell again in a smaller frame (kernel/morton.h). So a few far
-// points do not make the cells of the others large.
+// Outliers do not slow it down: the grid covers only the part of B that contains most points, and crowded cells are
+// sorted again in a smaller Morton frame (kernel/morton.h).
 //
 // The answer is exact and certified, and it has the same bits as the answer of `naive`: only squared distances to
 // points of B decide, computed with the operations of squared_distance() in the same order. Distances to boxes are
@@ -113,8 +110,9 @@ private:
         return squared_distance(point, grid_.candidate(point).point);
     }
 
-    // Compares up to `batch` points, those farthest from their candidates, with all of B. Removes them from
-    // `undecided`, and all other points that the new largest distance decides.
+    // Compares the `batch` points that are farthest from their candidates (all points if there are fewer) with all of
+    // B. Removes them from `undecided`. Also removes each point that has a known point of B within the new largest
+    // distance.
     static void compare_farthest(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) {
         const std::size_t count = std::min(batch, undecided.size());
         const auto farther = [](const Undecided& x, const Undecided& y) {
@@ -129,9 +127,9 @@ private:
         drop_decided(undecided, state);
     }
 
-    // Compares the undecided points with one point of B from each occupied cell of the grid, which may be nearer than
-    // the candidate. For points of A far from B, the nearest of these is about as near as the closest point. Does
-    // nothing if this takes more than 8 * |B| comparisons.
+    // Lowers the known distances of undecided points: compares each with one point of B from every occupied cell of the
+    // grid. For points of A far from B, the nearest of these is about as near as the closest point of B. Does nothing
+    // if this takes more than 8 * |B| comparisons.
     void compare_with_spread(const ScanWork& work, std::vector<Undecided>& undecided, ScanState& state) const {
         const std::size_t pairs = undecided.size() * grid_.occupied();
         if (undecided.empty() || pairs > 8 * static_cast<std::size_t>(work.b.rows())) return;
@@ -156,7 +154,8 @@ private:
         return farthest;
     }
 
-    // Returns whether candidates would decide fewer than half of the points in a sample of A.
+    // Returns whether most points in a sample of A are farther from their candidates than the largest distance so far.
+    // Step 3 would then discard too few points to be worth its time.
     bool candidates_decide_few(const Points& a, ScanState& state) const {
         const std::vector<Index> some = sample_of(a, nullptr);
         std::size_t left = 0;
@@ -165,7 +164,8 @@ private:
         return left > some.size() / 2;
     }
 
-    // Performs step 3: returns the points of A that remain undecided. `farthest` comes from farthest_of_blocks().
+    // Step 3: returns the points of A that may still raise the largest distance. `farthest` is the result of
+    // farthest_of_blocks().
     std::vector<Undecided> keep_undecided(const ScanWork& work, const std::vector<Undecided>& farthest,
                                           ScanState& state) const {
         const auto count = static_cast<std::size_t>(work.a.rows());
@@ -182,8 +182,8 @@ private:
             }
         }
         compare_with_spread(work, undecided, state);
-        // Compares the farthest points with all of B once, and again as long as the last pass decided at least half of
-        // the points or two more passes would decide all others. Then these passes are cheaper than step 5.
+        // Compares the farthest points with all of B once. Goes on while the last pass removed at least half of the
+        // points, or if two more passes are enough for the rest: these passes are cheaper than step 5.
         for (std::size_t before = 2 * undecided.size();
              !undecided.empty() && undecided.size() <= std::max(before / 2, 2 * batch);) {
             before = undecided.size();
@@ -192,15 +192,15 @@ private:
         return undecided;
     }
 
-    // Removes the points that have a known point of B within the largest distance.
+    // Removes the points that cannot raise the largest distance, because a known point of B is within it.
     static void drop_decided(std::vector<Undecided>& undecided, const ScanState& state) {
         std::erase_if(undecided, [&](const Undecided& one) { return one.squared <= state.farthest.squared; });
     }
 
     double cells_from_, tree_from_;
     const Scene* scene_ = nullptr;
-    Extent target_;  // of B
-    NearGrid grid_;  // over B
+    Extent target_;
+    NearGrid grid_;
 };
 
 }  // namespace

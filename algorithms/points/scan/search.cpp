@@ -17,19 +17,18 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;  // 8 divides 16, the number of points in a leaf
 
-// Returns x^2 + y^2 + z^2, by the operations of squared_distance() in the same order.
+// Returns x^2 + y^2 + z^2, with the operations of squared_distance() in the same order.
 HWY_INLINE hn::Vec<Doubles> squares(hn::Vec<Doubles> x, hn::Vec<Doubles> y, hn::Vec<Doubles> z) {
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
 }
 
-// The nearest point of B so far for one point of A.
 struct Nearest {
     double squared = infinity;
     std::size_t leaf = 0;
     Index row = -1;
 };
 
-// Updates `nearest` with the points of a leaf of B.
+// Compares the point p of A with the points of a leaf of B, and updates `nearest`.
 HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (&p)[3], Nearest& nearest) {
     const Doubles d;
     const PointLeaf& points = b.leaves[leaf];
@@ -49,14 +48,14 @@ HWY_INLINE void scan_leaf(const PointBlocks& b, std::size_t leaf, const double (
     nearest = {squared, leaf, points.row[i]};
 }
 
-// A node of the tree, or a leaf, that is still to be searched.
+// A node or a leaf of the tree that is still to be searched.
 struct OpenBlock {
     double squared;            // squared distance from the point of A to its box
     std::size_t level, index;  // level 0: leaves
 };
 
-// Pushes the children of a node whose boxes are nearer than `squared`. They are sorted by distance, the farthest at the
-// bottom, so that the nearest child is popped first (of several, the first). Returns the new size of the stack.
+// Pushes those children of a node onto the stack whose boxes are nearer than `squared`, the nearest one last, so that
+// it is popped first. Returns the new size of the stack.
 HWY_INLINE std::size_t push_children(const PointBlocks& b, const OpenBlock& at, const double (&p)[3], double squared,
                                      OpenBlock* stack, std::size_t size) {
     const Doubles d;
@@ -85,14 +84,14 @@ HWY_INLINE std::size_t push_children(const PointBlocks& b, const OpenBlock& at, 
     return size;
 }
 
-// Finds the nearest point of B, or stops at a point within the early-out radius, whichever comes first. The *early-out
-// radius* is the largest distance so far: one point of B within it decides the point of A. `nearest` is the nearest
-// point known before, and leaf `scanned` need not be searched again. Distances to boxes are rounded like distances to
-// points (kernel/box.h), so a box that is at least as far as the nearest point contains no nearer point.
+// Finds the nearest point of B to the point p of A. Stops early at a point within the *early-out radius*, the largest
+// distance so far, because p then cannot raise it. `nearest` is the nearest point known before. Skips leaf `scanned`,
+// which was searched before. Distances to boxes are rounded like distances to points (kernel/box.h), so a box that is
+// at least as far as the nearest point contains no nearer point.
 HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double squared_early_out, std::size_t scanned,
                             Nearest& nearest, Counters& counters) {
-    // At each level one node is popped and up to 8 are pushed. There are at most 12 levels: 8^12 leaves exceed an
-    // Index.
+    // Each level pops one node and pushes up to 8. There are at most 12 levels, because the number of points is an
+    // Index, which is less than 8^12.
     OpenBlock stack[(block_children - 1) * 12 + 1];
     std::size_t size = 0;
     OpenBlock at{0, b.levels(), 0};
@@ -112,8 +111,9 @@ HWY_INLINE void search_tree(const PointBlocks& b, const double (&p)[3], double s
     }
 }
 
-// Searches for point i of a leaf of A, and updates the state: first in the leaf of B found last, then in its home
-// leaf (see home_of()), then in the tree.
+// Searches for the nearest point of B to point i of a leaf of A, and updates the state. Looks first in the leaf of B in
+// which the last point was found, then in leaf `home` (see home_of()), then in the tree. Stops at a point within the
+// largest distance so far.
 void search_point(const PointBlocks& b, const PointLeaf& leaf, std::size_t i, std::size_t home, ScanState& state) {
     const double p[3] = {leaf.x[i], leaf.y[i], leaf.z[i]};
     const double squared_early_out = state.farthest.squared;
@@ -143,7 +143,7 @@ void search_samples(const PointBlocks& b, std::span<const PointLeaf> a, ScanStat
     for (std::size_t l = 0; l < a.size(); l += 4) search_point(b, a[l], 0, home_of(b, a[l]), state);
 }
 
-// The bounding box of a leaf; all lanes of a vector are equal.
+// The bounding box of a leaf. Each coordinate is repeated in all lanes of a vector.
 struct LeafBox {
     hn::Vec<Doubles> low[3], high[3];
 };
@@ -164,9 +164,9 @@ HWY_INLINE LeafBox box_of(const PointLeaf& leaf) {
     return box;
 }
 
-// Returns whether some point of a leaf of B is within the early-out radius of every point in the box of a leaf of A.
-// All points of that leaf are then decided. It is enough to test the corner of the box that is farthest from the point
-// of B, because every operation of squared_distance() is monotone in |a - b|.
+// Returns whether one point of a leaf of B is within the early-out radius (see search_tree()) of every point in `box`,
+// the box of a leaf of A. If so, no point of that leaf can raise the largest distance. Testing the corner of `box` that
+// is farthest from the point of B is enough, because every operation of squared_distance() is monotone in |a - b|.
 HWY_INLINE bool covers(const PointLeaf& points, const LeafBox& box, double squared_early_out) {
     const Doubles d;
     auto least = hn::Set(d, infinity);

@@ -1,17 +1,16 @@
 // The framework of Zhang et al.: for each query, chooses NOHD, EARLYBREAK or OHD, depending on how much the bounding
 // boxes of A and B overlap.
 //
-// Source: Zhang et al. 2017, Algorithm 8. The overlap of two boxes that meet is a number alpha from 0 to 1. The choice
-// is NOHD if the boxes are disjoint, EARLYBREAK if alpha <= theta, and OHD otherwise. The paper says only that alpha is
-// 0 if the boxes touch and 1 at full overlap. Here it is
+// Source: Zhang et al. 2017, Algorithm 8. The choice is NOHD if the boxes are disjoint, EARLYBREAK if their overlap
+// alpha is at most theta, and OHD otherwise. The paper says only that alpha is 0 if the boxes touch and 1 at full
+// overlap. Here it is
 //     alpha = volume(boxA intersected with boxB) / min(volume(boxA), volume(boxB)).
-// If a box is flat along an axis, that axis is left out of all three volumes. If one box contains the other, alpha is 1
-// however large h is; therefore the volume of the intersection divided by the volume of the union (`iou`) is reported
-// too.
+// An axis along which a box is flat is left out of all three volumes. If one box contains the other, alpha is 1 however
+// large h is; therefore the volume of the intersection divided by the volume of the union (`iou`) is reported too.
 //
 // Reports `chosen` (the name of the solver), `alpha` (-1 if the boxes are disjoint) and `iou`. Time, memory and the
-// unit of Query::budget are as for the chosen solver; the box of A takes O(|A|) time more. If A does not move, the
-// choice is made before anything is built, so only the structures of the chosen solver are built.
+// unit of Query::budget are as for the chosen solver, plus O(|A|) time for the box of A. If A does not move, only the
+// structures of the chosen solver are built.
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/point_solver.h"
@@ -31,17 +30,15 @@ namespace {
 
 enum Choice : std::size_t { nohd = 0, earlybreak = 1, ohd = 2 };
 constexpr const char* names[] = {"nohd", "earlybreak", "ohd"};
-// Parameters of the three solvers that this one offers too, and passes on to them.
+// Parameters that this solver passes on to the solvers among which it chooses.
 constexpr std::array<std::string_view, 3> handed_on = {"depth", "lambda", "seed"};
 
-// How much two boxes overlap.
 struct Overlap {
     bool meet = true;  // they have a point in common
     double alpha = -1, iou = 0;
 };
 
-// Multiplies the fractions that the intersection takes of the boxes along each axis, because volumes could overflow or
-// underflow.
+// Multiplies ratios of lengths along the axes instead of dividing volumes, because volumes could overflow or underflow.
 Overlap overlap_of(const Box& a, const Box& b) {
     double of_a = 1, of_b = 1;  // the intersection as a fraction of each box
     for (int k = 0; k < 3; ++k) {
@@ -77,9 +74,9 @@ public:
         return needs;
     }
 
-    // The octrees that needs() asked for tell which solvers may be chosen. If A moves, there are both octrees, and each
-    // query may choose any solver. Otherwise the choice is made: only the octree of A means NOHD, only the octree of B
-    // means OHD, and none means EARLYBREAK.
+    // Prepares the solvers that queries may choose. If A moves, both octrees exist, and queries may choose any solver.
+    // Otherwise needs() has chosen one: NOHD if only the octree of A exists, OHD if only the octree of B exists,
+    // EARLYBREAK if neither exists.
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         target_box_ = box_of(points_of(scene.target));
@@ -102,8 +99,8 @@ public:
         if (out_of_range(a, points_of(scene_->target))) return {};
         const Overlap overlap = overlap_of(box_of(a), target_box_);
         std::size_t chosen = choose(overlap);
-        // The chosen solver is not ready if the query moves A although QuerySet::moves was false. Any solver that is
-        // ready will do then, because all are exact.
+        // Takes another solver if the chosen one is not prepared. This happens only if the query moves A although
+        // QuerySet::moves was false. Any solver will do, because all are exact.
         while (!ready_[chosen]) chosen = (chosen + 1) % solvers_.size();
         Result result = solvers_[chosen]->solve(query, state, trace);
         result.reported["chosen"] = names[chosen];

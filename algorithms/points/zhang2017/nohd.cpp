@@ -3,21 +3,19 @@
 // shows that the cell, or the point of A, cannot raise the lower bound.
 //
 // Source: Zhang et al. 2017, Algorithms 3 to 5, with three changes:
-//   - Algorithm 5 computes cmin, the smallest distance of one point of A to B. If it finds a point of B closer than the
-//     lower bound, it breaks off without setting cmin to 0 and so returns the minimum of the points before, which may
-//     be too large or infinite. Here the point of A is then discarded. nohd_as_printed.cpp keeps the error.
+//   - Algorithm 5 breaks off at a point of B closer than the lower bound, but may then return a distance that is too
+//     large (see nohd_as_printed.cpp). Here the point of A is discarded.
 //   - The search stops once the upper bound at the head of the queue is at most the lower bound. The paper empties the
 //     queue, which cannot change the answer.
 //   - The bounds of a cell are squared, and each is rounded like the distance that it bounds (posed_box.h), so the
-//     answer has the same bits as the answer of NAIVEHDD.
-// `early_break = false` is the paper's variant without early breaking: Algorithm 4 without lines 5 to 8, so that
-// every child of a cell is inserted into the queue, and Algorithm 5 without lines 4 to 6.
+//     answer has the same bits as with NAIVEHDD. `early_break = false` is the paper's variant without early breaking:
+//     Algorithm 4 without lines 5 to 8, and Algorithm 5 without lines 4 to 6.
 //
 // The octree of the unmoved A is built once, down to single points, so that solvers can share it; the search treats
 // cells at `depth` as leaves. With `build = "to_depth"` it is built only to `depth`, as in the paper: cells and bounds
 // are the same, but the points of a cell are in another order. If A moves, a cell is replaced with a box around the
-// moved cell. Time: O(|A| |B|) in the worst case, O(cells * |B|), with far fewer cells than points, if A and B are
-// far apart. Memory: O(|A| + |B|). The unit of Query::budget is one cell taken from the queue.
+// moved cell. Time: O(|A| |B|) in the worst case, O(cells * |B|), with far fewer cells than points, if A and B are far
+// apart. Memory: O(|A| + |B|). The unit of Query::budget is one cell taken from the queue.
 #include "algorithms/points/zhang2017/nohd.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/points/point_solver.h"
@@ -29,7 +27,6 @@
 namespace hausbench {
 namespace {
 
-// The search of one query.
 class NohdSearch {
 public:
     NohdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, int depth,
@@ -80,7 +77,7 @@ public:
     }
 
 private:
-    // Runs Algorithm 5 for the points of a cell. Returns false if time ran out.
+    // Calls look_at() for each point of a cell. Returns false if time runs out.
     bool look_at_points(const Cursor& cell) {
         const PointOctree::Node& node = tree_.nodes()[static_cast<std::size_t>(cell.node)];
         for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
@@ -90,7 +87,8 @@ private:
         return true;
     }
 
-    // Algorithm 5: compares point i of A with the points of B.
+    // Algorithm 5 of the paper: compares point i of A with the points of B, until one is nearer than the lower bound.
+    // If none is, raises the lower bound to the distance of point i.
     void look_at(Index i) {
         const double* point = a_.row(i).data();
         double nearest = std::numeric_limits<double>::infinity();
@@ -108,12 +106,12 @@ private:
         squared_lower_ = std::max(squared_lower_, nearest);
     }
 
-    // Makes the result. `rest` is an upper bound on the squared distances of the points that were not examined. If the
-    // lower bound comes from a cell, every point of the cell is at least as far from B, so any of them is a witness;
-    // the first one is compared with all of B to find its nearest point.
+    // Returns the result. `rest` is an upper bound on the squared distances of the points that were not examined. If
+    // the lower bound comes from a cell, all its points are at least as far from B, so any of them is a witness.
+    // Compares the first one with all of B to find its nearest point.
     Result finish(double rest, Status stopped) {
         if (std::isinf(rest)) rest = squared_distances_at_most(a_, b_, nullptr, 0);
-        // A search that stopped early need not show a witness.
+        // A search that stopped early needs no witness.
         const bool shown = farthest_.source >= 0 || stopped != Status::converged;
         if (!shown || squared_lower_ > std::max(farthest_.squared, 0.0)) {
             const Index i = first_point(tree_, witness_cell_);
@@ -136,7 +134,7 @@ private:
     int depth_;
     bool early_break_;
     Trace& trace_;
-    Box a_box_;  // the box of A as moved by its pose; not set, and not needed, for the identity
+    Box a_box_;  // the box of A, moved by its pose; left empty for the identity
     Deadline deadline_;
     Counters counters_;
     double squared_lower_ = 0;  // the lower bound so far, the paper's MaxLB

@@ -12,7 +12,7 @@ namespace hausbench {
 
 // A cell of A in the queue. The cell with the largest upper bound comes first.
 struct NohdEntry {
-    double squared_upper;  // upper bound on the distance of every point in the cell to B, squared; the paper's MinUB
+    double squared_upper;  // upper bound on the squared distances of its points to B; the paper's MinUB
     std::uint64_t number;  // breaks ties: the lower number comes first
     Cursor cell;
 
@@ -21,16 +21,17 @@ struct NohdEntry {
     }
 };
 
-// The result of Algorithm 4 for a cell of A.
+// Bounds on the distances from the points of a cell of A to B, as Algorithm 4 of the paper computes them.
 struct CellToPoints {
-    double squared_upper, squared_lower;  // every point of the cell is at a squared distance to B between these
-    // Whether a point of the cell may be farther from B than MaxLB, the largest lower bound so far (`flag` in the
-    // paper). If false, the cell can be dropped, and squared_lower is not valid.
+    double squared_upper, squared_lower;  // bounds on the squared distance to B of every point of the cell
+    // Whether some point of the cell may be farther from B than the largest lower bound so far (`flag` in the paper).
+    // If false, the cell can be dropped, and squared_lower is not valid.
     bool undecided;
 };
 
-// Algorithm 4: compares a cell of A with the points of B, until a point of B shows that no point of the cell is farther
-// than MaxLB. If `early_break` is false, omits lines 5 to 8, so that it never stops early and the cell stays undecided.
+// Algorithm 4 of the paper: compares a cell of A with the points of B, to bound the distances from its points to B.
+// Stops early if no point of the cell can be farther than the largest lower bound so far (MaxLB; `squared_max_lb` is
+// its square). With early_break = false, leaves out lines 5 to 8 and never stops early.
 inline CellToPoints cell_to_points(const Box& cell, const Points& b, double squared_max_lb, bool early_break,
                                    Counters& counters) {
     ++counters.node_visits;
@@ -47,7 +48,7 @@ inline CellToPoints cell_to_points(const Box& cell, const Points& b, double squa
     return bounds;
 }
 
-// Returns the row of one point of A in the cell.
+// Returns the row in A of some point of the cell.
 inline Index first_point(const PointOctree& tree, const Cursor& cell) {
     return tree.order()[static_cast<std::size_t>(tree.nodes()[static_cast<std::size_t>(cell.node)].first)];
 }

@@ -29,7 +29,7 @@ public:
         tree_ = &prepared.get<PointOctree>(Side::source);
     }
 
-    // Algorithm 3.
+    // Algorithm 3 of the paper.
     Result solve(const Query& query, State*, Trace&) const override {
         const Points a = posed(points_of(scene_->source), query.source_pose);
         const Points& b = points_of(scene_->target);
@@ -72,8 +72,9 @@ public:
                 max_lb = std::max(max_lb, found.squared);
             }
         }
-        // If MaxLB comes from a cell, no point is farther from B than MaxLB, and no point of the cell is nearer, so
-        // each point of the cell is at exactly this distance. One is compared with all of B to find its nearest point.
+        // The largest lower bound, MaxLB, may come from a cell. At the end, no point of A is farther from B than MaxLB,
+        // and no point of that cell is nearer, so the points of the cell are at exactly this distance. Compares one of
+        // them with all of B to find its nearest point.
         if (farthest.squared < max_lb || farthest.source < 0) farthest = point_to_points(a, shows_it, b, -1, counters);
         return exact_result(query, a, b, farthest, counters);
     }
@@ -85,7 +86,8 @@ private:
         return std::nullopt;
     }
 
-    // Algorithm 5: returns cmin, squared, for point i of A, and the point of B at this distance.
+    // Algorithm 5 of the paper: returns point i of A, its nearest point of B and their squared distance cmin. With the
+    // error as printed, cmin may be too large.
     static FarthestPoint point_to_points(const Points& a, Index i, const Points& b, double squared_max_lb,
                                          Counters& counters) {
         FarthestPoint cmin{infinity, i, 0};

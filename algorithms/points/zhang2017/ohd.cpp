@@ -1,20 +1,19 @@
 // OHD: finds the nearest point of B for each point of A in an octree of B. A point of A in a small cell that also
 // contains a point of B is so near to B that it cannot raise the lower bound; it is culled, that is, skipped.
 //
-// Source: Zhang et al. 2017, Algorithms 6 and 7 (line 6 of Algorithm 6 lacks the argument Maxlb) and sections 4.4.1
-// and 4.4.2. The first lower bound, called AHD, comes from EARLYBREAK on a sample of ceil(lambda * |A|) points of A.
-// Then all points of A are culled or searched for, in the given order. There are two changes:
-//   - As printed, the octree has cells of side AHD, and a point of A is culled if its cell contains a point of B. This
-//     is wrong: the two points may be sqrt(3) * AHD apart, the diagonal of the cell. Here a point of A is culled if
-//     some cell contains it and a point of B and has a diagonal of at most the lower bound so far (`culling = exact`).
-//     Searches treat cells with a diagonal of at most AHD as leaves. `culling = as_printed` selects ohd_as_printed.cpp,
-//     which is not certified.
+// Source: Zhang et al. 2017, Algorithms 6 and 7 (line 6 of Algorithm 6 lacks the argument Maxlb) and sections 4.4.1 and
+// 4.4.2. The first lower bound, called AHD, comes from EARLYBREAK on a sample of ceil(lambda * |A|) points of A. Then
+// all points of A are culled or searched for, in the given order. There are two changes:
+//   - As printed, a point of A is culled if its cell, of side AHD, contains a point of B. This is wrong: the two points
+//     may be sqrt(3) * AHD apart. Here a point of A is culled if a cell with a diagonal of at most the lower bound so
+//     far contains it and a point of B (`culling = exact`). Searches treat cells with a diagonal of at most AHD as
+//     leaves. `culling = as_printed` selects ohd_as_printed.cpp, which is not certified.
 //   - A search stops when the lower bound at the head of its queue reaches the nearest distance found. The paper
 //     empties the queue.
 //
-// The octree is built once, down to single points; each query uses it down to the size of cells that its AHD requires.
-// Time: O(lambda |A| |B|) in the worst case for AHD, then O(|A| log |B|) on typical data. Memory: O(|A| + |B|). The
-// unit of Query::budget is one point of A; the points of the sample count, too.
+// The octree is built once, down to single points. Time: O(lambda |A| |B|) in the worst case for AHD, then O(|A| log
+// |B|) on typical data. Memory: O(|A| + |B|). The unit of Query::budget is one point of A; the points of the sample
+// count, too.
 #include "algorithms/points/zhang2017/ohd.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/posed_box.h"
@@ -28,13 +27,12 @@
 namespace hausbench {
 namespace {
 
-// The search of one query.
 class OhdSearch {
 public:
     OhdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, Trace& trace)
         : tree_(tree), a_(a), b_(b), query_(query), trace_(trace), deadline_(query.time_limit) {}
 
-    // Algorithm 6: gets the first lower bound from the sample, then examines all points of A.
+    // Algorithm 6 of the paper: gets the first lower bound from the sample, then examines all points of A.
     Result run(std::span<const Index> sample, const ShuffledTarget& target, bool culling) {
         std::uint64_t taken = 0, culled = 0;
         for (const Index i : sample) {
@@ -64,9 +62,9 @@ private:
         return taken >= query_.budget ? Status::budget : Status::converged;
     }
 
-    // Returns whether some cell contains this point of A and a point of B and has a diagonal of at most the lower
-    // bound. Then the point of A cannot raise the lower bound. The diagonal is rounded like a distance, so this holds
-    // for the computed distances, too.
+    // Returns whether a cell with a diagonal of at most the lower bound contains this point of A and a point of B. The
+    // point of A then cannot raise the lower bound. The diagonal is rounded like a distance, so this also holds for
+    // computed distances.
     bool lies_near(const Vec3& point) {
         if (farthest_.squared <= 0) return false;
         Cursor at = root_of(tree_);
@@ -85,8 +83,8 @@ private:
         }
     }
 
-    // Algorithm 7: finds the nearest point of B for point i of A, nearest cells first, and updates `farthest_`. Stops
-    // at the first point of B within the lower bound, because point i then cannot raise it.
+    // Algorithm 7 of the paper: finds the nearest point of B to point i of A, nearest cells first, and updates
+    // `farthest_`. Stops at the first point of B within the lower bound, because point i then cannot raise it.
     void look_at(Index i, const Vec3& point) {
         ++counters_.closest_point_queries;
         double nearest = std::numeric_limits<double>::infinity();
@@ -122,7 +120,7 @@ private:
         if (nearest > farthest_.squared) farthest_ = {nearest, i, at};
     }
 
-    // Makes the result if the points of A from row `first` on were not examined.
+    // Returns the result, given that the rows of A from `first` on were not examined.
     Result finish(std::uint64_t culled, Index first, Status stopped) {
         const double rest = squared_distances_at_most(a_, b_, nullptr, first);
         Result result = exact_result(query_, a_, b_, farthest_, counters_, rest, stopped);
@@ -132,7 +130,7 @@ private:
 
     const PointOctree::Node& node(std::int32_t i) const { return tree_.nodes()[static_cast<std::size_t>(i)]; }
 
-    // A node in the queue of look_at(), with its least squared distance to the point of A.
+    // A node in the queue of look_at(), and a lower bound on its squared distance to the point of A.
     struct Near {
         double squared_lower;
         std::int32_t node;
@@ -148,7 +146,7 @@ private:
     Deadline deadline_;
     Counters counters_;
     FarthestPoint farthest_;          // its distance is the lower bound so far
-    double squared_resolution_ = -1;  // the square of AHD, once it is known: cells with this diagonal are leaves
+    double squared_resolution_ = -1;  // square of AHD: cells with at most this diagonal are leaves
     std::vector<Near> queue_;         // a heap, kept here so that its memory is reused
 };
 

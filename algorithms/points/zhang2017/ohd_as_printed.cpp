@@ -20,7 +20,7 @@
 namespace hausbench {
 namespace {
 
-// The paper's Octree_B: cubic cells of the given side, the first at the low corner of B's box.
+// The octree of B in the paper (Octree_B). Its leaves are cubes with exactly the given side.
 struct CellsOfB {
     CellsOfB(const Points& b, double side) : tree(b, root_of_side(b, side, levels)) {}
 
@@ -31,7 +31,7 @@ struct CellsOfB {
         return node.child_count == 0 || (levels >= 0 && node.depth >= levels);
     }
 
-    // Returns whether the cell of the given side around this point of A contains a point of B.
+    // Returns whether the leaf-sized cell that contains this point of A also contains a point of B.
     bool occupied_at(const Vec3& point) const {
         Cursor at = root_of(tree);
         if ((point.array() < at.cell.low.array()).any() || (point.array() >= at.cell.high.array()).any()) return false;
@@ -49,8 +49,8 @@ struct CellsOfB {
     }
 
 private:
-    // Returns the root, whose side is 2^levels times the given side and longer than B's box; sets `levels`. If that
-    // takes more than 40 levels, returns a cube around B.
+    // Returns a root cell whose side is 2^levels times the given side and longer than the box of B, and sets `levels`.
+    // If this takes more than 40 levels, or if the side is 0, returns a cube around B and sets `levels` to -1.
     static Box root_of_side(const Points& b, double side, int& levels) {
         const Box box = box_of(b);
         const double width = (box.high - box.low).maxCoeff();
@@ -84,7 +84,7 @@ public:
 
     std::size_t prepared_bytes() const override { return sample_.capacity() * sizeof(Index) + target_.bytes(); }
 
-    // Algorithm 6.
+    // Algorithm 6 of the paper.
     Result solve(const Query& query, State*, Trace&) const override;
 
 private:
@@ -95,7 +95,7 @@ private:
     ShuffledTarget target_;
 };
 
-// A cell of B in the queue of nn_dist(), with its least squared distance to the point of A.
+// A cell of B in the queue of nn_dist(), and a lower bound on its squared distance to the point of A.
 struct NearCell {
     double squared_lower;
     std::int32_t node;
@@ -104,8 +104,8 @@ struct NearCell {
     }
 };
 
-// Algorithm 7: finds the nearest point of B for point i of A and updates `farthest`. Stops at the first point of B
-// within the lower bound, because point i then cannot raise it.
+// Algorithm 7 of the paper: finds the nearest point of B to point i of A and updates `farthest`. Stops at the first
+// point of B within the lower bound, because point i then cannot raise it.
 void nn_dist(const CellsOfB& cells, const Points& a, Index i, FarthestPoint& farthest, Counters& counters) {
     ++counters.closest_point_queries;
     const Vec3 point = a.row(i);

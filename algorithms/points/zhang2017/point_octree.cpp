@@ -12,8 +12,8 @@ namespace {
 
 double middle_of(double low, double high) { return low + 0.5 * (high - low); }
 
-// Returns a cube with the low corner of the box. Rounding might leave the cube too small, so its high corner is raised
-// to the high corner of the box if necessary.
+// Returns a cube that contains the box and shares its low corner. If rounding makes the cube too small, its high corner
+// is raised to the high corner of the box.
 Box cube_around(const Box& box) {
     const double side = (box.high - box.low).maxCoeff();
     return {box.low, (box.low + Vec3::Constant(side)).cwiseMax(box.high)};

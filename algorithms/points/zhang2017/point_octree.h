@@ -11,16 +11,15 @@
 
 namespace hausbench {
 
-// Octants are numbered from 0 to 7: bit k is set for the upper half of the cell along axis k. part_of() returns the box
-// of an octant, octant_of() the number of the octant that a point of the cell belongs to. Both use the same rounded
-// middle of the cell, so the box of an octant contains its points in spite of rounding.
+// Return the box of an octant of a cell, and the octant that contains a point of the cell. Octants are numbered from 0
+// to 7: bit k is set for the upper half along axis k. Both functions use the same rounded middle of the cell, so the
+// box of an octant contains its points in spite of rounding.
 Box part_of(const Box& cell, int octant);
 int octant_of(const Box& cell, const Vec3& point);
 
-// An octree over a copy of the points. The root is a cube around them, and each cell with different points is split
-// into its octants. A cell whose points are all in one octant would have a single child, so no node is stored for it;
-// its level still counts in Node::depth. So a tree of n points has fewer than 2n nodes. A coarser octree need not be
-// built: a search can walk this one and stop earlier (octree_cursor.h).
+// An octree over a copy of the points. The root is a cube around the points, and each cell with different points is
+// split into its octants. No node is stored for a cell whose points are all in one octant, but its level counts in
+// Node::depth. So a tree of n points has fewer than 2n nodes.
 class PointOctree {
 public:
     static constexpr std::string_view structure_name = "point octree";
@@ -29,25 +28,26 @@ public:
     struct Node {
         Box cell;
         std::int32_t depth;  // how often the cube of the root was halved
-        // The range of its children in nodes(). A node without children is a leaf: its points coincide, or it is at the
-        // largest depth.
+        // The children are nodes()[first_child] and the child_count - 1 nodes after it. A node without children is a
+        // leaf: its points coincide, or it is at the largest depth.
         std::int32_t first_child, child_count;
         std::int32_t first, count;  // the range of its points in order() and points()
     };
 
-    // Takes O(n * depth) time and O(n) memory.
+    // Builds the octree in O(n * depth) time and O(n) memory.
     explicit PointOctree(const Points& points);
-    // Builds the octree with a given root, a cube that contains the points. Cells at depth `deepest` are not split, so
-    // they are leaves that may have many different points.
+    // Builds the octree from a given root, which must be a cube that contains the points. Does not split cells at depth
+    // `deepest`, so they are leaves that may have many different points.
     PointOctree(const Points& points, const Box& root_cell, int deepest = max_depth);
 
-    // Returns the root that the first constructor uses: a cube around the points, with the low corner of their box.
+    // Returns the root that the first constructor uses: a cube that contains the points and has the low corner of their
+    // box.
     static Box root_around(const Points& points);
 
     const std::vector<Node>& nodes() const { return nodes_; }   // the root comes first
     const std::vector<Index>& order() const { return order_; }  // rows of the input; each node has a range of them
     const Points& points() const { return points_; }            // row i is row order()[i] of the input
-    // Returns the cell of depth 0. It may be larger than the cell of the root node, for which levels may be skipped.
+    // Returns the cell of depth 0. The cell of the root node may be smaller, because the tree skips levels.
     const Box& root_cell() const { return root_cell_; }
 
     std::size_t bytes() const;

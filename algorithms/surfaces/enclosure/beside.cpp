@@ -5,8 +5,9 @@
 namespace hausbench {
 namespace {
 
-// Encloses the values f_B(y + t) for all y on the piece of A. On the piece, the linear form of f_A is 0; a multiple of
-// it is subtracted to make the result tighter. Returns nothing if y + t may leave B's box.
+// Returns an interval that contains f_B(y + t) for all points y of the piece of A, where f_B is the polynomial of B.
+// Returns nothing if y + t may leave the box of B. Subtracts a multiple of the linear form of A, which is 0 on the
+// piece, to make the interval tighter.
 std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& target, const Vec3& t, Counters& counters) {
     Box box;
     for (int k = 0; k < 3; ++k) {
@@ -18,7 +19,8 @@ std::optional<Interval> moved(const SurfaceTree::Node& piece, SurfaceTree& targe
     const double size = of_a.slope.squaredNorm();
     const Interval share(size > 0 ? of_a.slope.dot(of_b.slope) / size : 0.0);
     Interval sum = of_b.rest - share * of_a.rest;
-    // The piece has points y = c + r u, with |u| <= 1. Writes the linear form over the moved box in terms of this u.
+    // A point of the piece is y = c + r * u (componentwise), where c is the middle of its box, r the half widths, and
+    // |u| <= 1. Expresses the linear form over the moved box in this u.
     double most = 0;
     for (int k = 0; k < 3; ++k) {
         const Interval slope = Interval(of_b.slope[k]) / Interval(of_b.half[k]);
@@ -50,7 +52,8 @@ double within(const SurfaceTree::Node& piece, SurfaceTree& target, double most, 
     int axis = 0;
     gradient.cwiseAbs().maxCoeff(&axis);
     if (!(std::abs(gradient[axis]) > 0)) return infinity;
-    // Guesses M / m from the slope in the middle, widens the box a little more than that, and checks the guess.
+    // Guesses how far to widen the box from the slope in the middle, then checks the guess with the smallest slope in
+    // the widened box.
     for (const double room : {1.25, 4.0}) {
         const double t = room * most / std::abs(gradient[axis]);
         Box wide = piece.box;

@@ -14,7 +14,8 @@ using Models = std::array<TaylorModel, 3>;
 
 double squared_length(const Models& t) { return (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).at_most(); }
 
-// A piece of A as a graph, as in step 1 of the header: coordinate `axis` as a function of the other two.
+// A piece of A as the graph of a polynomial P: coordinate `axis` as a function of the other two, up to an error. This
+// is step 1 of the proof in feet.h.
 class Graph {
 public:
     Graph(const SurfaceTree::Node& piece, SurfaceTree& source, int axis) : piece_(piece), source_(source), axis_(axis) {
@@ -24,8 +25,8 @@ public:
         }
     }
 
-    // Finds the height of A over the middle of the piece, then P degree by degree, with Newton's method; not proven.
-    // Returns false on failure.
+    // Finds the polynomial P with Newton's method: its value over the middle of the piece, then its coefficients,
+    // degree by degree. Proves nothing. Returns false on failure.
     bool find(const Vec3& p) {
         Vec3 at = piece_.form.middle, gradient;
         at[axis_] = p[axis_];
@@ -44,8 +45,9 @@ public:
         return true;
     }
 
-    // Proves step 1 of the header: sets the error of coordinate `axis` to M / m. Returns false if the piece
-    // may not be a graph.
+    // Proves that the piece lies within M / m of the graph of P, and sets this as the error of coordinate `axis`. Here
+    // |f_A| <= M on the graph, and |df_A/dx| >= m along the axis. Returns false if m is not positive: the piece may
+    // then not be a graph.
     bool prove(Counters& counters) {
         TaylorModel& height = y_[std::size_t(axis_)];
         const Interval values = height.range();
@@ -69,9 +71,9 @@ private:
     Models y_;
 };
 
-// Finds t, the vector from each point y of the graph to about its foot z on B; not proven. Newton's method
-// solves z - y + m grad f_B(z) = 0 and f_B(z) = 0 for z and a factor m, first for the middle of the piece,
-// then degree by degree.
+// Finds polynomials t: t(y) is about the vector from a point y of the graph to its closest point z on B. Proves
+// nothing. Newton's method solves z - y + m * grad f_B(z) = 0 and f_B(z) = 0 for z and a factor m, first for the middle
+// of the piece, then degree by degree.
 class Feet {
 public:
     Feet(const Models& y, const SurfaceTree& target) : y_(y), target_(target) {}
@@ -89,7 +91,8 @@ public:
             for (std::size_t i = 0; i < TaylorModel::count; ++i) to_foot_[k].c[i] = unknown[k].c[i] - y_[k].c[i];
             size = std::max(size, std::abs(to_foot_[k].c[0]));
         }
-        // A component of t that is only rounding noise: see the header.
+        // Sets a component of t to 0 if it is only rounding noise. Otherwise y + t might leave a box that the piece
+        // touches from inside, as with two cylinders around one axis that end at the same sides of the box.
         for (TaylorModel& t : to_foot_) {
             if (std::abs(t.c[0]) + t.spread() < 0x1p-36 * size) t = {};
         }
@@ -99,7 +102,8 @@ public:
     const Models& to_foot() const { return to_foot_; }
 
 private:
-    // Corrects the coefficients of degree d of z and m by one step of Newton's method.
+    // Improves the coefficients of degree d of z and m (`unknown`) with one step of Newton's method. `inverse` is the
+    // inverse of the Jacobian in the middle of the piece.
     void correct(std::array<TaylorModel, 4>& unknown, const Eigen::Matrix4d& inverse, int d) const {
         const ModelPowers powers({unknown[0], unknown[1], unknown[2]}, target_.polynomial(), d);
         std::array<TaylorModel, 4> residual;
@@ -165,7 +169,7 @@ double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTr
     const double sign = here.inf() > 0 ? 1 : -1;
     const Vec3 way(t[0].c[0], t[1].c[0], t[2].c[0]);
     f.value(Vec3(y[0].c[0], y[1].c[0], y[2].c[0]) + way, gradient);
-    // The rate at which |f_B| decreases at the end of t if t is multiplied by 1 + s, for growing s.
+    // The decrease of |f_B| at the end of t, per unit of s, if t is multiplied by 1 + s.
     const double fall = -sign * gradient.dot(way);
     if (!(fall > 0)) return infinity;
     double further = 0;

@@ -12,26 +12,24 @@
 // 2. Let t be three polynomials in (u, v). If f_B has one sign on Y, and is 0 or has the other sign on Y + t, then the
 //    segment from y to y + t(u, v) contains a zero of f_B. If both ends lie in B's box, so does the segment, because a
 //    box is convex. The zero is then a point of B, so the distance from y to B is at most max |t(u, v)|.
+//
 // Newton's method finds P and t in plain arithmetic, degree by degree; the proof holds for any polynomials. If Y + t
-// does not reach past B, t is made slightly longer.
-// A component of t that is only rounding noise is set to 0. Otherwise Y + t might leave a box that Y touches from
-// inside, as with two cylinders around one axis that end at the same sides of the box.
-// If f_B has both signs on Y, A and B meet or nearly meet there. The bound is then within() of beside.h, with
-// M >= |f_B| on Y; X and the segments along that axis must lie in B's box.
+// does not reach past B, t is made slightly longer. If f_B has both signs on Y, A and B meet or nearly meet there. The
+// bound is then within() of beside.h, with M >= |f_B| on Y; X and the segments along that axis must lie in B's box.
 //
 // TaylorModel::at_most() bounds the maximum of |t|^2. Its error is of third order if the distance has a maximum on A.
-// The solver's lower bound does not depend on this: it is the distance of one proven point.
 #pragma once
 
 #include "algorithms/surfaces/surface_tree.h"
 
 namespace hausbench {
 
-// Returns an upper bound on the distance from the piece of `source` to `target`. Newton's method starts from `p`,
-// a point near the piece, and from `foot`, a point near the foot of p. Returns infinity if the piece is not
-// proven to be a graph, if a segment may leave B's box, or if B curves too much; also, to save time, as soon as
-// the bound cannot be below `known`. The caller must hold an UpwardRounding. Takes about 25 evaluations of each
-// polynomial in Taylor models.
+// Returns an upper bound on the distance from any point of the piece, which belongs to `source`, to `target`. Newton's
+// method starts from `p`, a point near the piece, and `foot`, a point near the point of B closest to p.
+//
+// Returns infinity if the proof fails: if the piece is not proven to be a graph, if a segment may leave the box of B,
+// or if B curves too much. To save time, also returns infinity once the bound cannot be below `known`. The caller must
+// hold an UpwardRounding. Takes about 25 evaluations of each polynomial in Taylor models.
 double along_feet(const SurfaceTree::Node& piece, SurfaceTree& source, SurfaceTree& target, const Vec3& p,
                   const Vec3& foot, double known, Counters& counters);
 

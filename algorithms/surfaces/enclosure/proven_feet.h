@@ -1,6 +1,6 @@
-// The proven points of B (SurfacePoint in surface_tree.h) that a search has found so far. They are called *feet*,
-// because each is about the point of B closest to some point of A; a foot is given by its index. A search finds the
-// foot nearest to a point, and proves that no point of B is much nearer.
+// The points of B that a search has proven to exist so far (SurfacePoint in surface_tree.h). They are called *feet*,
+// because each is about the closest point of B to some point of A. A foot is identified by its index. A search finds
+// the foot nearest to a point, and proves that no point of B is much nearer.
 //
 // The caller of every function must hold an UpwardRounding (kernel/interval.h), which sets the rounding mode.
 #pragma once
@@ -13,11 +13,11 @@
 
 namespace hausbench {
 
-// The accuracy of a search for the nearest point of B.
+// How accurate a search for the nearest point of B must be, and when it may stop early.
 struct FootSearch {
     double precision;  // by how much the lower bound may be below the distance to the foot
-    // `lower` is the solver's lower bound so far. The search also ends once it knows that the distance is at most
-    // `lower - cell_size`: then no point in a cell of A of this size can be farther from B than `lower`.
+    // A search may stop once the distance from p to B is proven to be at most `lower - cell_size`, where `lower` is the
+    // solver's lower bound so far. No point in a cell of A of this size can then be farther from B than `lower`.
     double lower, cell_size;
 };
 
@@ -26,7 +26,7 @@ struct NearestFoot {
     double at_least = 0;     // lower bound on the distance to B
 };
 
-// The feet, and the octree of B that the searches refine.
+// The proven points of B found so far (feet), and the octree of B that the searches refine.
 class ProvenFeet {
 public:
     ProvenFeet(const SurfaceTree& target, const Deadline& deadline, Counters& counters)
@@ -36,17 +36,17 @@ public:
     const SurfaceTree& tree() const { return tree_; }
     bool empty() const { return feet_.empty(); }
     const SurfacePoint& operator[](std::int32_t foot) const { return feet_[static_cast<std::size_t>(foot)]; }
-    // Adds a proven point and returns its index.
     std::int32_t add(const SurfacePoint& foot) {
         feet_.push_back(foot);
         return static_cast<std::int32_t>(feet_.size()) - 1;
     }
 
-    // Returns an upper bound on the distance from every point of the piece to B: its distance to this foot.
+    // Returns an upper bound on the distance from any point of the piece to B: the largest distance from the piece to
+    // this point of B.
     double at_most(const SurfaceTree::Node& piece, std::int32_t foot);
 
-    // Finds a proven point of B about nearest to p, which may become a new foot. `known` are feet of points near p,
-    // from which the search starts.
+    // Finds a proven point of B that is about nearest to p, and a lower bound on the distance from p to B. Starts from
+    // `known`, the feet of points near p. May add feet.
     NearestFoot nearest(const Vec3& p, std::span<const std::int32_t> known, const FootSearch& search);
 
 private:

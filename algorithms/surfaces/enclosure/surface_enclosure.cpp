@@ -1,28 +1,24 @@
 // Certified bounds on the distance between algebraic surfaces, to any tolerance (ours).
 //
-// A *piece* is the part of a surface in a box; a *proven point* is a point that is proven to lie on a surface up to a
-// tiny error, by a change of sign of the polynomial on a tiny segment (surface_tree.h).
-// Lower bound: the distance from a proven point a of A to B. The boxes of an octree over B are refined near a until
-// none can contain a point nearer than the bound.
+// A *piece* is the part of a surface in a box; a *proven point* is proven to lie on a surface up to a tiny error, by a
+// change of sign of the polynomial on a tiny segment (surface_tree.h). Lower bound: the distance from a proven point a
+// of A to B. The boxes of an octree over B are refined near a until none can contain a point nearer than the bound.
 // Upper bound: every point of A lies in a box of an octree over A. For the piece in such a box, the distance to one
-// proven point b of B is bounded from above. Boxes whose upper bound is below the lower bound are dropped, and the box
-// with the largest upper bound is split, so boxes become small only where the answer is still undecided. The maximum
-// may lie where the box of the surface clips A. The octree covers just this box, so this is not a special case.
+// proven point of B is bounded from above. Boxes whose upper bound is below the lower bound are dropped, and the box
+// with the largest upper bound is split. The octree covers just the box that clips A, so a maximum at its sides is not
+// a special case.
 //
-// Both bounds use the fact that the piece in a box of size s lies within O(s^2) of a plane (surface_tree.h), so the
-// number of boxes of B does not grow as s shrinks. If A and B are close, or run side by side, there are more upper
-// bounds: beside.h, and feet.h, whose error is O(s^9), so that boxes stay large if the distance is constant over A
-// (concentric spheres).
+// Both bounds use the fact that the piece in a box of size s lies within O(s^2) of a plane, so the number of boxes of B
+// does not grow as s shrinks. If A and B are close, or run side by side, there are more upper bounds: beside.h, and
+// feet.h, whose error is O(s^9), so that boxes stay large if the distance is constant over A (concentric spheres).
 //
-// Surfaces are never empty (geometry.h); prepare() refuses a surface that is proven to have no point in its box. If no
-// point can be proven (f = g^2 does not change its sign), the bounds hold but do not approach each other: `stalled`. A
-// search that needs more than `most_cells` boxes also stalls. This happens to the lower bound at a point that is about
-// equally far from a large part of B.
+// prepare() refuses a surface that is proven to have no point in its box. If no point can be proven (f = g^2 never
+// changes sign), the bounds hold but do not approach each other: `stalled`. A search that needs more than `most_cells`
+// boxes also stalls. This happens to the lower bound at a point that is about equally far from a large part of B.
 //
-// Proofs of existence by changes of sign and linear enclosures by Taylor expansion are standard, see Neumaier:
-// Interval methods for systems of equations, 1990; best-first refinement of A against candidates of B is as in
-// Tang, Lee, Kim 2009.
-// Budget: boxes of A split. Time: boxes of A times boxes of B examined, each O(terms of the polynomial).
+// Proofs of existence by changes of sign and linear enclosures are standard, see Neumaier: Interval methods for systems
+// of equations, 1990; best-first refinement of A against candidates of B is as in Tang, Lee, Kim 2009. Budget: boxes of
+// A split. Time: boxes of A times boxes of B examined, each O(terms of the polynomial).
 #include "algorithms/error.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/interval.h"
@@ -44,26 +40,27 @@ namespace {
 constexpr int kept_feet = 3;
 constexpr int unproven_at_most = 4000;  // limit on boxes split, or points searched for, while no point is proven
 
-// The next constants were chosen by trial, like the constants of proven_feet.cpp. Each percentage says how much the
-// number of polynomial evaluations changes, at most, if the constant is halved or doubled: on average over 28 queries
-// of 12 pairs (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
-//
-// next_to() is tried if the upper bound of a cell is less than this many sizes of the cell (0.3 %), or less than this
-// fraction of A's coordinates (0 %: it matters for even smaller cells).
+// The constants below, and in proven_feet.cpp, were chosen by trial. Each percentage says by how much the number of
+// polynomial evaluations changes, at most, if a constant is halved or doubled: on average over 28 queries of 12 pairs
+// of surfaces (surfaces_gallery and the cones, tolerances 1e-2 to 1e-6).
+
+// next_to() (beside.h) is tried for a cell if its upper bound is less than near_sizes times the size of the cell (0.3
+// %), or less than near_coordinates times the largest coordinate of A (0 %; this matters for even smaller cells).
 constexpr double near_sizes = 8, near_coordinates = 1e-3;
-// The distance of a point is computed to 1/8 of the tolerance (1 %) or, if that is larger, to 1/16 of the gap (0.3 %).
+// The distance from a point to B is computed with a precision of 1/8 of the tolerance (1 %) or 1/16 of the gap between
+// the bounds (0.3 %), whichever is larger.
 constexpr double parts_of_tolerance = 8, parts_of_gap = 16;
-// A local search has at most this many steps (2 %). A success makes the next step longer by the first factor, a failure
-// makes it shorter by the second one (5 %). The search ends when the step is this fraction of the distance, a few ulps.
+// A local search has at most most_search_steps steps (2 %). A success multiplies the step by longer_step, a failure by
+// shorter_step (5 %). The search ends when the step is below least_step times the distance, a few ulps.
 constexpr int most_search_steps = 60;
 constexpr double longer_step = 2, shorter_step = 0.25, least_step = 1e-15;
-// A local search is repeated once the gap is at most this fraction of the gap at the last one. Half of this value saves
-// 2 % of the work; without this limit, the work grows by 15 %.
+// A new local search starts only if the gap between the bounds is at most this fraction of the gap at the last one.
+// Half of this value saves 2 % of the work; without this limit, the work grows by 15 %.
 constexpr double gap_of_next_search = 0.5;
 
 Vec3 nowhere() { return Vec3::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-// A box of A. No point of its piece is farther than `upper` from B.
+// A box of A in the queue. No point of A in this box is farther from B than `upper`.
 struct EnclosureCell {
     double upper;
     std::int32_t node;
@@ -76,7 +73,8 @@ struct EnclosureCell {
 
     std::span<const std::int32_t> known_feet() const { return {feet.data(), std::size_t(feet_count)}; }
 
-    // Moves the foot to the front of the list or adds it there. Drops the least recently used foot if the list is full.
+    // Moves the foot to the front of the list, or inserts it there if it is new. Drops the least recently used foot if
+    // the list is full.
     void remember(std::int32_t foot) {
         auto* end = feet.data() + feet_count;
         auto* at = std::find(feet.data(), end, foot);
@@ -150,7 +148,7 @@ private:
         return Status::stalled;
     }
 
-    // Returns a status if it is useless to go on, and sets the note that says why.
+    // Returns a status if going on is useless, and sets the note to the reason.
     std::optional<Status> hopeless(const EnclosureCell& top) {
         if (!proven_ && result_.counters.subdivisions > unproven_at_most)
             return stalled("no point of the source could be proven to exist: its polynomial may not change sign there");
@@ -182,8 +180,9 @@ private:
         }
     }
 
-    // Lowers the upper bound of a cell by methods of increasing cost, until the cell cannot contain the farthest point.
-    // The last of them need a proven point in the cell, which may also raise the lower bound.
+    // Lowers the upper bound of a cell with methods of increasing cost, until it is at most the solver's lower bound:
+    // the cell then cannot contain the farthest point. The last methods find a proven point in the cell, which may also
+    // raise the lower bound.
     void bound(EnclosureCell& cell) {
         const SurfaceTree::Node piece = a_[cell.node];  // a copy: the tree grows
         ++result_.counters.bound_tests;
@@ -214,14 +213,14 @@ private:
         cell.remember(near.foot);
     }
 
-    // Returns whether next_to() may help. If B is far away, compared with the size of the cell, the distance to a
-    // single foot is just as good.
+    // Returns whether next_to() may give a better bound than the distance to a single proven point of B. It does not if
+    // B is far away, compared with the size of the cell.
     bool may_run_beside(double upper, double size) const {
         return upper < near_sizes * size || upper < near_coordinates * a_.box().high.cwiseAbs().maxCoeff();
     }
 
-    // Returns the finest useful precision: the rounding that SurfaceTree::prove() allows between a proven
-    // point and the surface.
+    // Returns the finest useful precision: the error of proven points that rounding makes unavoidable (see
+    // SurfaceTree::prove()).
     double resolution() const {
         const auto most = [](const Box& box) {
             return std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
@@ -229,16 +228,17 @@ private:
         return 0x1p-51 * std::max(most(a_.box()), most(feet_.tree().box()));
     }
 
-    // Returns a useful precision for the distance of a point in this cell: coarse while the upper bound of the cell is
-    // far above the lower bound, finer when it comes close.
+    // Returns a useful precision for the distance from a point of this cell to B: coarse while the upper bound of the
+    // cell is far above the lower bound, finer when the bounds are close.
     double precision_of(const EnclosureCell& cell) const {
         const double wanted = query_.tolerance.gap(std::max(result_.bounds.lower, 0.0));
         return std::max(
             {wanted / parts_of_tolerance, (cell.upper - result_.bounds.lower) / parts_of_gap, resolution()});
     }
 
-    // Makes a proven point of A the witness, and its proven distance to B the lower bound, if this is the first proven
-    // point or raises the lower bound. Returns whether it did so.
+    // Makes a proven point of A the witness if it raises the lower bound, or if no point was proven before. Raises the
+    // lower bound to the proven distance from this point to B, if that is larger. Returns whether the point became the
+    // witness.
     bool show(const SurfacePoint& point, const NearestFoot& near) {
         const double shown = -(point.error - near.at_least);  // rounded down
         const bool better = !proven_ || shown > result_.bounds.lower;
@@ -250,9 +250,9 @@ private:
         return true;
     }
 
-    // Searches for a point of A farther from B: moves the point away from its foot and back to A, as long as the
-    // distance to B grows. The distance of the last point is then proven, as for any other point. Does nothing unless
-    // this is the first search, or the gap has halved since the last one.
+    // Searches for a point of A farther from B: moves `point` away from its closest point of B and back to A, as long
+    // as the distance to B grows. Then proves a lower bound on this distance. Does nothing if the gap between the
+    // bounds has not halved since the last search.
     void local_search(SurfacePoint point, std::int32_t foot, double step, EnclosureCell cell) {
         const double gap = result_.bounds.gap();
         if (gap > gap_of_next_search * searched_at_) return;
@@ -286,7 +286,7 @@ private:
     Deadline deadline_;
     Result result_;
     SurfaceTree a_;
-    ProvenFeet feet_;  // the proven points of B
+    ProvenFeet feet_;
     std::priority_queue<EnclosureCell> queue_;
     bool proven_ = false;            // whether some point of A was proven
     double searched_at_ = infinity;  // the gap at the last local search
@@ -313,8 +313,8 @@ public:
     }
 
 private:
-    // Returns the tree of a surface, refined to a depth at which most empty surfaces are detected. Throws
-    // InputError for these.
+    // Returns the octree of a surface, refined enough to detect most empty surfaces. Throws InputError if the surface
+    // is proven to be empty.
     static SurfaceTree grown(const AlgebraicSurface& surface) {
         constexpr int depth = 4;
         SurfaceTree tree(surface);

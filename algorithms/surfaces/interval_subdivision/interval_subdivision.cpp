@@ -1,16 +1,15 @@
 // Octree subdivision with interval distances, as published.
 //
 // Source: Shou, Huang, Gu, Miao, Wang: Computing the Hausdorff distance between two algebraic surfaces, Computer
-// Science and Application 3, 2013 (in Chinese; read in a poor text recognition, so the denominators in the equations
-// of its surfaces were inferred from the interval that it prints).
-// An octree divides the box into 2^depth voxels per axis and keeps a cell if the interval of the polynomial over it
-// contains 0. The distance of two kept voxels is an interval [g, G]: the least and the largest distance between a point
-// of one and a point of the other. The answer is [max over A of min over B of g, max over A of min over B of G]. For
-// H(A,B), the paper takes the larger of the two lower ends and the larger of the two upper ends of h(A,B) and h(B,A),
-// so ask for both directions.
+// Science and Application 3, 2013 (in Chinese; read in a poor text recognition, so the denominators in the equations of
+// its surfaces were inferred from the interval that it prints). An octree divides the box into 2^depth voxels per axis
+// and keeps a cell if the interval of the polynomial over it contains 0. The answer is [max over A of min over B of g,
+// max over A of min over B of G], where g is the least and G the largest distance between points of two kept voxels.
+// For H(A,B), the paper takes the larger of the lower ends and the larger of the upper ends of h(A,B) and h(B,A), so
+// ask for both directions.
 //
 // Not certified: a kept voxel need not contain a point of the surface, so either end may be wrong. The interval is
-// reported as the method gives it, to show this, without a witness. Use surface_enclosure.cpp for bounds that hold.
+// reported as the method gives it, without a witness. Use surface_enclosure.cpp for bounds that hold.
 //
 // `pairs = all` computes the distance of every pair of voxels, as the paper does; `pruned` gives the same bits from
 // fewer pairs (voxel_distances.h). Budget: voxels of A (all), or searches over the voxels of B (pruned).

@@ -10,11 +10,12 @@
 namespace hausbench {
 namespace {
 
-// These factors more than cover the rounding of square roots and of their sums. They only decide which cells are
-// searched, so they do not change the result.
+// Factors that exceed the rounding errors of square roots and of their sums. They only affect which cells are searched,
+// so they do not change the result.
 constexpr double wider = 1 + 1e-12, narrower = 1 - 1e-12;
 
-// Returns the square of g (or of G, if `largest`) for two boxes. Rounded to nearest; every operation is monotone.
+// Returns the square of the least distance (or of the largest distance, if `largest`) between a point of box a and a
+// point of box b. Rounds to nearest; every operation is monotone.
 template <bool largest> double squared_distance(const Box& a, const Box& b) {
     double d[3];
     for (int k = 0; k < 3; ++k) {
@@ -24,14 +25,14 @@ template <bool largest> double squared_distance(const Box& a, const Box& b) {
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// Returns a lower bound on squared_distance() between a and any voxel in the cell.
+// Returns a lower bound on squared_distance<largest>() between box a and any voxel in the cell.
 template <bool largest> double at_least(const Box& a, const Voxels& b, const Voxels::Node& cell) {
     if (!largest) return squared_distance<false>(a, b.box_of(cell));
     double d[3];
     for (std::size_t k = 0; k < 3; ++k) {
         const auto i = Eigen::Index(k);
-        // The high side of the first voxel of the cell and the low side of the last one: no other voxel of the cell has
-        // a lower high side or a higher low side.
+        // The lowest high side and the highest low side of any voxel in the cell: the high side of the first voxel and
+        // the low side of the last one.
         const double high = b.grid[k][std::size_t(cell.at[k]) + 1],
                      low = b.grid[k][std::size_t(cell.at[k] + cell.size) - 1];
         d[k] = std::max(high - a.low[i], a.high[i] - low);
@@ -39,7 +40,8 @@ template <bool largest> double at_least(const Box& a, const Voxels& b, const Vox
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
-// Returns min over B of g and min over B of G, squared, for voxel i of A.
+// Compares voxel i of A with all voxels of B. Returns the minimum of the squared least distances and the minimum of the
+// squared largest distances.
 VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
     constexpr std::size_t lanes = 4;  // separate minima, so that the compiler may vectorise them
     const std::size_t m = b.leaves.size();
@@ -77,8 +79,8 @@ VoxelDistances nearest_of_all(const Voxels& a, std::size_t i, const Voxels& b) {
     return {*std::min_element(least, least + lanes), *std::min_element(largest, largest + lanes)};
 }
 
-// Finds the maximum over the voxels of A of min over B of g (or of G, if `largest`), squared. Below, this minimum is
-// called the distance of a voxel.
+// Finds the largest squared distance of a voxel of A. The *distance* of a voxel is its distance to the nearest voxel of
+// B. The distance between two voxels is the least distance between their points, or the largest if `largest`.
 template <bool largest> class VoxelSearch {
 public:
     VoxelSearch(const Voxels& a, const Voxels& b, VoxelWork& work) : a_(a), b_(b), work_(work) {
@@ -106,12 +108,13 @@ private:
     struct Cell {
         double bound;  // upper bound on the distances of all its voxels
         std::uint32_t node;
-        std::uint32_t voxel;  // one of its voxels
-        double squared;       // the squared distance of this voxel
+        std::uint32_t voxel;  // one of its voxels, with a known distance
+        double squared;       // its square
         bool operator<(const Cell& other) const { return bound < other.bound; }
     };
 
-    // Adds the children of a cell that may contain a farther voxel. A child keeps the known voxel if it contains it.
+    // Queues those children of a cell that may contain a voxel farther than the maximum so far. The child that contains
+    // the known voxel of the cell takes it over.
     void split(const Cell& cell) {
         const Voxels::Node &node = a_.nodes[cell.node], &voxel = a_.nodes[cell.voxel];
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
@@ -123,8 +126,8 @@ private:
         }
     }
 
-    // Queues a cell with one of its voxels. `squared` is the squared distance of this voxel; if it is negative, it is
-    // searched for first.
+    // Queues a cell if it may contain a voxel farther than the maximum so far. `voxel` is one of its voxels, and
+    // `squared` the squared distance of this voxel, or negative if it is not known yet.
     void add(std::uint32_t node, std::uint32_t voxel, double squared) {
         const bool is_voxel = a_.nodes[node].size == 1;
         const double farther = is_voxel ? 0 : farthest_shift(node, voxel);
@@ -161,7 +164,8 @@ private:
         return inside;
     }
 
-    // Returns a kept voxel near the middle of the cell, in the order of the octree; nothing if the cell has none.
+    // Returns a voxel near the middle of the cell, in the order of the octree. Returns nothing if the cell has no
+    // voxels.
     std::optional<std::uint32_t> middle_voxel(std::uint32_t node) const {
         const Voxels::Node& cell = a_.nodes[node];
         if (cell.size == 1) return node;
@@ -171,8 +175,8 @@ private:
         return std::nullopt;
     }
 
-    // Returns the least squared distance from a voxel to the voxels of B. Stops early, with a value that may be larger
-    // than the least, as soon as the value is at most `squared_early_out`.
+    // Returns the squared distance from voxel a to the nearest voxel of B. Stops early once the distance is at most
+    // `squared_early_out`; there may then be a nearer voxel.
     double nearest(const Box& a, double squared_early_out) {
         struct Entry {
             double least;
@@ -204,7 +208,7 @@ private:
 
     const Voxels &a_, &b_;
     VoxelWork& work_;
-    double rounding_;  // covers the rounding of grid lines, without which voxels would be exact translates
+    double rounding_;  // bounds the rounding errors of grid lines, without which voxels would be exact translates
     std::priority_queue<Cell> queue_;
     double most_ = 0;  // the largest squared distance so far
     std::uint64_t searches_ = 0;

@@ -1,9 +1,9 @@
 // Distances between the voxels of two surfaces. The distance of two voxels is an interval [g, G]: the least and the
-// largest distance between a point of one and a point of the other. The result is [max over A of min over B of g,
-// max over A of min over B of G].
+// largest distance between a point of one and a point of the other. The result is [max over A of min over B of g, max
+// over A of min over B of G].
 //
-// Squared distances are rounded to nearest by monotone operations. If the budget or the time runs out,
-// VoxelWork::stopped is set, and the results are too small, because they are maxima over a part of A only.
+// If the budget or the time runs out, VoxelWork::stopped is set. The results are then too small, because they are
+// maxima over only a part of A.
 #pragma once
 
 #include "algorithms/kernel/deadline.h"
@@ -14,14 +14,14 @@
 
 namespace hausbench {
 
-// The limits of a query, and the work done so far.
 struct VoxelWork {
     const Query& query;
     const Deadline& deadline;
     Counters counters;
     std::optional<Status> stopped;
 
-    // Returns whether to stop, and sets `stopped` to the reason. `done` is the work done, in the unit of the budget.
+    // Returns whether the budget or the time has run out, and sets `stopped` to the reason. `done` is the work done, in
+    // the unit of the budget.
     bool stop_after(std::uint64_t done) {
         if (done >= query.budget) stopped = Status::budget;
         if (deadline.passed()) stopped = Status::time_limit;
@@ -30,21 +30,21 @@ struct VoxelWork {
 };
 
 struct VoxelDistances {
-    double least = 0, largest = 0;  // g and G, squared
+    double least = 0, largest = 0;  // squares of the least and the largest distance
 };
 
-// Returns the square of G for two boxes.
+// Returns the square of the largest distance between a point of one box and a point of the other.
 double largest_squared_distance(const Box& a, const Box& b);
 
-// Computes the distance of every pair of voxels. Unit of the budget: voxels of A.
+// Computes the result by comparing all pairs of voxels. The unit of the budget is one voxel of A.
 VoxelDistances distances_of_all(const Voxels& a, const Voxels& b, VoxelWork& work);
 
-// Computes the same bits from far fewer pairs. All voxels of A are translates of each other. So from one voxel of A to
-// another, min over B of g grows by at most the length of the translation, and so does min over B of G. The search
-// therefore computes these values for one voxel of a cell of A's octree, bounds them for the whole cell, and skips the
-// cell if it cannot contain the maximum. The values of a voxel are found with the octree over B.
-// Unit of the budget: voxels of A whose value is computed; g and G are computed one after the other, each
-// with the whole budget.
+// Computes the same bits as distances_of_all() from far fewer pairs. All voxels of A are translates of each other. So
+// from one voxel of A to another, min over B of g grows by at most the length of the translation, and so does min over
+// B of G. The search computes both for one voxel of a cell of the octree over A, bounds them for the whole cell, and
+// skips the cell if it cannot contain the maximum. It finds the values of a voxel with the octree over B. The unit of
+// the budget is one voxel of A whose value is computed; g and G are computed one after the other, each with the whole
+// budget.
 VoxelDistances distances_by_search(const Voxels& a, const Voxels& b, VoxelWork& work);
 
 }  // namespace hausbench

@@ -28,7 +28,8 @@ public:
     Subdivision(const AlgebraicSurface& surface, Voxels& voxels, Form form)
         : form_(form), evaluator_(Polynomial(surface.polynomial)), voxels_(voxels) {}
 
-    // Makes the octree and its voxels. They stay empty if the surface has no point in its box.
+    // Builds the octree and the list of voxels. Both stay empty if interval arithmetic proves that the surface has no
+    // point in its box.
     void run(int voxels) {
         const UpwardRounding upward;
         if (!keep({0, 0, 0}, voxels)) return;
@@ -37,15 +38,15 @@ public:
     }
 
 private:
-    // Returns whether the polynomial may be 0 in this cell.
+    // Returns whether the polynomial may be 0 in this cell, according to interval arithmetic.
     bool keep(const std::array<int, 3>& at, int size) {
         ++voxels_.evaluations;
         const Interval value = evaluator_.range(form_, voxels_.box_of(at, size));
         return value.inf() <= 0 && value.sup() >= 0;
     }
 
-    // Splits a cell down to voxels. Its kept children lie next to each other in `nodes`. A cell without kept children
-    // remains, with count 0.
+    // Splits a cell down to voxels. Drops children in which the polynomial cannot be 0, and stores the others next to
+    // each other in `nodes`. A cell without children stays in the octree, with count = 0.
     void split(std::uint32_t of) {
         const Voxels::Node node = voxels_.nodes[of];
         if (node.size == 1) {

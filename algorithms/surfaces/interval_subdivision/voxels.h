@@ -1,7 +1,7 @@
 // The voxels of a grid over the box of a surface that may contain a point of the surface, and the octree above them. A
 // voxel or cell is kept if interval arithmetic cannot exclude that the polynomial is 0 in it.
 //
-// Grid lines are at low + (high - low) i / n, rounded. Neighbouring voxels share a line, so the voxels cover the box
+// Grid lines are at low + (high - low) * i / n, rounded. Neighbouring voxels share a line, so the voxels fill the box
 // without gaps, whatever the rounding.
 #pragma once
 
@@ -15,7 +15,6 @@
 
 namespace hausbench {
 
-// The octree of the kept voxels of one surface.
 struct Voxels {
     using Grid = std::array<std::vector<double>, 3>;  // 2^depth + 1 lines per axis
 
@@ -29,12 +28,12 @@ struct Voxels {
 
     Grid grid;
     std::vector<Node> nodes;
-    std::vector<std::uint32_t> leaves;             // the nodes that are voxels
+    std::vector<std::uint32_t> leaves;
     std::array<std::vector<double>, 3> low, high;  // sides of these voxels along each axis, by leaf
-    std::uint64_t evaluations = 0;                 // of the polynomial
+    std::uint64_t evaluations = 0;
 
-    // Returns the box of a cell. Inline, because searches call it for each cell; as a call it took a fifth of
-    // their instructions.
+    // Returns the box of a cell. Inline, because searches need it for every cell: a call took a fifth of their
+    // instructions.
     Box box_of(const std::array<int, 3>& at, int size) const {
         Box box;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -51,9 +50,9 @@ struct Voxels {
     }
 };
 
-// Returns the kept voxels of a grid with 2^depth voxels per axis; `form` is the kind of interval arithmetic. Sets
-// the rounding mode itself. Throws InputError if the box is so small that grid lines coincide, or if it contains no
-// point of the surface.
+// Finds the voxels that may contain a point of the surface, in a grid with 2^depth voxels along each axis. `form` is
+// the kind of interval arithmetic. Sets the rounding mode itself. Throws InputError if the box is so small that grid
+// lines coincide, or if it contains no point of the surface.
 Voxels voxels_of(const AlgebraicSurface& surface, int depth, Form form);
 
 }  // namespace hausbench
