@@ -29,8 +29,8 @@ struct QuantisedBoxes {
     double origin[3];  // the lower corner of the box around all of them
     double step;       // a power of two from 2^-440 to 2^394
     double inverse;    // 1 / step
-    // The sides of the boxes, in steps from the origin. The bytes for x and y are adjacent, because wide_walk-inl.h
-    // adds their squares in pairs.
+    // The lower and upper coordinates of each box, as numbers of steps from `origin`. The bytes for x and y are
+    // adjacent, because wide_walk-inl.h squares and adds them in pairs.
     std::uint8_t low_xy[tree_width][2], low_z[tree_width], high_xy[tree_width][2], high_z[tree_width];
 
     std::uint8_t& low(int k, std::size_t i) { return k < 2 ? low_xy[i][k] : low_z[i]; }

@@ -239,8 +239,8 @@ private:
         return Index(index);
     }
 
-    // Returns the vector from corner a of the triangle of A to a corner of a polygon. The functions below represent
-    // points by this vector.
+    // Returns `corner` minus the first corner of A's triangle. The functions below use this vector in place of the
+    // point.
     IntervalVector from_a(const Corner& corner) const {
         IntervalVector d;
         for (std::size_t k = 0; k < 3; ++k) d[k] = corner.v * e_[0][k] + corner.w * e_[1][k];

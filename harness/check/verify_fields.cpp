@@ -114,7 +114,8 @@ private:
         }
     }
 
-    // Returns side k of a triangle. Scales coordinates to about 1, so that squares neither overflow nor underflow.
+    // Returns side k of a triangle as a vector, divided by 2^exponent_ so that its square neither overflows nor
+    // underflows.
     Vec3 side(const Element& e, int k) const {
         const auto scaled = [&](const Vec3& p) -> Vec3 {
             return p.unaryExpr([&](double x) { return std::ldexp(x, -exponent_); });

@@ -23,8 +23,8 @@ namespace {
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-// Converts a solver's answer for the swapped scene (source B, target A) into an answer for h(B,A). Afterwards, the
-// source point of the witness is on A.
+// A solver computes h(B,A) with the shapes swapped. Swaps the ends of the witness back, so that its source point is on
+// A again, and marks the direction.
 Result turned(Result result) {
     std::swap(result.witness.source_point, result.witness.target_point);
     std::swap(result.witness.source_element, result.witness.target_element);

@@ -1,4 +1,4 @@
-// Motions of a scene's source or target, and their poses.
+// How the source or the target of a scene moves, and its pose at each step.
 #pragma once
 
 #include "algorithms/scene.h"

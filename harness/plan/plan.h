@@ -39,7 +39,7 @@ struct Job {
     std::vector<std::size_t> cases;  // indices into Plan::cases, in the order in which they run
 };
 
-// Source of the answer to a case that is not run itself: the run of the same question with a finer tolerance.
+// A case that is not run. Its answer is read from the run of the same case with a finer tolerance.
 struct FromTrace {
     std::size_t of;  // row of the case that is run
     // True: the answer is the same as in that run. False: the answer is the first sample in the trace of that run that

@@ -53,9 +53,9 @@ private:
     TriangleBvh tree_;
 };
 
-// Cuts A into pieces by bisecting edges. When an edge is bisected, so is the longest edge of every piece that has this
-// edge, so the angles of pieces stay at least half as large as the angles of A (Rivara 1984). Neighbours share an edge
-// and its midpoint, so no gap opens between them. All lengths are scaled by the same power of two.
+// Cuts A into pieces by bisecting edges. Bisecting an edge also bisects the longest edge of every piece that shares it,
+// which keeps every angle at least half as large as the smallest angle of A (Rivara 1984). Neighbours share an edge and
+// its midpoint, so no gap opens between them.
 class FieldCutter {
 public:
     // Interpolation errors and lengths up to `floor` cause no cuts, because they may be rounding errors.

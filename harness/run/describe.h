@@ -1,4 +1,4 @@
-// Fills in the metadata of a result (/meta) and the records of its models.
+// Fills in the metadata of a result file (group /meta) and a record for each model that the run used.
 #pragma once
 
 #include "harness/plan/plan.h"

@@ -93,7 +93,7 @@ private:
         return row.outcome.status == RowStatus::skipped && row.outcome.reason == not_run_yet;
     }
 
-    // Returns whether the plan replaces the earlier row of this case in the plan's profile.
+    // Returns whether this run will replace the row that an earlier run in the same profile wrote for the case.
     bool covers(const Case& c) const { return plan_.whole || covered_.contains({c.scene, c.label}); }
 
     // Sets `asked_` to the cases that the experiment now requests, for each profile with an earlier row that the plan

@@ -49,8 +49,7 @@ struct CommonVolume {
     std::string failure;            // why cutting failed, or empty
 };
 
-// Intersects two solids, neither of which may have a flaw(). Points and faces in which they only touch have no volume,
-// so they are not parts.
+// Intersects two solids. Neither may have a flaw(). Places where they only touch have no volume and are left out.
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose);
 
 }  // namespace hausbench

@@ -172,9 +172,9 @@ struct CoverResult {
 // and entry i of cover.within.
 void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points);
 
-// Tries to show in single precision that a piece is within the threshold of B. Gives up after most_work polygons; the
-// piece may still be within the threshold then. measure_shared() must have measured the corners before; `points` are
-// their indices there.
+// Tries to show in single precision that a piece is within the threshold of B, and gives up after most_work polygons.
+// Before the call, measure_shared() must have measured the corners of the piece; `points` are their row numbers in
+// cover.squared.
 CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work);
 

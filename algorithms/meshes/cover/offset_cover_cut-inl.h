@@ -57,9 +57,9 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
         measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
         k = nearest(centre_row);
     }
-    // A polygon must not be cut if it is hardly larger than the rounding error, if too many polygons are on the stack,
-    // or if the new corners would be too many or have too much slack. A cut adds at most 1.75 + 2.01 * 6 < 14 to the
-    // slack (slack_of_cut()), because the three coordinate differences along an edge are at most 2 each.
+    // Do not cut the polygon if it is hardly larger than the rounding error, if too many polygons are on the stack, if
+    // it would get too many corners, or if its slack would become too large. By slack_of_cut(), a cut adds at most
+    // 1.75 + 2.01 * (the sum of the coordinate differences along an edge, at most 3 * 2), which is less than 14.
     const bool tiny = radius_ < 4 * c_.error(*all_.frames, k) || c_.stack.size() > 200 ||
                       slack_ + 14 > OffsetCover<T>::most_slack || piece_.count + 2 > most_polygon_corners;
     // The polygon gets the bound from its corners. The bound from its centre (distance plus radius) only tells whether

@@ -262,9 +262,9 @@ template <class T> void Engine<T>::keep_few() {
     }
 }
 
-// Cuts off a part of the polygon that is within the threshold of one triangle of B: the convex hull of a run of corners
-// and of one point on each adjoining edge. Returns `covered` if a second triangle covers the rest, `stuck` if too
-// little can be cut off, and otherwise `peeled`.
+// Cuts off a part of the polygon that is within the threshold of one triangle of B. The part is the convex hull of some
+// consecutive corners and of one point on each of the two edges next to them. Returns `covered` if the rest is within
+// the threshold of a second triangle, `stuck` if too little can be cut off, and otherwise `peeled`.
 template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     if (piece_.count >= crowded || slow_ >= 2 || peels_ >= most_peels) return Peel::stuck;
     const Run run = longest_run();

@@ -67,8 +67,7 @@ public:
 
     CoverOutcome finish();
 
-    // Returns the reason if the search should end: the time or the budget is spent, or the distance is above the
-    // cutoff. Otherwise returns nothing.
+    // If the search should stop, returns why: out of time, over budget, or distance above the cutoff.
     std::optional<Status> stopped() const { return stop_; }
 
 private:

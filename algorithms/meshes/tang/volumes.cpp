@@ -51,8 +51,8 @@ double distance_at_least(const SweptSphereBvh& tree, std::size_t node, int child
     return distance_at_least(tree.volume(node, child), q);
 }
 
-// The computed squared distance to the box is at most the computed squared distance to any point inside (box.h). So
-// distance_at_least() of kernel/rounding.h turns it into a lower bound that is valid under rounding.
+// Returns a lower bound that is valid under rounding. Rounding cannot make the squared distance from q to the box exceed
+// the squared distance from q to a point in it (box.h), so rounding.h only has to allow for the last steps.
 double distance_at_least(const TriangleBvh& tree, std::size_t node, int child, const Vec3& q) {
     const QuantisedBoxes& boxes = tree.tree().nodes[node].boxes;
     const auto lane = static_cast<std::size_t>(child);

@@ -119,7 +119,7 @@ Status compare(const ScanWork& work, const std::vector<Index>* rows, const std::
     return Status::converged;
 }
 
-// Step 6 of scan.cpp: searches a tree over B for the nearest points of B to the points in the given leaves of A.
+// Step 6 of scan.cpp: finds the nearest point of B for each point in the given leaves of A.
 Status search(const ScanWork& work, std::span<const PointLeaf> leaves, const PointBlocks& blocks, ScanState& state) {
     constexpr std::size_t chunk = 64;  // leaves between two checks of the clock
     if (leaves.size() > chunk) search_samples(blocks, leaves, state);

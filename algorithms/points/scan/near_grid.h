@@ -41,9 +41,10 @@ public:
     // Cells per unit of length, the same along each axis; 0 if there is only one cell.
     double cells_per_length() const { return layout_.cells_per_length; }
 
-    // Return the number of cells that contain points, and one point from each of these cells. The points are spread
-    // evenly in space, even if the density of the set varies.
-    std::size_t occupied() const { return occupied_; }
+    std::size_t occupied() const { return occupied_; }  // the number of cells that contain points
+
+    // Returns one point from each occupied cell. These points are spread evenly in space, even if the density of the set
+    // varies.
     Points spread() const;
 
     // Like mark(), but for the cells that may contain a point whose computed squared distance to `point` is at most

@@ -21,7 +21,7 @@ struct NohdEntry {
     }
 };
 
-// Bounds on the distances from the points of a cell of A to B, as Algorithm 4 of the paper computes them.
+// Bounds on the distance to B that hold for every point of one cell of A (Zhang et al. 2017, Algorithm 4).
 struct CellToPoints {
     double squared_upper, squared_lower;  // bounds on the squared distance to B of every point of the cell
     // Whether some point of the cell may be farther from B than the largest lower bound so far (`flag` in the paper).
