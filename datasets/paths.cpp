@@ -107,7 +107,7 @@ fs::path cache_folder() {
         return fs::path(cache) / "hausbench";
     if (const char* home = std::getenv("HOME"); home && fs::path(home).is_absolute())
         return fs::path(home) / ".cache" / "hausbench";
-    throw InputError("no folder for prepared models: set HAUSBENCH_CACHE to one");
+    throw InputError("no folder for prepared models: set HAUSBENCH_CACHE to a folder");
 }
 
 }  // namespace hausbench

@@ -89,7 +89,7 @@ private:
         last_frame_ = frame;
         for (const int object : {first, second})
             if (!models_.contains(object)) fail(fmt::format("there is no object {}", object));
-        if (first == second) fail("an object overlaps itself");
+        if (first == second) fail("a pair needs two different objects");
         const auto a = pose_of(numbers->data() + 3), b = pose_of(numbers->data() + 10);
         if (!a || !b) fail("the length of a quaternion is not 1");
         const auto key = std::pair(models_.at(first), models_.at(second));

@@ -93,7 +93,7 @@ def test_keys_that_do_not_fit(hausbench: Program, tmp_path: Path, more: str, err
     ("hausbench recording 1", "hausbench recording 2", 2, "begins with 'hausbench recording 1'"), ("frames 4", "frames four", 3, "how many there are"),
     ("object 7 bar", "object 0 bar", 5, "object 0 is there twice"), ("object 7 bar", "object 7", 5, "write 'object NUMBER MODEL'"),
     ("pair 3 0 7", "pair 4 0 7", 10, "frame 4 is not one of 4"), ("pair 3 0 7", "pair 1 0 7", 10, "frames go backwards"),
-    ("pair 3 0 7", "pair 3 0 8", 10, "there is no object 8"), ("pair 3 0 7", "pair 3 7 7", 10, "overlaps itself"),
+    ("pair 3 0 7", "pair 3 0 8", 10, "there is no object 8"), ("pair 3 0 7", "pair 3 7 7", 10, "two different objects"),
     ("0.25 0 0", "0.25 0", 10, "write 'pair FRAME"), ("0.25 0 0", "0.25 0 nan", 10, "write 'pair FRAME"),
     ("0.25 0 0", "0.25 0 0 -", 10, "write 'pair FRAME"), ("object 0 box", "frames 2", 4, "'frames' is there twice"),
     ("0.5 0.5 0.5 0.5", "0.5 0.5 0.5 0.6", 8, "the length of a quaternion is not 1"), ("# two", "pear", 1, "begins with"),

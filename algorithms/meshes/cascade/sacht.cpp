@@ -32,7 +32,7 @@ std::string problem_of_order(const std::string& order) {
     std::sort(digits.begin(), digits.end());
     const bool distinct = std::adjacent_find(digits.begin(), digits.end()) == digits.end();
     if (!order.empty() && distinct && order.find_first_not_of("1234") == std::string::npos) return "";
-    return "not an order of upper bounds: write some of the digits 1 to 4, each at most once, such as \"1234\" or "
+    return "is not an order of upper bounds: write some of the digits 1 to 4, each at most once, such as \"1234\" or "
            "\"23\"";
 }
 
