@@ -95,6 +95,9 @@ Outcome read_off_trace(const Outcome& fine, double gap) {
     if (contradicts_itself(fine)) return outcome;
     for (const TraceSample& sample : fine.trace) {
         if (!(sample.upper - sample.lower <= gap)) continue;
+        // The trace belongs to a second solve. If the clock stopped the first one earlier, its witness proves only its
+        // own lower bound.
+        if (sample.lower > fine.bounds.lower) break;
         outcome.bounds = {sample.lower, sample.upper};
         outcome.solve_seconds = sample.seconds;
         outcome.status = RowStatus::ok;

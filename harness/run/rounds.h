@@ -21,7 +21,7 @@ Outcome gather_rounds(const std::map<int, const Outcome*>& rounds);
 // - read_off_answer(), for solvers that ignore the tolerance, keeps the bounds. The status becomes `ok` if they meet
 //   the coarser tolerance.
 // - read_off_trace() takes the bounds from the first sample of the trace whose gap is at most `gap`. Without such a
-//   sample, it keeps the bounds and the status.
+//   sample, or if the witness of `fine` does not prove the sample's lower bound, it keeps the bounds and the status.
 // If `fine` is `failed` because the solver is not deterministic, the result is `failed`, too.
 Outcome read_off_answer(const Outcome& fine, double gap);
 Outcome read_off_trace(const Outcome& fine, double gap);

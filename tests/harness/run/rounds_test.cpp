@@ -113,6 +113,20 @@ TEST(Rounds, ACoarserToleranceIsReadOffTheTrace) {
 }
 
 // A sampler ignores the tolerance: its bounds have a fixed width, which may be enough for a coarser tolerance.
+// The trace comes from a second solve, which may get further before the clock stops it. Its lower bound would stand
+// beside a witness that does not prove it, and the row would be called unsound.
+TEST(Rounds, ATraceThatWentFurtherThanTheAnswerIsNotRead) {
+    Outcome cut = traced();
+    cut.status = RowStatus::timeout, cut.solver_status = "time_limit", cut.reason = "not within 2 s";
+    cut.bounds = {0.8, 3};
+    const Outcome coarse = read_off_trace(cut, 0.25);
+    EXPECT_EQ(coarse.status, RowStatus::timeout);
+    EXPECT_EQ(coarse.bounds.lower, 0.8);
+    EXPECT_EQ(coarse.bounds.upper, 3);
+    cut.bounds = {0.9, 3};  // the lower bound of the sample is proven
+    EXPECT_EQ(read_off_trace(cut, 0.25).status, RowStatus::ok);
+}
+
 TEST(Rounds, AnAnswerThatIgnoresTheToleranceMayDoForACoarserOne) {
     Outcome fine = traced();
     fine.bounds = {1, 1.125};
