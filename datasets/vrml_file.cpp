@@ -160,7 +160,8 @@ private:
             refuse(name_, type.line, fmt::format("nodes are nested deeper than {}: take some of them apart", deepest));
         const Word open = next();
         if (open.text != "{")
-            refuse(name_, open.line, fmt::format("expected '{{' after {}, found '{}'", shown(type.text), shown(open.text)));
+            refuse(name_, open.line,
+                   fmt::format("expected '{{' after {}, found '{}'", shown(type.text), shown(open.text)));
         Node& node = nodes_.emplace_back(Node{type, {}});
         if (type.text == "Script") {  // skipped, because it may declare fields of any name and type
             for (int open_braces = 1; open_braces > 0;) {

@@ -132,7 +132,7 @@ std::string answer_text(const std::string& name, const Result& r, double diagona
     std::string text = fmt::format("{:<10} {} in [{:.17g}, {:.17g}]\n", "distance", name, b.lower, b.upper);
     if (diagonal > 0 && std::isfinite(diagonal) && std::isfinite(b.upper))
         text += fmt::format("           [{:.6g}, {:.6g}] of A's diagonal\n", b.lower / diagonal, b.upper / diagonal);
-    std::string end = to_string(r.status);
+    std::string end(to_string(r.status));
     if (r.status == Status::below_floor || r.status == Status::above_cutoff)
         end = "not narrowed further because the answer is known";
     else if (r.status != Status::converged)
