@@ -1,9 +1,8 @@
-// Work counters on small scenes must equal those in bench/tracking/baseline.toml ([small_scenes]). They
-// are the same on every machine, compiler and instruction set, so any change is a change of the algorithm.
+// Work counters on small scenes must equal those in bench/tracking/baseline.toml ([small_scenes]). They are the same on
+// every machine, compiler and instruction set, so a difference means that the algorithm changed.
 //
-// `hausbench track --tiers counters --update 'why the counters change'` records them anew: it runs
-// this program with HAUSBENCH_COUNTS set to the file to write. It also records a new solver that
-// counts something; until then, that solver is not compared.
+// `hausbench track --tiers counters --update 'why the counters change'` records them anew: it runs this program with
+// HAUSBENCH_COUNTS set to the file to write. A new solver is not compared until it is recorded.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "algorithms/structures/bvh.h"
@@ -130,7 +129,7 @@ Counts point_solver_counts(const std::string& name, const ParameterMap& given) {
     return counts;
 }
 
-// Counts the scan that every tree must equal and that certifies witnesses for small targets.
+// Counts the work of plain scans over all triangles, which solvers use for small targets.
 Counts scan_counts() {
     Counts counts;
     for (const auto& [name, mesh] : tree_meshes()) {
@@ -155,8 +154,8 @@ const std::set<std::string> not_counted = {"cgal", "cgal_kdtree", "kdtree", "pen
 
 using Groups = std::map<std::string, std::function<Counts()>>;
 
-// Returns a group for each solver, with its defaults unless they are slow here; for variants of
-// solvers; and for structures.
+// Returns the groups of counters: each solver with its defaults, or with cheaper options if those are slow here;
+// variants of solvers; and search structures.
 Groups groups() {
     Groups all;
     const auto add = [&](const std::string& group, const std::string& solver, const ParameterMap& given = {}) {

@@ -1,4 +1,4 @@
-// The library of algorithms as a shared library with one C function, for hosts in other languages, such as Python.
+// The algorithms as a shared library with one C function, as hosts in other languages (such as Python) load it.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 
@@ -6,8 +6,8 @@
 
 using namespace hausbench;
 
-// Returns how many solvers bounded the distance between two sets of points, or of triangles with
-// three corners each; -1 if one threw.
+// Returns how many mesh solvers bounded the distance between two meshes with three corners per triangle; -1 if one
+// threw.
 extern "C" int bound_by_all_solvers(const double* a, const double* b, int points) {
     try {
         PointSet source{Points(points, 3)}, target{Points(points, 3)};

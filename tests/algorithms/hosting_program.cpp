@@ -1,4 +1,5 @@
-// A program that hosts the library of algorithms. The library must leave its signal handlers and its children alone.
+// Loads the library of algorithms into a program with signal handlers and a child process, which the library must leave
+// alone.
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
-// Attacks on the check of certificates: valid certificates of every solver that writes them, changed in many ways. A claim
-// that the checker in rational arithmetic (certificate_exact.h) finds false must not be accepted; a true claim may be.
+// Attacks on the certificate checker: valid certificates of every solver that writes them are changed in many ways. The
+// checker must refuse each claim that exact rational arithmetic (certificate_exact.h) finds false.
 //
 // HAUSBENCH_ATTACKS: the number of false claims to try, 1000 by default. The seed is fixed.
 #include "algorithms/error.h"
@@ -38,7 +38,8 @@ std::vector<const SolverEntry*> writers() {
     return all;
 }
 
-// Makes soups, needles and duplicates; some have coincident vertices, lie far from the origin, or are very large or small.
+// Returns small random meshes with thin, duplicate or degenerate triangles; some lie far from the origin, or are very
+// large or small.
 Scene any_scene(Random& random, int i) {
     Scene scene = small_scene(random, i);
     Shape a = scene.source, b = scene.target;
@@ -62,7 +63,7 @@ struct Truth {
     const Certificate& certificate() const { return file.certificates[0]; }
 };
 
-// Returns nothing if the solver gives no certificate, or one so large that the exact checker would take long.
+// Returns nothing if the solver writes no certificate, or one so long that the exact checker would be slow.
 std::optional<Truth> true_one(Random& random, int i) {
     static const auto all = writers();
     const SolverEntry& entry = *all[std::size_t(i) % all.size()];
@@ -155,8 +156,8 @@ void change_bytes(std::string& bytes, const std::string& other, Random& random) 
     }
 }
 
-// Changes the bytes of a certificate, and perhaps its claim: smaller than before, or just below
-// what the changed bytes show.
+// Changes the bytes of a certificate, and perhaps lowers its claim: slightly, or to just below the bound that the
+// changed bytes prove.
 Certificate changed(const Truth& truth, const std::string& other, Random& random) {
     Certificate bad = truth.certificate();
     Proof proof = truth.proof;
@@ -198,7 +199,7 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
                << c.true_accepted << " of them accepted), " << c.open << " open";
 }
 
-// Returns true if the certificate was accepted although it is false.
+// Returns true if the checker accepts a false or malformed certificate.
 bool fools(ExactChecker& exact, const Truth& truth, const Certificate& certificate, Count& count) {
     const Claim claim = exact.claim(certificate.bytes, certificate.proven);
     const bool accepted = check_certificate(truth.scene.source, {}, truth.scene.target, {}, certificate).accepted;
@@ -237,7 +238,7 @@ TEST(CertificateAttack, NoFalseClaimIsAccepted) {
     }
 }
 
-// Changes a byte of the header or the body, and adjusts the seal.
+// Changes bytes of the header or the body, then recomputes the seal, which would reveal every change.
 TEST(CertificateAttack, NoResealedFileProvesWhatIsFalse) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
@@ -287,7 +288,8 @@ TEST(CertificateAttack, ClaimsThatAreNoLengths) {
         bad.proven = proven;
         EXPECT_FALSE(check_certificate(a, {}, a, {}, bad).accepted) << proven;
     }
-    // The largest polygon and the largest number of waiting polygons that are allowed, and one more of each.
+    // The limits of the format, then one beyond each: the corners of a polygon, and the polygons that wait for their
+    // leaves.
     for (const int more : {0, 1}) {
         Tree round, deep;
         for (int i = 0; i < 61 + more; ++i) {

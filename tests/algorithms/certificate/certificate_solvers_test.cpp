@@ -1,6 +1,5 @@
-// Certificates of solvers are accepted for every scene, pose, quantity and unit, whatever the
-// status. Tries every registered solver that offers them, and a slow one of these tests, so that
-// Session's own steps are tested even without the others.
+// Every certificate that a solver writes must be accepted, for every scene, pose, quantity and unit. A slow solver
+// defined here tests Session's own steps even if no other solver is built.
 #include "harness/check/certificate_check.h"
 
 #include "algorithms/kernel/rounding.h"
@@ -26,7 +25,7 @@ double diagonal_of_both(const Points& a, const Points& b) {
     return diagonal(corners);
 }
 
-// A solver that proves roughly the reference's answer, with random cuts.
+// A solver that takes its bounds from the slow reference and proves them with random cuts.
 class Slow final : public Solver {
 public:
     void prepare(const Scene& scene, const Prepared&) override { scene_ = &scene; }
@@ -75,7 +74,7 @@ std::vector<SolverEntry> with_certificates() {
 
 struct Tally {
     int answers = 0, certificates = 0;
-    double anew = 0;  // pieces that had to be bounded anew
+    double anew = 0;  // pieces bounded again for the certificate
 };
 
 // Checks that each certificate is accepted and proves the upper bound, up to rounding.
@@ -103,7 +102,7 @@ protected:
     const SolverEntry entry = with_certificates()[GetParam()];
     const bool slow = entry.info.name == "slow";
 
-    // Only pieces that were bounded through cells may have to be bounded anew.
+    // sacht and kang may have to bound a piece again for its certificate; other solvers never do.
     void expect_own_steps(const Tally& tally) const {
         if (entry.info.name != "sacht" && entry.info.name != "kang") {
             EXPECT_EQ(tally.anew, 0) << entry.info.name;
@@ -158,7 +157,7 @@ TEST_P(Certificates, OfEverySceneAreAccepted) {
         query.tolerance.value = 1e-9;
         ask(scene, query, tally, "H to 1e-9");
     }
-    // The slow solver gives up if it would take too many cuts.
+    // Not all of them: the slow solver gives up if a proof takes too many cuts.
     EXPECT_GT(tally.certificates, tally.answers * 9 / 10);
     expect_own_steps(tally);
 }
@@ -194,7 +193,8 @@ TEST_P(Certificates, OfFiveThousandSoupsAreAccepted) {
     expect_own_steps(tally);
 }
 
-// Every order of the four bounds, both splits, regions on and off. Asking for a certificate does not change the bounds.
+// Tries sacht's four bounds in every order, and the other solvers with and without regions. Asking for a certificate
+// must not change the bounds.
 TEST(CertificatesOfCascades, EveryOrderAndSplit) {
     Random random(92);
     std::string digits;

@@ -1,5 +1,5 @@
-// Certificates of random scenes. A valid one is accepted, and its bound is exact up to rounding. A
-// changed one is refused, or its claim is still true.
+// Certificates of random scenes: valid ones are accepted, with bounds that are exact up to rounding. A changed one is
+// refused unless its claim is still true.
 #include "harness/check/certificate_check.h"
 
 #include "tests/support/certificates.h"
@@ -47,8 +47,8 @@ TriangleMesh random_soup(Random& random, Index triangles) {
     return soup(points);
 }
 
-// Cuts each triangle into three and moves them a little: the result is near, but no single
-// triangle of it is near a whole triangle.
+// Cuts each triangle into three and moves their corners a little, so that no single triangle of the result is near a
+// whole triangle of `whole`.
 TriangleMesh split(const TriangleMesh& whole, Random& random) {
     Points points(9 * whole.triangles.rows(), 3);
     const double noise = std::pow(2.0, -random.real(3, 30)) * diagonal(whole.vertices);
@@ -65,7 +65,7 @@ TriangleMesh split(const TriangleMesh& whole, Random& random) {
     return soup(points);
 }
 
-// Returns nothing if the slow writer would take too many cuts.
+// Returns nothing if a certificate would take too many cuts.
 std::optional<Case> random_case(Random& random, Index most_triangles) {
     Shape a = random_soup(random, 1 + random.below(most_triangles));
     transform(a, std::pow(2.0, random.real(-3, 3)), random.vector(random.unit() < 0.2 ? 100 : 0));
@@ -90,7 +90,8 @@ CertificateCheck check(const Case& c, const Certificate& certificate) {
     return check_certificate(c.scene.source, Pose{}, c.scene.target, Pose{}, certificate);
 }
 
-// Checks that the certificate proves nothing false, whether it is accepted or not.
+// Checks that the checker's bound is not below the true distance, and that it accepts exactly the claims at or above
+// its bound.
 void expect_true(const Case& c, const Certificate& certificate, const char* what) {
     const CertificateCheck found = check(c, certificate);
     EXPECT_GE(found.found, c.low) << what;
@@ -189,7 +190,7 @@ TEST(CertificateSoups, GoodOnesAreAcceptedAndChangedOnesAreTrueOrRefused) {
     EXPECT_GT(cuts, soups);
 }
 
-// Compared with the same leaves in rationals, the bound is never smaller and hardly larger.
+// The checker's bound is never below the exact bound of the same leaves, and hardly above it.
 TEST(CertificateSoups, TheBoundIsExactButForRounding) {
     Random random(72);
     int ones = 0;
@@ -214,8 +215,8 @@ TEST(CertificateSoups, TheBoundIsExactButForRounding) {
     EXPECT_GT(ones, 150);
 }
 
-// The bytes contain no lengths, so a scale by a power of two scales the bound exactly. Other
-// scales and poses round the shapes, not the certificate.
+// A certificate contains no lengths, so scaling the shapes by a power of two scales the bound exactly. Other scales and
+// poses round the shapes, not the certificate.
 TEST(CertificateSoups, ScalesAndPoses) {
     Random random(73);
     for (int i = 0; i < 200; ++i) {
@@ -230,7 +231,7 @@ TEST(CertificateSoups, ScalesAndPoses) {
             const CertificateCheck scaled = check_certificate(scene.source, Pose{}, scene.target, Pose{}, good);
             EXPECT_EQ(scaled.found, std::ldexp(found, exponent)) << exponent;
         }
-        // Both shapes are moved alike. To the last bit, the certificate is about the moved shapes.
+        // Moves both shapes alike. The certificate is about the moved vertices, to the last bit.
         const Pose pose = turned(0.6, 0.8, random.vector(10));
         const CertificateCheck moved = check_certificate(c->scene.source, pose, c->scene.target, pose, good);
         EXPECT_NEAR(moved.found, found, 1e-13);

@@ -1,5 +1,5 @@
-// The check of certificates: everything it accepts is true, whatever the bytes say; it accepts
-// everything that is true and well formed; and its bound is exact up to rounding.
+// The certificate checker: everything it accepts is true, it accepts every true and well-formed certificate, and its
+// bound is exact up to rounding.
 #include "harness/check/certificate_check.h"
 
 #include "harness/check/verify_exact.h"
@@ -20,7 +20,7 @@ CertificateCheck check_at_rest(const Shape& a, const Shape& b, const Certificate
     return check_certificate(a, Pose{}, b, Pose{}, certificate);
 }
 
-// A right triangle, and triangles of B that cover it at heights 1 and 2.
+// A is a right triangle, B two large triangles above it, at heights 1 and 2.
 const TriangleMesh flat = soup(rows({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}));
 const TriangleMesh above = soup(rows({{-9, -9, 1}, {29, -9, 1}, {-9, 29, 1}, {-9, -9, 2}, {29, -9, 2}, {-9, 29, 2}}));
 
@@ -56,13 +56,13 @@ TEST(Certificate, OneTriangleNearAllCorners) {
 }
 
 TEST(Certificate, APointAndARadius) {
-    // The centre is (4/3, 4/3, 0): at sqrt(80)/3 from two corners, and nearer to the right angle.
+    // The centroid (4/3, 4/3, 0) is sqrt(80)/3 from two corners and nearer to the third.
     EXPECT_NEAR(check_tree({leaf(Kind::centre, 0)}).found, 1 + std::sqrt(80.0) / 3, 1e-14);
     EXPECT_NEAR(check_tree({leaf(Kind::vertex, 0, 0)}).found, 1 + 4, 1e-14);
     EXPECT_NEAR(check_tree({leaf(Kind::vertex, 1, 2)}).found, 2 + std::sqrt(32.0), 1e-14);
 }
 
-// Readers reject NaN, but a caller of the library may pass one.
+// File readers reject NaN, but a caller of the library may pass one.
 TEST(Certificate, ACoordinateThatIsNotANumberIsRefused) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const Node& node : {leaf(Kind::one, 0), leaf(Kind::centre, 0), leaf(Kind::vertex, 0, 1)}) {
@@ -78,9 +78,9 @@ TEST(Certificate, ACoordinateThatIsNotANumberIsRefused) {
     }
 }
 
-// Every leaf counts, on both sides of a cut, and covers only its own polygon.
+// Each leaf bounds only the part on its side of the cut; the larger bound counts.
 TEST(Certificate, BothChildrenOfACut) {
-    // Triangle 0 is a point above corner 1; triangle 1 lies 2 above everything.
+    // In B, triangle 0 is a point above corner 1 of A, and triangle 1 is large, at height 2.
     const TriangleMesh corner = soup(rows({{4, 0, 1}, {4, 0, 1}, {4, 0, 1}, {-9, -9, 2}, {29, -9, 2}, {-9, 29, 2}}));
     const auto found = [&](const Tree& tree) {
         const CertificateCheck check = check_at_rest(flat, corner, written(Proof{tree}, infinity));
@@ -88,7 +88,8 @@ TEST(Certificate, BothChildrenOfACut) {
         EXPECT_EQ(check.cuts + 1, check.leaves());
         return check.found;
     };
-    // P = (3, 0, 0) and Q = (3, 1, 0). The first child is (P, corner 1, Q), at most sqrt 3 from the triangle at corner 1.
+    // The cut goes from P = (3, 0, 0) to Q = (3, 1, 0). The first part, (P, corner 1, Q), is within sqrt(3) of triangle
+    // 0.
     const Node at_corner_1 = cut(CutPoint::along(0, 0.75), CutPoint::back(1, 0.75));
     EXPECT_NEAR(found({at_corner_1, leaf(Kind::one, 0), leaf(Kind::one, 1)}), 2, 1e-14);
     EXPECT_NEAR(found({at_corner_1, leaf(Kind::one, 0), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
@@ -96,7 +97,7 @@ TEST(Certificate, BothChildrenOfACut) {
     const Node turned = cut(at_corner_1.q, at_corner_1.p);
     EXPECT_NEAR(found({turned, leaf(Kind::one, 1), leaf(Kind::one, 0)}), 2, 1e-14);
     EXPECT_NEAR(found({turned, leaf(Kind::one, 0), leaf(Kind::one, 1)}), std::sqrt(33.0), 1e-14);
-    // Cuts at a corner, and with t = 0 and t = 1.
+    // A cut that starts at a corner, and one between the ends of two edges (t = 0 and t = 1).
     const Node halved = cut(CutPoint::corner(2), CutPoint::along(0, 0.5));
     EXPECT_NEAR(found({halved, leaf(Kind::one, 1), leaf(Kind::one, 1)}), 2, 1e-14);
     EXPECT_NEAR(found({halved, leaf(Kind::one, 0), leaf(Kind::one, 1)}), std::sqrt(33.0),
@@ -105,7 +106,7 @@ TEST(Certificate, BothChildrenOfACut) {
     EXPECT_NEAR(found({ends, leaf(Kind::one, 1), leaf(Kind::one, 0)}), std::sqrt(33.0), 1e-14);
 }
 
-// The cut is so near a corner that 1 - t is not a double.
+// The cut is so near a corner that 1 - t would be rounded.
 TEST(Certificate, CutsNearACornerAreNotAtIt) {
     Points points(6, 3);
     points << flat.vertices, flat.vertices.row(1).replicate(3, 1);
@@ -169,9 +170,9 @@ TEST(Certificate, OtherFormatsAndBytesAreRefused) {
     EXPECT_NE(check_at_rest(surface, above, {"hausbench cover 1", {}, infinity, "\1"}).refusal, "");
 }
 
-// However many cuts a certificate claims, memory stays small, and so does the loss by rounding.
+// Many cuts must take neither much memory nor much allowance for rounding.
 TEST(Certificate, ManyCuts) {
-    // A chain of cuts at a corner of the second child: no polygons pile up.
+    // Each first part is a leaf at once, so polygons do not pile up.
     Tree chain;
     for (int i = 0; i < 20000; ++i) {
         chain.push_back(cut(CutPoint::back(1, 0.25), CutPoint::along(2, i % 2 ? 0.125 : 0.0625)));
@@ -184,7 +185,7 @@ TEST(Certificate, ManyCuts) {
     EXPECT_TRUE(check.accepted) << check.refusal;
     EXPECT_EQ(check.cuts, 40000u);
     EXPECT_LT(check.found, 1 + 1e-11);
-    // Each cut of a first child leaves one polygon waiting.
+    // Cuts the first part again and again; each cut leaves one more polygon waiting.
     std::string bytes;
     for (int i = 0; i < 5000; ++i)
         bytes += written(Proof{{cut(CutPoint::corner(0), CutPoint::along(1, 0.5))}}, 0).bytes;

@@ -1,4 +1,4 @@
-// The penetration depth against closed forms, for every solver that can measure it; and the inputs that are refused.
+// Penetration depths against closed forms, with every solver that can measure them; and refused inputs.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -61,8 +61,8 @@ TEST(Penetration, TheWitnessIsTheDeepestPair) {
     EXPECT_NEAR((result.witness.source_point - result.witness.target_point).norm(), 0.5, slack);
 }
 
-// Faces in a common plane bound the volume on both sides: the middle of the far face is 0.5 from
-// the shared sides, not 0.8 from the near face.
+// Faces shared by both solids count for both: the middle of the face x = 1 is 0.5 from them, less than 0.8 from the
+// opposite face.
 TEST(Penetration, SidesInOnePlaneAreOfBoth) {
     expect_depth(depth(cube, box({0.2, 0, 0}, {2, 1, 1})), 0.5);
     expect_depth(depth(box({0.2, 0, 0}, {2, 1, 1}), cube), 0.5);
@@ -92,8 +92,8 @@ TEST(Penetration, NestedMoves) {
     expect_depth(depth(outer, inner, {}, query), 1.5);
 }
 
-// A box within the wall of a hollow box cuts a shell out of it: one part with two surfaces. Its
-// corners are the farthest from the cavity's surface.
+// The surface of a box lies inside the wall of a hollow box, so the overlap is a shell: one part with two surfaces. Its
+// outer corners are farthest from the cavity.
 TEST(Penetration, Hollow) {
     const TriangleMesh shell = joined(box({-3, -3, -3}, {3, 3, 3}), inside_out(box({-2, -2, -2}, {2, 2, 2})));
     const Result result = depth(box({-2.5, -2.5, -2.5}, {2.5, 2.5, 2.5}), shell);
@@ -135,7 +135,7 @@ TEST(Penetration, TheDeepestOfSeveralParts) {
     EXPECT_NEAR(depths[2], 0.3, 2 * tolerance);
 }
 
-// The part with the largest box is measured first, but is not the deepest.
+// The overlap has two parts: the one with the larger bounding box is measured first but is not the deepest.
 TEST(Penetration, ASmallerPartMayBeDeeper) {
     const TriangleMesh teeth = joined(box({0, 0, 0}, {3, 3, 1.1}), box({5, 0, 0}, {6, 1, 1.3}));
     const TriangleMesh slab = box({-5, -5, 1}, {9, 6, 4});
@@ -155,7 +155,7 @@ TEST(Penetration, ThreadsChangeNothing) {
     EXPECT_EQ(one.witness.source_point, two.witness.source_point);
 }
 
-// With two equally deep parts, the second query has a floor at or above the cutoff. The tolerance must still end it.
+// Two equally deep parts give the second query a floor at or above the cutoff. The tolerance must still end that query.
 TEST(Penetration, ACutoffAtTheDepthOfAPart) {
     const TriangleMesh teeth = joined(box({0, 0, 0}, {1, 1, 1.25}), box({2, 0, 0}, {3, 1, 1.25}));
     const TriangleMesh slab = box({-5, -5, 1}, {9, 6, 4});
@@ -169,8 +169,8 @@ TEST(Penetration, ACutoffAtTheDepthOfAPart) {
     }
 }
 
-// The poles of two caps are as far apart as the spheres overlap. A mesh lies inside its sphere by
-// at most 1 - cos(half an edge's angle), and its poles are vertices.
+// Unit spheres 1.6 apart overlap by 0.4 between their poles, which are vertices. Each mesh lies inside its sphere by at
+// most `sagitta`.
 TEST(Penetration, Spheres) {
     const TriangleMesh ball = sphere(4);
     Query query = query_of();

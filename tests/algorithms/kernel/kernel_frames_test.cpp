@@ -1,5 +1,5 @@
-// Frames of triangles: their distances are within the error that kernel/triangle_frames.h derives,
-// for triangles of every hard kind.
+// Distances from triangle frames must be within the error that kernel/triangle_frames.h derives, even for degenerate
+// triangles.
 #include "algorithms/kernel/triangle_frames.h"
 #include "tests/support/exact.h"
 #include "tests/support/triangle_samples.h"
@@ -50,7 +50,7 @@ template <class T> void expect_within_the_error() {
                 T squared[frames_width];
                 squared_distances(frames, p, squared);
                 for (std::size_t i = own % 4; i < frames_width;
-                     i += 4) {  // its own and some others, because exact numbers are slow
+                     i += 4) {  // the point's own triangle and some others; exact arithmetic is slow
                     const auto& [a, b, c] = triangles[i];
                     const long double exactly = exact::root(exact::squared_distance_to_triangle(
                         exact::vector(point), exact::vector(a), exact::vector(b), exact::vector(c)));
@@ -61,7 +61,7 @@ template <class T> void expect_within_the_error() {
                 }
             }
         }
-        // The proven error is not far above the worst one observed, so a slip in the kernel shows.
+        // Errors stay below a quarter of the proven bound, so a small slip in the kernel shows.
         EXPECT_LE(worst, frame_error<T> / 4) << kind.name;
     }
 }
@@ -97,8 +97,8 @@ TEST(TriangleFrames, UnderflowIsCounted) {
     expect_underflow_is_counted<double>(0x1p-560);
 }
 
-// Returns a triangle of size 2^-exponent or less, in one of the forms in which another length may
-// be smaller still: thin, with one short edge, flat, a segment, a point. Any corner may come first.
+// Returns a triangle of size about 2^-exponent: ordinary, with a short edge, thin, flat, a segment or a point (the last
+// form is not tiny). Any corner may come first.
 Triangle tiny_triangle(Random& random, int exponent, std::size_t form) {
     const auto tiny = [&](int smaller) -> Vec3 {
         Vec3 v = random.vector();
@@ -136,8 +136,8 @@ Triangle tiny_triangle(Random& random, int exponent, std::size_t form) {
     return t;
 }
 
-// Puts triangles of every size from 1 to the smallest double beside points of every size in one
-// leaf: a direction has length 1, however short its edge.
+// Tries triangles of every size down to the smallest double: an edge's direction must have length 1, however short the
+// edge is.
 template <class T> void expect_tiny_triangles_are_within_the_error() {
     Random random(34);
     for (int exponent = 0; exponent <= 1074; ++exponent) {
@@ -170,8 +170,8 @@ template <class T> void expect_tiny_triangles_are_within_the_error() {
 TEST(TriangleFrames, FloatHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<float>(); }
 TEST(TriangleFrames, DoubleHoldsForTrianglesOfAnySize) { expect_tiny_triangles_are_within_the_error<double>(); }
 
-// A point on the line of a segment, or of a triangle that is a point, is beside no edge, so only
-// its place along the line tells inside from outside.
+// Collinear corners, and points on their line: no edge separates inside from outside, so only the position along the
+// line decides.
 template <class T> void expect_within_the_error_beyond_the_ends_of_a_segment() {
     for (int axis = 0; axis < 3; ++axis) {
         const auto at = [&](double x) -> Vec3 { return x * Vec3::Unit(axis); };
@@ -203,7 +203,7 @@ TEST(TriangleFrames, DoubleHoldsBeyondTheEndsOfASegment) {
     expect_within_the_error_beyond_the_ends_of_a_segment<double>();
 }
 
-// Neither the corner where the longest edge begins nor the orientation of the triangle matters.
+// The distance must not depend on which corner comes first or on the orientation.
 TEST(TriangleFrames, TakeCornersInAnyOrder) {
     Random random(32);
     for (int i = 0; i < 100; ++i) {

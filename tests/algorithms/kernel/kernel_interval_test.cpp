@@ -98,7 +98,7 @@ TEST(Polynomial, SurfacesThatAreNone) {
     EXPECT_NE(surface_problem(surface("7", -1, 1)).find("constant"), std::string::npos);
 }
 
-// Integer polynomials, so that rationals evaluate them exactly.
+// A polynomial with integer coefficients, which rational arithmetic evaluates exactly.
 struct Sample {
     std::string text;
     std::vector<std::tuple<int, int, int, int>> terms;  // coefficient, powers
@@ -182,7 +182,7 @@ TEST(IntervalForms, TheNewerAreTighterOnSmallBoxes) {
     EXPECT_LT(width[3], width[2] * (1 + 1e-12));  // modified affine against plain affine
     EXPECT_LT(width[2], width[0]);
     EXPECT_LT(width[1], width[0]);
-    // Even powers give [0, 1], not [-1, 1].
+    // Modified affine arithmetic knows that x^2 is not negative; plain affine arithmetic does not.
     FormEvaluator square(Polynomial("x^2"));
     Box around;
     around.add({-1, 0, 0});
@@ -191,7 +191,7 @@ TEST(IntervalForms, TheNewerAreTighterOnSmallBoxes) {
     EXPECT_LT(square.range(Form::affine, around).inf(), 0);
 }
 
-// x / 3 around 0 has no other term, so without the width of its coefficient `rest` would be 0.
+// 1/3 is not a double, so `rest` must include the rounding of the slope, and here nothing else.
 TEST(IntervalForms, CountTheWidthOfTheSlope) {
     const UpwardRounding upward;
     FormEvaluator evaluator{Polynomial("x/3")};
@@ -246,7 +246,7 @@ TEST(IntervalForms, HighDegreesAreEnclosed) {
     EXPECT_GE(even.linear(around).rest.inf(), 0.25 - 1e-12);
 }
 
-// A sum of infinities has no middle. Its range is everything, not an interval of NaN, which would contain no value at all.
+// If terms overflow, the range must become everything, not an interval of NaN, which would contain no value.
 TEST(IntervalForms, OverflowSaysNothing) {
     const UpwardRounding upward;
     Box box;
@@ -263,8 +263,7 @@ TEST(IntervalForms, OverflowSaysNothing) {
     }
 }
 
-// A dense expansion takes (degree + 1)^3 places, and as many products for each axis and degree:
-// 1331 and 68921 places here.
+// Work must grow with terms and degree. A dense expansion would have (degree + 1)^3 coefficients: 68,921 for degree 40.
 TEST(IntervalForms, WorkGrowsWithTermsAndDegree) {
     const auto products = [](const std::string& text) {
         const UpwardRounding upward;
@@ -291,7 +290,7 @@ TEST(Interval, RoundingModeIsPutBack) {
     EXPECT_EQ(1.0 + tiny, 1.0);
 }
 
-// Each operation encloses the exact value, and no wider than two neighbouring doubles.
+// Each result encloses the exact value and is no wider than two neighbouring doubles.
 TEST(Interval, OperationsRoundOutwards) {
     Random random(4);
     int inexact = 0;

@@ -1,5 +1,5 @@
-// kernel/parallel.h runs each block once, with no more workers than asked for, whatever the number
-// of blocks; and workers build structures.
+// kernel/parallel.h must run each block exactly once, with no more workers than asked for. Structures are built by such
+// workers.
 #include "algorithms/kernel/parallel.h"
 
 #include "algorithms/session/session.h"
@@ -131,7 +131,7 @@ struct CountingWithParameters {
     int builders;
 };
 
-// A solver whose bounds tell how many threads built its structures.
+// A solver that returns, as its bounds, how many threads built its structures.
 class Asking final : public Solver {
 public:
     Needs needs(const Scene&, const QuerySet&) const override {

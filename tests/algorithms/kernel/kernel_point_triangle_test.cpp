@@ -60,8 +60,8 @@ TEST(PointTriangle, BoundsHoldAgainstExactArithmetic) {
     }
 }
 
-// The upper bounds of all solvers rest on this alone (point_triangle.h). The bound must also hold
-// for a foot itself, whose computed distance is about zero.
+// All upper bounds of solvers rely on this: a computed closest point is within 7 * u * M of the exact triangle (u: unit
+// roundoff, M: largest coordinate).
 TEST(PointTriangle, FeetAreWithin7uMOfTheExactTriangle) {
     Random random(4);
     for (const Kind& kind : kinds()) {
@@ -80,7 +80,7 @@ TEST(PointTriangle, FeetAreWithin7uMOfTheExactTriangle) {
     }
 }
 
-// Any q gives a bound, near or far, even if products or squares underflow.
+// Any guess q of the closest point gives a valid lower bound, even if products or squares underflow.
 TEST(PointTriangle, AnyGuessGivesALowerBound) {
     Random random(6);
     int told = 0;
@@ -100,9 +100,8 @@ TEST(PointTriangle, AnyGuessGivesALowerBound) {
     EXPECT_GT(told, 1000);
 }
 
-// The guess lies far away on the line through the point and the triangle. Products with
-// differences of a few 2^-625 are multiples of 2^-1074 and are rounded up as often as down, so the
-// quotient may exceed the distance by much more than a rounding error.
+// The triangle is a point, and the guess q is far beyond it. Rounding the products in dot(p - q, p) to multiples of
+// 2^-1074 changes them so much that the quotient may exceed the distance by far more than a rounding error.
 TEST(PointTriangle, AnyGuessGivesALowerBoundWhereProductsUnderflow) {
     Random random(7);
     int longer = 0;
@@ -118,8 +117,8 @@ TEST(PointTriangle, AnyGuessGivesALowerBoundWhereProductsUnderflow) {
     EXPECT_GT(longer, 500) << "the points do not show what they are for";
 }
 
-// Coordinates are so large that the foot is off by more than the certificate loses: a second
-// triangle, a point, is then nearer than the first one, although its box seems farther.
+// Coordinates are so large that the computed closest point is off: a second triangle, a point, is nearer than the first
+// although its computed distance is larger.
 TEST(PointTriangle, CertifiedDistancesHoldForAllTriangles) {
     Random random(5);
     int nearer = 0;

@@ -29,7 +29,8 @@ TEST(PointDistance, BoundsHoldAgainstExactArithmetic) {
     }
 }
 
-// The derivation requires f / (1 + u)^3.5 and f / (1 - u)^3.5, which few pairs of points come close to.
+// A computed distance f allows any exact distance from f / (1 + u)^3.5 to f / (1 - u)^3.5; few pairs of points come
+// close to these ends.
 TEST(PointDistance, BoundsCoverTheWorstThatIsDerived) {
     Random random(2);
     const Rational u = unit_roundoff, less = power(1 - u, 7), more = power(1 + u, 7);
@@ -53,7 +54,7 @@ TEST(PointDistance, BoundsHoldWhereSquaresUnderflow) {
         const Rational expected = exact::squared_distance(exact::vector(a), exact::vector(b));
         ASSERT_TRUE(low * low <= expected && expected <= high * high) << i;
         vanished += squared == 0;
-        // Underflow shifts larger distances only a little and does not make their bounds useless.
+        // The allowance for underflow leaves larger distances a useful bound.
         EXPECT_GT(distance_at_least(0x1p-900, true), 0x1p-451);
     }
     EXPECT_GT(vanished, 10);
@@ -73,7 +74,7 @@ struct Chain {
     }
 };
 
-// Returns one of the four pieces between corners and midpoints, or one of the two pieces beside a midpoint.
+// Returns one of the four pieces of a split at the edge midpoints, or one of the two pieces of a bisection.
 Chain piece_of(const Chain& chain, Random& random) {
     Chain next = chain;
     ++next.level;
@@ -86,7 +87,7 @@ Chain piece_of(const Chain& chain, Random& random) {
     return next;
 }
 
-// Makes corners of about 1 whose sums have the largest rounding error: half an ulp of 2.
+// Returns a triangle whose coordinates are slightly above 1, so that sums of corners have the largest rounding error.
 Chain chain_of(Random& random) {
     Chain chain;
     const double size = std::pow(2, random.real(-30, -1));
@@ -130,7 +131,8 @@ TEST(Midpoints, AVertexAfterKHalvingsIsWithinRoot3kuM) {
     EXPECT_GT(most, 1.7) << "the chains do not come near what is derived";
 }
 
-// The distance has the rounding error of a distance between two points, and the foot is up to 7uM from B.
+// The bound must cover the rounding of a point-to-point distance, the errors of midpoints, and the 7 * u * M by which a
+// closest point may be off B.
 TEST(SurfaceDistance, UpperBoundsCoverTheKernelAndTheMidpoints) {
     Random random(5);
     for_each_chain([&](const Chain& chain, double magnitude) {
@@ -147,14 +149,14 @@ TEST(SurfaceDistance, UpperBoundsCoverTheKernelAndTheMidpoints) {
     });
 }
 
-// Distances up to the largest possible between points of magnitude M, so that the sum has its
-// largest rounding error; and a square that underflows.
+// Tries distances up to 2 * sqrt(3) * M, the largest between points of magnitude M, at which the sum has its largest
+// rounding error; and a square that underflows.
 TEST(SurfaceDistance, UpperBoundsCoverTheRoundingOfTheSum) {
     Random random(8);
     for (int i = 0; i < 20000; ++i) {
         const double magnitude = random.real(1, 2),
                      away = i % 2 ? 2 * std::sqrt(3.0) * random.unit() : random.real(0, 1e-15);
-        // The least square that can be computed for the distance d: f = d (1 - 3.5u).
+        // The least square that can be computed for the distance d; its root is d * (1 - 3.5u).
         const Rational d = away * magnitude;
         const double f = away * magnitude * (1 - 3.5 * unit_roundoff);
         double squared = f * f;
@@ -166,7 +168,7 @@ TEST(SurfaceDistance, UpperBoundsCoverTheRoundingOfTheSum) {
             ASSERT_TRUE(Rational(surface_distance_at_most(squared, magnitude, level)) >= d + others) << i;
         }
     }
-    // The square of 1.2 2^-537 is 1.44 times the smallest double and is rounded to it.
+    // (1.2 * 2^-537)^2 is 1.44 times the smallest double and is rounded down to it.
     const double d = 1.2 * 0x1p-537, least = smallest_safe_magnitude;
     ASSERT_LT(std::sqrt(d * d), d);
     EXPECT_TRUE(Rational(surface_distance_at_most(d * d, least, 0)) >=
@@ -190,8 +192,8 @@ TEST(SurfaceDistance, LowerBoundsCoverTheMidpoints) {
     });
 }
 
-// If the distance is above 4 and M below 2, the difference is rounded back to the distance,
-// because 2uM is less than half its last place. The exact midpoint may be nearer by sqrt(3) u.
+// At distances above 4, with M below 2, rounding absorbs the term 2 * u * M, which is less than half an ulp. The exact
+// midpoint may still be nearer by sqrt(3) * u.
 TEST(SurfaceDistance, LowerBoundsCoverTheRoundingOfTheDifference) {
     Random random(9);
     int absorbed = 0;

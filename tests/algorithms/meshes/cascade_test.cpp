@@ -1,4 +1,4 @@
-// kang, zheng and sacht: each of their bounds under rounding, and their intervals against a slow reference.
+// The solvers kang, zheng and sacht: each of their bounds under rounding, and their intervals against a slow reference.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/registry.h"
 #include "algorithms/search/piece_bounds.h"
@@ -49,7 +49,7 @@ TEST(SurfaceSum, HasAllOfWhatIsDerivedForIt) {
     EXPECT_EQ(surface_sum_at_most(0, 0, 3), 0);
 }
 
-// Checks how far a computed barycentre is from the exact triangle.
+// A computed barycentre is off the exact triangle by at most 2 * level_of_inner_point * u.
 TEST(InnerPoints, AreWithinTheirLevelOfThePiece) {
     Random random(2);
     for (int i = 0; i < 3000; ++i) {
@@ -63,8 +63,8 @@ TEST(InnerPoints, AreWithinTheirLevelOfThePiece) {
     }
 }
 
-// Returns the least squared radius of three balls around the corners that cover the triangle. If the triangle is acute,
-// the circumradius is needed; otherwise at least the radius that two edges need, at most half of the longest edge.
+// Returns the squared radius with which balls around the corners cover the triangle: the circumradius if the triangle
+// is acute, otherwise half of the longest edge.
 Rational exact_squared_circumradius(const std::array<Vec3, 3>& v, bool& acute) {
     using exact::operator-;
     std::array<Rational, 3> edge;
@@ -74,7 +74,7 @@ Rational exact_squared_circumradius(const std::array<Vec3, 3>& v, bool& acute) {
     acute = edge[0] + edge[1] > edge[2];
     if (!acute) return edge[2] / 4;
     const Rational sum = edge[0] + edge[1] + edge[2];
-    const Rational area16 = sum * sum - 2 * (edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]);  // 16 |T|^2
+    const Rational area16 = sum * sum - 2 * (edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]);  // 16 * area^2
     return edge[0] * edge[1] * edge[2] / area16;
 }
 
@@ -106,17 +106,16 @@ TEST(CoveringRadius, IsThatOfTheExactTriangle) {
         const Rational squared = exact_squared_circumradius(v, acute);
         const Rational g = covering_radius_at_most(v);
         EXPECT_TRUE(g * g >= squared) << i;
-        // The bound is tight unless the triangle is a needle: for a needle, the largest angle is
-        // taken as 60 degrees at worst.
+        // The bound is tight except for thin triangles, whose largest angle may be taken as 60 degrees.
         EXPECT_TRUE(g * g <= squared * Rational(i % 6 == 0 ? 1.0001 : 1.34)) << i;
     }
 }
 
-// Right and equilateral triangles, where the two cases meet, need the full allowance for rounding.
+// An obtuse and a right triangle: the radius, half of the longest edge, must be widened by the derived 15u.
 TEST(CoveringRadius, IsWidenedByWhatIsDerived) {
     EXPECT_GE(covering_radius_at_most({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.1, 0)}), 0.5 * (1 + 15 * u));
     EXPECT_GE(covering_radius_at_most({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.5, 0)}), 0.5 * (1 + 15 * u));
-    // Needles whose computed largest angle is far below 90 degrees: the cosine is not known, so 60 degrees are assumed.
+    // The angles of so thin a triangle cannot be computed accurately. Assuming 60 degrees gives the radius 1 / sqrt(3).
     const double z = 1e-17;
     EXPECT_GE(covering_radius_at_most({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, z, 0)}), 0.57735);
 }
@@ -178,7 +177,7 @@ std::pair<std::array<Vec3, 3>, TriangleMesh> piece_and_target(Random& random, in
     }
 }
 
-// No slack: points of the piece and their distances are exact.
+// Compares with exact distances of exact points, so no slack is needed.
 TEST(PieceBounds, AreNoLessThanTheDistanceOfAnyPoint) {
     Random random(4);
     for (int i = 0; i < 600; ++i) {
@@ -236,8 +235,8 @@ TEST(PieceBounds, HoldExactlyAgainstPoints) {
     }
 }
 
-// Each bound is widened by 2uM per level; bounds that cut the piece also by level_of_inner_point.
-// No other test shows this, because roundings never all err in one direction.
+// Each bound must be widened by 2 * u * M per level; bounds that cut the piece, also by level_of_inner_point. Other
+// tests cannot show this, because roundings never all err in one direction.
 TEST(PieceBounds, AreWidenedByTheirLevel) {
     const TriangleMesh two = points_as_triangles({{0, 0, 1}, {1, 0, 1}});
     const PieceCorners v = measured({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.25, 0)}, two);
@@ -283,8 +282,8 @@ TEST(PieceBounds, TheFourthSettlesAThinPieceThatTheThirdDoesNot) {
     EXPECT_GT(pieces.nearest_triangles(v, 0), 0.9);
 }
 
-// Two triangles lie on the same side of their common edge, so no plane separates them: the piece is cut at midpoints,
-// and each cut counts against both triangles. From (1, 1, 0), one triangle is sqrt(1/2) away, the other less.
+// Both triangles of B lie on the same side of their common edge, so no plane separates them. The piece is cut at
+// midpoints, and each cut counts with its larger distance: from (1, 1, 0), sqrt(1/2).
 TEST(PieceBounds, TheThirdCountsEachCutAgainstBothTriangles) {
     const TriangleMesh folded = soup(rows({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}, {2, 1, 0}}));
     const Target target(folded, nullptr);
@@ -301,7 +300,7 @@ TEST(PieceBounds, TheThirdCountsEachCutAgainstBothTriangles) {
     }
 }
 
-// Each of the three corners is at a point of B, so the barycentre is farthest.
+// B consists of the piece's corners, so the barycentre is farthest, and the bound must include its rounding.
 TEST(PieceBounds, TheThirdIsWidenedByWhatItsBarycentreIsOff) {
     const std::array<Vec3, 3> piece{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.75, 0)};
     const TriangleMesh points = points_as_triangles({piece[0], piece[1], piece[2]});
@@ -313,7 +312,7 @@ TEST(PieceBounds, TheThirdIsWidenedByWhatItsBarycentreIsOff) {
     EXPECT_LE(pieces.u3(measured(piece, points), 0), most + off + 2 * u * (1 << 20));
 }
 
-// A triangle that counts as tied may be farther by rounding, here by 5e-4, and the bound includes that.
+// A triangle that counts as tied may be farther because of rounding, here by 5e-4; the bound must include that.
 TEST(PieceBounds, ATieCountsItsOwnDistances) {
     const TriangleMesh points = points_as_triangles({{0, 0, 0}, {3, 0, 2.9995}});
     const PieceCorners v = measured({Vec3(0, 0, 1), Vec3(3, 0, 0), Vec3(3, 0, 0)}, points);
@@ -338,7 +337,7 @@ TEST(PieceBounds, TheFourthDividesNothingByZero) {
 
 // --- the solvers -----------------------------------------------------------------------------------------------------
 
-// The ordered non-empty subsets of {1, 2, 3, 4}.
+// Returns every order of every subset of the bounds 1 to 4, such as "31".
 std::vector<std::string> orders() {
     std::vector<std::string> all{""};
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -386,7 +385,7 @@ TEST(Cascade, AllOrdersAgree) {
     }
 }
 
-// Every corner of one mesh lies in several triangles of the other; which of them is reported is arbitrary.
+// Each corner of one mesh lies in several triangles of the other; which of them is reported is arbitrary.
 TEST(Cascade, IdenticalMeshesAreDoneAfterFewSplits) {
     const Scene scene{sheet(8, 0, 0.3), sheet(8, 0, 0.3)};
     Query query = asking(1e-9);
@@ -413,7 +412,8 @@ TEST(Cascade, VerticesOfNoTriangleDoNotCount) {
     }
 }
 
-// The barycentre is within 6uM of A, which the lower bound takes into account. It is found without a split.
+// The farthest point is a barycentre, which rounding may put up to 6 * u * M off A. The lower bound must allow for
+// that.
 TEST(Zheng, ABarycentreThatIsFarthestIsWidened) {
     const TriangleMesh a = soup(rows({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
     const TriangleMesh b = points_as_triangles({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});

@@ -1,6 +1,6 @@
-// Tests of the terms that threshold cover adds to its bounds for rounding and for halved pieces.
-// Without its term, a test finds a wrong interval or, if other terms hide the fault in a complete
-// search, a part of the search that breaks its contract. Exact numbers decide.
+// Each term that threshold cover adds to its bounds, for rounding or for halved pieces, has a test that fails without
+// it. If other terms would hide the fault in a complete search, the test calls one part of the search. All comparisons
+// are exact.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/cover/groups.h"
 #include "algorithms/meshes/cover/offset_cover.h"
@@ -33,7 +33,8 @@ Rational squared_to_triangle(const exact::RVec3& p, const Triangle& t) {
     return exact::squared_distance_to_triangle(p, exact::vector(t.a), exact::vector(t.b), exact::vector(t.c));
 }
 
-// Returns the exact squared distance of a point to a mesh. Coordinates are at most about 1, or the mesh is one triangle.
+// Returns the exact squared distance of a point to a mesh. Requires coordinates of about 1 or a single triangle,
+// because computed distances select the candidates.
 Rational squared_to_mesh(const Vec3& p, const TriangleMesh& mesh) {
     Counters counters;
     const double seems = closest_by_scan(mesh, p, {}, counters).squared_distance;
@@ -62,8 +63,8 @@ Result answer(const TriangleMesh& a, const TriangleMesh& b, double tolerance) {
 
 // --- whole searches -------------------------------------------------------------------------------------------------
 
-// Many triangles of B are near, so neighbouring triangles of A share a landmark. One of them
-// reaches much farther than the others.
+// Neighbouring triangles of A share a landmark (a point with a known distance to B). One of them reaches much farther
+// than the others.
 TEST(Cover, APieceThatReachesFarIsNotSettledByItsNeighbours) {
     TriangleMesh b = sheet(20, 0);
     b.vertices *= 1.0 / 19;
@@ -96,8 +97,8 @@ TEST(Cover, TheRoundingOfAMeasuredDistanceIsCounted) {
     EXPECT_GE(below, 20);
 }
 
-// A is two points above many triangles of B: four triangles of A at each point, which share the
-// computed distance of one corner.
+// A's triangles are two points above B, four at each, which share one computed distance. The bound must include its
+// rounding.
 TEST(Cover, TheRoundingOfASharedDistanceIsCounted) {
     Random random(57);
     TriangleMesh b = sheet(18, 0, 0.3);
@@ -143,7 +144,8 @@ TEST(GroupBoxes, HoldAllTheirTriangles) {
     }
 }
 
-// A triangle of A whose longest edge crosses the cube from -2 to 2, and a small triangle of B beyond each of its corners.
+// A triangle of A whose longest edge runs diagonally through the cube [-2, 2]^3, and a small triangle of B beyond each
+// of its corners.
 struct AcrossThePlace {
     Triangle a;
     TriangleMesh b;
@@ -174,7 +176,8 @@ struct AcrossThePlace {
 // A corner of a piece of level k may be 2kuM off the point of A that it represents (kernel/rounding.h).
 // Pieces of a real search are rarely off by half of that, so these tests make pieces by hand.
 
-// A worker with one triangle of A. M may be larger than all coordinates, as if something were far away.
+// A worker with a single triangle of A. A `magnitude` above all coordinates makes the rounding terms as large as if
+// something were far away.
 class Alone {
 public:
     Alone(const Triangle& a, TriangleMesh b, double tolerance, double magnitude = 0)
@@ -200,7 +203,7 @@ public:
     CoverWorker& worker() { return worker_; }
     const TriangleMesh& b() const { return b_; }
     double magnitude() const { return magnitude_; }
-    // Returns how far a corner of this level may be off.
+    // Returns how far a corner of a piece of this level may be off A.
     double off(int level) const { return 2 * level * u * magnitude_; }
 
     // Checks that a point is within off(level) of the triangle of A.
@@ -219,7 +222,7 @@ private:
     CoverWorker worker_;
 };
 
-// The halves of the plane z = 0 on the left and on the right of x = 0.
+// Returns two large triangles in the plane z = 0, one on each side of x = 0.
 TriangleMesh two_halves() {
     return soup(rows({{-20, 0, 0}, {0, -10, 0}, {0, 10, 0}, {20, 0, 0}, {0, 10, 0}, {0, -10, 0}}));
 }
@@ -230,7 +233,7 @@ Triangle at_height(double z, double shift) {
 constexpr int high_level = 20;
 constexpr double far_away = 0x1p40, um = u * far_away;
 
-// Returns the tolerance for which tau is `above` uM above the lower bound.
+// Returns the tolerance for which the cover threshold tau is above * u * M above the lower bound.
 constexpr double tolerance_of(double above) { return above * um / 0.9; }
 
 // Returns a lower bound of 1.
@@ -240,7 +243,7 @@ Farthest at_one() {
     return farthest;
 }
 
-// The bound uses the distances of all corners to one triangle. The measured corner is off by its level as well.
+// One triangle of B bounds all corners. The bound and the measured corner must include the error of the piece's level.
 TEST(CoverWorker, ABoundByCornersHoldsForTheExactPiece) {
     Alone alone(at_height(1, -3), two_halves(), 0.1, far_away);
     alone.worker().decide(alone.piece(high_level));
@@ -269,7 +272,7 @@ TEST(CoverWorker, ACoverInSinglePrecisionHoldsForTheExactPiece) {
     EXPECT_LE(outcome.settled, 1 + 71 * um);
 }
 
-// The upper bound of a covered piece, with all widening, is at most tau.
+// A piece counts as covered only if its bound, including all widening, is at most the threshold tau.
 TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
     constexpr double tau = 1 + 0.9 * 0.1;
     for (const int level : {0, high_level}) {
@@ -288,8 +291,8 @@ TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
     }
 }
 
-// The tolerance is 0. If the threshold did not exceed the lower bound by the errors of the frames, no triangle
-// would cover anything, and the piece would get its bound from one triangle of B, here more than 1.4.
+// The tolerance is 0. Unless the threshold exceeds the lower bound by the rounding errors, nothing can be covered, and
+// the piece gets its bound from one triangle of B, here more than 1.4.
 TEST(CoverWorker, WithoutAToleranceItCoversAllTheSame) {
     for (const int level : {0, high_level}) {
         Alone alone(at_height(1, 0), two_halves(), 0);
@@ -298,8 +301,8 @@ TEST(CoverWorker, WithoutAToleranceItCoversAllTheSame) {
     }
 }
 
-// The same far from the origin, where even the lower bound errs by a fraction of M. B is turned,
-// so that closest points are rounded.
+// The tolerance is 0, and coordinates are so large that even the lower bound errs by a fraction of M. B is rotated, so
+// that closest points are rounded.
 TEST(CoverWorker, WithoutAToleranceItCoversAllTheSameFarAway) {
     Random random(58);
     for (int i = 0; i < 20; ++i) {
@@ -317,7 +320,8 @@ TEST(CoverWorker, WithoutAToleranceItCoversAllTheSameFarAway) {
     }
 }
 
-// Many triangles of B are near, so the piece is halved, and its farthest corner is measured as a corner of a half.
+// So many triangles of B are near that the piece is halved. Its farthest corner, measured in a half, must keep its
+// level.
 TEST(CoverWorker, ACornerOfAHalfIsOffByItsLevel) {
     TriangleMesh b = sheet(30, 0);
     b.vertices.leftCols(2) *= 2.0 / 29;
@@ -329,7 +333,8 @@ TEST(CoverWorker, ACornerOfAHalfIsOffByItsLevel) {
     EXPECT_GE(outcome.farthest.level, 5);
 }
 
-// The farthest point is inside a piece, above a gap in B. It is off by as much as the piece, plus its own rounding.
+// The farthest point is inside a piece, above a gap in B. Its level must be higher than the piece's, for its own
+// rounding.
 TEST(CoverWorker, APointInsideAPieceIsOffByItsLevel) {
     TriangleMesh b = two_halves();
     for (Index v = 0; v < b.vertices.rows(); ++v) b.vertices(v, 0) += v < 3 ? -0.75 : 0.75;
@@ -398,8 +403,8 @@ TEST(CoverWorker, PointsInsideAPieceAreAsNearToAAsTheirLevelSays) {
     EXPECT_GE(off_a, 10);
 }
 
-// The worst of 20000 scenes: after many cuts, the farthest point is more than 3uM off A. Moving it
-// back from local coordinates explains less than 2uM.
+// The worst of 20,000 scenes: after many cuts, the farthest point is more than 3 * u * M off A. Conversion from local
+// coordinates explains less than 2 * u * M.
 TEST(CoverWorker, APointAfterManyCutsIsAsNearToAAsItsLevelSays) {
     for (const std::uint64_t seed : {107216, 117211, 118560}) {
         const AcrossThePlace scene(seed);
@@ -431,7 +436,7 @@ CoverPolygon<double> polygon_of(const Triangle& t, const LocalUnits& place, floa
     return polygon;
 }
 
-// Measures points by trying all triangles of B, and checks that each is within its slack of the exact piece.
+// Measures points by trying all triangles of B, and checks that each point is within its slack of the exact piece.
 class CheckingHost final : public CoverHost {
 public:
     // The exact corners are the corners of the piece, moved along z by their slack.
@@ -518,7 +523,8 @@ TEST(OffsetCover, ACutFarAlongALongEdgeIsWithinItsSlack) {
     }
 }
 
-// B is one triangle, far larger than the place. Its frame errs by a fraction of its own size.
+// B is one triangle, far larger than the local box. Its distance errs by a fraction of its own size, which the bound
+// must include.
 TEST(OffsetCover, TheSizeOfATriangleIsInItsError) {
     Random random(56);
     const LocalUnits place = unit_place();
@@ -544,7 +550,7 @@ TEST(OffsetCover, TheSizeOfATriangleIsInItsError) {
     EXPECT_GE(below, 10);
 }
 
-// The corners have the largest slack, and the exact corners are farther from B by that much.
+// All corners have the largest slack, so the exact corners may be farther from B by that much.
 TEST(OffsetCover, TheMostSlackIsInItsError) {
     const LocalUnits place = unit_place();
     const TriangleMesh mesh = soup(rows({{-3, -3, 0}, {3, -3, 0}, {0, 3, 0}}));
@@ -558,8 +564,8 @@ TEST(OffsetCover, TheMostSlackIsInItsError) {
     EXPECT_LE(result.upper, 1 * place.inverse + 1e-10);
 }
 
-// The corners already have the largest slack. A cut would make corners with more, so the piece is
-// not cut. Without slack, two triangles of B cover it together, or three one after the other.
+// A piece whose corners have the largest slack is not cut, because new corners would have more. Without slack, cuts let
+// two or three triangles of B cover the piece together.
 TEST(OffsetCover, NoCutGoesBeyondTheMostSlack) {
     const TriangleMesh three = soup(rows({{-20, 0, 0},
                                           {-0.3, -10, 0},

@@ -16,7 +16,7 @@
 namespace hausbench {
 namespace {
 
-// A place around the unit cube, with all triangles of a mesh near it.
+// Local units for the cube [-1, 1]^3, and a cover that holds all triangles of a mesh.
 struct Place {
     LocalUnits units;
     OffsetCover<double> exact;
@@ -32,7 +32,7 @@ struct Place {
     }
 };
 
-// A host that finds the distances of a few triangles by trying all.
+// Measures a point's distance by trying all triangles of the mesh.
 class Host final : public CoverHost {
 public:
     Host(const TriangleMesh& mesh, const LocalUnits& units, double tolerance)
@@ -114,8 +114,8 @@ TEST(OffsetCover, BoundsHoldWhereWorkIsSpent) {
     }
 }
 
-// In single precision too, no bound is below the exact distance of a corner, because it includes
-// the error of a frame. B is one triangle, so the farthest corner is known exactly.
+// In single precision too, no bound is below the exact distance, because it includes the rounding error. B is one
+// triangle, so the farthest point is a corner, known exactly.
 TEST(OffsetCover, SinglePrecisionNeverBoundsBelowTheExactDistance) {
     Random random(43);
     double closest_call = 1;
@@ -280,7 +280,7 @@ TEST(Cover, ARelativeToleranceMayBeginAtZero) {
     EXPECT_NEAR(result.bounds.upper, 0.2572478777137604, 0.003);
 }
 
-// A triangle of B is so small that the squares of its edges underflow. Its frame must not shorten the distance to it.
+// A triangle of B is so small that the squares of its edges underflow. The computed distance must not become shorter.
 TEST(Cover, ATinyTriangleIsNoNearerThanItIs) {
     const TriangleMesh a = soup(rows({{0.25, 0, 0}, {0.262, 0, 0}, {0.262, 0.012, 0}}));
     for (int exponent = -1074; exponent <= -400; ++exponent) {
@@ -299,7 +299,8 @@ TEST(Cover, ATinyTriangleIsNoNearerThanItIs) {
     }
 }
 
-// All points of A are equally far from B, so no part of A is covered within the distance found so far.
+// All points of A are equally far from B, so no part can be discarded. A distance above the cutoff must still end the
+// search.
 TEST(Cover, ADistanceAboveTheCutoffEndsTheSearch) {
     TriangleMesh a = soup(rows({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}));
     const TriangleMesh b = soup(rows({{-9, -9, 0}, {9, -9, 0}, {0, 20, 0}}));
@@ -338,8 +339,8 @@ TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
     }
 }
 
-// In a hole with parallel edges, the distance is constant along a ridge, and a cover has to be cut
-// there to within the tolerance. Few cuts suffice, even if the tolerance is hardly more than rounding.
+// Along the middle of a hole with parallel edges, the distance is constant, so pieces must be cut there to within the
+// tolerance. Few cuts must suffice, even at tolerances near rounding.
 TEST(Cover, AFewCutsAreEnoughAlongARidge) {
     Random random(47);
     for (int scene = 0; scene < 40; ++scene) {
