@@ -1,5 +1,5 @@
-// Checks the relations of metamorphic.h for every certified solver. No reference decides, so this also finds errors that
-// a reference could share with a solver. For each relation, a planted wrong solver shows that the relation can fail.
+// Checks the relations of metamorphic.h for every certified solver. They need no reference answer, so they also find
+// errors that a reference might share. For each relation, a deliberately wrong solver shows that it can fail.
 #include "tests/support/metamorphic.h"
 
 #include "algorithms/registry.h"
@@ -22,8 +22,7 @@ Points grid_cloud(Random& random, Index count, double step) {
     return cloud(random, count, 0.9).unaryExpr([&](double x) { return on_grid(x, step); });
 }
 
-// Makes a soup, a soup with many coincident vertices and triangles without area, needles, or a
-// bumpy sheet with shared vertices.
+// Returns a soup, a soup with coincident vertices and flat triangles, thin triangles, or a bumpy sheet.
 Shape some_mesh(Random& random, int kind) {
     const Index count = 5 + random.below(12);
     if (kind == 0) return soup(grid_cloud(random, 3 * count, 0x1p-16));
@@ -117,7 +116,7 @@ Bounds right(const Scene& scene, Quantity quantity) {
     return ask_of(find_solver(points ? "naive" : "guthe"))(scene, coarse, quantity);
 }
 
-// Returns bounds wide enough for the coarse tolerance, so that no relation would fail without the planted error.
+// Returns bounds so wide that only a wrong `value` can violate a relation.
 Bounds around(double value) { return {value - 2 * coarse, value + 2 * coarse}; }
 
 // Returns the distance of the vertices alone.
@@ -141,7 +140,7 @@ template <class R> void expect_refuted(const Wrong& wrong) {
 
 TEST(Metamorphic, ScalesWithPowersOfTwo) {
     expect_of_every_solver<ScalesWithPowersOfTwo>();
-    expect_refuted<ScalesWithPowersOfTwo>([](const Scene& scene, Quantity quantity) {  // an absolute allowance
+    expect_refuted<ScalesWithPowersOfTwo>([](const Scene& scene, Quantity quantity) {  // widens by an absolute length
         return Bounds{right(scene, quantity).lower, right(scene, quantity).upper + 0x1p-40};
     });
 }
@@ -221,8 +220,8 @@ AlgebraicSurface ball(const std::string& x, const std::string& squared_radius, d
     return s;
 }
 
-// Surfaces have no faces to reorder. The remaining relations are cheap, and at this tolerance,
-// which not every solver reaches within its budget.
+// Checks the relations that make sense for surfaces, which have no faces to reorder. The tolerance is coarse, and some
+// solvers still miss it within their budget, so only the bounds are compared.
 TEST(Metamorphic, SurfacesObeyThem) {
     const AlgebraicSurface a = ball("x", "1"), b = ball("x - 1/4", "1"), c = ball("x + 1/4", "9/16");
     AlgebraicSurface turned = b;

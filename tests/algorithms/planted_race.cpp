@@ -1,5 +1,5 @@
-// A solver whose solve() is not re-entrant: it increments a member without a lock. `make tsan` expects the thread
-// sanitizer to report it, so that a sanitizer that detects nothing is noticed. No other build's tests include it.
+// A solver with a data race: solve() increments a member without a lock. `make tsan` expects the thread sanitizer to
+// report it, which proves that the sanitizer works. No other build includes this test.
 #include "algorithms/session/session.h"
 
 #include <iostream>

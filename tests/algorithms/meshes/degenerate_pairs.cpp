@@ -39,7 +39,7 @@ bool chosen(const std::string& name) {
     return !text || fmt::format(",{},", text).find("," + name + ",") != std::string::npos;
 }
 
-// A solver and the sets of options that are tried in turn.
+// A solver and its sets of options; each pair takes the next set.
 struct Candidate {
     const SolverEntry* entry;
     std::string label;
@@ -87,7 +87,7 @@ TriangleMesh mesh_of(const std::vector<Triangle>& triangles) {
     return soup(points);
 }
 
-// A scene, and bounds of its squared distance.
+// A scene, with a lower and an upper bound on its squared distance.
 struct Case {
     std::string kind;
     TriangleMesh a, b;
@@ -108,8 +108,8 @@ Case mixed_soups(std::uint64_t seed, std::uint64_t number) {
     return {"mixed sizes", mesh_of(soups.a), mesh_of(soups.b), squared.low, squared.high};
 }
 
-// Returns by how much the distance is outside the bounds, relative to the largest coordinate.
-// Approximate, but without overflow or underflow.
+// Returns by how much the distance lies outside the bounds, as a fraction of the largest coordinate. Approximate, but
+// free of overflow and underflow.
 double excess(const Bounds& bounds, const Case& one, double extent) {
     const exact::Rational unit = std::ldexp(1.0, std::ilogb(extent));
     const auto distance = [&](const exact::Rational& squared) {
@@ -120,7 +120,7 @@ double excess(const Bounds& bounds, const Case& one, double extent) {
                     distance(one.least) - std::ldexp(bounds.upper, exponent));
 }
 
-// Returns an empty string if the interval contains the exact distance, else the solver's answer.
+// Returns an empty string if the interval contains the exact distance, else a description of the failure.
 std::string try_case(Candidate& candidate, const Case& one, std::uint64_t number) {
     const double extent = one.extent();
     Query query;
@@ -157,7 +157,7 @@ void print(const std::vector<Candidate>& all) {
                    one.converged, one.unfinished, one.thrown, one.worst_gap);
 }
 
-// Prints the first few failures of each solver for inspection.
+// Runs all solvers on the chosen pairs and prints the first `shown` failures of each.
 void run(std::vector<Candidate>& all, Case (*make)(std::uint64_t seed, std::uint64_t number), int shown) {
     const std::uint64_t seed = setting("HAUSBENCH_SEED", 1), first = setting("HAUSBENCH_FIRST", 0),
                         count = setting("HAUSBENCH_PAIRS", few);
@@ -191,8 +191,8 @@ TEST(DegeneratePairs, CertifiedIntervalsHoldTheExactDistance) { expect_none_wron
 
 TEST(MixedSizes, CertifiedIntervalsHoldTheExactDistance) { expect_none_wrong(mixed_soups); }
 
-// Variants that err by rounding or by their kernel must be found wrong, or the pairs are too easy. The textbook
-// kernel with `certify` is only counted: its errors are mostly widened into an upper bound that is too large.
+// The controls must be found wrong, or the pairs are too easy. One is only counted: certification turns most errors of
+// the textbook kernel into a valid but too large upper bound.
 TEST(DegeneratePairs, WhatIsNotCertifiedIsFoundWrong) {
     std::vector<Candidate> all = controls();
     run(all, degenerate_pair, 0);

@@ -1,4 +1,4 @@
-// The values that guthe reports for each triangle of A and for its stages, if asked to.
+// The values that guthe reports, on request, for each triangle of A and for its stages.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -48,7 +48,8 @@ void expect_consistent(const Result& result, Index triangles, const std::string&
     for (const char* name : {"lower", "upper", "level"})
         ASSERT_EQ(values(result, name).size(), static_cast<std::size_t>(triangles)) << where << ", " << name;
     EXPECT_EQ(largest(values(result, "upper")), result.bounds.upper) << where;
-    // The lower bound of the witness's triangle is among them; rounding may leave a larger one for another triangle.
+    // The fields include the lower bound of the witness's triangle; rounding may leave a larger one for another
+    // triangle.
     EXPECT_GE(largest(values(result, "lower")), result.bounds.lower) << where;
     EXPECT_LE(largest(values(result, "lower")), result.bounds.upper) << where;
     for (const Field& field : *result.fields) {
@@ -59,7 +60,7 @@ void expect_consistent(const Result& result, Index triangles, const std::string&
     }
 }
 
-// `a` is posed; `b` holds the points of B.
+// Checks the bounds of each triangle of `a`, moved by its pose, against its exact distance from the points `b`.
 void expect_holds_exactly(const Result& result, const TriangleMesh& a, const std::vector<Vec3>& b,
                           const std::string& where) {
     expect_consistent(result, a.triangles.rows(), where);
@@ -173,7 +174,7 @@ TEST(GutheFields, BoundsHoldOnHostileMeshesAndOnPoints) {
     }
 }
 
-// All points of A are equally far from B, so no triangle keeps a gap.
+// All points of A are equally far from B, so every triangle's bounds must meet.
 TEST(GutheFields, BoundsOfParallelPlanesClose) {
     const TriangleMesh a = sheet(6, 0.25);
     const Result result = solve(session_of({a, sheet(6, 0)}), asking(1e-12));
@@ -202,7 +203,7 @@ TEST(GutheFields, OnlyTrianglesThatWereSubdividedHaveALevel) {
     EXPECT_EQ(values(solve(session, query), "level")[1], 1);
 }
 
-// At the second pose, triangles are settled without a query.
+// From the second pose on, bounds of triangles come from earlier poses, without a query.
 TEST(GutheFields, BoundsHoldExactlyAlongAWarmChain) {
     Random random(3);
     for (int i = 0; i < 100; ++i) {
@@ -244,7 +245,7 @@ TEST(GutheFields, WithoutCertificationNothingIsWidened) {
     }
 }
 
-// For H(A,B), the fields are about h(A,B), whichever direction is larger.
+// For H(A,B), the fields must be those of h(A,B), whichever direction is larger.
 TEST(GutheFields, OfBothDirectionsAreThoseOfTheSourceAndOfAMovedTarget) {
     const TriangleMesh small = sheet(4, 0.1, 0.2), large = sheet(6, 0, 0.3);
     Query query = asking(1e-2);

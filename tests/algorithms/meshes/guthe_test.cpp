@@ -1,4 +1,4 @@
-// The purpose of guthe's parameters: without certification little changes; with the textbook kernel, bounds go wrong.
+// What guthe's parameters are for: without certification little changes; with the textbook kernel, bounds go wrong.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
@@ -48,7 +48,8 @@ TEST(Guthe, CertificationChangesBoundsByRoundingOnly) {
     }
 }
 
-// A tolerance below the precision of doubles: the status says so, and the bounds hold and are as tight as rounding allows.
+// If the tolerance is below the precision of doubles, the status must say so, and the bounds must be as tight as
+// rounding allows.
 TEST(Guthe, AToleranceBelowRoundingIsThePrecisionFloor) {
     Random random(4);
     for (const double offset : {0.0, 1e8}) {
@@ -78,15 +79,15 @@ TEST(Guthe, AToleranceBelowRoundingIsThePrecisionFloor) {
     }
 }
 
-// Makes a triangle with three collinear corners, up to rounding. For one in 250 points, the
+// Returns a scene whose B is a triangle with corners that are collinear up to rounding. For one point in 250, the
 // textbook's nearest point is wrong by the size of the triangle.
 Scene rounded_collinear(Random& random) {
     const Triangle t = thin(random, 0, random.real(0.1, 0.9));
     return {soup(cloud(random, 90)), soup(rows({t.a, t.b, t.c}))};
 }
 
-// A triangle far from all others in both meshes, in B alone, and A far from B: the work is at most
-// the work for the tame pair.
+// A far triangle in B, one in both meshes, or A far from B: the work must stay within four times the work at an
+// ordinary distance.
 TEST(Guthe, WorkDoesNotGrowWithTheRatioOfScales) {
     const TriangleMesh a = sheet(16, 0.05, 0.2), b = sheet(24, 0, 0.1);
     const auto with_stray = [](TriangleMesh mesh, const Vec3& away) {
@@ -164,13 +165,13 @@ void expect_holds(const Result& result, const Rational& squared, const std::stri
     EXPECT_TRUE(upper * upper >= squared) << where;
 }
 
-// To the last bit, with no slack: the tolerance is below rounding, so the bounds are as tight as
-// they are proven. The largest distance is at a point inside A, on an edge, or at a corner.
+// The tolerance is below rounding, so the bounds are as tight as they are proven; they must still contain the exact
+// distance.
 TEST(Guthe, BoundsHoldExactlyAtThePrecisionFloor) {
     Random random(5);
     for (const char* split : {"midpoint", "longest_edge"}) {
         for (int i = 0; i < 400; ++i) {
-            // Corners of about 1, whose midpoints have the largest rounding error, or corners all around the origin.
+            // Corners near 1, whose midpoints have the largest rounding error, or corners near the origin.
             const Vec3 offset = i % 2 == 0 ? Vec3::Ones() : Vec3::Zero();
             const double size = i % 2 == 0 ? 0.25 : 1;
             const auto any_point = [&] { return Vec3(offset + size * random.vector().cwiseAbs()); };
@@ -185,8 +186,8 @@ TEST(Guthe, BoundsHoldExactlyAtThePrecisionFloor) {
     }
 }
 
-// The largest distance is at a point of an edge, and it takes about 45 halvings to come as close to it as rounding
-// allows. So many roundings never all err in one direction, but the bounds must include the derived error.
+// The farthest point lies on an edge, about 45 halvings deep. So many roundings never all err in one direction, but the
+// bounds must include the derived error.
 TEST(Guthe, BoundsAreWidenedByTheLevelOfTheirPiece) {
     const Triangle a{{0, 0, 0}, {1, 0, 0}, {0.5, 0.01, 0}};
     const std::vector<Vec3> b{{0.1, -0.3, 0}, {0.8, -0.25, 0}};
@@ -201,8 +202,8 @@ TEST(Guthe, BoundsAreWidenedByTheLevelOfTheirPiece) {
     }
 }
 
-// B is one triangle, so the largest distance is at a corner of A. The coordinates of A are much
-// smaller than those in B, or the reverse.
+// B is one triangle, so the farthest point is a corner of A. The coordinates of one mesh are much smaller than those of
+// the other.
 TEST(Guthe, BoundsHoldExactlyWhereOneMeshIsMuchSmaller) {
     Random random(6);
     for (int i = 0; i < 2000; ++i) {
@@ -243,7 +244,8 @@ TEST(Guthe, BoundsHoldExactlyWhenThereIsNoTime) {
 
 // --- needles ---------------------------------------------------------------------------------------------------------
 
-// The midpoint split keeps the shape of pieces, so resolving the needle's length costs the square of the necessary work.
+// The midpoint split keeps the shape of a thin triangle, so resolving its length takes the square of the necessary
+// work.
 TEST(Guthe, HalvingTheLongestEdgeResolvesANeedle) {
     const Triangle a{{0, 0, 0}, {1, 0, 0}, {0.4, 1e-6, 0}};
     const std::vector<Vec3> b{{0.1, 0.3, 0.2}, {0.8, 0.25, -0.1}};
@@ -278,7 +280,7 @@ TEST(Guthe, BothSplitsAgreeOnTameMeshes) {
 
 // --- warm starts -----------------------------------------------------------------------------------------------------
 
-// Makes a closed surface of 2 n^2 triangles and size about 1: a torus, or a lump with ears.
+// Returns a torus or a lump with ears: a closed surface of 2 n^2 triangles and size about 1.
 TriangleMesh closed_surface(Index n, const std::function<Vec3(double, double)>& at) {
     TriangleMesh mesh{Points(n * n, 3), Triangles(2 * n * n, 3)};
     for (Index i = 0; i < n; ++i) {
@@ -311,7 +313,7 @@ void add(Counters& sum, const Counters& counters) {
     for (const CounterField& field : counter_fields) sum.*field.member += counters.*field.member;
 }
 
-// The witness lies on A posed and is as far from B as the lower bound says, and both intervals hold the same distance.
+// Checks that the witness lies on the moved A, as far from B as the lower bound says, and that both intervals overlap.
 void expect_same_answer(const Result& warm, const Result& cold, const Scene& scene, const Query& query,
                         const std::string& where) {
     EXPECT_EQ(to_string(warm.status), "converged") << where;
@@ -331,7 +333,8 @@ void expect_same_answer(const Result& warm, const Result& cold, const Scene& sce
 TEST(Guthe, WarmPosesHaveTheAnswersOfColdOnesForLessWork) {
     const SolverEntry& guthe = find_solver("guthe");
     ASSERT_TRUE(guthe.info.can(Ability::warm));
-    // With regions, there is less work to save.
+    // Each chain: name, scene, `regions`, and the fraction of the cold work that warm starts must stay below. Regions
+    // leave less to save.
     const std::tuple<const char*, Scene, bool, double> chains[] = {
         {"torus in a torus", {torus(24), torus(40)}, false, 0.95},
         {"lump in a lump", {lump(24), lump(40)}, false, 0.9},
@@ -339,7 +342,7 @@ TEST(Guthe, WarmPosesHaveTheAnswersOfColdOnesForLessWork) {
         {"torus in a torus, regions", {torus(24), torus(40)}, true, 0.97},
         {"fine lump on a torus, regions", {lump(50), torus(16)}, true, 0.9}};
     for (const auto& [name, scene, regions, share] : chains) {
-        for (const int stride : {1, 7}) {  // 7: neighbours in the chain are not neighbours in space
+        for (const int stride : {1, 7}) {  // 7: consecutive poses are not neighbours in space
             const Session session(guthe, Options("guthe", guthe.info.parameters, {{"regions", regions}}), scene,
                                   {.moves = true});
             const auto state = session.begin();
@@ -370,7 +373,7 @@ TEST(Guthe, WarmPosesHaveTheAnswersOfColdOnesForLessWork) {
     }
 }
 
-// B is a point, so one distance to it bounds all of A: with a warm start nothing remains to be split.
+// B is a point, so one distance to it bounds all of A, and after a warm start nothing is left to split.
 TEST(Guthe, WarmBoundsHoldExactly) {
     Random random(9);
     const SolverEntry& guthe = find_solver("guthe");
@@ -394,8 +397,8 @@ TEST(Guthe, WarmBoundsHoldExactly) {
     }
 }
 
-// The point that was farthest is inside a triangle of A. After the move it lies within 7uM of A,
-// and the lower bound includes that. No example needs it so far, but it is derived.
+// The farthest point lies inside a triangle of A. After a move it is known to within 7 * u * M, which the lower bound
+// must include.
 TEST(Guthe, AWarmWitnessIsWidenedByHowFarItMayBeFromTheSource) {
     const TriangleMesh source = soup(rows({{0, 0, 0}, {1, 0, 0}, {0.5, 0.9, 0.1}}));
     const TriangleMesh target = points_as_triangles({{0.1, -0.3, 0}, {0.9, -0.25, 0}, {0.5, 1.1, 0.2}});

@@ -1,5 +1,5 @@
-// Every certified mesh solver along a motion. At each pose its intervals of h and of H, warm and cold,
-// overlap with the intervals of all other solvers, and with a run from scratch on posed vertices.
+// Every certified mesh solver along a motion. At each pose, its intervals of h and H, warm and cold, must overlap with
+// all other solvers' intervals and with a run from scratch on moved vertices.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/quick_options.h"
@@ -14,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// Makes a bent sheet with bumps: no two parts are alike, and it has several levels of groups.
+// Returns a bent sheet with bumps. No two parts are alike, and it is large enough for several levels of groups.
 TriangleMesh bent(Index n, double bump, double bend) {
     TriangleMesh mesh = sheet(n, 0, bump);
     mesh.vertices.leftCols(2) /= static_cast<double>(n);
@@ -29,8 +29,7 @@ struct Place {
     Pose source, target;
 };
 
-// Moves from three sizes away into overlap, with both shapes turning by rational angles. At the
-// end both are in the same place.
+// Returns poses that bring the shapes from three sizes apart into overlap, while both turn.
 std::vector<Place> motion(int steps) {
     std::vector<Place> places;
     for (int i = 0; i < steps; ++i) {
@@ -51,7 +50,7 @@ std::vector<SolverEntry> movers() {
     return chosen;
 }
 
-// The interval common to all intervals of one pose.
+// The intersection of all intervals found for one pose.
 struct Common {
     Bounds bounds;
     std::string who;
@@ -120,7 +119,7 @@ TEST(MeshMotion, AllIntervalsOverlap) {
     for (const char* name : {"tang", "cover"}) EXPECT_LT(queries[name].first, queries[name].second) << name;
 }
 
-// All threads that work at a pose write to the state of the chain. Answers and counts must be the same as with one thread.
+// Threads share the state of a warm chain. Answers and counts must be the same as with one thread.
 TEST(MeshMotion, ThreadsChangeNothing) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
     QuerySet threaded = moving;
@@ -144,7 +143,7 @@ TEST(MeshMotion, ThreadsChangeNothing) {
     EXPECT_GE(tried, 1);
 }
 
-// Both shapes are moved alike: the distance stays the same, up to rounding of their vertices.
+// Moving both shapes alike must not change the distance, up to rounding of their vertices.
 TEST(MeshMotion, ARigidMotionOfBothChangesNothing) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
     for (const SolverEntry& entry : movers()) {
@@ -184,7 +183,8 @@ TEST(MeshMotion, TheOrderOfTheShapesDoesNotMatter) {
     }
 }
 
-// Results of one direction help the other: both together take less counted work than apart.
+// For H, each direction profits from the other's results, so both together must take less counted work than two
+// separate queries.
 TEST(MeshMotion, TwoSidesTakeLessThanEachAlone) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)}, turned_round{scene.target, scene.source};
     for (const SolverEntry& entry : movers()) {
@@ -212,7 +212,7 @@ TEST(MeshMotion, TwoSidesTakeLessThanEachAlone) {
     }
 }
 
-// The pairs of near triangles found in the first direction save work in the second one, for solvers that share them.
+// Pairs of near triangles found in the first direction must save work in the second, for solvers that share them.
 TEST(MeshMotion, TheSecondDirectionLearnsOfTheFirst) {
     const Scene scene{bent(40, 0.3, 0.8), bent(40, 0.31, 0.8)};  // near to each other everywhere
     int tried = 0;
@@ -238,7 +238,7 @@ TEST(MeshMotion, TheSecondDirectionLearnsOfTheFirst) {
     EXPECT_GE(tried, 2);
 }
 
-// A pose need not be rigid: structures built over A before it is posed must be moved with it.
+// A pose need not be rigid: structures built over A before the pose must be stretched with it.
 TEST(MeshMotion, APoseThatStretches) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)};
     for (const Vec3& factors : {Vec3(4, 4, 4), Vec3(3, 0.5, -2), Vec3(0.25, 6, 1)}) {
@@ -270,8 +270,8 @@ TriangleMesh both_of(const TriangleMesh& a, const TriangleMesh& b) {
     return mesh;
 }
 
-// The pose makes a strip four times as long about its middle, where B is, so its known size is no
-// longer true. The rest of A is half as far from B and must not hide the strip.
+// The pose stretches a strip of A to four times its length, so its size at rest is no longer valid. The rest of A is
+// half as far from B and must not hide the strip.
 TEST(MeshMotion, APartThatGrowsWhereItIs) {
     TriangleMesh strip;
     strip.vertices.resize(66, 3);

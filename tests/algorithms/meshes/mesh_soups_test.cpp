@@ -1,5 +1,5 @@
-// 5,000 random pairs of small meshes: the interval of every certified mesh solver, with each of its options in
-// turn, against two slow references that share nothing with it, and against the intervals of all other solvers.
+// 5,000 random pairs of small meshes. The interval of every certified mesh solver, with each option in turn, must agree
+// with two slow references and with all other solvers.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/exact.h"
@@ -16,8 +16,8 @@ namespace {
 
 using exact::Rational;
 
-// Makes a scene large enough for trees over both shapes and for groups of triangles. B is much
-// coarser or finer than A, elsewhere, or folded.
+// Returns a scene large enough for trees and groups of triangles. B is similar to A, far away, slightly stretched,
+// random, or much smaller.
 Scene middling_scene(Random& random, int i) {
     const Index n = 5 + random.below(3), m = 5 + random.below(3);
     TriangleMesh a = sheet(n, 0, 0.5), b = sheet(m, 0.25, 0.25);
@@ -41,7 +41,8 @@ Scene middling_scene(Random& random, int i) {
     return {a, b};
 }
 
-// Returns the largest squared distance to B of the points (i a + j b + k c) / n of each triangle of A, exactly.
+// Returns the exact squared distance from B of the farthest grid point (i * a + j * b + k * c) / n on the triangles of
+// A.
 Rational exact_squared_at_samples(const TriangleMesh& a, const TriangleMesh& b, int n) {
     using exact::operator-;
     Rational most = 0;
@@ -66,7 +67,7 @@ Rational exact_squared_at_samples(const TriangleMesh& a, const TriangleMesh& b, 
     return most;
 }
 
-// Returns a length that is slightly more than the distance of any point to its nearest sample.
+// Returns slightly more than the largest distance between a point of `a` and its nearest grid point.
 double covering_radius(const TriangleMesh& a, int n) {
     double longest = 0;
     for (Index t = 0; t < a.triangles.rows(); ++t) {

@@ -35,8 +35,8 @@ RVec3 combination(const Triangle& t, const Rational& i, const Rational& j, const
     return sum;
 }
 
-// Every point of a triangle is within the covering radius of a grid point. Exact arithmetic, with
-// slivers, needles and points.
+// Every point of a triangle must be within the covering radius of a grid point. Exact, with thin and degenerate
+// triangles.
 TEST(Grid, CoversTheTriangle) {
     Random random(1);
     for (const Kind& kind : kinds()) {
@@ -58,7 +58,7 @@ TEST(Grid, CoversTheTriangle) {
     }
 }
 
-// A regular triangle attains the radius, so no smaller factor is valid.
+// The centre of a regular triangle attains the radius, so no smaller factor is valid.
 TEST(Grid, TheCentreOfARegularTriangleIsAsFarAsAllowed) {
     const Triangle t{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const Rational third = Rational(1) / 3;
@@ -72,7 +72,7 @@ TEST(Grid, TheCentreOfARegularTriangleIsAsFarAsAllowed) {
     }
 }
 
-// The roundings of the edge, of the quotient and of the sum; each has samples where it is the largest one.
+// The radius includes the rounding of the edge, of the quotient and of the sum; each is the largest in some samples.
 TEST(Grid, BoundsHoldAgainstExactArithmetic) {
     Random random(2);
     for (int trial = 0; trial < 30000; ++trial) {
@@ -147,7 +147,7 @@ Scene one_triangle(const Triangle& a, const std::vector<Vec3>& b) {
 
 double longest_edge_of(const Triangle& t) { return std::sqrt(squared_edge_as_computed(t)); }
 
-// Returns the step for which the grid has n steps; half of it gives 2n, and so on.
+// Returns the step for which the grid on `t` has n steps per edge; half of it gives 2n.
 double step_for(const Triangle& t, std::int64_t n) {
     return longest_edge_of(t) / ((static_cast<double>(n) - 0.01) * diagonal(rows({t.a, t.b, t.c})));
 }
@@ -159,7 +159,7 @@ void expect_holds(const Result& result, const Rational& squared, const std::stri
     EXPECT_TRUE(upper * upper >= squared) << where;
 }
 
-// The largest distance is inside A, on an edge or at a corner; compared with the exact answer.
+// The farthest point may be inside A, on an edge or at a corner; the exact distance decides.
 TEST(Sampling, IntervalsHoldExactly) {
     Random random(4);
     for (int i = 0; i < 400; ++i) {
@@ -176,7 +176,7 @@ TEST(Sampling, IntervalsHoldExactly) {
     }
 }
 
-// The farthest point is the centre of a small triangle of the grid, so the complete radius is needed.
+// B is the grid itself, and the farthest point is the centre of a grid cell, so the full covering radius is needed.
 TEST(Sampling, TheWholeRadiusIsNeeded) {
     const Triangle a{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (const int n : {1, 2, 4, 5}) {
@@ -190,8 +190,8 @@ TEST(Sampling, TheWholeRadiusIsNeeded) {
         EXPECT_GE(result.bounds.upper, h) << n;
         EXPECT_LE(result.bounds.upper, h + 1e-14) << n;
         EXPECT_LE(result.bounds.lower, 1e-14) << n;
-        // A finer grid finds points that are far from B, but its bound may be larger than the
-        // bound of a coarser one: 0.79 against 0.58.
+        // The finer grid has points far from B. Its upper bound may be larger than the coarser grid's: 0.79 against
+        // 0.58.
         const Result finer = solve(scene, {.step = step_for(a, 2 * n)});
         EXPECT_GT(finer.bounds.lower, 0.86 * h) << n;
         EXPECT_GE(finer.bounds.upper, h) << n;
@@ -220,8 +220,7 @@ TEST(Sampling, IntervalsOfSoupsContainTheReference) {
     }
 }
 
-// The samples of half the step include all samples of the full step, so the lower bound cannot
-// fall; the largest gap follows.
+// The grid of half the step contains all points of the full step, so the lower bound cannot fall.
 TEST(Sampling, HalfTheStepNeverFindsLess) {
     Random random(6);
     for (int i = 0; i < 100; ++i) {
@@ -240,7 +239,7 @@ TEST(Sampling, HalfTheStepNeverFindsLess) {
     }
 }
 
-// No grid gives a wider interval than the vertices alone.
+// A grid must never give a wider interval than the vertices alone.
 TEST(Sampling, NeverWiderThanByVertices) {
     Random random(7);
     for (int i = 0; i < 100; ++i) {
@@ -254,18 +253,18 @@ TEST(Sampling, NeverWiderThanByVertices) {
     }
 }
 
-// The bounds include the derived rounding error, although roundings never all err in one
-// direction. Coordinates are about 1, and distances and radii are small.
+// Bounds must include the derived rounding error of samples, although roundings never all err in one direction.
+// Distances are small, so that this error shows.
 TEST(Sampling, BoundsAreWidenedByTheRoundingOfSamples) {
     const Triangle a{{1, 1, 1}, {1 - 0x1p-20, 1, 1}, {1, 1 - 0x1p-20, 1}};
-    const Vec3 b(1 - 0x1p-22, 1 - 0x1p-22, 1 - 0x1p-16);  // nearest to an inner point; all corners are farther
+    const Vec3 b(1 - 0x1p-22, 1 - 0x1p-22, 1 - 0x1p-16);  // nearest to an inner point; the corners are farther
     const std::int64_t n = 64;
     const Scene corner = one_triangle(a, {b});
     const Result result = solve(corner, {.step = step_for(a, n)});
-    // The farthest sample is a corner, which is exact and therefore not widened by the error of a sample.
+    // The farthest sample is a corner, which is exact, so its bound needs no such term.
     EXPECT_LE(result.bounds.upper - result.bounds.lower, 0x1p-19 / 64 + 30 * unit_roundoff);
 
-    // B is the corners, so inner samples are farthest.
+    // B consists of the corners, so inner samples are farthest.
     const Result inner = solve(one_triangle(a, {a.a, a.b, a.c}), {.step = step_for(a, n)});
     Rational farthest = 0;
     for (int i = 0; i <= n; ++i) {
@@ -284,7 +283,7 @@ TEST(Sampling, BoundsAreWidenedByTheRoundingOfSamples) {
     EXPECT_GE(inner.bounds.lower, at_samples - 30 * unit_roundoff);
 }
 
-// Corners and edges shared by triangles are measured once.
+// Each vertex and each edge must be sampled once, even if several triangles share it.
 TEST(Sampling, TheNumberOfSamplesIsAsDerived) {
     const TriangleMesh a = sheet(4, 0);  // 18 triangles of longest edge sqrt 2, 16 vertices, 33 edges
     for (const std::uint64_t n : {1, 2, 3, 10}) {
@@ -312,7 +311,8 @@ TEST(Sampling, TheLongestEdgeDecidesTheNumberOfSteps) {
     }
 }
 
-// An edge shared by grids of different n is measured for each of them, so that every triangle's grid is complete.
+// If two triangles divide a shared edge into different numbers of steps, the edge is sampled for each, so that both
+// grids are complete.
 TEST(Sampling, TrianglesOfDifferentSizesAreWhole) {
     Points points = rows({{0, 0, 0}, {1, 0, 0}, {0.5, 0.2, 0}, {0.5, -3, 0}});
     TriangleMesh a{points, Triangles(3, 3)};
@@ -332,8 +332,7 @@ TEST(Sampling, TrianglesOfDifferentSizesAreWhole) {
     EXPECT_GT(fields[2].values[1], 3 * fields[2].values[0]);
     const auto steps = [&](std::size_t i) { return static_cast<std::uint64_t>(fields[2].values[i]); };
     const auto inside = [&](std::uint64_t n) { return (n - 1) * (n - 2) / 2; };
-    // The third triangle shares an edge with the second one, but with a different number of steps,
-    // so it measures the edge again.
+    // The third triangle samples the edge again that it shares with the second, which has another number of steps.
     const std::uint64_t beside = 4 * (steps(0) - 1) + 2 * inside(steps(0)) + 3 * (steps(1) - 1) + inside(steps(1));
     EXPECT_EQ(result.counters.closest_point_queries, 4 + beside + 2);
 }
@@ -387,7 +386,7 @@ TEST(Sampling, StopsWhereItMay) {
     EXPECT_EQ(stops({.tolerance = 1}, "converged"), all) << "no tolerance ends it";
 }
 
-// One huge triangle: the clock is read between its samples.
+// The time limit must also end the search inside one huge triangle.
 TEST(Sampling, TimeEndsInsideATriangle) {
     const Triangle a{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const Result result = solve(one_triangle(a, {{0, 0, 1}, {1, 1, 0}}), {.step = 1e-6, .time_limit = 0.02});
@@ -408,7 +407,7 @@ TEST(Sampling, PointsAreExactToRounding) {
     expect_holds(fine, exact_squared_hausdorff(points, others), "points");
 }
 
-// The bounds include the rounding of either shape's coordinates when the other shape is at the origin.
+// The bounds must include the rounding of both shapes' coordinates, even if one shape is at the origin.
 TEST(Sampling, TheCoordinatesOfBothShapesCount) {
     const PointSet origin{rows({{0, 0, 0}})}, far{rows({{1, 0, 0}})};
     for (const Scene& scene : {Scene{origin, far}, Scene{far, origin}}) {

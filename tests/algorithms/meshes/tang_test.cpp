@@ -1,4 +1,5 @@
-// tang: its volumes, cuts and lists one by one, and its intervals with every option against a slow reference.
+// The solver tang: its volumes, cuts and lists one by one, and its intervals with every option against a slow
+// reference.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/tang/enclosed_move.h"
 #include "algorithms/meshes/tang/near_walk.h"
@@ -118,7 +119,7 @@ TEST(Volumes, HoldTheirContentInEveryPose) {
     }
 }
 
-// A volume that is a point with a radius, against the exact image of its ball.
+// Moves a ball (a volume with one corner and a radius): the result must enclose the exact image.
 TEST(Volumes, AMovedRadiusIsThatOfTheExactImage) {
     Random random(2);
     for (int i = 0; i < 2000; ++i) {
@@ -132,13 +133,13 @@ TEST(Volumes, AMovedRadiusIsThatOfTheExactImage) {
         volume.corner.fill(random.vector());
         volume.radius = random.unit();
         const CornerVolume moved = VolumePose(pose)(volume);
-        // A power iteration finds the direction that is stretched most.
+        // A power iteration finds the direction that the pose stretches most.
         Vec3 d = random.vector();
         const Eigen::Matrix3d turn = pose.rotation / pose.rotation.cwiseAbs().maxCoeff();
         for (int k = 0; k < 40; ++k) d = (turn.transpose() * (turn * d)).normalized();
         const RVec3 c = exact::vector(volume.corner[0]);
         const Rational length = exact::squared_distance(exact::vector(d), RVec3{0, 0, 0});
-        // |d| differs from 1 by a few u, so s is chosen such that the point c + s d has s |d| <= radius.
+        //d| is not exactly 1; this s keeps the point c + s * d within the ball.
         const Rational s = Rational(volume.radius) * (length <= 1 ? Rational(1) : Rational(1) / length);
         const Rational squared =
             exact::squared_distance(mapped(pose, exact::along(c, s, exact::vector(d))), exact::vector(moved.corner[0]));
@@ -146,7 +147,7 @@ TEST(Volumes, AMovedRadiusIsThatOfTheExactImage) {
     }
 }
 
-// The derived allowance for rounding, which no single rounding uses up.
+// Bounds must include the derived rounding error, which no single example reaches.
 TEST(Volumes, AreWidenedByWhatIsDerived) {
     const TriangleMesh mesh = soup(rows({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}));
     const SweptSphereBvh tree(mesh);
@@ -250,8 +251,8 @@ TEST(EnclosedMove, BoundsAPieceThatGoesIn) {
     EXPECT_LT(bound_by_move(cube(1), inside, {0, 0, 0.125}), 0.1251);
 }
 
-// As printed, the lemma gives 0.25 here: T + D is enclosed, and the part of T outside B moves in.
-// But part of T is inside from the start.
+// Lemma 4 as printed would give 0.25: the piece T moved by D is enclosed, and the part of T outside B moves in. But
+// part of T is inside from the start, more than 0.3 from the surface of B.
 TEST(EnclosedMove, SaysNothingOfAPieceThatIsNotAllOutside) {
     const Triangle t{{-0.2, 0.1, 1.2}, {0.3, -0.2, 1.2}, {0.9, 0.1, 0.3}};
     const TriangleMesh b = cube(1);
@@ -260,8 +261,8 @@ TEST(EnclosedMove, SaysNothingOfAPieceThatIsNotAllOutside) {
     EXPECT_TRUE(std::isinf(bound_by_move(b, t, {0, 0, -0.25})));
 }
 
-// The move goes through a thin box and out again: a corner that is not above the box is far from it. In the
-// second case, one of the crossings is at the diagonal of the top, where either triangle may be the crossed one.
+// The move passes through a thin box and out again, far from one corner. In the second case it crosses the top at its
+// diagonal, where either triangle may count as crossed.
 TEST(EnclosedMove, SaysNothingWhereBIsCrossedTwice) {
     const TriangleMesh b = box({0.5, 0.5, 0.05});
     EXPECT_TRUE(std::isinf(bound_by_move(b, {{0, 0.1, 0.2}, {0.2, 0, 0.2}, {1.9, 0.1, 0.2}}, {0, 0, -0.5})));
@@ -321,7 +322,7 @@ TEST(Tang, AnOpenMeshIsNotTakenForAClosedOne) {
     EXPECT_EQ(plain.counters, moved.counters);
 }
 
-// A flat top of two triangles, whose planes do not say where to cut.
+// The cube's top is flat: the planes of its two triangles do not say where to cut.
 TEST(Tang, Lemma4SavesSubdivisions) {
     const TriangleMesh b = cube(1);
     const Triangle t{{-0.5, -0.5, 1.1}, {0.6, -0.4, 1.1}, {-0.3, 0.7, 1.1}};
@@ -354,7 +355,7 @@ TEST(Tang, IntervalsHoldTheAnswerOfTheReference) {
     EXPECT_GE(converged, 0.95 * count);
 }
 
-// In another pose, culling uses moved volumes. The answer must agree with the answer for the mesh moved beforehand.
+// For a moved A, culling uses moved volumes. The answer must agree with the answer for a mesh moved beforehand.
 TEST(Tang, APoseOfAHasTheAnswerOfTheMovedMesh) {
     Random random(7);
     for (int i = 0; i < 60; ++i) {
@@ -378,7 +379,7 @@ void expect_holds(const Result& result, const Rational& squared, const std::stri
     EXPECT_TRUE(Rational(result.bounds.upper) * result.bounds.upper >= squared) << where;
 }
 
-// B is a few points, so the answer is known exactly.
+// B is a few points, so the exact distance is known.
 TEST(Tang, BoundsHoldExactlyAtThePrecisionFloor) {
     Random random(5);
     for (std::size_t k = 0; k < options().size(); ++k) {
@@ -401,7 +402,7 @@ TEST(Tang, BoundsHoldExactlyAtThePrecisionFloor) {
     }
 }
 
-// As in guthe_test.cpp: many cuts never all err in one direction, but the bounds must include the derived error.
+// Roundings of many cuts never all err in one direction, but the bounds must include the derived error.
 TEST(Tang, BoundsAreWidenedByTheLevelOfTheirPiece) {
     const Triangle a{{0, 0, 0}, {1, 0, 0}, {0.5, 0.01, 0}};
     const std::vector<Vec3> b{{0.1, -0.3, 0}, {0.8, -0.25, 0}};
@@ -415,8 +416,8 @@ TEST(Tang, BoundsAreWidenedByTheLevelOfTheirPiece) {
     }
 }
 
-// A part culled with a node keeps the bound of the node's volume, widened by the error of the closest point of B.
-// A is nine copies of each of two points that are 1 from B; the floor lets all be culled, but not at the root.
+// Triangles culled with a tree node keep the bound of the node's volume, widened by the error of the closest point. All
+// of A is 1 from B, below the floor.
 TEST(Tang, ACulledNodeKeepsItsBoundAndIsWidened) {
     std::vector<Vec3> a(9, Vec3(1, 0, 0));
     a.resize(18, Vec3(9, 0, 0));
@@ -437,7 +438,7 @@ TEST(Tang, ACulledNodeKeepsItsBoundAndIsWidened) {
     }
 }
 
-// The cutoff ends culling on A early: the rest of its tree counts, at every level.
+// The cutoff ends the culling of A's tree early. Unvisited nodes, at every level, must count in the upper bound.
 TEST(Tang, WhatIsLeftOfTheTreeCounts) {
     Random random(8);  // points, so that nothing is ever queued
     const Scene scene{PointSet{cloud(random, 3000)}, PointSet{cloud(random, 40)}};
@@ -456,7 +457,7 @@ TEST(Tang, WhatIsLeftOfTheTreeCounts) {
     }
 }
 
-// Fields bound the distance of each triangle, whether culled with its node or not, wherever the search ends.
+// Fields must bound each triangle's distance, wherever the search ends and however the triangle was decided.
 TEST(Tang, FieldsHoldOfEachTriangle) {
     const TriangleMesh a = sheet(10, 0.1, 0.2), b = sheet(12, 0, 0.1);
     const MeshReference reference(b);
@@ -485,8 +486,8 @@ TEST(Tang, FieldsHoldOfEachTriangle) {
     }
 }
 
-// Ties: every corner of one mesh lies in several triangles of the other. Without group traversal,
-// only a list can show that one of them is nearest to all corners.
+// Each corner of one mesh lies in several triangles of the other. Without group traversal, only a list of near
+// triangles can show that one of them is nearest to all corners.
 TEST(Tang, IdenticalMeshesNeedNoSplit) {
     const TriangleMesh mesh = sheet(12, 0, 0.3);
     TriangleMesh twice = mesh;
@@ -502,7 +503,7 @@ TEST(Tang, IdenticalMeshesNeedNoSplit) {
     }
 }
 
-// No list holds so many triangles: closest-point queries take over.
+// Too many triangles are near for a list, so closest-point queries must take over.
 TEST(Tang, StackedDuplicatesConverge) {
     const TriangleMesh one = sheet(3, 0, 0.3);
     TriangleMesh many = one;
@@ -526,7 +527,7 @@ TEST(Tang, ListsTakeThePlaceOfQueries) {
     EXPECT_LE(reported(result, "depth"), 16);
 }
 
-// A peak far from B: everything except its surroundings is culled with nodes, and most of B is never visited.
+// A has one peak far from B. All the rest must be culled by tree nodes, and most of B never visited.
 TEST(Tang, CullsOnBothSides) {
     TriangleMesh a = sheet(60, 0.5, 0.1);
     a.vertices(30 * 60 + 30, 2) = 9;
@@ -550,7 +551,7 @@ TEST(Tang, AWarmStartBeginsAtTheFarthestPoint) {
     query.time_limit = 1e-12;  // only the first point is measured
     EXPECT_EQ(session.solve(query, trace).bounds.lower, 0);
     EXPECT_EQ(session.solve(query, state.get(), trace).bounds.lower, first.bounds.lower);
-    // The farthest point is not a corner of A. It is found again, up to rounding.
+    // Here the farthest point is not a corner of A. A warm start must find it again, up to rounding.
     const Session peak = session_for({soup(rows({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})),
                                       points_as_triangles({{0, 0, 0.25}, {1, 0, 0.25}, {0, 1, 0.25}, {-1000, 0, 0}})},
                                      {}, {.moves = true});

@@ -1,5 +1,5 @@
-// The exact solvers of point sets against exact arithmetic and against each other, on many small
-// scenes; and proof that the published errors kept by some registry entries are errors.
+// The exact solvers of point sets against exact arithmetic and each other, on many small scenes; and proof that the
+// published errors kept by some solvers are errors.
 #include "algorithms/peers/checked_result.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/shuffle.h"
@@ -17,7 +17,7 @@
 namespace hausbench {
 namespace {
 
-// Makes random points and moves some of them onto a grid, a line, a plane, one place, or each other.
+// Returns random points, some of them moved onto a grid, a line, a plane, one point, or each other.
 Points small_set(Random& random, Index most) {
     Points points = cloud(random, 1 + random.below(most), std::pow(2.0, -random.below(8)));
     switch (random.below(7)) {
@@ -103,7 +103,7 @@ TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
         EXPECT_GT(chosen[choice], 500) << "the framework hardly ever chose " << choice;
 }
 
-// A point of B at 0.75 keeps the session from scaling, so the squared distance of the other points underflows.
+// The point of B at 0.75 prevents the session from enlarging the scene, so the other squared distance underflows.
 TEST(PointSolvers, BoundsHoldWhereSquaresUnderflow) {
     for (const double apart : {1e-200, 0x1p-537 * 0.75, 0x1p-537 * 1.25, 0x1p-537 * 1.2, 0x1p-530 * 1.1, 1e-100}) {
         const SmallScene small{{PointSet{rows({{0, 0, 0}})}, PointSet{rows({{apart, 0, 0}, {0.75, 0, 0}})}}, {}};
@@ -116,7 +116,7 @@ TEST(PointSolvers, BoundsHoldWhereSquaresUnderflow) {
     }
 }
 
-// A search that missed the nearest point of B, and one that stopped before the third point of A.
+// Simulates a search that missed the nearest point of B, and one that stopped before the third point of A.
 TEST(PointSolvers, CheckedResultHoldsWhereASearchMissedTheNearestPoint) {
     const Points a = rows({{0, 0, 0}, {3, 0, 0}, {9, 0, 0}}), b = rows({{8, 0, 0}, {1, 0, 0}, {0, 0, 0}});
     const FarthestPoint missed{.squared = 25, .source = 1, .target = 0};  // the nearest distance is 2
@@ -134,7 +134,7 @@ TEST(PointSolvers, CheckedResultHoldsWhereASearchMissedTheNearestPoint) {
     EXPECT_EQ(nothing.witness.source_element, -1);
 }
 
-// Larger sets, where cells are culled and queues grow, compared with NAIVEHDD, which the test above has checked.
+// Larger sets, on which cells are culled and queues grow, must give the bits of the naive solver, checked above.
 TEST(PointSolvers, AgreeToTheBitOnLargerScenes) {
     Random random(42);
     double culled = 0;
@@ -190,8 +190,8 @@ TEST(PointSolvers, OhdWithTheCullingAsPrintedIsNotCertified) {
     EXPECT_FALSE(certified({{"culling", "as_printed"}}));
 }
 
-// Returns the result of the paper's culling, worked out from its text: AHD is the distance of the first points of A
-// in random order. A point of A is skipped if its cell of side AHD (from the low corner of B) holds a point of B.
+// Returns the result of the paper's printed culling. AHD is the distance of the first points of A in random order; a
+// point of A is skipped if its grid cell of side AHD contains a point of B.
 double squared_by_printed_culling(const Points& a, const Points& b, double lambda, std::uint64_t seed) {
     const auto nearest = [&](Index i) {
         double least = std::numeric_limits<double>::infinity();
@@ -236,7 +236,7 @@ TEST(PointSolvers, OhdAsPrintedGivesWhatThePaperSays) {
     EXPECT_GT(wrong, 0);
 }
 
-// Without early breaking, Algorithm 4 inserts every child: all cells of a split enter the queue.
+// Without early breaking, Algorithm 4 inserts every cell of a split into the queue.
 TEST(PointSolvers, NohdWithoutEarlyBreakInsertsEveryChild) {
     Random random(48);
     for (int i = 0; i < 20; ++i) {
@@ -249,7 +249,8 @@ TEST(PointSolvers, NohdWithoutEarlyBreakInsertsEveryChild) {
     }
 }
 
-// Section 4.4.1: AHD comes from ceil(lambda |A|) outer loops of EARLYBREAK, far cheaper than in NAIVEHDD.
+// The first bound, AHD (section 4.4.1), takes ceil(lambda * |A|) points of A with early breaking: far fewer distances
+// than without.
 TEST(PointSolvers, OhdTakesItsFirstBoundByEarlyBreak) {
     Random random(49);
     const SmallScene small{{PointSet{cloud(random, 600)}, PointSet{cloud(random, 600)}}, {}};

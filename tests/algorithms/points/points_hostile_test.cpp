@@ -1,5 +1,5 @@
-// Compares the counted work of scan on the point sets of experiments/points/points_hostile.toml, 20,000
-// points each, with its work on a tame pair of that size. The counts are the same on every machine.
+// The counted work of `scan` on the hostile point sets of experiments/points/points_hostile.toml (20,000 points each)
+// must stay near its work on an ordinary pair. Counts are the same on every machine.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "datasets/catalogue.h"
@@ -23,7 +23,7 @@ Result answer(const std::string& solver, const Scene& scene, const ParameterMap&
     return session.solve(query, trace);
 }
 
-// Counts distances and boxes: a node counts as eight distances, a bound test of a leaf as sixteen.
+// Estimates the work: a tree node counts as eight distances, a bound test of a leaf as sixteen.
 double work(const Counters& counters) {
     return static_cast<double>(counters.point_distances + 8 * counters.node_visits + 16 * counters.bound_tests);
 }
@@ -45,7 +45,7 @@ protected:
 
 TEST_F(Hostile, WorkIsAFewTimesThatOfATamePair) {
     catalogue_.make_folders();
-    // Uses the tree, which hostile sets need; with cells, a tame pair takes a fraction of this work.
+    // Compares with the tree, which hostile sets need; cells would solve the ordinary pair in a fraction of this work.
     const double tame = work(answer("scan", scene("hostile_cloud_noise_20k", "hostile_cloud_b_20k"),
                                     {{"cells_from", std::int64_t{1000000000000000000}}})
                                  .counters);

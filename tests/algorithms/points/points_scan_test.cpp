@@ -1,4 +1,4 @@
-// scan against naive, bit by bit, on many scenes; and the parts of scan.
+// The solver scan must give the bits of naive on many scenes; then its parts, one by one.
 #include "algorithms/kernel/morton.h"
 #include "algorithms/points/scan/cells.h"
 #include "algorithms/points/scan/near_grid.h"
@@ -38,14 +38,14 @@ Points stacked(const Points& a, const Points& b) {
     return both;
 }
 
-// Returns points on a sphere, which is a surface, unlike a cloud.
+// Returns points on the unit sphere.
 Points sphere(Random& random, Index count) {
     Points points = cloud(random, count);
     points.rowwise().normalize();
     return points;
 }
 
-// Points at distances 2^-k from one corner: no single grid resolves them.
+// Returns points at distances of about 2^-k from the origin, for many k, so that no single grid resolves them.
 Points at_all_scales(Random& random, Index count, int most) {
     Points points = cloud(random, count);
     for (Index i = 0; i < count; ++i) points.row(i) *= std::ldexp(1.0, -random.below(most));
@@ -149,8 +149,7 @@ void expect_same(const Pair& pair, const Pose& pose, const Result& scan, const s
     }
 }
 
-// Numbers of pairs from which cells and a tree are used: the tree alone, the defaults, plain
-// comparisons, cells and then the tree.
+// Options that force each method: the tree, the defaults, plain comparisons, cells followed by the tree.
 const std::vector<ParameterMap>& variants() {
     constexpr std::int64_t none = 0, many = 1'000'000'000'000;
     static const std::vector<ParameterMap> list = {{{"cells_from", many}, {"tree_from", none}},
@@ -256,7 +255,8 @@ TEST(Scan, StopsWithBoundsThatHold) {
     }
 }
 
-// Candidates far from B are poor, so the farthest point is often among the points that the budget leaves undecided.
+// Far from B, first guesses of closest points are poor, so the farthest point is often among those that the budget
+// leaves undecided.
 TEST(Scan, PointsThatItLeavesUndecidedMayBeTheFarthest) {
     const SolverEntry& entry = find_solver("scan");
     int stopped_short = 0;
@@ -308,7 +308,7 @@ TEST(Scan, SameWorkAndWitnessWhateverTheThreads) {
     }
 }
 
-// Every chosen row is in the list of its cell once, and the lists do not depend on the number of threads.
+// Each chosen row must be in its cell's list once, for any number of threads.
 TEST(PointCells, HoldEachChosenRowOnce) {
     Random random(44);
     for (int i = 0; i < 3 * kinds; ++i) {
@@ -338,9 +338,8 @@ TEST(PointCells, HoldEachChosenRowOnce) {
     }
 }
 
-// B has a point P at the first double of a cell. The grid knows only Q, whose squared distance is
-// larger by one unit in the last place. The square root of that falls short of P, so a range of
-// cells that is not widened for rounding ends before P.
+// Point P of B is at the first double of a cell. The grid knows only Q, whose squared distance is one ulp larger. The
+// rounded root of it falls short of P, so a search range without slack misses P.
 TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
     Random random(45);
     int needed = 0;
@@ -364,7 +363,7 @@ TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
         const double x = -0.2 * random.unit(), apart = edge - x;
         const Points a = rows({{x, 0, 0}});
         const double least = squared_distance(a.data(), Vec3(edge, 0, 0).data()), more = std::nextafter(least, 10);
-        // Q lies on the other side, with a small y that adds the last bit.
+        // Q lies on the other side; a small y makes its squared distance one ulp larger.
         Points b = rows({{x - apart, 0, 0}, {edge, 0, 0}});
         for (double y = 1e-9; y < 4e-8 && squared_distance(a.data(), b.data()) < more; y *= 1.02) b(0, 1) = y;
         if (squared_distance(a.data(), b.data()) != more || b(0, 0) < box.low[0]) continue;
@@ -383,7 +382,7 @@ TEST(PointCells, ASearchFindsWhatIsCloserByTheLastBit) {
     EXPECT_EQ(needed, 50);
 }
 
-// The closest point is the last in a list that is too long to be searched.
+// The closest point is last in a list too long to be searched, so the search must leave the query point undecided.
 TEST(PointCells, CrowdedCellsLeaveAPointOpen) {
     Random random(46);
     const Points b =
@@ -454,7 +453,7 @@ TEST(NearGrid, CandidatesArePointsOfTheSetAndMarksHoldAllNearOnes) {
     }
 }
 
-// Returns the first double of a cell of the grid along x, with y = z = 0, searched between 0.3 and 0.7 of the size.
+// Returns the first double of some grid cell along x (with y = z = 0), between 0.3 and 0.7 of the size.
 double first_of_a_cell(const NearGrid& grid, double size = 1) {
     double before = 0.3 * size, first = 0.7 * size;
     const auto cell = [&](double x) { return grid.cell_of(Vec3(x, 0, 0).data()); };
@@ -465,9 +464,8 @@ double first_of_a_cell(const NearGrid& grid, double size = 1) {
     return first;
 }
 
-// The lemma of mark(): it marks the cells of all points within the radius along each axis, and the
-// ends need no slack for rounding. Here B has a point at the first double of a cell, and the
-// radius is the least double that reaches it: a mark that ends one double too early misses it.
+// mark() must mark the cells of all points within the radius along each axis. Here a point is at the first double of a
+// cell, and the radius is the smallest double that reaches it: a range that ends one double too early misses it.
 TEST(NearGrid, MarksEndAtTheVeryPoint) {
     Random random(38);
     const NearGrid grid(stacked(cloud(random, 4000), rows({{-1, -1, -1}, {1, 1, 1}})), {-Vec3::Ones(), Vec3::Ones()});
@@ -490,10 +488,9 @@ TEST(NearGrid, MarksEndAtTheVeryPoint) {
     EXPECT_GT(inexact, 200);
 }
 
-// h is known: one point a of A is 1.2 from its candidate b, which is at the first double of a
-// cell. The other points of A are decoys: their candidates are a little farther and their closest
-// points a little nearer, so a is decided only by the cells marked for it. A radius without slack
-// (the square root of the computed square) ends before b if the difference was rounded down.
+// Point a of A is 1.2 from its candidate b, which is at the first double of a cell. All other points of A are decoys
+// with closer points in B, so the answer depends on the cells marked for a. A radius without slack ends before b if the
+// difference was rounded down.
 TEST(NearGrid, TheRadiusHoldsTheCandidateItself) {
     Random random(39);
     Points b(4000, 3);
@@ -520,8 +517,8 @@ TEST(NearGrid, TheRadiusHoldsTheCandidateItself) {
     EXPECT_GT(rounded_down, 20);
 }
 
-// The same with squares that underflow. An outlier of B at 0.75 prevents scaling. The other points are about 2^-537
-// apart: a squared distance of 20.4 times the least double is rounded to 20 of them, and its root is too short by 1 %.
+// Squares underflow here, because an outlier of B at 0.75 prevents scaling: 20.4 times the smallest double is rounded
+// to 20 times, whose root is 1 % too short.
 TEST(NearGrid, TheRadiusHoldsWhereSquaresUnderflow) {
     Random random(40);
     const double unit = 0x1p-537, size = 25 * unit;
@@ -562,8 +559,8 @@ Index candidates_beyond(double radius, const Points& a, const Points& b) {
     return count;
 }
 
-// The grid must not take its scale from outliers, wherever they are in the order of B: here at every
-// row that a sample of equal steps would take. The yardstick is the same points in random order.
+// The grid must not take its scale from outliers, wherever they are in B: here, at each row that a sample at equal
+// steps would take. Compares with the same points in random order.
 TEST(Scan, OutliersAtEqualStepsCostNoMore) {
     Random random(41);
     const Points tame = cloud(random, 40'000);
@@ -578,8 +575,8 @@ TEST(Scan, OutliersAtEqualStepsCostNoMore) {
     EXPECT_LT(static_cast<double>(work), 1.02 * static_cast<double>(measure));
 }
 
-// Nor may the scale suffer if most points of B coincide. The yardstick is B without the copies. Each
-// copy may add no more than the comparisons with the twelve points of A that are compared with all of B.
+// Most points of B coincide, which must not spoil the grid's scale. Each copy may only add a comparison with each of
+// the twelve points of A that are compared with all of B.
 TEST(Scan, CopiesOfOnePointCostAFewPasses) {
     Random random(42);
     const Points tame = cloud(random, 4'000), outliers = cloud(random, 4, 1e4);
