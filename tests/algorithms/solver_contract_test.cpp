@@ -25,7 +25,7 @@ struct Exception {
     std::string solver, scene, reason;
 };
 
-// An exception is stale unless its solver is seen to break the promise.
+// An entry is stale, and the test fails, unless its solver is seen to break the promise.
 const std::vector<Exception>& exceptions() {
     static const std::vector<Exception> list = [] {
         std::vector<Exception> all;
@@ -84,7 +84,7 @@ Session session_of(const SolverEntry& entry, const TestScene& test, Prepare buil
     return Session(entry, quick_options(entry, given), test.scene, queries, build);
 }
 
-// `external` needs a program; tests/program/test_external.py gives it some.
+// True for `external`, which needs the command of a program; tests/program/test_external.py tests it.
 bool needs_to_be_told(const SolverEntry& entry) {
     return std::any_of(entry.info.parameters.begin(), entry.info.parameters.end(),
                        [](const auto& p) { return p.required(); });
@@ -134,7 +134,7 @@ TEST(SolverContract, BoundsHoldAndTheWitnessShowsThem) {
             const Query query = query_of(c.test.poses[i], truth);
             const Result result = session.solve(query, trace);
             if (excepted(entry.info, c.test.name)) {
-                // If the library's own assertions are compiled in, they may stop it first.
+                // Assertions inside the library, if compiled in, may stop the solver first.
                 const bool noticed = result.status == Status::stalled && std::isinf(result.bounds.upper);
                 if (noticed || !encloses(result.bounds, truth, 1e-10 * truth.magnitude)) {
                     broken.insert({entry.info.name, c.test.name});
@@ -231,7 +231,7 @@ TEST(SolverContract, BoundsHoldOnRandomPairs) {
         const bool mesh = i % 3 != 0;
         Points b = cloud(random, mesh ? 3 * nb : nb, size);
         Points a = cloud(random, mesh ? 3 * na : na, size);
-        // Often close to B: some vertices are vertices of B moved a little.
+        // Replaces about half of A's vertices with slightly moved vertices of B.
         for (Index v = 0; v < a.rows(); ++v) {
             if (random.below(2) != 0)
                 a.row(v) = Vec3(b.row(random.below(static_cast<Index>(b.rows())))) + random.vector(apart);

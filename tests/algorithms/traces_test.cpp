@@ -1,4 +1,4 @@
-// Every solver that traces leaves samples on the way to its answer, and their bounds hold.
+// Every solver that traces must record samples before its answer, with bounds that hold.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/quick_options.h"
@@ -13,7 +13,7 @@
 namespace hausbench {
 namespace {
 
-// Returns a pair for each kind of shape; no pair is decided by its first bounds.
+// Returns a pair of each kind of shape, on which no solver is done at its first bounds.
 std::vector<Scene> scenes() {
     Random random(5);
     std::vector<Scene> all;
@@ -23,7 +23,7 @@ std::vector<Scene> scenes() {
     return all;
 }
 
-// The published algorithm tries all pairs of voxels, which is slow.
+// Avoids the published search of interval_subdivision, which tries all pairs of voxels and is slow.
 Options options(const SolverEntry& entry) {
     const bool pairs = entry.info.name == "interval_subdivision";
     return quick_options(entry, pairs ? ParameterMap{{"pairs", std::string("pruned")}} : ParameterMap{});
@@ -40,7 +40,7 @@ TEST(Traces, HoldSamplesBeforeTheLastWhoseBoundsHold) {
         for (const SolverEntry& entry : solvers()) {
             if (!is_tried(entry.info)) continue;
             if (!refusal(entry.info, kind_of(scene.source), kind_of(scene.target)).empty()) continue;
-            // Mesh solvers take points as triangles without area, which their first bounds may decide.
+            // Mesh solvers treat points as triangles without area, which they may solve at their first bounds.
             if (kind_of(scene.source) == ShapeKind::points && entry.info.source.mesh) continue;
             tried.insert(entry.info.name);
             Query query;

@@ -11,9 +11,9 @@
 namespace hausbench::certificates {
 
 enum class Claim {
-    holds,     // every leaf shows at most the claim
-    is_open,   // some leaves of kind `centre` exceed the claim, but by no more than the rounding of their centre allows
-    is_false,  // a leaf shows more than the claim
+    holds,      // the bound of every leaf is at most the claim
+    is_open,    // leaves of kind `centre` exceed the claim, but by no more than the rounding of their centre
+    is_false,   // the bound of a leaf exceeds the claim
     no_format,  // the bytes are not a certificate of A
 };
 
@@ -38,7 +38,7 @@ public:
         return claim_;
     }
 
-    // The nodes that were read last, for tests that change and write them again.
+    // The nodes of the last certificate, which tests change and write again.
     Proof proof;
 
 private:
@@ -94,7 +94,7 @@ private:
 
     // --- cuts and leaves ---------------------------------------------------------------------------------------------
 
-    // Counts the corners strictly between two points of the boundary, in the order of the corners.
+    // Counts the corners strictly between two points of the boundary, going round the polygon.
     static std::size_t between(const CutPoint& from, const CutPoint& to, std::size_t corners) {
         const auto place = [](const CutPoint& p) { return 2 * p.place + (p.t < 0 ? 0 : 1); };
         demand(place(from) != place(to));

@@ -1,4 +1,4 @@
-// Certificates for tests: a slow writer that tries random cuts and triangles, and the exact rational value of its proofs.
+// Certificates for tests: a slow writer that tries random cuts and triangles, and the exact bound that a proof shows.
 #pragma once
 
 #include "algorithms/certificate/cover_certificate.h"
@@ -160,7 +160,8 @@ private:
 
     std::pair<CutPoint, CutPoint> any_cut(const std::vector<V>& corners) {
         const auto n = static_cast<Index>(corners.size());
-        // Corner i is place 2i, edge i is place 2i + 1. Either way around, a corner must lie between the two places.
+        // Numbers the boundary: corner i is 2i, edge i is 2i + 1. On each side of the cut, a corner must lie between
+        // its ends.
         const auto least = [](Index place) { return place % 2 == 0 ? 3 : 2; };
         Index p = 0, gap = 0;
         do {
@@ -182,8 +183,8 @@ private:
     Random& random_;
 };
 
-// The bound that the leaves of a proof show, exact except for the last root and sum: `squared`
-// covers leaves of kind `one` only, `length` all leaves.
+// The bound that the leaves of a proof show, exact except for the last root and sum. `squared` covers only leaves of
+// kind `one`, `length` all leaves.
 struct ExactValue {
     exact::Rational squared = 0;
     Real length = 0;

@@ -132,7 +132,7 @@ inline void put(std::size_t place, Triangle& a, Triangle& b, Random& random) {
     }
 }
 
-// Cycles through all forms of A and of B, relations and places.
+// Returns a numbered pair. Consecutive numbers cycle through all forms, relations and places.
 inline Pair pair(std::uint64_t seed, std::uint64_t number) {
     Random random(seed * 0x100000001 + number);
     for (int i = 0; i < 4; ++i) random.bits();

@@ -44,7 +44,7 @@ inline Rational squared_distance_to_triangle(const RVec3& p, const RVec3& a, con
                      squared_distance_to_segment(p, c, a)});
 }
 
-// Accurate to about 60 bits if the square is a normal double; for printing and measuring.
+// Returns the square root, accurate to about 60 bits if `squared` is in the range of normal doubles.
 inline long double root(const Rational& squared) {
     const double high = CGAL::to_double(squared);
     if (std::isinf(high)) return high;

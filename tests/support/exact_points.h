@@ -10,9 +10,9 @@
 
 namespace hausbench {
 
-// Returns h(A,B)^2 for one triangle A and a few points B. On the part of A that is nearest to one
-// b, the distance is convex, so it is largest at a corner of that part: a corner of A, a point on
-// an edge equally far from two b, or a point of A equally far from three.
+// Returns h(A,B)^2 for one triangle A and a few points B. In the part of A nearest to one point of B, the farthest
+// point is a corner of that part: a corner of A, a point on an edge equally far from two points of B, or a point
+// equally far from three.
 inline exact::Rational exact_squared(const Triangle& a, const std::vector<Vec3>& b) {
     using exact::Rational;
     using exact::RVec3;
@@ -21,7 +21,7 @@ inline exact::Rational exact_squared(const Triangle& a, const std::vector<Vec3>&
     std::vector<RVec3> points;
     for (const Vec3& point : b) points.push_back(exact::vector(point));
     std::vector<RVec3> candidates(corner, corner + 3);
-    // Zero if x is equally far from points i and j; linear in x.
+    // Squared distance to point i minus squared distance to point j: linear in x, and 0 if x is equally far.
     const auto difference = [&](const RVec3& x, std::size_t i, std::size_t j) {
         return Rational(exact::squared_distance(x, points[i]) - exact::squared_distance(x, points[j]));
     };

@@ -1,8 +1,8 @@
-// Relations between answers that hold whatever the true distance is. They compare a scene with the same scene
-// scaled, reordered, moved, turned, cut finer, or with more of A or of B; one is the triangle inequality.
+// Relations that answers must obey whatever the true distance is, between a scene and the same scene scaled, reordered,
+// moved, turned, cut finer or enlarged; and the triangle inequality.
 //
-// Coordinates must be multiples of 2^-16 below 1, so that sums, midpoints and squares are exact:
-// both sides of a relation are then about the same reals.
+// Coordinates must be multiples of 2^-16 below 1, so that sums, midpoints and squares are exact and both sides of a
+// relation are about the same numbers.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -26,8 +26,8 @@ struct Instance {
     Shape a, b, c;
 };
 
-// Tolerances for shapes of extent 1 to 2. The fine one reveals a bound that is off by one
-// rounding. On needles it would take some solvers seconds, so they stop at a budget of `most`.
+// Tolerances for shapes of extent 1 to 2. The fine one reveals a bound that is off by one rounding; thin triangles make
+// it slow, so solvers stop at a budget of `most`.
 inline constexpr double coarse = 0x1p-11, fine = 0x1p-36;
 inline constexpr std::uint64_t most = 20'000;
 

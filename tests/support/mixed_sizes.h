@@ -17,7 +17,7 @@ struct Soups {
     std::vector<Triangle> a, b;
 };
 
-// Returns about 2^-k, over the whole range and often where squares of lengths, or of parts of them, underflow.
+// Returns a size of about 2^-k, over the whole range of doubles and often so small that squared lengths underflow.
 inline double size(Random& random) {
     const Index kind = random.below(8);
     const Index exponent = kind < 2 ? 0 : kind < 4 ? random.below(1075) : kind < 7 ? 480 + random.below(70) : 1074;
@@ -31,7 +31,8 @@ inline Vec3 vector(Random& random, double length) {
     return v;
 }
 
-// Rounding swallows details smaller than an ulp of their place, so most places are near the origin, at least in one axis.
+// Returns a position, mostly near the origin in at least one axis, because rounding swallows details smaller than an
+// ulp of their position.
 inline Vec3 place(Random& random, const std::vector<Triangle>& others) {
     switch (random.below(5)) {
         case 0:
@@ -73,8 +74,8 @@ inline Soups soups(std::uint64_t seed, std::uint64_t number) {
     return made;
 }
 
-// Bounds of h(A,B)^2. `low` is the squared distance of the farthest corner of A. A whole triangle of A is
-// no farther from a triangle of B than its farthest corner; `high` takes the best triangle of B for each.
+// Bounds on h(A,B)^2. `low` comes from the farthest corner of A. `high` takes, for each triangle of A, the triangle of
+// B that is nearest to all its corners: no point is farther than the farthest corner.
 struct Bracket {
     exact::Rational low = 0, high = 0;
 };

@@ -1,9 +1,9 @@
-// Quadrics in a box, and the distance between two of them by means that share nothing with the
-// solvers: plain doubles, the exact Taylor expansion of a polynomial of degree two, roots of
-// parabolas along lines, and d(p, B) being 1-Lipschitz in p.
+// Quadrics in a box, and the distance between two of them by means that share nothing with the solvers: plain doubles,
+// the exact Taylor expansion of a polynomial of degree two, roots of parabolas along lines, and d(p, B) being
+// 1-Lipschitz in p.
 //
-// Rounding: values are below 1e4, so errors of double arithmetic are below 1e-10, a margin that all decisions
-// leave. `slack` covers what such an error moves a distance by. Apart from that, bounds are proven.
+// Rounding: values are below 1e4, so errors of double arithmetic are below 1e-10, which every decision allows for.
+// `slack` covers the change of a distance by such an error. Apart from that, bounds are proven.
 #pragma once
 
 #include "tests/support/random.h"
@@ -115,7 +115,7 @@ inline bool misses(const Quadric& q, const Vec3& c, const Vec3& half) {
     return std::abs(q.value(c)) > q.gradient(c).cwiseAbs().dot(half) + half.dot(q.form.cwiseAbs() * half) + 1e-9;
 }
 
-// Returns a point of the quadric in the box, on an axis-parallel line through the middle: a root where the sign changes.
+// Returns a point of the quadric in the box, if its sign changes along an axis-parallel line through the centre.
 inline std::optional<Vec3> point_in(const Quadric& q, const Vec3& c, const Vec3& half) {
     for (int k = 0; k < 3; ++k) {
         const double a = q.form(k, k), b = q.gradient(c)[k], f = q.value(c), root = b * b - 4 * a * f;

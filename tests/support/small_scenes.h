@@ -1,4 +1,4 @@
-// Small pairs of meshes of every kind that is hard for a search, and the conditions that their intervals must satisfy.
+// Small pairs of meshes that are hard for a search, and the conditions that their intervals must satisfy.
 #pragma once
 
 #include "algorithms/solver.h"
@@ -13,7 +13,7 @@
 
 namespace hausbench {
 
-// Slivers, duplicates, shared edges, flat parts, the same mesh, needles, mixed scales.
+// Returns one of ten kinds in turn: thin triangles, duplicates, parallel sheets, equal meshes, mixed scales and others.
 inline Scene small_scene(Random& random, int i) {
     TriangleMesh a = soup(cloud(random, 3 * (1 + i % 4))), b = soup(cloud(random, 3 * (1 + i / 3 % 8)));
     const auto thin_ones = [&](Index count, double height) {

@@ -39,7 +39,8 @@ inline Triangle any(Random& random) {
     return {a, b, c};
 }
 
-// Returns a triangle with one vertex about `height` off the line through the other two, at the fraction `place` along it.
+// Returns a triangle whose third vertex is about `height` off the line through the other two, at the fraction `place`
+// along it.
 inline Triangle thin(Random& random, double height, double place) {
     const Vec3 a = random.vector(), b = random.vector();
     return {a, b, Vec3(a + place * (b - a) + height * random.vector())};

@@ -1,5 +1,5 @@
-// The exact answer of a scene, and the checks that every result must pass against it. Shapes are
-// posed beforehand, so all are at rest.
+// The exact answer of a scene, and the checks that every result must pass against it. Shapes are moved by their poses
+// beforehand.
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -41,7 +41,7 @@ inline exact::Rational exact_squared_distance(const Vec3& point, const TriangleM
     return least;
 }
 
-// Returns h(A,B) of a scene at rest; for meshes, to the fraction `gap` of the extent.
+// Returns h(A,B) of a scene at rest: exact for point sets, for meshes an interval of width `gap` times the extent.
 inline Truth truth_of(const Scene& scene, Real gap = 1e-7L) {
     Truth truth{scene, kind_of(scene.source) == ShapeKind::points, 0, 0, 0, 0, 0};
     const Points &source = points_of(scene.source), &target = points_of(scene.target);
@@ -101,7 +101,7 @@ inline void check_bounds(const SolverInfo& info, const Truth& truth, const Bound
 
 namespace check {
 
-// The far point of the witness, on `source`, and its near point, on `target`.
+// A witness: its far point on `source`, and its near point on `target`.
 struct Pair {
     Vec3 far, near;
     Index far_element, near_element;
@@ -141,8 +141,8 @@ inline void meshes(const TriangleMesh& source, const TriangleMesh& target, const
 
 }  // namespace check
 
-// Checks the witness of an answer about these shapes at rest: its far point is on the shape that its direction
-// names and is at least the lower bound away from the other shape, and its near point is the nearest one there.
+// Checks a witness, for shapes at rest: its far point must lie on the shape that its direction names, at least the
+// lower bound away from the other shape, and its near point must be the nearest one there.
 inline void check_witness(const Scene& scene, const Result& result, const std::string& where) {
     const Witness& w = result.witness;
     if (w.source_element < 0) {  // no witness: points that were never computed must not look like one

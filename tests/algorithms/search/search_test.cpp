@@ -1,4 +1,5 @@
-// The parts that branch-and-bound solvers share: the queue of pieces, the cuts of a triangle, the interval and its end.
+// Parts shared by branch-and-bound solvers: the queue of pieces, the cuts of a triangle, the interval, and when a
+// search ends.
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/queue.h"
 #include "algorithms/search/subdivision.h"
@@ -93,7 +94,7 @@ TEST(Subdivision, ThePiecesCoverTheTriangleAndShareTheNewVertices) {
             ASSERT_EQ(cut.vertex_count, split == Split::midpoint ? 6u : 4u);
             EXPECT_EQ(measured, static_cast<int>(cut.vertex_count) - 3) << "each new vertex is measured once";
 
-            // The parts are equal and have the same orientation.
+            // All pieces have the same area and orientation.
             const double whole = area(corners[0].point, corners[1].point, corners[2].point);
             std::array<int, 6> uses{};
             for (std::size_t p = 0; p < pieces; ++p) {
@@ -147,7 +148,8 @@ TEST(Subdivision, TheLongestEdgeIsHalved) {
     }
 }
 
-// The promise of most_levels holds for needles too. The pieces stay at corner 0, at the origin, where midpoints are exact.
+// After most_levels splits, pieces must be as small as rounding, even of thin triangles. Follows the pieces at the
+// origin, where midpoints are exact.
 TEST(Subdivision, ThePieceIsSmallerThanRoundingAtTheLastLevel) {
     Random random(4);
     for (const Split split : {Split::midpoint, Split::longest_edge}) {
@@ -175,7 +177,7 @@ TEST(Subdivision, ThePieceIsSmallerThanRoundingAtTheLastLevel) {
 
 constexpr int last_level = 50;
 
-// A search in which B is a point, the origin, so that the distance of a point is its length. M is 1.
+// A search whose B is one point, the origin, so that a point's distance is its length. M, the largest coordinate, is 1.
 struct Search {
     explicit Search(const Query& asked = {}, bool certify = true, Trace::Mode mode = Trace::Mode::off)
         : query(asked), trace(mode), bounds(query, target, {1, certify}, counters, trace) {
@@ -222,7 +224,7 @@ TEST(SearchBounds, UpperIsNeverBelowLower) {
     EXPECT_GE(interval.upper, interval.lower);
 }
 
-// A piece whose vertices are no farther than the farthest point has exactly the bound known for its level.
+// A piece is settled (done) if its bound is at most the farthest point's bound at the same level, to the last bit.
 TEST(SearchBounds, PiecesAreSettledByWhatIsKnownAtTheirLevel) {
     Search search;
     EXPECT_FALSE(search.bounds.settle(1e-3, 7, 0, last_level)) << "nothing was measured";
@@ -246,8 +248,8 @@ TEST(SearchBounds, WhatIsBelowTheFloorIsSettled) {
     EXPECT_EQ(search.interval(0).upper, 0.5625) << "its bound is kept";
 }
 
-// The search uses the computed distance of the farthest point, the result a proven one. Lengths of
-// random vectors are rounded up as often as down, and midpoints of level k are off by 2k units.
+// The search uses the computed distance of the farthest point; the result must use a proven one. Computed lengths are
+// rounded up as often as down, and midpoints of level k are off by 2 * k * u.
 TEST(SearchBounds, LowerIsCertifiedAndWidenedByTheLevel) {
     Random random(5);
     int rounded_up = 0;
@@ -272,7 +274,7 @@ TEST(SearchBounds, LowerIsCertifiedAndWidenedByTheLevel) {
     EXPECT_GT(rounded_up, 20) << "certification has nothing to do";
 }
 
-// The lower bound of each triangle is proven like the witness's, from the farthest point of that triangle.
+// The lower bound of each triangle must be proven like the witness's, from the triangle's farthest point.
 TEST(SearchBounds, FieldsAreCertifiedAndWidenedByTheLevel) {
     Random random(10);
     TriangleMesh b{Points::Zero(3, 3), Triangles(1, 3)};
@@ -393,7 +395,7 @@ TEST(SearchBounds, AnAnswerRestsOnTheCertifiedLowerBound) {
     search.offer(point, 30);
     EXPECT_EQ(search.bounds.end(0.75, 0), std::nullopt) << "it only seems to be above the cutoff";
 
-    // With a larger tolerance, the search continues until certifying is paid for, and ends with `converged`.
+    // At a larger tolerance, the search continues until the certified gap fits, and converges.
     Search tight(query_of(1.5 * (0.5 - certified)));
     tight.offer(point, 30);
     EXPECT_EQ(tight.bounds.end(certified + 2 * (0.5 - certified), 0), std::nullopt);
@@ -454,7 +456,7 @@ TEST(WarmStart, TheFarthestPointMovesAlong) {
     }
 }
 
-// Whatever the old triangle looked like, the point lies on the new one.
+// Even if the old triangle was degenerate, the remembered point must lie on the new one.
 TEST(WarmStart, ThePointIsInTheTriangleWhateverWasBefore) {
     Random random(9);
     for (const double size : {0.0, 1e-200, 1e-12, 1.0, 0x1p399}) {
@@ -494,7 +496,7 @@ TEST(Target, TheTreeAndTheScanAgree) {
             Counters one, two;
             const Vec3 point = random.vector();
             const ClosestPoint by_scan = scan.closest(point, -1, one), by_tree = tree.closest(point, i % 20, two);
-            // Textbook distances depend on which corner comes first, and a tree rotates its triangles.
+            // Textbook distances depend on which corner comes first, and a tree rotates the corners of its triangles.
             EXPECT_NEAR(by_scan.squared_distance, by_tree.squared_distance, textbook ? 1e-12 : 0);
             EXPECT_EQ(one.closest_point_queries, 1u);
             EXPECT_EQ(two.closest_point_queries, 1u);

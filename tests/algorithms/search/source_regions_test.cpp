@@ -1,5 +1,5 @@
-// Groups of triangles of A (search/source_regions.h): their bounds against the exact distance of every
-// triangle in them, and the solvers that use them.
+// Groups of triangles of A (search/source_regions.h): their bounds against exact distances, and the solvers that use
+// them.
 #include "algorithms/search/source_regions.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -33,7 +33,8 @@ TriangleMesh joined(const TriangleMesh& one, const TriangleMesh& two) {
     return all;
 }
 
-// Makes two meshes with more triangles than a scan takes: near, far, of two sizes, with a stray part, or coplanar.
+// Returns two meshes too large for a plain scan: far apart, near, with a stray part, parallel, random, or of different
+// sizes.
 std::pair<TriangleMesh, TriangleMesh> pair_of(Random& random, int i) {
     const TriangleMesh a = sheet(12, 0, 0.3), small = scaled(sheet(7, 0, 0.2), 0.2, random.vector(5));
     switch (i % 6) {
@@ -111,7 +112,7 @@ TEST(SourceRegions, SettlesOrShowsEachTriangleOnceAndItsBoundHolds) {
     EXPECT_GT(settled, 2000U);  // of about 10,000
 }
 
-// Returns the bounds of all triangles of A, with a floor that settles each at its first bound.
+// Returns the first upper bound of each triangle of A; a high floor makes the search accept it.
 std::vector<double> first_bounds(const TriangleMesh& a, const TriangleMesh& b, const Pose& pose, double magnitude) {
     const Points points = posed(a.vertices, pose);
     const TriangleBvh tree(a), target_tree(b);
@@ -128,7 +129,7 @@ std::vector<double> first_bounds(const TriangleMesh& a, const TriangleMesh& b, c
     return uppers;
 }
 
-// A flat square is turned upright: its far edge is farther than its middle, and farther than its box before the turn.
+// A flat square is turned upright, so its far edge is farther from B than its middle, and than its box before the turn.
 TEST(SourceRegions, TheFarthestCornerOfThePosedBoxCounts) {
     const TriangleMesh a = scaled(sheet(12, 0), 0.1, Vec3(0, 0, 0)), b = scaled(sheet(7, 0), 0.01, Vec3(0, 0, -9));
     Pose pose;
@@ -136,11 +137,11 @@ TEST(SourceRegions, TheFarthestCornerOfThePosedBoxCounts) {
     pose.translation = Vec3(0, 0, 5);
     const std::vector<double> uppers = first_bounds(a, b, pose, 16);
     ASSERT_EQ(uppers.size(), static_cast<std::size_t>(a.triangles.rows()));
-    // z goes from 3.9 to 5, and the plane of B is z = -9. The bounds are at least 14, and not much
+    // The turned square reaches from z = 3.9 to 5, and B lies in the plane z = -9. Bounds are at least 14, and not much
     // above what the diagonal of the box gives.
     EXPECT_GE(*std::min_element(uppers.begin(), uppers.end()), 14);
     EXPECT_LE(uppers[0], std::sqrt(14.0 * 14 + 1.2 * 1.2) + 0.01);
-    // Widened like the bound of a vertex: by 8uM, and at least by the 7uM that q may be off B.
+    // Bounds are widened like a vertex's: by 8 * u * M, including the 7 * u * M by which a closest point may be off B.
     const double magnitude = 0x1p40;
     EXPECT_GE(first_bounds(a, b, pose, magnitude)[0] - uppers[0], 7 * unit_roundoff * magnitude);
     EXPECT_LE(first_bounds(a, b, pose, magnitude)[0] - uppers[0], 9 * unit_roundoff * magnitude);
@@ -186,7 +187,7 @@ TEST(SourceRegions, ChangeNoAnswerOfASolver) {
     }
 }
 
-// Even if everything can be settled at once, something is measured.
+// Even if bounds alone could answer the query, the solver must measure a point and give a witness.
 TEST(SourceRegions, LeaveAWitness) {
     const TriangleMesh one = points_as_triangles(std::vector<Vec3>(40, Vec3(1, 2, 3)));
     const Scene same{one, one}, apart{sheet(12, 0), sheet(12, 3)};

@@ -1,6 +1,5 @@
-// Session undoes a rigid motion of the target by moving the source the other way. Bounds must hold
-// for the posed shapes, rounded as posed() rounds them. With a solver that is as sharp as double
-// precision, each term of the cost of undoing is needed.
+// Session undoes a rigid motion of the target by moving the source backwards. Bounds must hold for both shapes as
+// posed() computes them. The test solver is so precise that each term of the cost of undoing is needed.
 #include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 
@@ -15,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// The last query, and how far the solver widens its interval beyond the exact distance, as a fraction of the tolerance.
+// Records the test solver's last query and what it built. `gap` widens its interval, as a fraction of the tolerance.
 struct Seen {
     Query query;
     int built = 0;
@@ -177,8 +176,8 @@ TEST(SessionUndo, NothingIsBuiltAgain) {
     EXPECT_EQ(seen.built, 2);
 }
 
-// A copy replaces undoing if the motion cannot be undone, undoing costs more than the tolerance
-// allows, or a proof would be about other shapes.
+// The session copies the target if the motion cannot be undone, if undoing costs too much of the tolerance, or if a
+// certificate would be about other shapes.
 TEST(SessionUndo, ACopyWhereItMust) {
     const Session session(sharp(), Options("sharp", {}, {}), {point({0, 0, 0}), point({0.75, 0, 0})},
                           {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});
@@ -206,7 +205,7 @@ TEST(SessionUndo, ACopyWhereItMust) {
     query = good;
     query.wanted.certificate = true;
     EXPECT_EQ(built(query), 1) << "a proof";
-    // The source after undoing, and B, would be too small for a solver.
+    // Here undoing would give the solver shapes that are too small.
     const Session small(sharp(), Options("sharp", {}, {}), {point({0.75, 0, 0}), point({0, 0, 0})},
                         {.moves = true, .finest_tolerance = 1e-6, .target_moves = true});
     query = good;
@@ -217,7 +216,7 @@ TEST(SessionUndo, ACopyWhereItMust) {
     EXPECT_EQ(seen.built, 1) << "tiny";
 }
 
-// Whether targets are copied is known beforehand, in any unit.
+// copies_targets() must tell beforehand whether targets are copied.
 TEST(SessionUndo, WhatIsCopiedIsSaidBeforehand) {
     const ShapeExtent a{ShapeKind::mesh, 0.5}, b{ShapeKind::mesh, 0.75};
     SolverInfo info = sharp().info;
@@ -252,7 +251,8 @@ TEST(SessionUndo, ASolverThatTakesTheMotionGetsIt) {
     EXPECT_FALSE(seen.query.target_pose.is_identity());
 }
 
-// A solver that stops as early as it may still gives a valid answer after undoing has taken its share.
+// Even if the solver uses its whole tolerance, the answer must converge; floor and cutoff must leave room for the cost
+// of undoing.
 TEST(SessionUndo, PromisesLeaveRoom) {
     const Pose g = turned_and_longer(nearly, {0.5, 0, 0});
     const Session session(sharp(), Options("sharp", {}, {}), {point({0, 0, 0}), point({0.75, 0, 0})},

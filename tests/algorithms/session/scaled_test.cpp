@@ -1,8 +1,7 @@
-// The tasks of a session besides the solver's: a status that follows from the bounds, scaling, and
-// bounds widened for the loss by scaling.
+// A session's own tasks: a status that follows from the bounds, scaling, and bounds widened for the loss by scaling.
 //
-// Truths are exact: h of point sets in rational arithmetic, for the points that geometry.h
-// defines. Mesh solvers get every point as a triangle whose corners coincide.
+// Compares with the exact h of point sets, moved as geometry.h defines. Mesh solvers get each point as a triangle with
+// equal corners.
 #include "algorithms/error.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
@@ -41,7 +40,7 @@ Query relative(const Pose& pose, double tolerance = 1e-9) {
     return query;
 }
 
-// Takes a particular solver, because the slack of another solver's own bounds could hide an error of the session.
+// Takes one solver, because the slack of another solver's bounds could hide an error of the session.
 void expect_enclosed(const SolverEntry& entry, const Points& a, const Points& b, const Pose& pose,
                      const std::string& where = "") {
     const exact::Rational squared = exact_squared_hausdorff(posed(a, pose), b);
@@ -84,7 +83,7 @@ Pose stretched(const Eigen::Matrix3d& rotation, const Vec3& translation = Vec3::
 
 // --- the status follows from the bounds -------------------------------------------------------------------------------
 
-// The solver's answer, in scaled units, chosen by the tests.
+// The answer that the test solver will give, in scaled units.
 Result said;
 bool samples = false;
 
@@ -147,10 +146,10 @@ TEST(SessionStatus, FloorAndCutoffAreAnsweredWhereABoundPassesThem) {
     EXPECT_EQ(status({2, 9}, 0, 2), "stalled");
     EXPECT_EQ(status({1, 3}, 2, 2), "stalled");
     EXPECT_EQ(status({1.5, 1.5}, 1.5, 1.5), "below_floor");
-    // A small gap does not answer an open question ...
+    // If floor == cutoff, the query is a yes/no question, which a small gap does not answer.
     EXPECT_EQ(status({1.5, 1.5 + 1e-9}, 1.5, 1.5), "stalled");
     EXPECT_EQ(status({1.5, 1.5 + 1e-9}, 0, 1.5), "converged");
-    // ... and the interval below the floor does not count.
+    // The part of the interval below the floor does not count as a gap.
     EXPECT_EQ(status({0, 1.5 + 1e-9}, 1.5, infinity), "converged");
     EXPECT_EQ(status({0, 1.6}, 1.5, infinity), "stalled");
 }
@@ -170,14 +169,15 @@ TEST(SessionStatus, ConvergedIsAGapWithinTheTolerance) {
         EXPECT_EQ(to_string(after(Status::above_cutoff, none, 0, 0.5).status), to_string(Status::stalled));
         EXPECT_EQ(to_string(after(Status::below_floor, none, 0.5, 0.5).status), to_string(Status::stalled));
     }
-    // The loss by scaling back is the precision floor, not the solver's fault.
+    // A loss by scaling back counts as the precision floor, not as the solver's failure.
     const double least = std::numeric_limits<double>::denorm_min();
     EXPECT_EQ(to_string(after(Status::converged, {0.3, 0.3}, 0, infinity, least).status), "precision_floor");
     EXPECT_EQ(to_string(after(Status::below_floor, {0.32, 0.6}, 5 * least, 5 * least, 8 * least).status),
               "precision_floor");
 }
 
-// In units of the least double: the shown point is rounded, by up to half a unit from where the bound was found.
+// In units of the least double: the reported point is rounded, by up to half a unit, which the lower bound must
+// include.
 TEST(SessionStatus, ALowerBoundHoldsWithThePointThatIsShown) {
     const double least = std::numeric_limits<double>::denorm_min();
     const auto lower = [&](double bound, double source, double target) {
@@ -293,7 +293,7 @@ TEST(SessionRange, PosesOfEverySizeAreAnswered) {
     }
 }
 
-// All of A and B is 0 in scaled units, but not in the units of the input.
+// In scaled units, all coordinates become 0, but not in input units.
 TEST(SessionRange, PosesThatShrinkBelowWhatScaledUnitsHold) {
     const Points a = rows({{0x1p500, 0, 0}}), b = rows({{0, 0x1p500, 0}});
     Query query = relative(stretched(0x1p-1074 * Eigen::Matrix3d::Identity(), {0x1p-640, 0, 0}));
@@ -305,7 +305,7 @@ TEST(SessionRange, PosesThatShrinkBelowWhatScaledUnitsHold) {
     }
 }
 
-// The coordinates of the input are posed, not the scaled ones, which have lost bits.
+// A pose must apply to the input coordinates, not to the scaled ones, which have lost bits.
 TEST(SessionRange, FarPosesKeepWhatScalingLoses) {
     const Points b = rows({{0x1p10, 0, 0}, {0, 0, 0}});  // scaled by 2^-11
     Eigen::Matrix3d huge = Eigen::Matrix3d::Identity();
@@ -349,11 +349,11 @@ TEST(SessionWidening, ProductsThatUnderflow) {
     const double least = 0x1p-1074;
     const Points origin = rows({{0, 0, 0}});
     const Eigen::Matrix3d halves = 0.5 * Eigen::Matrix3d::Ones();
-    // In units of the least double, each product is a tie, 0.5 or 1.5, and is rounded to 0 or 2.
+    // In units of the least double, each product is 0.5 or 1.5, a tie, and is rounded to 0 or 2.
     expect_enclosed(rows({{least, least, least}}), origin, stretched(halves));
     expect_enclosed(rows({{3 * least, 3 * least, 3 * least}}), origin, stretched(halves));
     expect_enclosed(rows({{3 * least, 3 * least, 3 * least}}), origin, stretched(-halves));
-    // A nearly infinite entry that only meets zeros does no harm.
+    // A nearly infinite entry that only multiplies zeros must do no harm.
     Eigen::Matrix3d lopsided = halves;
     lopsided.col(0) = lopsided.row(0).transpose() = Vec3(1e308, 0, 0);
     expect_enclosed(rows({{0, 3 * least, 3 * least}}), origin, stretched(lopsided));
@@ -366,7 +366,7 @@ TEST(SessionWidening, ATranslationThatUnderflows) {
     expect_enclosed(rows({{0, 0, 0}}), rows({{0, 0, 0}, {0x1p1000, 0, 0}}), moved_by({0x1p-100, 0, 0}));
 }
 
-// A loss in posing B counts like a loss in posing A.
+// A loss in posing B must count like a loss in posing A.
 TEST(SessionWidening, ATargetThatUnderflows) {
     const auto enclosed = [](const Points& a, const Points& b, const Pose& pose) {
         Query query = relative({});
@@ -381,7 +381,7 @@ TEST(SessionWidening, ATargetThatUnderflows) {
     enclosed(rows({{0x1p1000, 0, 0}}), rows({{0x1p1000, 0, 0}}), moved_by({0, 0x1p-100, 0}));
 }
 
-// A lost bit decides a tie and so moves a sum by one unit in its last place.
+// A bit lost by scaling decides a tie, so a sum moves by one ulp.
 TEST(SessionWidening, RoundingsThatGoTheOtherWay) {
     const double one = 0x1p-1000, above = one * (1 + 0x1p-52), half_an_ulp_and_a_bit = 0x1p-53 * (1 + 0x1p-23);
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
@@ -439,7 +439,7 @@ TEST(SessionWidening, HoldsOnRandomScenesAtTheEndsOfTheRange) {
         Points b = points(1 + random.below(3));
         const Points there = posed(a, pose);
         if (!there.allFinite()) continue;
-        if (random.below(2)) b.row(0) = there.row(0);  // every term shows near 0
+        if (random.below(2)) b.row(0) = there.row(0);  // at distances near 0, every term matters
         ++tried;
         for (const SolverEntry& entry : all) expect_enclosed(entry, a, b, pose, ", scene " + std::to_string(i));
     }

@@ -29,7 +29,7 @@ const std::array<PosePair, 3> pose_pairs{{{{}, turned(0.6, 0.8, {0.25, 0, -0.5})
                                           {turned(0.28, 0.96, {-0.125, 0.5, 0}), turned(0.6, 0.8, {0.25, 0, -0.5})},
                                           {turned(0.96, 0.28, {0.5, -0.25, 0.125}), {}}}};
 
-// Fine enough to notice a missing pose or direction; solver_contract_test.cpp looks closer.
+// Precision of the reference: enough to notice a missing pose or direction. solver_contract_test.cpp is stricter.
 constexpr Real coarse = 1e-3L;
 
 struct Case {
@@ -37,7 +37,7 @@ struct Case {
     std::array<Truth, 3> directed, symmetric;  // one per pair of poses
 };
 
-// Picks scenes that can be posed freely: nothing in them is near the ends of the range of doubles.
+// Selects the named scenes, which stay well within the range of doubles at every pose.
 std::vector<Case> some_cases(const std::vector<TestScene>& scenes, const std::set<std::string>& names) {
     std::vector<Case> all;
     for (const TestScene& test : scenes) {
@@ -98,7 +98,7 @@ Query query_of(std::size_t i, const Truth& truth, Quantity quantity = Quantity::
     return query;
 }
 
-// A tolerance is easy if double precision resolves a thousandth of it.
+// Returns whether double precision resolves a thousandth of the tolerance.
 bool easy(const SolverInfo& info, const Truth& truth) {
     return reaches_the_tolerance(info) && truth.tolerance > 1e3 * unit_roundoff * truth.magnitude;
 }
@@ -120,8 +120,7 @@ void check(const SolverEntry& entry, const Truth& truth, const Query& query, con
     }
 }
 
-// Scales both shapes by the exponent with which a session scales the scene, or not at all for
-// solvers that take it unscaled.
+// Scales both shapes by the session's exponent for the scene, or not at all for solvers that take original coordinates.
 PreparedPair scaled_alike(const SolverInfo& info, const Scene& scene, int exponent) {
     if (info.original_coordinates) exponent = 0;
     return {std::make_shared<PreparedShape>(Shape(scene.source), exponent),
@@ -150,7 +149,7 @@ TEST(SessionPoses, BothAreHonoured) {
             expect_same_answer(result, other, at);
             EXPECT_EQ(result.counters, other.counters) << at;
 
-            // The bits must equal those on a target that was posed beforehand.
+            // The answer must have the same bits as for a target moved beforehand.
             const int exponent = scale_exponent(
                 std::max(magnitude(points_of(c.test.scene.source)), magnitude(points_of(c.test.scene.target))));
             const Session still(entry, defaults(entry),
@@ -163,7 +162,7 @@ TEST(SessionPoses, BothAreHonoured) {
             query.target_pose = {};
             const Result beforehand = still.solve(query, trace);
             if (undone) {
-                // The motion was undone, so only the bits may differ.
+                // The motion was undone instead, so the bits may differ.
                 EXPECT_LE(result.bounds.lower, beforehand.bounds.upper) << at;
                 EXPECT_GE(result.bounds.upper, beforehand.bounds.lower) << at;
                 EXPECT_EQ(to_string(result.status), to_string(beforehand.status)) << at;
@@ -177,7 +176,7 @@ TEST(SessionPoses, BothAreHonoured) {
 
 // --- H(A,B) -----------------------------------------------------------------------------------------------------------
 
-// Scenes are also tried the other way round, so that either direction is the larger one.
+// Swaps the shapes, so that either direction is the larger one.
 Scene turned_round(const Scene& scene) { return {scene.target, scene.source}; }
 
 Query turned_round(Query query) {
@@ -185,8 +184,8 @@ Query turned_round(Query query) {
     return query;
 }
 
-// Work summed over all scenes of a solver. A floor may make it worth computing bounds of groups of
-// triangles, each with a query. On scenes as small as these, that costs up to an eighth more than it saves.
+// Work for H (`whole`) and for both directions queried separately (`apart`), summed over a solver's scenes. On scenes
+// this small, bounds of groups, which a floor encourages, may cost up to an eighth more than they save.
 struct Work {
     Counters whole, apart;
 
@@ -280,7 +279,8 @@ TEST(SessionSymmetric, BoundsHoldWhenStoppedEarly) {
     });
 }
 
-// A tolerance relative to a lower bound of 0 cannot be met. If A is a part of B, it must be relative to H.
+// A tolerance relative to a lower bound of 0 cannot be met. If A is part of B, h(A,B) is 0, so the tolerance must be
+// relative to H.
 TEST(SessionSymmetric, ARelativeToleranceIsOfH) {
     const TriangleMesh part = soup(rows({{0.3, 0.2, 0}, {1.7, 0.45, 0}, {0.65, 1.6, 0}}));
     const TriangleMesh whole = sheet(7, 0);
@@ -315,7 +315,7 @@ std::vector<Shape> shapes_for(const SolverInfo& info, int ratio) {
     return {sheet(6, 0, 0.3), resized(sheet(7, 0.1, 0.2), ratio), cube(0.75)};
 }
 
-// Compares every pair of a matrix, in a worker that scales all shapes alike, with the pair alone.
+// Compares each pair of a matrix, whose shapes are all scaled alike, with the pair solved alone.
 void check_matrix(const SolverEntry& entry, int ratio, const std::string& where) {
     const std::vector<Shape> shapes = shapes_for(entry.info, ratio);
     int exponent = -1000;
@@ -368,7 +368,7 @@ TEST(SessionMatrix, SharedShapesHaveTheBitsOfEachPairAlone) {
     }
 }
 
-// A shape so small that it would lose bits beside the others gets its own exponent in each pair.
+// A shape so small that a common scale would cost it bits gets its own scale in each pair.
 TEST(SessionMatrix, ARatioOf300BinaryOrdersIsSoundInTheScaleOfThePair) {
     for (const SolverEntry& entry : solvers()) {
         if (!entry.info.certified || entry.info.source.surface) continue;
@@ -472,7 +472,7 @@ TEST(SessionThreads, TwoThreadsBuildTheStructuresOfOneShape) {
             if (refusal(entry.info, kind_of(scene.source), kind_of(scene.target)).empty()) chosen = &c;
         }
         ASSERT_TRUE(chosen);
-        // The session is not told of later queries, so the first answer builds the structures of h(B,A).
+        // No symmetric query was announced, so the first answer builds the structures for h(B,A).
         const Session session(entry, defaults(entry), chosen->test.scene, {});
         std::array<Result, 2> results;
         const auto ask = [&](std::size_t k) {

@@ -1,5 +1,5 @@
-// How a session answers H(A,B), or queries with a moving target, from h(A,B) and h(B,A) of a
-// solver that offers nothing more: term by term, with a scripted solver that records its queries.
+// How a session answers H(A,B), or queries with a moving target, using a solver that computes only h(A,B). A scripted
+// solver records its queries.
 #include "algorithms/session/moving_target.h"
 #include "algorithms/session/session.h"
 
@@ -16,7 +16,8 @@
 namespace hausbench {
 namespace {
 
-// The scripted answers and the recorded queries: first h(A,B), then h(B,A). B has two points, A has one.
+// The test solver's answers to h(A,B) and h(B,A), and the queries it received. A has one point and B two, which tells
+// the directions apart.
 struct Script {
     Result says[2];
     std::vector<Query> asked;
@@ -142,7 +143,7 @@ TEST_F(SessionDirections, AFloorThatIsHigherStays) {
     EXPECT_EQ(script.asked[1].floor, 0.3);
 }
 
-// floor >= cutoff would turn the query into "is h above it?", which no tolerance ends.
+// A floor at or above the cutoff would make it a yes/no question, which no tolerance ends.
 TEST_F(SessionDirections, AFloorThatIsTheCutoffAsksNoQuestion) {
     Query query = symmetric_query();
     query.cutoff = 0.2;
@@ -156,7 +157,7 @@ TEST_F(SessionDirections, AFloorThatIsTheCutoffAsksNoQuestion) {
     EXPECT_EQ(script.asked[1].floor, query.cutoff);
 }
 
-// The floor would be infinite in scaled units, and even an infinite upper bound would not be above it.
+// In scaled units the floor would overflow, and even an infinite upper bound would not be above it.
 TEST_F(SessionDirections, AFloorStaysFinite) {
     script.says[0] = small;
     const SolverEntry entry = scripted();
@@ -181,7 +182,7 @@ TEST_F(SessionDirections, PosesChangePlaces) {
     for (const Query& asked : script.asked) EXPECT_TRUE(asked.target_pose.is_identity());  // the target is a posed copy
 }
 
-// A sleep takes at least as long as requested.
+// These limits are safe, because a sleep takes at least as long as requested.
 TEST_F(SessionDirections, TimeThatIsSpentIsNotThereForTheSecond) {
     script.says[0] = script.says[1] = small;
     script.solving = std::chrono::milliseconds(3);
@@ -210,7 +211,8 @@ TEST_F(SessionDirections, PreparingAPosedCopyIsTimeThatIsSpent) {
     EXPECT_EQ(script.asked[1].time_limit, 0);
 }
 
-// A tolerance relative to a lower bound of 0 cannot be met, so the direction with the larger bound comes first.
+// A tolerance relative to a lower bound of 0 cannot be met, so short trials find the direction with the larger bound,
+// which comes first.
 TEST_F(SessionDirections, TheLargerDirectionComesFirstWhereTheToleranceIsRelative) {
     Query query = symmetric_query();
     query.tolerance = {Tolerance::Of::lower, 1e-3};
@@ -233,20 +235,20 @@ TEST_F(SessionDirections, TheLargerDirectionComesFirstWhereTheToleranceIsRelativ
     EXPECT_EQ(floors(rich, poor), (Asked{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
     EXPECT_EQ(floors(poor, rich), (Asked{{0, 64}, {0, 64}, {0, all}, {0.3, all}}));
     EXPECT_TRUE(script.asked[2].source_pose.is_identity());
-    // No trials if no lower bound could keep a solver busy.
+    // No trials for exact solvers or absolute tolerances.
     script.exact = true;
     EXPECT_EQ(floors(poor, rich), (Asked{{0, all}, {0.1, all}}));
     script.exact = false;
     query.tolerance = {Tolerance::Of::absolute, 1e-3};
     EXPECT_EQ(floors(poor, rich), (Asked{{0, all}, {0.1, all}}));
     query.tolerance = {Tolerance::Of::lower, 1e-3};
-    // A settled direction is not queried twice ...
+    // A trial that answers its direction is not repeated.
     Result done = result_of(Status::converged, {0.2, 0.2});
     done.counters.subdivisions = 1;
     done.reported = poor.reported;
     EXPECT_EQ(floors(done, poor), (Asked{{0, 64}, {0.2, all}}));
     EXPECT_EQ(floors(poor, done).size(), 4u);
-    // ... and while both lower bounds are 0, the trials get more work.
+    // While both lower bounds are 0, the trials get more work.
     poor.bounds.lower = 0;
     query.budget = 5000;
     EXPECT_EQ(floors(poor, poor), (Asked{{0, 64}, {0, 64}, {0, 1024}, {0, 1024}, {0, 5000}, {0, 5000}}));
@@ -314,7 +316,7 @@ TEST_F(SessionDirections, TheStatusIsThatOfTheDirectionThatKeepsTheBoundsApart) 
     EXPECT_EQ(status(large, far), "converged");
     EXPECT_EQ(solve(far, large).note, "");
     EXPECT_EQ(solve(large, far).note, "");
-    // Neither direction alone shows that the combined bounds are close enough.
+    // Only both directions together show that the bounds are close enough.
     const Result late = result_of(Status::time_limit, {0.1, 0.405}, "slow");
     const Result near = result_of(Status::converged, {0.4, 0.402});
     EXPECT_EQ(status(late, near), "converged");
@@ -550,7 +552,7 @@ TEST_F(SessionDirections, MovesChangePlaces) {
     ASSERT_EQ(script.prepared_for.size(), 2u);
     EXPECT_EQ(seen(0), std::pair(true, false));
     EXPECT_EQ(seen(1), std::pair(false, true));
-    // B to A: A is the target, a copy at rest, and B does not move.
+    // For h(B,A), A is the target, a copy at rest, and B does not move.
     (void)moving.solve(symmetric_query(), trace);
     EXPECT_EQ(seen(2), std::pair(false, false));
     Query query = symmetric_query();

@@ -1,4 +1,4 @@
-// Triangle blocks must give the bits of a plain scan, on tame and hostile meshes, and must gather the near triangles.
+// Triangle blocks must give the bits of a plain scan, on ordinary and hostile meshes, and gather all near triangles.
 #include "algorithms/structures/triangle_blocks.h"
 
 #include "algorithms/kernel/morton.h"
@@ -52,7 +52,7 @@ TEST(TriangleBlocks, SameBitsAsAScanOn200Meshes) {
         expect_same_as_scan(mesh, random, mesh.triangles.rows() > 1000 ? 100 : 200, name);
 }
 
-// The mesh is so far from the origin that computed distances err by more than the frames of a leaf.
+// So far from the origin, plain distances have larger rounding errors than the frames of a leaf.
 TEST(TriangleBlocks, SameBitsAsAScanFarFromTheOrigin) {
     Random random(6);
     for (const double away : {1e10, 1e12, 1e13, 1e14}) {
@@ -62,8 +62,8 @@ TEST(TriangleBlocks, SameBitsAsAScanFarFromTheOrigin) {
     }
 }
 
-// Farther than single precision is used for. The offset is along an axis, because from a slanted direction
-// triangles that are only slightly farther cannot be told apart.
+// The points are too far away for single precision. They are offset along an axis: from a slanted direction, slightly
+// farther triangles could not be told apart.
 TEST(TriangleBlocks, SameBitsAsAScanFromVeryFarAway) {
     Random random(7);
     Counters counters;
@@ -99,7 +99,7 @@ TEST(TriangleBlocks, EarlyOutStopsAtATriangleNearEnough) {
     EXPECT_LT(early.node_visits, full.node_visits);
 }
 
-// A stray triangle or a second cluster far away must not make a query search everything.
+// A stray triangle far away must not make a query search everything.
 TEST(TriangleBlocks, WorkDoesNotGrowWithTheRatioOfScales) {
     Counters tame;
     for (const double ratio : {1.0, 10.0, 1e3, 1e6, 1e9, 1e12}) {
@@ -126,13 +126,13 @@ TEST(TriangleBlocks, WorkDoesNotGrowWithTheRatioOfScales) {
                 expect_same(found, closest_by_scan(mesh, point, {}, scanned), fmt::format("ratio {}", ratio));
         }
         if (ratio == 1) tame = counters;
-        // One level of the tree covers both scales and cannot separate anything within the small one.
+        // Allows for one level of the tree that covers both scales and separates nothing within the small one.
         EXPECT_LE(counters.node_visits, 8 * tame.node_visits) << ratio;
         EXPECT_LE(counters.point_triangle_distances, 2 * tame.point_triangle_distances) << ratio;
     }
 }
 
-// Returns whether one of these triangles has the same corners in the same order.
+// Returns whether a triangle in `of` has the same corners as `t`, in the same order.
 bool is_copy(const TriangleMesh& mesh, Index t, const std::set<Index>& of) {
     return std::any_of(of.begin(), of.end(), [&](Index i) {
         const Triangle x = triangle_of(mesh, t), y = triangle_of(mesh, i);
@@ -140,7 +140,7 @@ bool is_copy(const TriangleMesh& mesh, Index t, const std::set<Index>& of) {
     });
 }
 
-// Copies of a triangle count as one for searching and for gathering.
+// Only one of several equal triangles must be gathered.
 TEST(TriangleBlocks, CopiesAreLeftOut) {
     Random random(15);
     TriangleMesh mesh = triangle_grid(random, 6, 0.05);
@@ -162,8 +162,8 @@ TEST(TriangleBlocks, CopiesAreLeftOut) {
     for (const Index i : near.triangle) EXPECT_LT(i, triangles);
 }
 
-// Gathers every triangle within the radius, unless there are too many, and none that is clearly
-// farther. The distances of the frames are within near_error.
+// Every triangle within the radius must be gathered, unless there are too many, and none that is clearly farther.
+// Distances from the gathered frames must be within near_error.
 TEST(TriangleBlocks, GatherWhatIsNear) {
     Random random(12);
     int complete = 0, cut_short = 0;
@@ -230,7 +230,7 @@ TEST(TriangleBlocks, GatherWhatIsNear) {
     EXPECT_GT(cut_short, 10);
 }
 
-// Several blocks of work, with runs that mix scales and copies.
+// Enough triangles for several blocks of work; runs mix scales and copies.
 TEST(TriangleBlocks, AreTheSameForAnyNumberOfThreads) {
     Random random(16);
     TriangleMesh mesh = triangle_soup(random, 20000, 0.001);
@@ -262,7 +262,7 @@ TEST(TriangleBlocks, TakeFewBytes) {
     EXPECT_LE(TriangleBlocks(mesh).bytes(), 95 * static_cast<std::size_t>(mesh.triangles.rows()));
 }
 
-// Every run of sixteen mixes scales, so each could become two leaves.
+// Every run of sixteen triangles mixes scales, so each could need two leaves.
 TEST(TriangleBlocks, TakeFewBytesWhereScalesAreMixed) {
     Random random(15);
     TriangleMesh mesh = triangle_soup(random, 8000, 0.001);
@@ -274,7 +274,7 @@ TEST(TriangleBlocks, TakeFewBytesWhereScalesAreMixed) {
     EXPECT_GT(blocks.leaves().size(), 8000U / frames_width);  // some runs were cut
 }
 
-// Consecutive cells of the curve are neighbours, and each cell has one place.
+// Consecutive cells of the curve must be neighbours, and each cell must occur once.
 TEST(Hilbert, IsACurveThroughAllCells) {
     constexpr std::uint32_t side = 32, cells = side * side * side;
     std::vector<std::array<std::uint32_t, 3>> cell(cells);

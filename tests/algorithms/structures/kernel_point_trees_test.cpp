@@ -1,5 +1,4 @@
-// The octree and the R-tree over points, and bounds of computed distances: no point is lost, and
-// everything lies where the tree says.
+// The octree and the R-tree over points, which must lose no point, and bounds of computed distances.
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/inc/rtree.h"
@@ -69,7 +68,7 @@ TEST(PointOctree, HoldsEachPointInEachOfItsCells) {
     }
 }
 
-// A tree that ends at a depth is the full tree without the cells below that depth, so NOHD sees the same cells.
+// A tree limited to a depth must be the full tree without the cells below it, so that NOHD sees the same cells.
 TEST(PointOctree, EndsAtTheDepthAskedFor) {
     for (const Points& points : point_sets()) {
         const PointOctree full(points);
@@ -138,7 +137,7 @@ TEST(RTree, BoxesAreTightAndFull) {
     }
 }
 
-// Boxes and their points are moved: the computed coordinates and distances are within the computed bounds, to the bit.
+// The bounds of moved boxes must contain the computed coordinates and distances of the moved points, to the bit.
 TEST(PosedBox, BoundsComputedDistances) {
     Random random(32);
     for (int i = 0; i < 2000; ++i) {
@@ -161,7 +160,7 @@ TEST(PosedBox, BoundsComputedDistances) {
             }
         }
     }
-    // An overflow at a corner that is not a point leaves the bounds finite.
+    // A corner of the moved box overflows, although no point does; the bounds must stay finite.
     Pose wild;
     wild.rotation.setConstant(1e300);
     const Points far = rows({{-1e10, 1e10, 0}, {1e10, -1e10, 0}});

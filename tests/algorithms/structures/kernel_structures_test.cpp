@@ -53,7 +53,7 @@ TEST(Adjacency, GridHasTheEdgesOfEuler) {
     EXPECT_EQ(borders, 36);
 }
 
-// Checks exactly that the distances from q to the points are within the bounds, by comparing squares.
+// Checks in exact arithmetic that the distances from q to the points are within the volume's bounds.
 void expect_bounds(const SweptSphere& volume, const Vec3& q, std::span<const Vec3> points, const std::string& where) {
     const exact::Rational least = distance_at_least(volume, q), most = distance_at_most(volume, q);
     for (const Vec3& point : points) {
@@ -79,7 +79,7 @@ TEST(SweptSphere, BoundsHoldExactlyAndAreTight) {
                 k % 2 == 0 ? points[static_cast<std::size_t>(random.below(count))] : Vec3(random.vector(3) + offset);
             expect_bounds(volume, q, points, "set " + std::to_string(i));
         }
-        // The volume is not just a ball: it is thin if the set is thin.
+        // The volume must be thin if the set is thin, not just a ball.
         const double thickness = std::max(std::min(size[1], size[2]), 1e-12 * offset.cwiseAbs().maxCoeff());
         if (count > 10 && thickness < 1e-3) {
             EXPECT_LT(volume.radius, 0.5) << i;
@@ -94,7 +94,7 @@ TEST(SweptSphere, BoundsHoldExactlyAndAreTight) {
     EXPECT_NEAR(distance_at_least(swept_sphere_around(flat), Vec3(0.3, 0.1, 2)), 2, 1e-10);
 }
 
-// The exact rectangle of a volume, or parallelogram if u and v are not orthogonal.
+// The volume's rectangle in exact arithmetic; a parallelogram if u and v are not orthogonal.
 struct ExactRectangle {
     exact::RVec3 corner[4];  // in order around the rectangle
 
@@ -116,7 +116,7 @@ struct ExactRectangle {
     }
 };
 
-// The sets are flat or straight up to rounding, so the radius is little more than the rounding of the feet.
+// The sets are flat or straight, so the radius is little more than the rounding of closest points.
 TEST(SweptSphere, ThePointsAreWithinTheRadiusOfTheExactRectangle) {
     Random random(5);
     for (int i = 0; i < 400; ++i) {
@@ -132,8 +132,8 @@ TEST(SweptSphere, ThePointsAreWithinTheRadiusOfTheExactRectangle) {
     }
 }
 
-// Any volumes: orthogonal or not, with or without a radius, with coordinates that underflow or
-// not. The points are at any distance from the rectangle or its plane.
+// Tries arbitrary volumes: u and v orthogonal or not, with or without a radius, some so small that products underflow;
+// and points at any distance.
 TEST(SweptSphere, BoundsHoldForTheExactRectangle) {
     Random random(6);
     int told = 0;
@@ -170,7 +170,7 @@ TEST(SweptSphere, EveryChildIsAround) {
         if (mesh.triangles.rows() > 400) continue;
         const SweptSphereBvh bvh(mesh);
         Random random(3);
-        // The corners of all triangles below each child, from the leaves up.
+        // For each node, the corners of all triangles below it, collected from the leaves up.
         std::vector<std::vector<Vec3>> below(bvh.tree().nodes.size());
         for (std::size_t n = below.size(); n-- > 0;) {
             const WideNode& node = bvh.tree().nodes[n];
@@ -242,7 +242,7 @@ TEST(Prepared, StructuresBelongToShapesAndToTheirParameters) {
     EXPECT_EQ(there.get<EveryNth>(Side::source).chosen.size(), 15u);
     EXPECT_EQ(there.get<EveryNth>(Side::target, {3}).chosen.size(), 20u);
     EXPECT_THROW((void)there.get<EveryNth>(Side::target), std::logic_error);
-    // With the shapes swapped, one of the two structures exists already, and its cost is known.
+    // With the shapes swapped, one of the two structures exists already and is shared.
     const Prepared back(second, first, {need<EveryNth>(Side::target), need<EveryNth>(Side::source)});
     EXPECT_EQ(EveryNth::built, 3);
     EXPECT_EQ(&back.get<EveryNth>(Side::target), &there.get<EveryNth>(Side::source));

@@ -1,5 +1,4 @@
-// The same bits with every instruction set that this program was compiled for and this machine
-// has; each is forced in turn.
+// All instruction sets that were compiled in and that this machine has must give the same bits; each is forced in turn.
 #include "algorithms/kernel/triangle_block.h"
 #include "algorithms/structures/bvh.h"
 #include "algorithms/structures/octree.h"
@@ -35,7 +34,7 @@ void for_each_target(const std::function<void(const std::string&)>& f) {
     EXPECT_GE(targets, 2) << "nothing was compared";
 }
 
-// Linux lists the features that the processor has and the system allows.
+// Returns the features that the processor has and Linux allows.
 std::set<std::string> processor_flags() {
     std::ifstream in("/proc/cpuinfo");
     for (std::string line; std::getline(in, line);) {

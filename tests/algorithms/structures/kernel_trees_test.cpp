@@ -83,7 +83,7 @@ TEST(TriangleGrid, SameBitsAsAScanFarAway) {
     }
 }
 
-// One triangle spans the grid and the others lie in one cell: triangles in many cells must not fill the memory.
+// One triangle spans the grid, and the others lie in one cell: memory must stay linear in the number of triangles.
 TEST(TriangleGrid, TakesLinearMemoryHoweverTheTrianglesLie) {
     Random random(9);
     for (const double size : {1e-9, 1e-4, 0.05, 0.5, 3.0}) {
@@ -141,8 +141,8 @@ TYPED_TEST(Trees, LooksAtFewTriangles) {
 
 // --- scales far apart --------------------------------------------------------------------------------------------------
 
-// Counts the work of queries near a grid of triangles. If `ratio` > 1, a triangle lies that many
-// times the grid's size away.
+// Counts the work of queries near a grid of triangles. If `ratio` > 1, a stray triangle or a copy of the grid lies
+// about that many times the grid's size away.
 template <class Tree> Counters work_beside_a_stray_triangle(double ratio, bool two_clusters) {
     Random random(11);
     TriangleMesh mesh = triangle_grid(random, 40, 0.05);
@@ -244,7 +244,7 @@ TEST(QuantisedBoxes, PlanesAreNeverInside) {
     }
 }
 
-// The extent is 255 steps, or a few ulps less or more.
+// The extent is 255 steps, a few ulps less, or a few more: the last plane must still fit in a byte.
 TEST(QuantisedBoxes, TheLastPlaneIsTheLastByte) {
     for (const int exponent : {-1074, -1030, -1015, -400, 0, 390}) {
         for (int ulps = -3; ulps <= 3; ++ulps) {
@@ -261,7 +261,8 @@ TEST(QuantisedBoxes, TheLastPlaneIsTheLastByte) {
     }
 }
 
-// At 200.5 steps from the origin, the plane after 200 is rounded to the coordinate itself.
+// The corner is 200.5 steps from the origin. Plane 200 would be rounded to the corner itself, but is inside before it
+// is rounded.
 TEST(QuantisedBoxes, PlanesAreNeverInsideBeforeTheyAreRounded) {
     std::array<Box, 1> boxes;
     boxes[0] = {Vec3::Constant(1 - 0x1p-53), Vec3::Constant(1 + 200 * 0x1p-52)};

@@ -61,7 +61,7 @@ TEST(TaylorModel, ProductsEncloseWithTheirErrors) {
     }
 }
 
-// The represented function may be anywhere within the error of each factor; constants of all signs are tried.
+// Each factor stands for any function within its error, and the result's error must cover them all.
 TEST(TaylorModel, ErrorsOfFactorsArePassedOn) {
     const auto model = [](double middle, double error) {
         TaylorModel m;
@@ -133,7 +133,8 @@ AlgebraicSurface surface(const std::string& polynomial, double size) {
     return s;
 }
 
-// Bounds the distance of the piece of `a` in the box around `middle`, from a foot.
+// Returns the bound of along_feet() for the part of `a` in the box around `middle`, whose closest point of `b` is about
+// `foot`.
 double bound(const AlgebraicSurface& a, const AlgebraicSurface& b, const Vec3& middle, double half, const Vec3& foot) {
     const UpwardRounding upward;
     SurfaceTree source(a), target(b);
@@ -162,14 +163,15 @@ TEST(AlongFeet, IsSharpWhereTheDistanceIsConstant) {
     EXPECT_LT(bound(ball, surface("2*x^2 + 2*y^2 + 2*z^2 - 2", 2), {0, 0, 1}, 0.05, {0, 0, 1}), 1e-9);
 }
 
-// The polynomial of degree 8 misses x^9 completely: without the error of the graph, the bound would be 8.
+// A polynomial of degree 8 misses x^9 completely; without its error, the bound would be 8.
 TEST(AlongFeet, CountsHowFarAIsFromItsPolynomial) {
     const double most = bound(surface("z - x^9", 20), surface("z - 8", 20), {0, 0, 0}, 1, {0, 0, 8});
     EXPECT_GE(most, 9);
     EXPECT_LT(most, 10);
 }
 
-// z^2 - 1 over a box around z = 1, started from z = -1: the graph found is the other sheet, which the slope rejects.
+// z^2 = 1 has two sheets. The box is around z = 1, but the start at z = -1 leads to the other sheet, which must be
+// rejected.
 TEST(AlongFeet, RefusesAnotherSheetOfA) {
     const UpwardRounding upward;
     SurfaceTree source(surface("z^2 - 1", 20)), target(surface("z + 4", 20));
@@ -180,7 +182,8 @@ TEST(AlongFeet, RefusesAnotherSheetOfA) {
     EXPECT_GE(along_feet(piece, source, target, {0, 0, -1}, {0, 0, -4}, 1e300, counters), 5);
 }
 
-// The foot of (-1, y, 0) on z = 1 + x / 2 lies beyond the side x = -1 of the box, so the distance is 0.5, not 0.447.
+// The closest point of z = 1 + x / 2 to (-1, y, 0) lies beyond the side x = -1 of B's box, so the distance is 0.5, not
+// 0.447.
 TEST(AlongFeet, StaysInTheBoxOfB) {
     AlgebraicSurface b = surface("z - 1 - x/2", 2);
     b.box(0, 0) = -1;
@@ -188,8 +191,8 @@ TEST(AlongFeet, StaysInTheBoxOfB) {
     EXPECT_LT(bound(surface("z", 2), b, {0.95, 0, 0}, 0.05, {0.5, 0, 1.25}), 1.4);
 }
 
-// A is the plane z = 0. B is the same plane, but ends at x = 0.5 (then at y = 0.25), so no point
-// of the piece is a point of B.
+// A is the plane z = 0, and B is the same plane up to x = 0.5 (then y = 0.25), where it ends before the tested piece of
+// A.
 TEST(AlongFeet, KnowsWhereBEndsBesideThePiece) {
     AlgebraicSurface b = surface("z", 2);
     b.box(0, 0) = -0.5, b.box(1, 0) = 0.5;
@@ -200,7 +203,7 @@ TEST(AlongFeet, KnowsWhereBEndsBesideThePiece) {
     EXPECT_LT(bound(surface("z", 2), b, {0, 0.1, 0}, 0.05, {0, 0.1, 0}), 1e-9);
 }
 
-// Bounds the distance of the piece of `a` in a box, with the move from p to `foot`.
+// Returns the bound of beside() for the part of `a` in a box, with the move from p to `foot`.
 double bound_beside(const AlgebraicSurface& a, const AlgebraicSurface& b, const Box& box, const Vec3& p,
                     const Vec3& foot) {
     const UpwardRounding upward;
@@ -212,7 +215,8 @@ double bound_beside(const AlgebraicSurface& a, const AlgebraicSurface& b, const 
     return beside(piece, target, p, foot, 1e300, counters);
 }
 
-// z = x crosses the piece of z = 0. Moved by 0.15, the whole piece is above B, and yet (-1, 0, 0) is 0.7 from B.
+// B is the plane z = x, which crosses the piece. Moved up by 0.15, the whole piece is above B, and yet (-1, 0, 0) is
+// 0.7 from B.
 TEST(Beside, WantsOneSignOnThePiece) {
     const Box box{{-1, -0.1, -0.1}, {0.1, 0.1, 0.1}};
     EXPECT_GE(bound_beside(surface("z", 2), surface("z - x", 2), box, {0, 0, 0}, {0, 0, 0.15}), 0.7);
@@ -226,8 +230,8 @@ TEST(Beside, GoesFartherThanTheFoot) {
     EXPECT_LT(most, 1.05);
 }
 
-// The exact squared distance of p = a + s (b - a) + t (c - a) + h n to the triangle, with n normal
-// to it and s, t inside, is |h n|^2.
+// Let p = a + s (b - a) + t (c - a) + h n, with n normal to the triangle and s, t inside. The exact squared distance is
+// |h n|^2.
 TEST(TriangleDistance, IsNoLessThanTheExactOne) {
     Random random(8);
     int sharp = 0;
@@ -253,7 +257,7 @@ TEST(TriangleDistance, IsNoLessThanTheExactOne) {
     EXPECT_GT(sharp, 1900);
 }
 
-// The point of B that a foot represents may be 0.25 farther than the foot, according to its error.
+// A closest point with error 0.25 may stand for a point of B 0.25 farther away, which the bound must include.
 TEST(ProvenFeet, AFootIsAsFarAsItsErrorAllows) {
     AlgebraicSurface a{"z", Points(2, 3)}, b{"z - 5/4", Points(2, 3)};
     a.box << -1, -1, -1, 1, 1, 1;

@@ -55,7 +55,7 @@ TEST(SurfaceOffset, ASphereFarFromTheOrigin) {
     expect_converged(there, multiplied_out, 0, 1e-3);
 }
 
-// A torus against a sphere: the expanded polynomial has no coefficient that is a double.
+// Multiplied out, the torus's polynomial has coefficients that no double represents.
 TEST(SurfaceOffset, AQuarticFarFromTheOrigin) {
     const std::string x = "(x - 1000003)", y = "(y + 2000005)", z = "(z - 300007)";
     const std::string square = x + "^2 + " + y + "^2 + " + z + "^2";
@@ -73,7 +73,7 @@ TEST(SurfaceOffset, CoefficientsWhoseSquaresOverflow) {
     }
 }
 
-// The surface is the same, so bounds from the moved polynomial must enclose the values of the plain one.
+// Expanding about another origin keeps the surface, so both polynomials must bound the same values.
 TEST(SurfaceOffset, ThePolynomialIsTheSameAboutAnotherOrigin) {
     const UpwardRounding upward;
     const char* const texts[] = {"x^3 - 3*x*y + z/7", "(x - 4096)^2*(y + z)^2 - x", "x^5*y^2 - 4*z^5 + 1/3"};
@@ -99,7 +99,7 @@ TEST(SurfaceOffset, ThePolynomialIsTheSameAboutAnotherOrigin) {
     EXPECT_EQ(Polynomial::of(surface("x", {-1, 0, 1}, {1, 1, 2})).origin(), Vec3::Zero());  // near the origin
 }
 
-// At most 7 doubles lie between the sides of such a box; boxes that cannot be divided are kept.
+// At most 7 doubles lie between the sides of such a box; boxes that cannot be divided must be kept.
 TEST(SurfaceOffset, BoxesOfAFewDoubles) {
     const Vec3 low(-1, -1, 1e15), high(1, 1, 1e15 + 1);
     const AlgebraicSurface a = surface("z - 1000000000000000 - 1/2", low, high),
@@ -142,7 +142,7 @@ TEST(SurfaceOffset, ABoxThatHoldsNoOtherDoubleIsNotDivided) {
     EXPECT_NE(result.status, Status::time_limit);
 }
 
-// No child equals its parent, the children together are the parent, and the tree ends.
+// Each child must lie inside its parent and be smaller, and the tree must end.
 TEST(SurfaceOffset, EverySplitMakesSmallerBoxes) {
     const UpwardRounding upward;
     SurfaceTree tree(

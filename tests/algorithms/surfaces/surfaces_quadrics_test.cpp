@@ -1,5 +1,5 @@
-// The certified solver on 200 pairs of quadrics of every kind, against a reference that shares no
-// code with it; and the bridge to meshes on some of the pairs.
+// The certified solver on 200 pairs of quadrics of every kind, against a reference that shares no code with it; on some
+// pairs, surface_meshes too.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"

@@ -55,7 +55,7 @@ TEST(IntervalSubdivision, GivesThePapersInterval) {
     EXPECT_NEAR(all.upper, std::sqrt(103.0) / (8 * std::sqrt(2.0)), 1e-12);
     EXPECT_EQ(all.lower, pruned.lower);
     EXPECT_EQ(all.upper, pruned.upper);
-    // The midpoint and the half-width as printed, to their last digits.
+    // The midpoint and the half-width as the paper prints them, to their last digits.
     EXPECT_NEAR((all.lower + all.upper) / 2, 0.81295637135, 1e-10);
     EXPECT_NEAR((all.upper - all.lower) / 2, 0.08408738455, 1e-10);
 }
@@ -92,7 +92,7 @@ TEST(IntervalSubdivision, PruningChangesNoBitAndSavesAThousandfold) {
 }
 
 TEST(IntervalSubdivision, MissesWhereVoxelsHoldNoSurface) {
-    // These voxels are kept only because of rounding, but the published lower end takes them for points of the source.
+    // The published lower bound takes these voxels, kept only because of rounding, for points of the source.
     const AlgebraicSurface almost = surface("(z^2 - 1/4)*(x^2 + y^2 + (z - 1)^2 + 1/1000)"),
                            plane = surface("z^2 - 1/4");
     const Result result = solve("interval_subdivision", almost, plane, 100, subdivision(6, "pruned"));
@@ -145,8 +145,8 @@ TEST(SurfaceSolvers, CertifiedBoundsHoldAndClose) {
     }
 }
 
-// A patch of a plane, given as the zeros of a cubed form that is expanded. Its values near the plane are mostly
-// rounding errors, so points are proven to lie on it only to within about 1e-5, and may be that far off it.
+// A cubed plane equation, multiplied out. Its values near the plane are mostly rounding errors, so points are proven to
+// lie on it only to within about 1e-5, which the bounds must include.
 TEST(SurfaceSolvers, APointThatIsKnownRoughlyIsNoFartherThanItsError) {
     AlgebraicSurface plane = surface("z");
     plane.box << -0x1p-10, -0x1p-10, -0.25, 0x1p-10, 0x1p-10, 0.25;
@@ -168,7 +168,7 @@ TEST(SurfaceSolvers, APointThatIsKnownRoughlyIsNoFartherThanItsError) {
     }
 }
 
-// If the distance is constant over A, or has a curve of maxima, boxes need not shrink to the square root of the tolerance.
+// If the distance is constant or has a curve of maxima, boxes need not be as small as the square root of the tolerance.
 TEST(SurfaceSolvers, FewBoxesWhereTheDistanceIsConstant) {
     const auto s = [](const std::string& text) { return surface(text); };
     const AlgebraicSurface ball = s("x^2 + y^2 + z^2 - 1"), large = s("x^2 + y^2 + z^2 - 9/4"),
@@ -198,14 +198,13 @@ TEST(SurfaceSolvers, FewBoxesWhereTheDistanceIsConstant) {
     }
 }
 
-// Both surfaces lie in the plane z = 0, and the box of B cuts B off. A zero of B's polynomial
-// outside the box is not a point of B.
+// Both surfaces lie in the plane z = 0, but B ends at its box: zeros of its polynomial outside are not points of B.
 TEST(SurfaceSolvers, ATargetThatItsBoxCutsOff) {
     AlgebraicSurface a = surface("z"), b = surface("z");
     a.box.row(0).setConstant(-1);
     a.box.row(1).setConstant(1);
     const std::pair<std::array<double, 4>, double> cuts[] = {
-        // x and y of B's box, and h squared
+        // x range and y range of B's box, and h^2
         {{-0.6, 0.2, -0.5, 0.5}, 0.89},
         {{-0.6, 0.2, -0.75, 0.25}, 1.2025},
         {{-0.5, 0.5, -0.5, 0.5}, 0.5},
@@ -264,8 +263,8 @@ TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
         solve("surface_meshes", ball, surface("x^2 + y^2 + z^2 - 9/4"), 1e-3, {{"cells", std::int64_t(8)}});
     EXPECT_EQ(coarse.status, Status::stalled);
     EXPECT_NE(coarse.note.find("cells"), std::string::npos) << coarse.note;
-    // Without a mesh: if the source may be empty, the distance is at most what the boxes allow; if
-    // the target may be, it may be infinite.
+    // The square of a polynomial does not change sign, so no mesh is found. If A may be empty, the upper bound comes
+    // from the boxes; if B may be, it is infinite.
     const Result from = solve("surface_meshes", square, surface("x^2 + y^2 + z^2 - 9/4"), 1e-3);
     EXPECT_EQ(from.bounds.lower, 0);
     EXPECT_GE(from.bounds.upper, std::sqrt(48.0));
@@ -279,8 +278,7 @@ TEST(MeshBridge, SaysWhyItStopsAndWhatItCannotTake) {
     }
 }
 
-// A coarse mesh of the ball B lies inside it. A is a small patch of a plane, whose mesh is nearly
-// exact. So the distance to the mesh of B exceeds the distance to B.
+// The coarse mesh of the ball B lies inside B, so A, a tiny patch of a plane, is farther from the mesh than from B.
 TEST(MeshBridge, TheMeshOfBMayBeFartherThanB) {
     const AlgebraicSurface ball = surface("(x - 1/8)^2 + (y - 1/5)^2 + (z - 1/6)^2 - 1");
     for (const auto& [x, y] : {std::pair{0.125, 0.25}, {0.375, 0.0}, {-0.25, 0.5}}) {
@@ -456,7 +454,7 @@ TEST(SurfaceSolvers, BothDirectionsMakeH) {
     });
 }
 
-// A new thread does not inherit a rounding mode that prepare() has set.
+// The result must not depend on a rounding mode that prepare() set in another thread.
 TEST(SurfaceSolvers, AFreshThreadGivesTheSameBits) {
     for_each_surface_solver([](const SolverEntry& entry, const Session& session) {
         const Result here = solve_spheres(session, Quantity::symmetric);
@@ -471,7 +469,7 @@ TEST(SurfaceSolvers, AFreshThreadGivesTheSameBits) {
     });
 }
 
-// surface_enclosure computes with directed rounding throughout solve(), which sets the mode whatever it was.
+// surface_enclosure must set the rounding mode that it needs, and restore the caller's.
 TEST(SurfaceSolvers, TheEnclosureSetsItsRoundingItself) {
     for_each_surface_solver([](const SolverEntry& entry, const Session& session) {
         if (entry.info.name != "surface_enclosure") return;
