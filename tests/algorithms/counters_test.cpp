@@ -154,8 +154,8 @@ const std::set<std::string> not_counted = {"cgal", "cgal_kdtree", "kdtree", "pen
 
 using Groups = std::map<std::string, std::function<Counts()>>;
 
-// Returns the groups of counters: each solver with its defaults, or with cheaper options if those are slow here;
-// variants of solvers; and search structures.
+// Returns the groups of counters: each solver (with cheaper options if it is slow here), variants of solvers, and
+// search structures.
 Groups groups() {
     Groups all;
     const auto add = [&](const std::string& group, const std::string& solver, const ParameterMap& given = {}) {

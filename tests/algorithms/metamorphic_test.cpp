@@ -1,5 +1,5 @@
-// Checks the relations of metamorphic.h for every certified solver. They need no reference answer, so they also find
-// errors that a reference might share. For each relation, a deliberately wrong solver shows that it can fail.
+// Checks the relations of metamorphic.h for every certified solver. They need no reference, so they also find errors
+// that a reference might share. A deliberately wrong solver shows that each relation can fail.
 #include "tests/support/metamorphic.h"
 
 #include "algorithms/registry.h"
@@ -119,7 +119,7 @@ Bounds right(const Scene& scene, Quantity quantity) {
 // Returns bounds so wide that only a wrong `value` can violate a relation.
 Bounds around(double value) { return {value - 2 * coarse, value + 2 * coarse}; }
 
-// Returns the distance of the vertices alone.
+// Returns h between the vertices of `a` and of `b`.
 double of_vertices(const Shape& a, const Shape& b) {
     return right({PointSet{points_of(a)}, PointSet{points_of(b)}}, Quantity::directed).lower;
 }
@@ -220,8 +220,8 @@ AlgebraicSurface ball(const std::string& x, const std::string& squared_radius, d
     return s;
 }
 
-// Checks the relations that make sense for surfaces, which have no faces to reorder. The tolerance is coarse, and some
-// solvers still miss it within their budget, so only the bounds are compared.
+// Surfaces have no faces to reorder. Not every solver reaches the tolerance within its budget, so only bounds are
+// compared.
 TEST(Metamorphic, SurfacesObeyThem) {
     const AlgebraicSurface a = ball("x", "1"), b = ball("x - 1/4", "1"), c = ball("x + 1/4", "9/16");
     AlgebraicSurface turned = b;

@@ -110,7 +110,7 @@ namespace quadric_reference {
 
 constexpr double slack = 1e-7;
 
-// Returns whether the box with this middle and these half widths certainly contains no point of the quadric.
+// Returns true if the box, given by its centre and half widths, certainly contains no point of the quadric.
 inline bool misses(const Quadric& q, const Vec3& c, const Vec3& half) {
     return std::abs(q.value(c)) > q.gradient(c).cwiseAbs().dot(half) + half.dot(q.form.cwiseAbs() * half) + 1e-9;
 }

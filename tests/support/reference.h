@@ -41,8 +41,8 @@ public:
         std::vector<Piece> stack;
         Real low = 0;
         for (Index i = 0; i < triangles.rows(); ++i) stack.push_back(piece(corners(vertices, triangles, i), low));
-        // All lower bounds are known before the first split, and the largest upper bound comes
-        // first, so that little is split.
+        // All lower bounds are known before the first split, and the largest upper bound comes first, so that few
+        // pieces are split.
         std::sort(stack.begin(), stack.end(), [](const Piece& x, const Piece& y) { return x.upper < y.upper; });
         Real high = low;
         while (!stack.empty()) {

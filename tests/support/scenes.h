@@ -42,7 +42,7 @@ inline Points lattice(Index n, double z) {
     return points;
 }
 
-// Returns an n x n grid of vertices with its triangles.
+// Returns a triangulated n x n grid at height z, changed by up to `bump` at random.
 inline TriangleMesh sheet(Index n, double z, double bump = 0) {
     TriangleMesh mesh;
     mesh.vertices = lattice(n, z);

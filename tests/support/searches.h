@@ -1,5 +1,6 @@
-// How much a random search tries. `make test` tries a fifth, so that it ends in minutes. HAUSBENCH_SEARCHES=all tries
-// everything, as CI and the mutants do; `make searches` runs only these programs. The first fifth is the same in both.
+// The number of tries of a random search. `make test` makes a fifth of them, to end within minutes.
+// HAUSBENCH_SEARCHES=all makes all, as CI and the mutants do; `make searches` runs only these programs. The first fifth
+// is the same in both.
 #pragma once
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Points and triangles of every kind that is hard for a distance kernel.
+// Triangles and points of every kind that is hard for a distance kernel.
 #pragma once
 
 #include "algorithms/kernel/point_triangle.h"

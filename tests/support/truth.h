@@ -12,7 +12,6 @@ namespace hausbench {
 
 using Real = long double;
 
-// Returns the scene with both shapes moved by their poses.
 inline Scene posed(const Scene& scene, const Pose& source, const Pose& target = {}) {
     const auto moved = [](const Shape& shape, const Pose& pose) {
         Shape copy = shape;

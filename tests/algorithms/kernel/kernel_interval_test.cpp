@@ -290,7 +290,7 @@ TEST(Interval, RoundingModeIsPutBack) {
     EXPECT_EQ(1.0 + tiny, 1.0);
 }
 
-// Each result encloses the exact value and is no wider than two neighbouring doubles.
+// Each result contains the exact value and spans at most two neighbouring doubles.
 TEST(Interval, OperationsRoundOutwards) {
     Random random(4);
     int inexact = 0;

@@ -104,7 +104,7 @@ double magnitude_of(const Chain& chain) {
     return most;
 }
 
-// Calls check(chain, magnitude) for pieces of up to 24 halvings.
+// Calls check(chain, magnitude) for random pieces after 0 to 24 halvings.
 template <class Check> void for_each_chain(Check check) {
     Random random(4);
     for (int i = 0; i < 300; ++i) {

@@ -151,7 +151,8 @@ const std::vector<NamedBound>& all_bounds() {
     return list;
 }
 
-// Makes a piece of A and a small B of every kind: apart, near, points, sharing an edge, folded, or the piece itself.
+// Returns a piece of A and a small mesh B: apart, points near the piece, two triangles with a common edge, the piece
+// cut up, or a mesh that contains the piece.
 std::pair<std::array<Vec3, 3>, TriangleMesh> piece_and_target(Random& random, int i) {
     std::array<Vec3, 3> piece = any_shape(random, i);
     const auto near = [&](double size) {

@@ -1,6 +1,5 @@
-// Each term that threshold cover adds to its bounds, for rounding or for halved pieces, has a test that fails without
-// it. If other terms would hide the fault in a complete search, the test calls one part of the search. All comparisons
-// are exact.
+// Each term that threshold cover adds to its bounds, for rounding or for halved pieces, has a test here that fails
+// without it, if necessary by calling one part of the search. All comparisons are exact.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/cover/groups.h"
 #include "algorithms/meshes/cover/offset_cover.h"
@@ -173,8 +172,8 @@ struct AcrossThePlace {
 
 // --- pieces of a level ----------------------------------------------------------------------------------------------
 //
-// A corner of a piece of level k may be 2kuM off the point of A that it represents (kernel/rounding.h).
-// Pieces of a real search are rarely off by half of that, so these tests make pieces by hand.
+// A corner of a piece of level k may be 2 * k * u * M off the point of A that it represents (kernel/rounding.h). Real
+// searches rarely reach half of that, so these tests make pieces by hand.
 
 // A worker with a single triangle of A. A `magnitude` above all coordinates makes the rounding terms as large as if
 // something were far away.
@@ -236,7 +235,7 @@ constexpr double far_away = 0x1p40, um = u * far_away;
 // Returns the tolerance for which the cover threshold tau is above * u * M above the lower bound.
 constexpr double tolerance_of(double above) { return above * um / 0.9; }
 
-// Returns a lower bound of 1.
+// Returns a farthest point at distance 1, so that the lower bound is 1.
 Farthest at_one() {
     Farthest farthest;
     farthest.point.squared = 1;
@@ -345,8 +344,8 @@ TEST(CoverWorker, APointInsideAPieceIsOffByItsLevel) {
     EXPECT_GE(outcome.farthest.level, high_level + 1);
 }
 
-// B is a bowl with many triangles under one triangle of A, so A's triangle is halved. The farthest
-// point is the midpoint of its longest edge, which is rounded.
+// B is a bowl with many triangles under the triangle of A, which is therefore halved. The farthest point is the
+// midpoint of its longest edge, which is rounded.
 TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
     Random random(53);
     int off_a = 0, off_a_undecided = 0;
@@ -509,7 +508,7 @@ TEST(OffsetCover, EveryPointIsWithinItsSlack) {
     EXPECT_GE(off, 500);
 }
 
-// The worst of 30000 scenes: one cut, near the end of a long edge, puts a corner more than 2u off the plane of the piece.
+// The worst of 30,000 scenes: one cut near the end of a long edge puts a corner more than 2u off the piece's plane.
 TEST(OffsetCover, ACutFarAlongALongEdgeIsWithinItsSlack) {
     const LocalUnits place = unit_place();
     for (const std::uint64_t seed : {107891, 112503, 117661, 120264, 125699}) {

@@ -158,7 +158,7 @@ TEST(OffsetCover, SinglePrecisionNeverBoundsBelowTheExactDistance) {
     EXPECT_LT(closest_call, 1e-4);
 }
 
-// A sample of random scenes gives the same bits with 1, 2 and 5 threads, and with a budget.
+// Random scenes must give the same bits with 1, 2 and 5 threads, even if a budget ends the search.
 TEST(Cover, TheAnswerDoesNotDependOnTheNumberOfThreads) {
     Random random(44);
     const SolverEntry& entry = find_solver("cover");

@@ -73,7 +73,7 @@ void expect_holds_exactly(const Result& result, const TriangleMesh& a, const std
     }
 }
 
-// `a` is posed.
+// Checks the bounds of each triangle of `a`, moved by its pose, against the slow reference.
 void expect_holds(const Result& result, const TriangleMesh& a, const TriangleMesh& b, const std::string& where) {
     expect_consistent(result, a.triangles.rows(), where);
     const MeshReference reference(b);
@@ -96,7 +96,7 @@ TriangleMesh mesh_at(const SharedShape& shape, const Pose& pose) {
     return {posed(points_of(shape), pose), triangles()};
 }
 
-// A few triangles that share vertices.
+// Returns triangles that share their first corner.
 TriangleMesh fan(Random& random, Index triangles) {
     TriangleMesh mesh{cloud(random, triangles + 2), Triangles(triangles, 3)};
     mesh.vertices = (mesh.vertices.array() * 0.25 + 0.75).matrix().eval();
@@ -141,7 +141,7 @@ TEST(GutheFields, BoundsOfEachTriangleHoldExactly) {
                 query.budget = budget;
                 const Result result = solve(session, query);
                 expect_holds_exactly(result, a, b, std::string(split) + ", scene " + std::to_string(i));
-                // The corners of each triangle were measured.
+                // The corners of each triangle must have been measured.
                 for (Index t = 0; t < a.triangles.rows(); ++t) {
                     for (const Index v : a.triangles.row(t)) {
                         Rational least = 100;
@@ -188,7 +188,7 @@ TEST(GutheFields, BoundsOfParallelPlanesClose) {
 }
 
 TEST(GutheFields, OnlyTrianglesThatWereSubdividedHaveALevel) {
-    // The largest distance of the second triangle is inside an edge.
+    // The farthest point of the second triangle lies inside an edge, so this triangle must be subdivided.
     const TriangleMesh a =
         soup(rows({{0.1, -0.3, 0}, {0.1, -0.29, 0}, {0.11, -0.3, 0}, {0, 0, 0}, {1, 0, 0}, {0.5, 0.01, 0}}));
     const std::vector<Vec3> b{{0.1, -0.3, 0}, {0.8, -0.25, 0}};
@@ -245,7 +245,7 @@ TEST(GutheFields, WithoutCertificationNothingIsWidened) {
     }
 }
 
-// For H(A,B), the fields must be those of h(A,B), whichever direction is larger.
+// For H(A,B), the fields must be the same as for h(A,B), whichever direction is larger.
 TEST(GutheFields, OfBothDirectionsAreThoseOfTheSourceAndOfAMovedTarget) {
     const TriangleMesh small = sheet(4, 0.1, 0.2), large = sheet(6, 0, 0.3);
     Query query = asking(1e-2);

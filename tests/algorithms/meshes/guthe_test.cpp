@@ -79,8 +79,8 @@ TEST(Guthe, AToleranceBelowRoundingIsThePrecisionFloor) {
     }
 }
 
-// Returns a scene whose B is a triangle with corners that are collinear up to rounding. For one point in 250, the
-// textbook's nearest point is wrong by the size of the triangle.
+// B is a triangle whose corners are collinear up to rounding. For one point in 250, the textbook's nearest point is
+// wrong by the size of the triangle.
 Scene rounded_collinear(Random& random) {
     const Triangle t = thin(random, 0, random.real(0.1, 0.9));
     return {soup(cloud(random, 90)), soup(rows({t.a, t.b, t.c}))};
@@ -202,8 +202,8 @@ TEST(Guthe, BoundsAreWidenedByTheLevelOfTheirPiece) {
     }
 }
 
-// B is one triangle, so the farthest point is a corner of A. The coordinates of one mesh are much smaller than those of
-// the other.
+// B is one triangle, so the farthest point is a corner of A. The coordinates of one mesh are much smaller than the
+// other's.
 TEST(Guthe, BoundsHoldExactlyWhereOneMeshIsMuchSmaller) {
     Random random(6);
     for (int i = 0; i < 2000; ++i) {
@@ -333,8 +333,7 @@ void expect_same_answer(const Result& warm, const Result& cold, const Scene& sce
 TEST(Guthe, WarmPosesHaveTheAnswersOfColdOnesForLessWork) {
     const SolverEntry& guthe = find_solver("guthe");
     ASSERT_TRUE(guthe.info.can(Ability::warm));
-    // Each chain: name, scene, `regions`, and the fraction of the cold work that warm starts must stay below. Regions
-    // leave less to save.
+    // Name, scene, `regions`, and the fraction of the cold work that warm starts may take; regions leave less to save.
     const std::tuple<const char*, Scene, bool, double> chains[] = {
         {"torus in a torus", {torus(24), torus(40)}, false, 0.95},
         {"lump in a lump", {lump(24), lump(40)}, false, 0.9},

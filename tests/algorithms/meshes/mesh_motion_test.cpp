@@ -165,7 +165,7 @@ TEST(MeshMotion, ARigidMotionOfBothChangesNothing) {
     }
 }
 
-// H(A,B) and H(B,A), in separate runs.
+// H(A,B) and H(B,A) must agree.
 TEST(MeshMotion, TheOrderOfTheShapesDoesNotMatter) {
     const Scene scene{bent(40, 0.3, 0.8), bent(33, 0.4, 0.75)}, turned_round{scene.target, scene.source};
     for (const SolverEntry& entry : movers()) {

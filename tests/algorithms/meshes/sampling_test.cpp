@@ -1,4 +1,4 @@
-// The covering radius of grids on triangles, and the intervals, samples and stops of `sampling`.
+// The covering radius of grids on triangles, and the intervals, samples and stops of the solver `sampling`.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
@@ -254,7 +254,6 @@ TEST(Sampling, NeverWiderThanByVertices) {
 }
 
 // Bounds must include the derived rounding error of samples, although roundings never all err in one direction.
-// Distances are small, so that this error shows.
 TEST(Sampling, BoundsAreWidenedByTheRoundingOfSamples) {
     const Triangle a{{1, 1, 1}, {1 - 0x1p-20, 1, 1}, {1, 1 - 0x1p-20, 1}};
     const Vec3 b(1 - 0x1p-22, 1 - 0x1p-22, 1 - 0x1p-16);  // nearest to an inner point; the corners are farther
@@ -301,7 +300,6 @@ TEST(Sampling, TheNumberOfSamplesIsAsDerived) {
     }
 }
 
-// The longest edge decides, whichever it is.
 TEST(Sampling, TheLongestEdgeDecidesTheNumberOfSteps) {
     const Vec3 corner[3] = {{0, 0, 0}, {0.5, 0.1, 0}, {1, 0, 0}};
     for (const std::size_t first : {0, 1, 2}) {

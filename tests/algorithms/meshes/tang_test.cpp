@@ -43,7 +43,7 @@ Query asking(double tolerance) {
 
 double reported(const Result& result, const std::string& name) { return std::get<double>(result.reported.at(name)); }
 
-// Each option changed alone, and all of them together.
+// The defaults, each option changed alone, and several together.
 const std::vector<ParameterMap>& options() {
     const auto text = [](const char* value) { return std::string(value); };
     static const std::vector<ParameterMap> list{
@@ -246,13 +246,13 @@ TEST(EnclosedMove, BoundsAPieceThatGoesIn) {
     EXPECT_EQ(bound_by_move(cube(1), above, {0, 0, -0.125}), next_up(distance_at_most(0x1p-6, false) + 0x1p-500));
     EXPECT_TRUE(std::isinf(bound_by_move(cube(1), above, {0, 0, -0.05})));     // stays outside
     EXPECT_TRUE(std::isinf(bound_by_move(cube(1), above, {0.5, 0, -0.125})));  // T + D touches a side
-    // From inside: through the top, too.
+    // A move out of B through the top counts too.
     const Triangle inside{{-0.5, -0.5, 0.9}, {0.6, -0.4, 0.9}, {-0.3, 0.7, 0.9}};
     EXPECT_LT(bound_by_move(cube(1), inside, {0, 0, 0.125}), 0.1251);
 }
 
-// Lemma 4 as printed would give 0.25: the piece T moved by D is enclosed, and the part of T outside B moves in. But
-// part of T is inside from the start, more than 0.3 from the surface of B.
+// Lemma 4 as printed would give 0.25, because the piece moved by D is enclosed. But part of the piece is inside from
+// the start, more than 0.3 from the surface of B.
 TEST(EnclosedMove, SaysNothingOfAPieceThatIsNotAllOutside) {
     const Triangle t{{-0.2, 0.1, 1.2}, {0.3, -0.2, 1.2}, {0.9, 0.1, 0.3}};
     const TriangleMesh b = cube(1);

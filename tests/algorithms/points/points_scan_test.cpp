@@ -38,7 +38,6 @@ Points stacked(const Points& a, const Points& b) {
     return both;
 }
 
-// Returns points on the unit sphere.
 Points sphere(Random& random, Index count) {
     Points points = cloud(random, count);
     points.rowwise().normalize();
@@ -280,7 +279,7 @@ TEST(Scan, PointsThatItLeavesUndecidedMayBeTheFarthest) {
     EXPECT_GE(stopped_short, 10);
 }
 
-// A and B span many blocks.
+// A and B are large enough for many blocks of work.
 TEST(Scan, SameWorkAndWitnessWhateverTheThreads) {
     Random random(43);
     for (int i = 0; i < 2 * kinds; ++i) {

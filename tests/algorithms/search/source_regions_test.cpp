@@ -137,7 +137,7 @@ TEST(SourceRegions, TheFarthestCornerOfThePosedBoxCounts) {
     pose.translation = Vec3(0, 0, 5);
     const std::vector<double> uppers = first_bounds(a, b, pose, 16);
     ASSERT_EQ(uppers.size(), static_cast<std::size_t>(a.triangles.rows()));
-    // The turned square reaches from z = 3.9 to 5, and B lies in the plane z = -9. Bounds are at least 14, and not much
+    // B lies in the plane z = -9, and the turned square reaches z = 5, so bounds must be at least 14, but not much
     // above what the diagonal of the box gives.
     EXPECT_GE(*std::min_element(uppers.begin(), uppers.end()), 14);
     EXPECT_LE(uppers[0], std::sqrt(14.0 * 14 + 1.2 * 1.2) + 0.01);

@@ -111,7 +111,7 @@ Answer check(const Vec3& a, const Vec3& b, const Pose& p, const Pose& g, const s
     }
     holds((*result.fields)[0].values[0], (*result.fields)[1].values[0], "fields");
     EXPECT_EQ((*result.fields)[2].values[0], 7);
-    // The witness proves the bound for the posed points.
+    // The witness must prove the lower bound for the moved points.
     const double off = (result.witness.source_point - Vec3(posed(rows({a}), p).row(0))).norm();
     const double far = (result.witness.source_point - Vec3(posed(rows({b}), g).row(0))).norm();
     EXPECT_LE(result.bounds.lower, std::max(far - off, 0.0)) << where;
@@ -240,7 +240,7 @@ TEST(SessionUndo, WhatIsCopiedIsSaidBeforehand) {
     EXPECT_TRUE(copies(query));
 }
 
-// If a solver handles a moving target itself, the session does not interfere.
+// A solver that handles a moving target itself must get the motion.
 TEST(SessionUndo, ASolverThatTakesTheMotionGetsIt) {
     SolverEntry entry = sharp();
     entry.info.abilities.insert(Ability::moving_target);

@@ -24,7 +24,7 @@ struct PosePair {
     Pose source, target;
 };
 
-// The first pose pair leaves A at rest, the last one B.
+// The first pair of poses leaves A at rest, the last one B.
 const std::array<PosePair, 3> pose_pairs{{{{}, turned(0.6, 0.8, {0.25, 0, -0.5})},
                                           {turned(0.28, 0.96, {-0.125, 0.5, 0}), turned(0.6, 0.8, {0.25, 0, -0.5})},
                                           {turned(0.96, 0.28, {0.5, -0.25, 0.125}), {}}}};
@@ -184,8 +184,8 @@ Query turned_round(Query query) {
     return query;
 }
 
-// Work for H (`whole`) and for both directions queried separately (`apart`), summed over a solver's scenes. On scenes
-// this small, bounds of groups, which a floor encourages, may cost up to an eighth more than they save.
+// Work for H (`whole`) and for both directions separately (`apart`), summed over a solver's scenes. On scenes this
+// small, bounds of groups, which a floor encourages, may cost up to an eighth more than they save.
 struct Work {
     Counters whole, apart;
 

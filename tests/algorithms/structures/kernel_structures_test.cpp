@@ -1,4 +1,4 @@
-// Adjacency and swept sphere volumes.
+// Triangle adjacency, swept sphere volumes and prepared structures.
 #include "algorithms/meshes/tang/adjacency.h"
 #include "algorithms/meshes/tang/swept_sphere.h"
 #include "algorithms/points/zhang2017/point_octree.h"
@@ -132,8 +132,7 @@ TEST(SweptSphere, ThePointsAreWithinTheRadiusOfTheExactRectangle) {
     }
 }
 
-// Tries arbitrary volumes: u and v orthogonal or not, with or without a radius, some so small that products underflow;
-// and points at any distance.
+// Tries arbitrary volumes, orthogonal or not, some so small that products underflow, and points at any distance.
 TEST(SweptSphere, BoundsHoldForTheExactRectangle) {
     Random random(6);
     int told = 0;
@@ -215,7 +214,7 @@ TEST(Prepared, BuildsWhatIsDeclaredAndNamesIt) {
     EXPECT_FALSE(structure_kind<Adjacency>().fits(ShapeKind::points));
 }
 
-// A foreign structure with parameters.
+// A structure defined outside the library, with parameters.
 struct EveryNth {
     static constexpr std::string_view structure_name = "every n-th point";
     static constexpr int structure_layout = 1;

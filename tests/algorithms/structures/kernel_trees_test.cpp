@@ -142,7 +142,7 @@ TYPED_TEST(Trees, LooksAtFewTriangles) {
 // --- scales far apart --------------------------------------------------------------------------------------------------
 
 // Counts the work of queries near a grid of triangles. If `ratio` > 1, a stray triangle or a copy of the grid lies
-// about that many times the grid's size away.
+// about `ratio` grid sizes away.
 template <class Tree> Counters work_beside_a_stray_triangle(double ratio, bool two_clusters) {
     Random random(11);
     TriangleMesh mesh = triangle_grid(random, 40, 0.05);

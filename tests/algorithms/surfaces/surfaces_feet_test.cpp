@@ -159,7 +159,7 @@ TEST(AlongFeet, IsSharpWhereTheDistanceIsConstant) {
     const double most = bound(torus, thin, {1.5, 0, 0}, 0.03, {1.25, 0, 0});
     EXPECT_GE(most, 0.25);
     EXPECT_LT(most, 0.25 + 1e-8);
-    // The same surface, up to a factor.
+    // The same surface, its polynomial multiplied by 2.
     EXPECT_LT(bound(ball, surface("2*x^2 + 2*y^2 + 2*z^2 - 2", 2), {0, 0, 1}, 0.05, {0, 0, 1}), 1e-9);
 }
 
@@ -215,8 +215,7 @@ double bound_beside(const AlgebraicSurface& a, const AlgebraicSurface& b, const 
     return beside(piece, target, p, foot, 1e300, counters);
 }
 
-// B is the plane z = x, which crosses the piece. Moved up by 0.15, the whole piece is above B, and yet (-1, 0, 0) is
-// 0.7 from B.
+// B is the plane z = x. Moved up by 0.15, the whole piece is above B, and yet (-1, 0, 0) is 0.7 from B.
 TEST(Beside, WantsOneSignOnThePiece) {
     const Box box{{-1, -0.1, -0.1}, {0.1, 0.1, 0.1}};
     EXPECT_GE(bound_beside(surface("z", 2), surface("z - x", 2), box, {0, 0, 0}, {0, 0, 0.15}), 0.7);

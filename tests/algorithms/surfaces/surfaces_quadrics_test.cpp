@@ -69,7 +69,7 @@ TEST(SurfaceSolvers, RandomQuadricPairs) {
     int empty = 0, unknown = 0, sharp = 0, converged = 0, swapped_apart = 0, published_misses = 0, done = 0, closed = 0;
     for (int i = 0; done < pairs; ++i) {
         ASSERT_LT(i, 3 * pairs);
-        // Every kind meets every other kind in turn.
+        // In turn, every kind of A meets every kind of B.
         const Quadric a = random_quadric(random, i), b = random_quadric(random, i + i / 11);
         const std::string where = a.kind + " " + a.text + " to " + b.kind + " " + b.text;
         const Scene scene{a.surface(), b.surface()};
