@@ -358,7 +358,7 @@ TEST(CoverWorker, PointsOfHalvesAreAsNearToAAsTheirLevelSays) {
         const Triangle t{Vec3(-0.9, 0, 0) + random.vector(0.05), Vec3(0.9, 0, 0) + random.vector(0.05),
                          Vec3(0.3, 0.6, 0) + random.vector(0.05)};
         Alone alone(t, bowl, 1e-12);
-        Farthest begin;  // the whole bowl is near
+        Farthest begin;  // so far away that the whole bowl counts as near
         begin.point = {t.a, 0.25, 0};
         begin.source = 0;
         alone.begin(begin);

@@ -151,7 +151,7 @@ TEST(AlongFeet, IsSharpWhereTheDistanceIsConstant) {
     for (const double half : {0.2, 0.1, 0.05}) {
         const double most = bound(ball, large, {0, 0, 1}, half, {0, 0, 1.5});
         EXPECT_GE(most, 0.5);
-        EXPECT_LT(most - 0.5, before / 100) << half;  // by 2^9 each time
+        EXPECT_LT(most - 0.5, before / 100) << half;  // shrinks by 2^9 each time
         before = std::max(most - 0.5, 1e-13);
     }
     const AlgebraicSurface torus = surface("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)", 2),

@@ -393,7 +393,7 @@ TEST(SurfaceSolvers, KeepTheContract) {
             EXPECT_EQ(first.counters, again.counters) << where;
             for (const std::uint64_t budget : {0, 1, 20}) ask([&](Query& q) { q.budget = budget; });
             ask([](Query& q) { q.time_limit = 0; });
-            if (!entry.info.certified || entry.info.name == "surface_meshes") continue;  // its gap has a floor
+            if (!entry.info.certified || entry.info.name == "surface_meshes") continue;  // the mesh limits its gap
             if (k.h > 0.1) {
                 EXPECT_GT(ask([&](Query& q) {
                               q.cutoff = 0.5 * k.h;
