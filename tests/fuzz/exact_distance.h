@@ -1,4 +1,4 @@
-// The exact squared distance of a point to a shape.
+// The exact squared distance from a point to a shape.
 #pragma once
 
 #include "algorithms/kernel/triangle.h"
