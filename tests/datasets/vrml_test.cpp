@@ -37,7 +37,6 @@ protected:
         std::ofstream(file, std::ios::binary) << text;
         return load_file(file);
     }
-    // Returns the corners of the triangles, in order.
     std::vector<Vec3> corners(const std::string& scene) const {
         const LoadedShape loaded = load(head + scene);
         const auto& mesh = std::get<TriangleMesh>(loaded.shape);

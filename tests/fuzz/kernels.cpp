@@ -49,7 +49,6 @@ void check_one(const Vec3& p, const Triangle& t, const Vec3& guess) {
 
 bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
-// Compares the result for one of eight triangles, bit for bit, with the kernel for a single triangle.
 void check_lane(const BlockFeet& feet, int lane, const TrianglePoint& one) {
     expect(same(feet.squared_distance[lane], one.squared_distance), "eight at a time: another distance");
     for (int k = 0; k < 3; ++k) expect(same(feet.point[k][lane], one.point[k]), "eight at a time: another foot");

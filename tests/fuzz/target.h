@@ -62,7 +62,6 @@ private:
     std::string_view rest_;
 };
 
-// Checks that an error message is one non-empty line.
 inline void expect_one_line(const InputError& error) {
     const std::string_view text = error.what();
     expect(!text.empty() && text.find('\n') == std::string_view::npos, "the message is not one line");

@@ -176,7 +176,6 @@ private:
     std::unique_ptr<Solver> good_;
 };
 
-// A solver that never finishes preparing.
 class NeverReady final : public Solver {
 public:
     explicit NeverReady(const Options&) {}

@@ -11,7 +11,7 @@
 namespace hausbench {
 namespace {
 
-// Repeats one triangle. All copies are equally far away, so interval arithmetic cannot exclude any of them.
+// Repeats a triangle: interval arithmetic cannot exclude any of the equally near copies.
 TriangleMesh copies_of_a_triangle(int count) {
     TriangleMesh mesh{Points(3, 3), Triangles(count, 3)};
     mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0;
@@ -135,7 +135,7 @@ TEST_F(VerifyRows, WhatCannotBeCheckedLosesItsOldVerdict) {
     EXPECT_EQ(rows[0].check.upper, Verdict::not_checked);
 }
 
-// When a run adds rows to a result, earlier rows are checked again only if a new row has the same scene and pose.
+// Earlier rows of a result are checked again only if a new row has the same scene and pose.
 TEST_F(VerifyRows, RowsOfAnEarlierRunAreCheckedWhereANewOneIsOfTheSame) {
     const Vec3 p(0.25, 0.25, 2);
     rows = {answer(2, 2, p), answer(1, 1.5, p), answer(99, 100, p), answer(99, 100, p)};
@@ -240,7 +240,7 @@ TEST_F(VerifyBothDirections, AWitnessOnBShowsTheSymmetricDistance) {
     EXPECT_EQ(lower(0), Verdict::holds);
     EXPECT_EQ(upper(0), Verdict::holds);
     EXPECT_EQ(lower(1), Verdict::unsound);
-    // The witness names an element of B; element 0 is 5 away from the witness point, so nothing is proven.
+    // The named element of B is 5 away from the witness point, so nothing is proven.
     rows = {symmetric(5, 5)};
     rows[0].outcome.witness.target_element = 0;
     verify();

@@ -87,7 +87,7 @@ TEST(VerifyUpper, OneOutlierAndBothDirections) {
     EXPECT_EQ(check(a, b, 2e6, Quantity::symmetric), Verdict::holds);
 }
 
-// An outlier of B must not put all other points into one grid cell; equal points of A must be checked only once.
+// An outlier of B must not put all other points into one grid cell; equal points of A are checked once.
 TEST(VerifyUpper, OutliersAndEqualPointsCostLittle) {
     Random random(10);
     PointSet b = cloud(random, 200000, 1, Vec3::Zero()), a = b;

@@ -327,7 +327,7 @@ TEST(Compare, TimesOfOtherMachinesBuildsOrClocksHaveNoRatio) {
     lacks([](Outcome& o) { o.machine = "there"; }, "of different machines");
     lacks([](Outcome& o) { o.build = "another"; }, "of different builds");
     lacks([](Outcome& o) { o.clock = "wall"; }, "by different clocks");
-    // Two results may come from different builds, but not from different machines or clocks.
+    // Only the builds of two results may differ.
     const auto two = [&](auto change) {
         ResultFile base = result_of(rows([](Outcome&) {})), candidate = result_of(rows(change));
         for (ResultFile* result : {&base, &candidate}) result->texts["build"] = result->texts["machine"] = "";

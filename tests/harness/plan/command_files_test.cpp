@@ -31,7 +31,6 @@ protected:
 
     CommandFiles of(const std::string& line) const { return files_of_command(line, folder.path()); }
 
-    // Returns the hash of these files in this order.
     std::string hash(const std::vector<std::string>& names) const {
         Sha256 all;
         for (const std::string& name : names) all.add(sha256_of_file(folder.path() / name));

@@ -97,7 +97,7 @@ TEST_F(PlanRows, SaysWhichModelItMakesAndHowManyAreLeft) {
     EXPECT_EQ(said_, (std::vector<std::string>{"ball 0/2", "half 1/2"}));
 }
 
-// All options run with one seed before the next seed begins, so that no option is far ahead of another.
+// All options run with a seed before the next seed begins.
 TEST_F(PlanRows, EachSeedRunsAllOptionsBeforeTheNextSeedBegins) {
     const Plan swept = plan("", "[[scene]]\nname = 'c'\nsource = 'cloud'\ntarget = 'cloud'\n",
                             "[[solver]]\nname = 'ohd'\nscenes = ['c']\n"
@@ -217,7 +217,7 @@ TEST_F(PlanRows, OfEitherQuantity) {
     // `exact` states the distance only for the experiment's own quantity, so other cases have NaN.
     for (std::size_t i : {2u, 3u})
         EXPECT_TRUE(mixed.cases[i].quantity == Quantity::symmetric && std::isnan(mixed.cases[i].exact));
-    // No trace is recorded for H, so coarser answers are not derived; an exact solver needs no trace for them.
+    // Rows of H have no trace to derive coarser answers from; an exact solver needs none.
     EXPECT_EQ(h.traced.size(), 1u);
     EXPECT_TRUE(both.traced.empty());
     EXPECT_EQ(mixed.traced.size(), 2u);
@@ -273,7 +273,7 @@ TEST_F(PlanRows, InASearchAnotherOrderOrPrefixIsAnotherCase) {
     const auto last = [](const Plan& plan) { return plan.cases[plan.jobs[0].cases.back()].identity; };
     const std::string one = last(matrix_plan("", "'ball'", "'half', 'cloud'"));
     EXPECT_EQ(one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // the source is no target of its own
-    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // other sources do not matter
+    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // nor do other sources matter
     const std::set<std::string> targets = {one, last(matrix_plan("", "'ball'", "'cloud', 'half'")),
                                            last(matrix_plan("", "'ball'", "'cloud'")),
                                            last(matrix_plan("", "'ball'", "'half'"))};

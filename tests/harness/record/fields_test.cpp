@@ -661,7 +661,7 @@ TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
     expect(Verdict::holds);
 }
 
-// All points of the triangle are c away, but its rounded centroid may be farther; that must not refute the bound.
+// The triangle is c away. Its centroid, rounded upwards, must not refute an upper bound of c.
 TEST_F(CheckFields, TheCentroidMayBeOffTheElement) {
     pose = target_pose = {};
     int above = 0;

@@ -78,7 +78,7 @@ protected:
         return record;
     }
 
-    // Adds the rows of a run of these cases; their lower bound is 2, to tell them from earlier rows.
+    // Adds rows of a run, with lower bound 2; earlier rows have another one.
     void run(const std::vector<std::pair<std::string, std::string>>& asked, bool whole) {
         plan_.whole = whole;
         for (const auto& [label, scene] : asked) {

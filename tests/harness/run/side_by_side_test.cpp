@@ -216,8 +216,7 @@ Launch shell(const std::string& words) {
     return launch;
 }
 
-// Each child leaves a background process, which must be killed when the child ends. Threads must not
-// kill each other's children.
+// The orphan of each child must be killed when the child ends; children of other threads must not.
 TEST(ChildrenOfThreads, EndOnlyWhatIsTheirOwn) {
     std::atomic<int> wrong = 0, ended = 0;
     const fs::path folder = fs::path(testing::TempDir()) / "orphans";
