@@ -51,7 +51,7 @@ class Sides:
 
 @dataclass(frozen=True)
 class Judged:
-    """Ratios of times of a case: candidate to base; in the self-test also base to itself, and with to without the slowdown."""
+    """Ratios of times of a case: candidate to base; in the self-test also base to itself, and planted to not planted."""
 
     name: str
     base_seconds: float

@@ -88,7 +88,7 @@ def planted(name: str, jobs: int) -> Path:
 
 @contextmanager
 def busy(cores: int) -> Iterator[None]:
-    """Keeps this many cores busy until the exit."""
+    """Keeps this many cores busy inside the `with` block."""
     spinning = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(cores)]
     try:
         yield
@@ -99,7 +99,7 @@ def busy(cores: int) -> Iterator[None]:
 
 
 def unrest(program: Path) -> float:
-    """Returns by which share a quarter of short equal blocks, or more, exceed the fastest: about 0.01 on an idle machine."""
+    """Returns how far the third quartile of short equal blocks is above the fastest, as a fraction: 0.01 on an idle machine."""
     probe = next(case for case in cases() if case.name == PROBE)
     with tempfile.TemporaryDirectory() as folder:
         seconds = [measure(program, probe, Path(folder)).cpu for _ in range(PROBE_BLOCKS)]
