@@ -92,13 +92,13 @@ RULES = ("_half", "_remeshed")  # models that each mesh of the corpus has withou
 class Catalogue:
     """The models of the manifest, and the models that corpus.toml beside it adds."""
 
-    models: dict[str, dict[str, Any]]  # of both, and the models that rules derive
+    models: dict[str, dict[str, Any]]  # of both files, and the models that rules derive
     manifest: list[str]
     corpus: list[str]  # sorted
     whole: list[str]  # the whole corpus, sorted
 
     def each(self, asked: Any) -> list[str]:
-        """Returns the values for `each` of a scene."""
+        """Returns the models that the `each` of a scene stands for: a list, or the name of a group."""
         groups = {"corpus": self.corpus, "whole_corpus": self.whole}
         return groups.get(asked, []) if isinstance(asked, str) else list(asked)
 

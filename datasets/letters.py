@@ -90,7 +90,7 @@ def flatten(contour: list[tuple[Fraction, Fraction, bool]], pieces: int) -> Ring
 
 
 def refine(rings: list[Ring], triangles: int) -> list[Ring]:
-    """Halves the longest edge, the first of several, until the solid has that many triangles."""
+    """Halves the longest edge (the first, if several are) until the solid has at least `triangles` triangles."""
     rings = [list(ring) for ring in rings]
     while 4 * sum(len(ring) for ring in rings) - 4 + 4 * (len(rings) - 1) < triangles:
         _, ring, i = min((-squared_length(a, b), r, i) for r, ring in enumerate(rings) for i, (a, b) in enumerate(edges(ring)))
@@ -110,7 +110,7 @@ def sorted_rings(rings: list[Ring]) -> list[Ring]:
     return [outer if area(outer) > 0 else outer[::-1], *(hole if area(hole) < 0 else hole[::-1] for hole in holes)]
 
 
-# ---- the caps; corners are numbers of points, so that the ends of a bridge may occur twice
+# ---- the caps; corners are indices of points, because the ends of a bridge occur twice
 
 
 def bridged(rings: list[list[int]], at: Ring) -> list[int]:
@@ -143,7 +143,7 @@ def is_ear(ring: list[int], k: int, at: Ring) -> bool:
 def triangulate(rings: list[list[int]], at: Ring) -> list[tuple[int, int, int]]:
     """Returns counter-clockwise triangles of the region between the rings, with only the rings' points as corners.
 
-    Cuts off the ear with the shortest cut; of several, the one with the least numbers. No triangle is degenerate.
+    Cuts off the ear with the shortest cut; ties go to the smallest index. No triangle is degenerate.
     """
     ring = bridged(rings, at)
     found: list[tuple[int, int, int]] = []

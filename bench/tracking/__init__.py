@@ -1,7 +1,7 @@
 """Detects slowdowns: `hausbench track`, and the history of timings. CONTRIBUTING.md says what to do when it is red.
 
 cases.py      what is tracked: the cases of experiments/tracking.toml, and kernels
-blocks.py     one fresh process that measures one of them
+blocks.py     a block: one fresh process that measures a case or all kernels
 builds.py     builds the program of an older commit beside this one
 counted.py    tiers 1 and 2: work counters and instructions against baseline.toml
 gate.py       tier 3, arithmetic: the verdict on blocks of base and candidate; pure functions

@@ -111,17 +111,17 @@ def built_and_counted(tree: Path, case: Case, by: str) -> Measured:
 
 
 def differing(good: Mapping[str, int], bad: Mapping[str, int], least: float = 0) -> list[str]:
-    """Returns the names that both have with different counts. A counter that one of them lacks was not counted there; 0 is a count."""
+    """Returns the counters that both have and that are more than `least` apart(). A missing counter was not counted; it is not 0."""
     return [name for name in sorted(good.keys() & bad.keys()) if apart(good[name], bad[name]) > least]
 
 
 def apart(one: int, other: int) -> float:
-    """Returns nearly the logarithm of the ratio; finite even if one of them is 0."""
+    """Returns |log((1 + one) / (1 + other))|, which is finite even for counts of 0."""
     return abs(math.log1p(one) - math.log1p(other))
 
 
 def decided_by(good: Measured, bad: Measured, by: str) -> str:
-    """Returns "counters" or "instructions". Raises Unclear if neither differs, or not the requested one."""
+    """Returns the kind of count to search by: "counters" or "instructions". Raises Unclear if none that `by` allows differs."""
     if good.shapes != bad.shapes:
         raise Unclear("good and bad have different shapes in this case, so their work says nothing about the code")
     found = [way for way in WAYS[1:] if by in ("auto", way) and differing(good.counts(way), bad.counts(way), SAME if way == "instructions" else 0)]
@@ -135,8 +135,8 @@ def decided_by(good: Measured, bad: Measured, by: str) -> str:
 
 
 def is_bad(counts: Mapping[str, int], good: Mapping[str, int], bad: Mapping[str, int]) -> bool:
-    """Returns whether the counts are nearer to bad, by the sum of logarithms over the differing names. Raises NotMeasured if none
-    of these was counted.
+    """Returns whether the counts are nearer to bad than to good: sums apart() over the counters in which these two differ. Raises
+    NotMeasured if none of them was counted.
     """
     names = [name for name in differing(good, bad) if name in counts]
     if not names:
@@ -209,7 +209,7 @@ def in_order(good: str, bad: str) -> None:
 def search(tree: Path, ends: list[str], question: Path, command: list[str], lock: int) -> list[str]:
     """Returns the first bad commit, or several if skipped commits hide which one it is.
 
-    `command` is the step, without the question. The next search cleans up after a failure or Ctrl-C.
+    `command` runs step(), given the question's file. After a failure or Ctrl-C, the next search cleans up.
     """
     git_in(tree, "bisect", "start", ends[1], ends[0])
     done = subprocess.run(["git", "-C", str(tree), "bisect", "run", *command, str(question)], env={**os.environ, "PYTHONPATH": str(ROOT)},
@@ -256,7 +256,7 @@ def find(case: Case, revisions: tuple[str, str], by: str, experiment: Path, comm
 
 
 def both_ends(tree: Path, case: Case, ends: list[str], by: str) -> tuple[str, list[Measured]]:
-    """Returns the deciding measure, and the measurements of good and bad. Raises Unclear if one of them cannot measure the case."""
+    """Returns "counters" or "instructions", whichever decides, and the measurements of good and bad. Raises Unclear if one has none."""
     sides = []
     for commit in ends:
         checked_out(tree, commit)
@@ -287,7 +287,7 @@ def main(arguments: list[str], command: list[str] | None = None) -> int:
     if options.step:
         try:
             return step(Path.cwd(), Question(**json.loads(options.step.read_text(encoding="utf-8"))))
-        except KeyboardInterrupt:  # the search says so
+        except KeyboardInterrupt:  # the search reports it
             return ABORT
         except BaseException as problem:  # Python's own exit code for an uncaught exception is 1, which would call the commit bad
             say(f"stopped: {type(problem).__name__}: {problem}")

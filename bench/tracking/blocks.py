@@ -1,6 +1,6 @@
-"""Measures one block: a fresh process that runs one case a few times, or every kernel. The least time stands for the block.
+"""Measures one block: a fresh process that runs one case a few times, or every kernel.
 
-The least, because other load on a machine only adds time. CPU time for one thread, as everywhere in the project.
+The time of a block is the least of its repeats, because other load on the machine only adds time. CPU time of one thread.
 """
 
 from __future__ import annotations
@@ -104,9 +104,8 @@ def write_case(case: Case, folder: Path) -> Path:
 def fresh_copy(program: Path, root: Path | None = None) -> Iterator[Path]:
     """Makes a temporary copy of the program beside it, so that it finds its own tree above it, or in the build folder of `root`.
 
-    The place of a program's pages in memory can change a solve's time by a tenth, in every run, until the file is written again:
-    two copies of one program differed by that much. With a copy for each block, this becomes noise that the intervals include,
-    not a difference between base and candidate.
+    The place of a program's pages in memory can change a solve's time by a tenth, in every run, until the file is written again.
+    With a copy for each block, this becomes noise that the intervals include, not a difference between base and candidate.
     """
     again = (root / "build" if root else program.parent) / "again"
     try:
@@ -125,8 +124,8 @@ def fresh_copy(program: Path, root: Path | None = None) -> Iterator[Path]:
 
 
 def run_words(program: Path, file: Path) -> list[str]:
-    """Returns the arguments to run a case, which all commits know. Reference answers, which later commits give, would be counted
-    with the case.
+    """Returns the command that runs a case, without options that some commits lack. Later commits also compute reference answers,
+    which would be counted with the case, so these are turned off.
     """
     try:
         helped = subprocess.run([program, "run", "--help"], capture_output=True, text=True, check=False, timeout=LIMIT).stdout
@@ -137,7 +136,7 @@ def run_words(program: Path, file: Path) -> list[str]:
 
 @contextmanager
 def job_of_case(program: Path, case: Case, folder: Path, slowdown: float = 0, root: Path | None = None) -> Iterator[Job[Block]]:
-    """Runs the case in `folder`. Raises NotMeasured if it has no answer. An unsound row (exit code 1) still has a time."""
+    """Yields the job that runs the case in `folder`; then deletes its files. An unsound row (exit code 1) still has a time."""
     file = write_case(case, folder)
     result = file.with_suffix(".planted.h5" if slowdown else ".h5")
     planted = ["--planted-slowdown", f"{slowdown:.0e}"] if slowdown else []
@@ -184,14 +183,14 @@ def block_of(result: h5py.File) -> Block:
 
 
 def least_of_passes(rows: npt.NDArray[np.int64], seconds: npt.NDArray[np.float64]) -> float:
-    """Returns the least pass: repeat k of all poses is one pass, and the seconds of each pose are in order of its repeats."""
+    """Returns the time of the fastest pass. Pass k is repeat k of all poses; the repeats of a pose are in order."""
     passes = np.vstack([seconds[rows == row] for row in np.unique(rows)])
     return float(passes.sum(axis=0).min())
 
 
 @contextmanager
 def job_of_kernels(program: Path, names: list[str], folder: Path, root: Path | None = None) -> Iterator[Job[dict[str, float]]]:
-    """Measures CPU seconds of one iteration of each benchmark, the least of eight. Benchmarks that the program lacks are absent."""
+    """Yields the job that measures CPU seconds of an iteration of each benchmark, the least of eight; unknown ones are absent."""
     pattern = "^(" + "|".join(re.escape(name) for name in names) + f")/{re.escape(MESH)}$"
     with fresh_copy(program, root) as copy:
         yield Job([str(copy), f"--meshes={MESH}", f"--benchmark_filter={pattern}", "--benchmark_format=json",

@@ -45,7 +45,7 @@ def commit_of(revision: str) -> str:
 
 
 def here(program: Path) -> Build:
-    """Returns the program at hand, built from the working tree."""
+    """Returns the program built from the working tree. Raises NotBuilt if it is missing."""
     if not program.is_file():
         raise NotBuilt(f"{program} is missing: make build")
     kernels = program.parent / "kernel_bench"
@@ -73,7 +73,7 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
     """Builds the checked-out commit of a worktree."""
     build = tree / "build" / "release"
     log = tree.parent / f"{tree.name}.log"  # inside the tree it would count as a change
-    (tree / "build.log").unlink(missing_ok=True)  # left by a build with an earlier version
+    (tree / "build.log").unlink(missing_ok=True)  # earlier versions wrote it there
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     # Two worktrees share ccache's results only if their own paths are excluded.
     environment = {**os.environ, "CCACHE_BASEDIR": str(tree)}
@@ -93,7 +93,7 @@ def build_in(tree: Path, commit: str, jobs: int) -> Build:
 
 
 def fetched_origins(models: dict[str, Any], names: Iterable[str]) -> list[str]:
-    """Returns the models to fetch for these models: the ends of their `from` chains that the manifest knows and that come from a package."""
+    """Follows `from` from each model to its origin, and returns the origins that come from Debian or npm packages."""
     found: set[str] = set()
     for name in names:
         chain = [name]
@@ -105,7 +105,7 @@ def fetched_origins(models: dict[str, Any], names: Iterable[str]) -> list[str]:
 
 
 def fetch(tree: Path, names: Iterable[str]) -> None:
-    """Fetches models with the commit's own datasets/fetch.py. A failed download leaves cases empty and stops nothing."""
+    """Fetches models with the commit's own datasets/fetch.py. If a download fails, only the cases that need it stay empty."""
     manifest = tree / "datasets" / "manifest.toml"
     models = tomllib.loads(manifest.read_text(encoding="utf-8")).get("model", {}) if manifest.is_file() else {}
     if not (origins := fetched_origins(models, names)):

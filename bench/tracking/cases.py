@@ -17,7 +17,7 @@ MOST_CASES = 16
 
 @dataclass(frozen=True)
 class Case:
-    """A solver on a scene, as a separate experiment that any commit can run if it knows its keys and models."""
+    """A solver on a scene, as an experiment of its own, which a commit can run if it knows the keys and models."""
 
     name: str  # "guthe on mesh to its half"
     experiment: dict[str, Any]
@@ -33,7 +33,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Kernel:
-    """A benchmark of kernel_bench: a structure is built, or queried from each vertex of a mesh."""
+    """A benchmark of kernel_bench: builds a structure, or queries it from each vertex of a mesh."""
 
     name: str  # "build/bvh"
     function: str  # the function whose instructions are counted, as callgrind's --toggle-collect takes it
@@ -65,7 +65,7 @@ def cases(file: Path = EXPERIMENT) -> list[Case]:
 
 
 def chosen(names: list[str], found: list[Case]) -> list[Case]:
-    """Returns the cases whose names begin with one of `names`, or all without names. Raises ValueError for a name that chooses nothing."""
+    """Returns the cases whose names begin with one of `names`, or all if it is empty. Raises ValueError for a name without cases."""
     for name in names:
         if not any(case.name.startswith(name) for case in found):
             raise ValueError(f"there is no case {name!r}: {', '.join(case.name for case in found)}")

@@ -1,11 +1,11 @@
-"""Tiers 1 and 2: work counters and instructions of the tracked cases, compared with the committed baseline.toml. It also holds
-the work counters of small scenes ([small_scenes]), which tests/algorithms/counters_test.cpp compares.
+"""Tiers 1 and 2: work counters and instructions of the tracked cases, compared with the committed baseline.toml.
 
-Counters are the same on every machine and must be equal. Instructions, of the solves alone under valgrind, are the same from run
-to run, so half a per cent shows without a clock. They depend on the compiler and the libraries, so the baseline has a table for
-each key, which names these. Without a table for this machine nothing is measured. valgrind supports AVX2 at most, so AVX-512 code
-is not counted. Both belong to the shapes of a case: if another library simplifies a mesh differently, or a mesh is missing, the
-case is not measured. A case that gives no answer, or that is not in the baseline, is red.
+Counters are the same on every machine and must be equal. Instructions of the solves, counted by valgrind, vary so little that half
+a per cent shows. They depend on the compiler and the libraries, so the baseline has a table for each combination; without a table
+for this machine, none are counted. valgrind supports AVX2 at most, so AVX-512 code is not counted. If a case has other shapes than
+in the baseline, or lacks a mesh, it is not measured. A case without an answer or a baseline is red.
+
+The baseline also holds work counters of small scenes, for tests/algorithms/counters_test.cpp.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ CALLGRIND_LIMIT = 600  # seconds for one count
 
 
 class Missing(Exception):
-    """A prerequisite of counting is missing; the message names the remedy."""
+    """A prerequisite of counting is missing; the message says what to do."""
 
 
 @dataclass
@@ -53,7 +53,7 @@ class Found:
         self.lines.append(line)
 
     def passed(self) -> None:
-        """Notes that something was compared."""
+        """Changes nothing_measured to passed; red stays."""
         if self.verdict is Verdict.nothing_measured:
             self.verdict = Verdict.passed
 
@@ -122,7 +122,7 @@ def count_small_scenes(program: Path, folder: Path) -> dict[str, Any]:
 
 
 def parts_of_key() -> str:
-    """Returns the other influences on the number of instructions besides the sources: compiler, libraries and valgrind."""
+    """Returns the versions of compiler, libraries and valgrind, and whether there is AVX2: all change the instructions."""
     query = ["dpkg-query", "--show", "--showformat=${Package} ${Version}\n", *PACKAGES]
     try:  # exit code 1: some are not installed, which is a kind of machine, too
         versions = subprocess.run(query, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL).stdout
@@ -167,8 +167,8 @@ def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, 
 
 
 def count_case(program: Path, case: Case, folder: Path) -> tuple[int, str]:
-    """Counts all solves of one worker, the answer and one repeat, and returns the hash of the shapes, too. Raises NotMeasured
-    without an answer.
+    """Returns the instructions of all solves of one worker (the answer and one repeat), and the hash of the shapes. Raises
+    NotMeasured without an answer.
     """
     limits = {"case_seconds": CALLGRIND_LIMIT, "prepare_seconds": CALLGRIND_LIMIT}
     file = write_case(Case(case.name, {**case.experiment, "repeats": 1, "rounds": 1, "limits": limits}), folder)
@@ -189,7 +189,7 @@ def instructions_of(program: Path, case: Case, folder: Path) -> int | NotMeasure
 
 
 def count_kernel(program: Path, kernel: Kernel, folder: Path) -> tuple[int, str]:
-    """Counts one iteration and the building of its structure; a kernel has no shapes. Raises NotMeasured if the program lacks it."""
+    """Returns the instructions of one iteration and of building its structure; no shapes. Raises NotMeasured if it is unknown."""
     command = [str(program), f"--meshes={MESH}", f"--benchmark_filter=^{re.escape(kernel.name)}/{re.escape(MESH)}$", "--benchmark_min_time=0"]
     return callgrind(kernel.function, command, folder), ""
 
@@ -267,8 +267,8 @@ def updated(baseline: Mapping[str, Any], counters: Mapping[str, Any], instructio
             names: Collection[str] | None = None, small_scenes: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Returns the baseline with new measurements in place of old ones for the same cases and the same key.
 
-    `names`: all present cases and kernels; others are dropped. A machine without a table adds one, and leaves counters of other
-    shapes as they are.
+    Drops cases and kernels that are not in `names`, unless it is None. A machine that is new to the baseline adds a table, but does
+    not replace counters of other shapes.
     """
     def kept(table: Mapping[str, Any]) -> dict[str, Any]:
         return {name: value for name, value in table.items() if names is None or name in names or name == "depends_on"}

@@ -1,16 +1,14 @@
 """Judges blocks of base and candidate. Pure functions; the statistics come from analysis/shared/statistics.py.
 
-A block is a fresh process, and its time is the least of its repeats. Blocks come in pairs of base and candidate that share a
-core, and two pairs make a turn: the base begins one pair, the candidate the other. The median of the log ratios of the pairs has
-a sign-test interval, which assumes nothing about the distribution of times. With many cases, one interval in twenty would be
-wrong by chance, so each has the confidence 1 - 5 % / cases (Bonferroni).
+A block is a fresh process; its time is the least of its repeats. Blocks come in pairs of base and candidate that share a core.
+Two pairs make a turn: the base begins one, the candidate the other. The median of the log ratios of the pairs has a sign-test
+interval, which assumes nothing about the distribution of times. Each interval has the confidence 1 - 5 % / cases (Bonferroni), so
+that all of them hold with 95 %.
 
-Every case has SCREENING blocks per side. A case whose median ratio is above 1 + SUSPECT gets more blocks, because an interval
-from few blocks is wide if the machine's clock toggles. A case alarms if the lower end of its ratio is above 1 + LEAST. This
-alarms no more often than if all cases had as many blocks, so the confidence is kept. A case gets no further blocks once they
-cannot change whether it alarms. Cases that alarm run a second time; a case is red if it alarms in both independent runs. The gate
-tests itself each time in one case: pairs of the base and the base itself must not alarm, and a slowdown of PLANTED that is
-planted in the candidate must.
+Every case has SCREENING blocks per side. A case alarms if the lower end of its ratio is above 1 + LEAST. If its median ratio is
+above 1 + SUSPECT, it gets more blocks until they cannot change whether it alarms. This alarms no more often than if all cases had
+as many blocks, so the confidence is kept. A case is red if it alarms in a second, independent run, too. The gate tests itself in
+one case: the base beside itself must not alarm, and a planted slowdown of PLANTED must.
 """
 
 from __future__ import annotations
@@ -27,7 +25,7 @@ LEAST = 0.03  # smaller slowdowns do not alarm
 PLANTED = 0.05  # share of the solve time; the gate must detect it to be believed
 ERROR = 0.05  # the chance of a wrong interval, over all cases
 SCREENING = 24  # blocks per side; half as many would give the confidence that about a dozen cases need
-SUSPECT = 0.02  # smaller median ratios get no more blocks; an alarm has a median above LEAST
+SUSPECT = 0.02  # cases with a smaller median excess get no more blocks; an alarm needs more than LEAST
 
 
 class Verdict(IntEnum):
@@ -45,7 +43,7 @@ class Verdict(IntEnum):
 
 @dataclass
 class Sides:
-    """Seconds of one case by block, in order of time, two per turn. For a plant, the base is the candidate without it."""
+    """Seconds of each block of a case, as measured, two per turn. For a planted slowdown, `base` is the candidate without it."""
 
     base: list[float] = field(default_factory=list)
     candidate: list[float] = field(default_factory=list)
@@ -53,7 +51,7 @@ class Sides:
 
 @dataclass(frozen=True)
 class Judged:
-    """The ratios of one case: candidate to base; in the self-test also base to itself, and with the plant to without it."""
+    """Ratios of times of a case: candidate to base; in the self-test also base to itself, and planted to not planted."""
 
     name: str
     base_seconds: float
@@ -94,7 +92,7 @@ def alarms(ratio: Estimate) -> bool:
 
 
 def suspected(sides: Sides) -> bool:
-    """Returns whether the case deserves more blocks; every case that alarms does."""
+    """Returns whether the case needs more blocks; true for every case that alarms."""
     return paired_ratio(sides.candidate, sides.base).value > 1 + SUSPECT
 
 
@@ -129,7 +127,7 @@ def self_test(judged: Sequence[Judged]) -> list[str]:
 
 
 def verdict_of_times(judged: Sequence[Judged]) -> tuple[Verdict, list[str]]:
-    """Returns the verdict and its reasons. Distrusted times say nothing, and neither do their alarms."""
+    """Returns the verdict and its reasons. If the self-test fails, alarms do not count."""
     if not judged:
         return Verdict.nothing_measured, ["base and candidate have no case in common"]
     if failures := self_test(judged):

@@ -44,7 +44,7 @@ from bench.tracking.progress import Progress
 FILE = ROOT / "results" / "history.csv"
 NAN = math.nan
 TIME = "%Y-%m-%dT%H:%M:%SZ"
-BLOCKS = 8  # the fewest whose range is an interval of 99 %
+BLOCKS = 8  # the fewest whose range contains the median with 99 % confidence
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def read(file: Path) -> list[Row]:
 
 
 def write(file: Path, rows: Iterable[Row]) -> None:
-    """Writes runs in order of their times, with rows in the given order. The file is complete at any time."""
+    """Sorts runs by time, and keeps the order of rows within a run. The file is complete at any time."""
     file.parent.mkdir(parents=True, exist_ok=True)
     new = file.with_name(file.name + ".part")
     with new.open("w", encoding="utf-8") as out:
@@ -149,7 +149,7 @@ def write(file: Path, rows: Iterable[Row]) -> None:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
-    """Holds a lock on the folder: one process at a time."""
+    """Holds a lock on the folder, so that two processes do not write at once."""
     folder.mkdir(parents=True, exist_ok=True)
     handle = os.open(folder, os.O_RDONLY)
     try:
@@ -160,7 +160,7 @@ def alone(folder: Path) -> Iterator[None]:
 
 
 def add(file: Path, rows: Sequence[Row]) -> list[Row]:
-    """Adds rows, which are all rows of their run so far, and returns all rows of the file. Keeps rows written by other runs meanwhile."""
+    """Writes the rows of a run so far, in place of its earlier ones, and returns all rows of the file. Keeps the rows of other runs."""
     with alone(file.parent):
         keys = {row.key for row in rows}
         every = [row for row in read(file) if row.key not in keys] + list(rows)
@@ -169,7 +169,7 @@ def add(file: Path, rows: Sequence[Row]) -> list[Row]:
 
 
 def in_order(commits: dict[str, str]) -> list[str]:
-    """Sorts commits from the oldest: parents before children if git knows them, because many have the same second; others by the given dates."""
+    """Sorts commits, oldest first: by ancestry if git knows them, because many have the same second; others by the given dates."""
     bare = {commit: commit.rstrip("+") for commit in commits}
     try:
         known = builds.git("rev-list", "--topo-order", "--reverse", "--ignore-missing", *bare.values()).split()
@@ -212,7 +212,7 @@ class Version:
     build: Build
     date: str
     measured: dict[str, list[Block]] = field(default_factory=dict)
-    empty: dict[str, str] = field(default_factory=dict)  # cases that stay empty, and why
+    empty: dict[str, str] = field(default_factory=dict)  # the reason, for cases that stay empty
     told: set[str] = field(default_factory=set)  # cases of `empty` that were already reported
     instructions: dict[str, int] = field(default_factory=dict)
 
@@ -241,7 +241,7 @@ def tell(versions: Sequence[Version]) -> None:
 
 
 def short(problem: Exception) -> str:
-    """Shortens an error: without the file, whose name is always new, and without names, so that an error reads the same for every case."""
+    """Removes the temporary file name and the list of known names, so that an error reads the same for every case."""
     return re.sub(r" \(known: .*|(?<=unknown solver) .*", "", re.sub(r"^exit code \d+: hausbench: \S+?(:\d+)?: ", "", str(problem)))[:150]
 
 
@@ -254,7 +254,7 @@ def date_of(commit: str) -> str:
 
 
 def versions_of(revisions: Sequence[str]) -> list[Version]:
-    """Returns the commits from the oldest, each once, without those that do not build. Raises NotBuilt if none is left."""
+    """Builds the commits, and returns the ones that build, oldest first and each once. Raises NotBuilt if there is none."""
     found: dict[str, Version] = {}
     for revision in revisions:
         try:
@@ -282,8 +282,8 @@ def measure_kernels(version: Version, names: list[str]) -> None:
 
 
 def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list[str], number: int, bar: Progress) -> None:
-    """Measures one block of each case and kernel at each commit. Commits of a case follow each other directly, so that they share
-    the machine's load.
+    """Measures one block of each case and kernel at each commit. Measures a case at all commits before the next case, so that they
+    meet the same load of the machine.
     """
     turn = list(versions) if number % 2 == 0 else list(versions)[::-1]
     for i, case in enumerate(chosen):
@@ -303,7 +303,7 @@ def one_round(versions: Sequence[Version], chosen: Sequence[Case], kernels: list
 
 
 def drop_other_shapes(versions: Sequence[Version], chosen: Sequence[Case]) -> None:
-    """Drops times of other shapes: a case has the shapes of the newest commit that measured it."""
+    """Drops the times of a case at commits where its shapes differ from the newest commit that measured it."""
     for case in chosen:
         known = [version for version in versions if version.measured.get(case.name)]
         for version in known:

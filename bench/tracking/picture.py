@@ -25,7 +25,7 @@ from bench.tracking.steps import Step, steps
 
 LEAST_TIME: Final = 0.05  # smaller steps of the time are not marked: the place of code in memory moves some loops by about as much
 LEAST_COUNT: Final = 0.01  # of instructions, which have no noise
-NOISE_TIME: Final = 0.01  # the least noise; otherwise half the interval of the case's median commit
+NOISE_TIME: Final = 0.01  # noise_of() returns at least this
 NOISE_COUNT: Final = 1e-4
 LEAST_SPAN: Final = 1.6  # top over bottom of a panel's vertical axis: noise should look small
 MOST_LABELS: Final = 78  # the most commits whose names fit a figure's width
@@ -54,14 +54,14 @@ class Found:
 
 
 def series(rows: Sequence[Row], case: str, session: Session) -> list[Row]:
-    """Returns the rows of a case in a run, in order. Rows with other shapes than the newest run on this machine belong to another case."""
+    """Returns the rows of a case in a run, in order, without rows whose shapes differ from the newest row of this machine."""
     here = [row for row in rows if row.case == case and row.machine == session[1] and row.blocks]
     newest = max(here, key=lambda row: row.measured, default=None)
     return [row for row in here if row.session == session and newest and row.shapes == newest.shapes]
 
 
 def noise_of(rows: Sequence[Row]) -> float:
-    """Returns the relative half-width of the interval, for the median commit."""
+    """Returns the median over the rows of the relative half-width of the interval; at least NOISE_TIME."""
     known = [(row.cpu_high - row.cpu_low) / 2 / row.cpu_seconds for row in rows if not math.isnan(row.cpu_high)]
     return max([NOISE_TIME, float(np.median(known))] if known else [NOISE_TIME])
 
@@ -96,7 +96,7 @@ def with_room(rows: Sequence[Row]) -> list[Row]:
 
 
 def places(rows: Sequence[Row]) -> dict[tuple[Session, str], int]:
-    """Returns the place of each commit of each run on the horizontal axis; one place between two runs stays free."""
+    """Returns the x coordinate of each commit of each run: 0, 1, 2, ..., with a gap of one between runs."""
     found: dict[tuple[Session, str], int] = {}
     for free, session in enumerate(sessions(rows)):
         for commit in dict.fromkeys(row.commit for row in rows if row.session == session and row.blocks):
@@ -132,8 +132,8 @@ def vertical_axis(ax: Any, values: Sequence[float]) -> None:
 
 
 EDGE: Final = [matplotlib.patheffects.withStroke(linewidth=1.6, foreground="white")]
-Points = list[tuple[float, float]]  # place, and milliseconds or share of the height
-SIZE: Final = (7.0, 31.0)  # width and height of a factor, in points
+Points = list[tuple[float, float]]  # x, and milliseconds or a fraction of the height
+SIZE: Final = (7.0, 31.0)  # width and height of the text at a step, in points
 
 
 def draw_series(ax: Any, rows: Sequence[Row], at: dict[tuple[Session, str], int], pale: bool = False) -> Points:
@@ -159,7 +159,7 @@ def along(x: Sequence[float], y: Any) -> Points:
 
 
 def draw_steps(ax: Any, found: Sequence[Found], at: dict[tuple[Session, str], int], points: Points) -> None:
-    """Draws a line halfway between the two commits of each step, with its factor where it covers the fewest points.
+    """Draws a line halfway between the two commits of each step, and its factor where that covers the fewest points.
 
     Instructions get their own line only if the time has none there.
     """
@@ -191,7 +191,7 @@ def draw_steps(ax: Any, found: Sequence[Found], at: dict[tuple[Session, str], in
 
 
 def panel(ax: Any, name: str, rows: Sequence[Row], at: dict[tuple[Session, str], int]) -> tuple[list[Found], Points]:
-    """Draws everything but the steps, and returns the steps and points to draw them later: their places need the figure's layout."""
+    """Draws all but the steps. Returns the steps and points for draw_steps(), which needs the final layout of the figure."""
     ax.set_title(name, fontsize=7, loc="left", pad=3)
     ax.grid(axis="x", visible=False)
     order, main = sessions(rows), main_sessions(rows)
@@ -210,7 +210,7 @@ def panel(ax: Any, name: str, rows: Sequence[Row], at: dict[tuple[Session, str],
 
 
 def labels(at: dict[tuple[Session, str], int], most: int) -> dict[int, str]:
-    """Returns short hashes for the places of commits: for all, or for every second, third, ... from the newest back."""
+    """Returns short hashes by x coordinate: of all commits, or of every second, third, ... from the newest back."""
     known = sorted(((place, commit[:7]) for (_, commit), place in at.items()), reverse=True)
     return dict(known[::-(-len(known) // most)])
 

@@ -1,9 +1,8 @@
-"""Puts the programs of both sides of a pair of blocks under paths of the same length, and another pair under paths of another
-length.
+"""Puts both programs of a pair of blocks under paths of the same length, which is random for each pair.
 
-A program allocates its paths, so their lengths decide where its arrays begin: `cover` was 7 % slower if the path of the program
-was longer, in every repeat of every process. Under paths of the same length, a build is as fast as itself. Accidental shifts by a
-change of the code become noise over many lengths, which the intervals include, and do not look like slowdowns.
+A program allocates its paths, so their lengths decide where its arrays begin: `cover` was 7 % slower under a longer path, in
+every repeat of every process. With equal lengths, a build is as fast as itself. A change of the code can shift arrays, too; over
+many lengths, such shifts become noise that the intervals include, and do not look like slowdowns.
 """
 
 from __future__ import annotations
@@ -15,27 +14,27 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-LENGTHS = 64  # a cache line of lengths; allocations lie at multiples of 16 bytes
-OWN = ("build", ".git")  # belongs to a tree, but not to the folder that stands for it
+LENGTHS = 64  # the bytes of a cache line
+OWN = ("build", ".git")  # not linked into the copy of a tree
 
 
 @dataclass
 class Places:
-    """Folders for programs, in `folder`."""
+    """Makes folders for programs in `folder`, with paths of a chosen length."""
 
     folder: Path
     padding: int = 0
 
     def move(self) -> None:
-        """Puts later blocks elsewhere."""
+        """Chooses a random path length for later blocks."""
         self.padding = random.randrange(LENGTHS)
 
     @contextmanager
     def root(self, tree: Path, number: int) -> Iterator[Path]:
-        """Makes a folder with the contents of the tree and an empty build folder.
+        """Makes a folder with links to the contents of the tree, and an empty build folder for a program.
 
-        A program in it finds its tree above itself, as commits before HAUSBENCH_ROOT need. `number` is a digit that distinguishes
-        folders that exist at the same time.
+        Programs that do not know HAUSBENCH_ROOT yet search for their tree in the folders above. `number` is a digit that
+        distinguishes folders that exist at the same time.
         """
         root = self.folder / f"tree-{number}{'-' * self.padding}"
         root.mkdir()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 
-CLEAR = "\r\x1b[K"  # makes a terminal start the line anew
+CLEAR = "\r\x1b[K"  # clears the line of a terminal
 
 
 class Progress:
@@ -14,7 +14,7 @@ class Progress:
         self._begun = time.monotonic()
 
     def done(self, count: int) -> None:
-        """Reports that `count` are done, at least one; the rest is assumed to take as long each."""
+        """Shows that `count` units (at least 1) are done, and the time left if the others take as long."""
         left = (time.monotonic() - self._begun) / count * (self.total - count)
         text = f"{self.who}: {count} of {self.total} {self.unit}, {left:.0f} s left"
         if sys.stderr.isatty():
@@ -23,11 +23,11 @@ class Progress:
             print(text, file=sys.stderr, flush=True)
 
     def over(self) -> None:
-        """Ends early: the next output begins a line."""
+        """Clears the line, for work that ends before `total` units."""
         if sys.stderr.isatty():
             print(CLEAR, end="", file=sys.stderr, flush=True)
 
 
 def say(who: str, text: str) -> None:
-    """Prints a line on standard error in place of the changing one."""
+    """Prints a line on standard error; on a terminal it replaces the progress line."""
     print(f"{CLEAR if sys.stderr.isatty() else ''}{who}: {text}", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""Tier 3: pairs of blocks of base and candidate, each block a fresh process, and the pairs of the self-test."""
+"""Tier 3: measures pairs of blocks (fresh processes) of base and candidate, and pairs for the self-test."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from bench.tracking.together import together
 
 T = TypeVar("T")
 
-# The total of a block's repeats, so that a solve of 0.2 ms has many turns on the shared core. A
-# process itself takes 0.13 s.
+# The repeats of a block take this long, so that even a solve of 0.2 ms gets many turns on the shared
+# core. The process itself takes 0.13 s.
 SECONDS_OF_REPEATS = 0.05
 MOST_REPEATS = 250
 
-# The share of the time that a side burns after each solve. An unplanted side only calls the clock,
-# so that both have the same options.
+# In the self-test, a side burns this share of the solve's time after each solve. 1e-9 only calls the
+# clock, so that both sides run with the same option.
 BURNS = {"planted": PLANTED, "not planted": 1e-9}
 
 Say = Callable[[str], None]
@@ -33,7 +33,7 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Subject:
-    """A unit of measurement: a case, or all kernels.
+    """The work of a block: a case, or all kernels.
 
     `blocks` measures a block of each of the given sides at once, for the given names, and returns seconds by name for each side.
     `shapes` collects the shapes by side. `move` makes the next blocks, of either side, run under paths of another length.
@@ -71,7 +71,7 @@ def kernels_of(base: Build, candidate: Build) -> dict[str, Program]:
 
 def at_once(sides: Sequence[str], programs: dict[str, Program], places: Places,
             job: Callable[[str, Path, Path], AbstractContextManager[Job[T]]]) -> list[T]:
-    """Runs the job of each side, all at the same time; `job` gets the side, its program and its place."""
+    """Runs the job of each side, all at the same time; `job` gets the side, its program and its folder."""
     with ExitStack() as stack:
         jobs = []
         for number, side in enumerate(sides):
@@ -82,7 +82,7 @@ def at_once(sides: Sequence[str], programs: dict[str, Program], places: Places,
 
 
 def of_case(case: Case, programs: dict[str, Program], folder: Path, places: Places) -> Subject:
-    """Makes the subject of a case. Its first block decides the number of repeats of the later ones, the same on all sides."""
+    """Makes the subject of a case. The time of its first block sets the number of repeats in all later blocks."""
     asked = [case]
     shapes: dict[str, str] = {}
 
@@ -106,14 +106,14 @@ def of_kernels(names: Sequence[str], programs: dict[str, Program], folder: Path,
 
 @dataclass
 class Known:
-    """The subjects that both builds can measure, and the reasons for other cases: left out, or failing only with the candidate."""
+    """The subjects that both builds can measure. Lines about others: `broken` if only the candidate fails, else `left_out`."""
 
     subjects: list[Subject] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     broken: list[str] = field(default_factory=list)
 
     def add(self, subject: Subject) -> None:
-        """Adds a subject after each side has measured it once, which warms caches and is not kept."""
+        """Measures a subject once on each side, which warms caches, and adds it if both succeed."""
         try:
             base = subject.block("base")
         except NotMeasured as why:
@@ -134,14 +134,14 @@ class Known:
             self.subjects.append(replace(subject, names=both))
 
     def to_plant_in(self, wanted: str) -> Subject | None:
-        """Returns the case of that name, or else the first one."""
+        """Returns the case for the planted slowdown: the one with that name, or else the first."""
         cases = [subject for subject in self.subjects if subject.shapes]  # kernels have no shapes
         return next((subject for subject in cases if subject.name == wanted), cases[0] if cases else None)
 
 
 @dataclass(frozen=True)
 class Question:
-    """Is one side slower than the other? `sides` holds the blocks by name, with `slower` as the candidate."""
+    """Is the side `slower` slower than `beside`? `sides` holds their times by name, with `slower` as the candidate."""
 
     subject: Subject
     names: tuple[str, ...]
@@ -150,7 +150,7 @@ class Question:
     slower: str = "candidate"
 
     def turn(self, number: int, names: Sequence[str]) -> None:
-        """Measures two pairs of blocks, each pair at another place. Turns begin with either side alternately."""
+        """Measures two pairs of blocks in opposite orders, each pair under another path length."""
         first, second = (self.slower, self.beside) if number % 2 else (self.beside, self.slower)
         for pair in ((first, second), (second, first)):
             self.subject.move()
@@ -177,7 +177,7 @@ def screen(questions: Sequence[Question], count: int) -> None:
 
 
 def answer(questions: Sequence[Question], count: int, cases: int) -> None:
-    """Measures blocks of each question, up to `count` per side in all, until it is decided whether it alarms among so many cases."""
+    """Measures blocks of each question, up to `count` per side, until it is certain whether it alarms. `cases` sets the confidence."""
     progress = Progress(count // 2, "turns at most", "time")
     for number in range(count // 2):
         asked = [(one, names) for one in questions if (names := [name for name in one.names if not decided(one.sides[name], count, cases)])]
@@ -193,11 +193,11 @@ Run = dict[str, Sides]
 
 
 def judge_all(known: Known, wanted: str, count: int, say: Say) -> tuple[list[Judged], list[Run]]:
-    """Judges all cases, and returns the measurements, too: the first run, the plant, the base beside itself, the second run.
+    """Judges all cases. Also returns the times: the first run, the planted slowdown, the base beside itself, the second run.
 
-    Measures SCREENING blocks of every case, then up to `count` blocks of suspected cases and of a plant, in the case `wanted` if
-    present, where the base also runs beside itself; then a second run of cases that alarm. The second run is independent of the
-    first, which chose its cases, so its intervals need only the confidence for these few.
+    Measures SCREENING blocks of every case, then up to `count` blocks of suspected cases and of the self-test, in the case
+    `wanted` if present. Cases that alarm are measured again. This second run is independent of the first, so its intervals need
+    only the confidence for these few cases.
     """
     first = [question(subject, subject.names) for subject in known.subjects]
     screen(first, min(SCREENING, count))

@@ -36,7 +36,7 @@ from bench.tracking.places import Places
 from bench.tracking.together import one_core
 
 TIERS = ("counters", "instructions", "time")
-BLOCKS = 48  # per side, for cases that look slower: a slowdown of 5 % shows if nine tenths of the pairs show it
+BLOCKS = 48  # per side, for cases that look slower: shows 5 % if nine tenths of the pairs do
 PLANTED_IN = "kang on mesh to its half"  # the mesh solver whose pairs of blocks scatter least
 
 
@@ -57,7 +57,7 @@ class Report:
 
 @dataclass(frozen=True)
 class Task:
-    """The request, and a folder for files of the tiers."""
+    """The command line, the chosen cases, and a folder for temporary files."""
 
     given: argparse.Namespace
     cases: list[Case]
@@ -138,13 +138,13 @@ def known_to_both(task: Task, base: Build, candidate: Build, places: Places) -> 
 def time_tier(report: Report, task: Task) -> None:
     candidate, base = here(task.given.program), base_of(task)
     report.record |= {"base": base.commit, "candidate": candidate.commit}
-    VERSIONS.mkdir(parents=True, exist_ok=True)  # programs run there; a folder for temporary files may forbid that
+    VERSIONS.mkdir(parents=True, exist_ok=True)  # /tmp may forbid running programs
     with tempfile.TemporaryDirectory(prefix="track-", dir=VERSIONS) as folder, one_core():
         known = known_to_both(task, base, candidate, Places(Path(folder)))
         notes = known.left_out + known.broken
         try:
             judged, runs = timed.judge_all(known, PLANTED_IN, task.given.blocks, lambda line: progress.say("time", line))
-        except NotMeasured as why:  # after each side has measured it once
+        except NotMeasured as why:  # although both sides could measure the case before
             report.add("time", Verdict.red if known.broken else Verdict.inconclusive, [*notes, f"a block failed: {why}"])
             return
     verdict, reasons = verdict_of_times(judged)
@@ -155,7 +155,7 @@ def time_tier(report: Report, task: Task) -> None:
 
 
 def update(task: Task, counters: counted.Found, instructions: counted.Found) -> None:
-    """Updates all cases and kernels, or the chosen ones. Raises Missing if nothing was measured."""
+    """Writes the baseline, with new counts of all cases and kernels or of the chosen cases. Raises Missing if there are none."""
     small_scenes = {}
     if "counters" in task.given.tiers and not task.given.case:
         small_scenes = counted.count_small_scenes(task.given.program.parent / "tests" / "counters_test", task.folder)
@@ -169,7 +169,7 @@ def update(task: Task, counters: counted.Found, instructions: counted.Found) -> 
 
 
 def attempt(report: Report, tier: str, work: Callable[[], counted.Found | None]) -> counted.Found:
-    """Runs a tier. If it cannot run, it reports why, and the other tiers still run."""
+    """Runs a tier. Reports an error instead of raising it, so that the other tiers still run."""
     try:
         return work() or counted.Found()
     except (NotBuilt, counted.Missing) as why:

@@ -48,7 +48,7 @@ class Kind:
     file: str = ""
     text: str = ""
     planted: str = ""
-    where: str = ""  # the prefix of a line of that tier that must be named as slower
+    where: str = ""  # a line of that tier must begin with this
 
 
 KINDS = {
@@ -88,7 +88,7 @@ def planted(name: str, jobs: int) -> Path:
 
 @contextmanager
 def busy(cores: int) -> Iterator[None]:
-    """Keeps so many cores busy in the meantime."""
+    """Keeps this many cores busy inside the `with` block."""
     spinning = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(cores)]
     try:
         yield
@@ -99,7 +99,7 @@ def busy(cores: int) -> Iterator[None]:
 
 
 def unrest(program: Path) -> float:
-    """Returns by how much at least a quarter of some short blocks of the same work are slower than the fastest: 0.01 on an idle machine."""
+    """Returns how far the third quartile of short equal blocks is above the fastest, as a fraction: 0.01 on an idle machine."""
     probe = next(case for case in cases() if case.name == PROBE)
     with tempfile.TemporaryDirectory() as folder:
         seconds = [measure(program, probe, Path(folder)).cpu for _ in range(PROBE_BLOCKS)]
@@ -107,7 +107,7 @@ def unrest(program: Path) -> float:
 
 
 def trial(name: str, program: Path, load: int) -> dict[str, Any]:
-    """Runs the gate once, beside HEAD."""
+    """Runs the gate once, with HEAD as the base, and returns its verdicts."""
     found = unrest(program)
     with tempfile.TemporaryDirectory() as folder, busy(load):
         record = Path(folder) / "record.json"

@@ -31,7 +31,7 @@ def case_of(source: str, target: str) -> Case:
 
 
 def compare(programs: dict[str, Path], case: Case, rounds: int, folder: Path) -> dict[str, list[Block]]:
-    """Returns the blocks of each program by round. Rounds go forth and back; the first one is not kept."""
+    """Returns a block per round for each program. The order is reversed in every other round; a first round is dropped."""
     blocks: dict[str, list[Block]] = {name: [] for name in programs}
     for round_ in range(-1, rounds):
         for name in list(programs) if round_ % 2 == 0 else reversed(list(programs)):

@@ -1,4 +1,4 @@
-// Models by name: generated shapes with pinned bits, operations on shapes, the manifest and its errors.
+// Models: generated shapes, which must be the same bit for bit everywhere, operations on shapes, and the manifest.
 #include "algorithms/error.h"
 #include "datasets/catalogue.h"
 #include "datasets/corpus.h"
@@ -192,7 +192,7 @@ TEST(Generate, HardPointSetsAreWhatTheySay) {
     const Numbers numbers{{"count", 1000}, {"seed", 1},     {"clusters", 4}, {"layout", 5},
                           {"spread", 10},  {"sigma", 1e-3}, {"shrink", 0}};
     const Points clusters = points_of(generate("cluster_points", numbers));
-    EXPECT_EQ(clusters.row(1), clusters.row(5));  // points of the second cluster, whose sigma is 0
+    EXPECT_EQ(clusters.row(1), clusters.row(5));  // both in the second cluster, whose sigma is 0
     EXPECT_NE(clusters.row(0), clusters.row(4));
     EXPECT_LT((clusters.row(0) - clusters.row(4)).norm(), 0.02);
     EXPECT_GT((clusters.row(1) - clusters.row(2)).norm(), 0.1);
@@ -234,7 +234,7 @@ TEST(Derive, ShuffleKeepsTheTriangles) {
     const Shape ball = sphere(2);
     const Shape other = derived("shuffle", {{"seed", 5}}, ball).shape;
     EXPECT_NE(content_hash(ball), content_hash(other));
-    const auto triangles = [](const Shape& shape) {  // each starts at its least corner and keeps its orientation
+    const auto triangles = [](const Shape& shape) {  // rotated to begin with the least corner
         std::multiset<std::vector<double>> all;
         for (Index t = 0; t < element_count(shape); ++t) {
             std::array<std::array<double, 3>, 3> corners{};
@@ -300,7 +300,7 @@ TEST(Derive, SampleSpreadsByArea) {
     mesh.triangles << 0, 0, 1, 0, 1, 2, 3, 4, 5;
     const Points points = points_of(derived("sample", {{"count", 10000}, {"seed", 5}}, mesh).shape);
     EXPECT_EQ(points.rows(), 10000);
-    EXPECT_NEAR(points.col(2).sum(), 1000, 100);  // points on the small triangle
+    EXPECT_NEAR(points.col(2).sum(), 1000, 100);  // a tenth of the points, all at z = 1
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
         EXPECT_GE(points.row(i).minCoeff(), 0);
         EXPECT_LE(points(i, 0) + points(i, 1), points(i, 2) == 0 ? 3 + 1e-14 : 1 + 1e-14);
@@ -414,7 +414,7 @@ TEST(Derive, SimplifyAndRemesh) {
     EXPECT_NEAR(volume(mesh_of(even.shape)), volume(mesh_of(ball)), 0.05);
     EXPECT_NEAR(diagonal(points_of(even.shape)), diagonal(points_of(ball)), 0.1);
 
-    // A soup: no two triangles share a vertex, one occurs twice, one stands on an edge, one has no area.
+    // Triangles that share no vertices; then a duplicate, one attached along an edge, and one without area.
     const TriangleMesh& shared = mesh_of(ball);
     TriangleMesh soup;
     soup.vertices.resize(3 * shared.triangles.rows() + 1, 3);
@@ -458,8 +458,8 @@ protected:
         std::ofstream(folder_.path() / "cache" / "raw" / hash / name, std::ios::binary) << bytes;
         return hash;
     }
-    // A stand-in for the reading program, whose last argument is the file to write: writes the
-    // same shape for every file, and notes each call.
+    // Makes a script in place of the program that reads model files. It logs each call, and writes the
+    // same shape to the file in its last argument.
     std::string reader() const {
         write_shape(folder_.path() / "read.h5", {sphere(0), {}});
         const std::filesystem::path script = folder_.path() / "reader";
@@ -542,7 +542,7 @@ TEST_F(Manifest, GeneratedAndDerivedShapesAreCachedByContent) {
     EXPECT_EQ(std::get<ResolvedModel>(all.resolve("half")).shape_file, resolved.shape_file);
     EXPECT_EQ(std::filesystem::last_write_time(resolved.shape_file), written);
 
-    std::string edited = ball;  // another origin gives another key: never a stale shape
+    std::string edited = ball;  // a changed origin must not give the cached shape
     edited.replace(edited.find("1.0"), 3, "4.0");
     const auto anew = std::get<ResolvedModel>(catalogue(edited + half).resolve("half"));
     EXPECT_NE(anew.shape_file, resolved.shape_file);
@@ -588,19 +588,19 @@ TEST_F(Manifest, TheCorpusAddsItsMeshesAndWhatItsRulesDerive) {
     const std::string mine = "[model.ball_half]\nsource = 'derived'\nfrom = 'ball'\noperation = 'weld'\n";
     Catalogue all = catalogue(ball + mine);
     EXPECT_EQ(all.corpus(), (std::vector<std::string>{"ball", "cube"}));
-    EXPECT_EQ(all.models().size(), 2u + 1 + 3);  // the manifest has its own `half` of ball
+    EXPECT_EQ(all.models().size(), 2u + 1 + 3);  // the manifest's own ball_half replaces the rule's
     EXPECT_EQ(all.find("ball_half").recipe, "weld");
     EXPECT_FALSE(all.find("ball").of_corpus);
     EXPECT_TRUE(all.find("cube").of_corpus && !all.find("cube").by_rule() && all.find("cube_half").by_rule());
     const auto halved = std::get<ResolvedModel>(all.resolve("cube_half"));
     EXPECT_EQ(halved.elements, 96);
     EXPECT_GT(std::get<ResolvedModel>(all.resolve("cube_remeshed")).elements, 10'000);  // edges of length 0.017
-    // Defined by hand, it is the same shape under the same key.
+    // A model defined by hand with the same steps shares the cached file.
     const std::string by_hand =
         "[model.c]\nsource = 'generated'\nrecipe = 'cube'\nsubdivisions = 4\n"
         "[model.h]\nsource = 'derived'\nfrom = 'c'\noperation = 'simplify'\nratio = 0.5\n";
     EXPECT_EQ(std::get<ResolvedModel>(catalogue(ball + by_hand).resolve("h")).shape_file, halved.shape_file);
-    // An experiment's own model replaces a model made by a rule, but no other.
+    // An experiment's own model may only replace a model made by a rule.
     ModelInfo own = all.find("ball");
     own.name = "cube_half";
     all.add("s.toml", {own});
@@ -647,7 +647,7 @@ TEST_F(Manifest, ACrashOfCgalIsToldWithTheModel) {
     std::string line;
     std::getline(in, line);
     EXPECT_TRUE(line.starts_with("derive --set ratio=0x1p-2 -- simplify /")) << line;
-    // Operations without CGAL need no process.
+    // `half` does not use CGAL, so the broken program does not matter.
     EXPECT_EQ(std::get<ResolvedModel>(catalogue(ball + half, script.string()).resolve("half")).elements, 80);
 }
 

@@ -1,4 +1,4 @@
-// Point clouds: lines of decimal numbers (.xyz, .pts, .csv) and PCD: their valid contents, and every way each can be bad.
+// Point clouds, as lines of decimal numbers (.xyz, .pts, .csv) and PCD: valid files and every kind of damage.
 #include "algorithms/error.h"
 #include "datasets/load.h"
 #include "tests/support/temporary_folder.h"
@@ -34,7 +34,7 @@ protected:
                 EXPECT_EQ(points(Eigen::Index(i), Eigen::Index(k)), expected[i][k]) << bytes << ": " << i << ", " << k;
         EXPECT_EQ(loaded.report.precision, "float64");
     }
-    // The message must begin with the file name, contain every text of `parts`, and be one line.
+    // Expects an error of one line that begins with the file name and contains all `parts`.
     void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts) const {
         try {
             load(name, bytes);
@@ -79,7 +79,7 @@ TEST_F(PointFiles, EveryDigitCounts) {
 
 TEST_F(PointFiles, CountLines) {
     reads("a.pts", "2\n1 2 3 -5 10 20 30\n4 5 6 -5 10 20 30\n", {{1, 2, 3}, {4, 5, 6}});
-    reads("a.pts", "1\n1 2 3\n2\n4 5 6\n7 8 9\n", {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}});  // two scans
+    reads("a.pts", "1\n1 2 3\n2\n4 5 6\n7 8 9\n", {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}});  // two scans in one file
     reads("a.xyz", "1\n1 2 3\n", {{1, 2, 3}});
     refused("a.pts", "3\n1 2 3\n4 5 6\n", {"is truncated", "line 1 announces 3 points, and 2 are there"});
     refused("a.pts", "1\n1 2 3\n4 5 6\n", {"line 3", "another point, though line 1 announces 1"});
@@ -96,7 +96,7 @@ TEST_F(PointFiles, HeadersOfColumns) {
     reads("a.csv", "easting,northing,height\n1,2,3\n", one);
     reads("a.xyz", "X Y Z R G B\n1 2 3 4 5 6\n", one);
     refused("a.csv", "x,y,height\n1,2,3\n", {"line 1", "names only some of x, y and z"});
-    refused("a.csv", "1.0.0,2,3\n4,5,6\n", {"line 1", "'1.0.0'"});  // not a header
+    refused("a.csv", "1.0.0,2,3\n4,5,6\n", {"line 1", "'1.0.0'"});  // a bad number, not a header
     refused("a.csv", "id,z,y,x\n7,3,2\n", {"line 2", "column 4 (x) is missing"});
     refused("a.csv", "x,y,z\nx,y,z\n", {"line 2", "column 1 (x) is 'x', which is not a number"});
     refused("a.csv", "x,y,z\n", {"holds no vertices"});
@@ -114,7 +114,7 @@ TEST_F(PointFiles, BadLines) {
     refused("a.xyz", "1 2 3\n1 nan 3\n", {"line 2", "not finite"});
     refused("a.xyz", "1 2 -inf\n", {"line 1", "not finite"});
     refused("a.xyz", "1 2 1e400\n", {"line 1", "not finite"});
-    refused("a.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n", {"line 2", "not a number"});  // a file of atoms
+    refused("a.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n", {"line 2", "not a number"});  // a molecule's .xyz
     refused("a.xyz", "1 2 0x3\n", {"line 1", "column 3 (z) is '0x3'"});
     refused("a.xyz", "1 2 +-3\n", {"line 1", "'+-3'"});
     refused("a.xyz", std::string("\xff\xfe\x31\x00\x20\x00", 6), {"UTF-16", "UTF-8"});
@@ -145,7 +145,7 @@ TEST_F(PointFiles, PcdAsText) {
             {"line 13", "point 1 (from 0) is not finite", "remove such points"});
 }
 
-// Two points, each with one byte before it and two after it.
+// Returns two points as floats, each with one unused byte before it and two after it.
 std::string binary_records() {
     std::string body;
     for (const float first : {0.5f, 4.f}) {

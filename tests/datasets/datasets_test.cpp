@@ -1,4 +1,4 @@
-// Reading files: every format, every way a file can be bad, our own shape files, and readers that crash.
+// Reading files: every format, every kind of damage, our own shape files, and readers that crash.
 #include "algorithms/error.h"
 #include "datasets/hash.h"
 #include "datasets/hdf5.h"
@@ -28,7 +28,7 @@ protected:
     LoadedShape load(const std::string& name, const std::string& bytes, const std::string& format = "") const {
         return load_file(write(name, bytes), format);
     }
-    // The message must name the file and contain every text of `parts`, in one line.
+    // Expects an error of one line that names the file and contains all `parts`.
     void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts) const {
         const std::filesystem::path file = write(name, bytes);
         try {
@@ -165,7 +165,7 @@ TEST_F(Files, ObjTraps) {
     EXPECT_EQ(mesh_of(load("wide.obj", wide)).triangles.rows(), 1);
 }
 
-// Line ends of old Macs: such an OBJ file was once read as one line, and so as one point.
+// Old Macs end lines with \r. Such an OBJ file was once read as a single line with one point.
 TEST_F(Files, LinesMayEndWithACarriageReturnAlone) {
     const std::vector<std::pair<std::string, std::string>> files = {
         {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0 # corner\nv 0 0 1\nf 1 2 3\nf 1 \\\n2 4\n"},
@@ -230,7 +230,7 @@ TEST_F(Files, VerticesWithoutFacesAreAPointSet) {
 }
 
 TEST_F(Files, ConcavePolygonsKeepTheirOutline) {
-    // An arrow head of area 1; the fan from its first corner would cover more.
+    // A concave face of area 1; a fan of triangles from its first corner would cover more.
     const LoadedShape loaded = load("a.obj", "v 0 2 0\nv -1 0 0\nv 0 1 0\nv 1 0 0\nf 2 3 4 1\n");
     const TriangleMesh& mesh = mesh_of(loaded);
     double area = 0;
@@ -474,7 +474,7 @@ TEST_F(Files, Sha256IsTheStandardOne) {
 
 class Isolated : public Files {
 protected:
-    // A stand-in for the program: a shell script that gets the same arguments (load [--format F] -- FILE OUT).
+    // Makes a shell script that is called in place of the program: load [--format F] -- FILE OUT.
     std::filesystem::path script(const std::string& body) const {
         const std::filesystem::path file = write("program", "#!/bin/sh\n" + body);
         std::filesystem::permissions(file, std::filesystem::perms::owner_all);

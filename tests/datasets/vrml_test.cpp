@@ -1,4 +1,4 @@
-// VRML 2.0: where nodes place the vertices, which faces are read, and every way in which a file can be bad.
+// VRML 2.0: positions under Transform nodes, faces, and every kind of damaged file.
 #include "algorithms/error.h"
 #include "datasets/load.h"
 #include "tests/support/temporary_folder.h"
@@ -37,7 +37,6 @@ protected:
         std::ofstream(file, std::ios::binary) << text;
         return load_file(file);
     }
-    // Returns the corners of the triangles, in order.
     std::vector<Vec3> corners(const std::string& scene) const {
         const LoadedShape loaded = load(head + scene);
         const auto& mesh = std::get<TriangleMesh>(loaded.shape);
@@ -45,7 +44,7 @@ protected:
         for (const Index v : mesh.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(mesh.vertices.row(v));
         return all;
     }
-    // Checks where (0, 0, 0), (1, 0, 0) and (0, 2, 0) of `triangle` go if a Transform with these fields encloses it.
+    // Expects that a Transform with these fields moves (0, 0, 0), (1, 0, 0) and (0, 2, 0) to `where`.
     void expect_at(const std::string& fields, const std::vector<Vec3>& where, double off = 0) const {
         const auto found = corners(transform(fields, triangle));
         ASSERT_EQ(found.size(), 3u);
@@ -96,7 +95,7 @@ TEST_F(Vrml, TheReportSaysWhatWasThere) {
 }
 
 TEST_F(Vrml, PolygonsAreCutByTheirShape) {
-    // An arrowhead with a notch at its second corner, which the fan from the first corner would cover.
+    // A concave face: a fan of triangles from its first corner would cover the notch at the second.
     const auto notched =
         corners(shape("coord Coordinate { point [ 0 3 0, 0.5 0 0, 0 -3 0, 4 0 0 ] } coordIndex [ 0 1 2 3 -1 ]"));
     ASSERT_EQ(notched.size(), 6u);
@@ -116,7 +115,7 @@ TEST_F(Vrml, TransformsPutVerticesInTheOrderOfTheStandard) {
     expect_at("rotation 0 0 1e-300 1.5707963267948966", {{0, 0, 0}, {0, 1, 0}, {-2, 0, 0}}, 2e-16);
     expect_at("rotation 1 0 0 1.5707963267948966", {{0, 0, 0}, {1, 0, 0}, {0, 0, 2}}, 2e-16);
     expect_at("rotation 0 1 0 1.5707963267948966", {{0, 0, 0}, {0, 0, -1}, {0, 2, 0}}, 2e-16);
-    expect_at("rotation 1 1 1 2.0943951023931953", {{0, 0, 0}, {0, 1, 0}, {0, 0, 2}}, 1e-15);  // x to y to z
+    expect_at("rotation 1 1 1 2.0943951023931953", {{0, 0, 0}, {0, 1, 0}, {0, 0, 2}}, 1e-15);  // turns x to y, y to z
     expect_at("rotation 0 0 0 0", {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}});
     expect_at("scale 2 1 1 rotation 0 0 1 1.5707963267948966", {{0, 0, 0}, {0, 2, 0}, {-2, 0, 0}},
               4e-16);  // the scale comes first
@@ -125,7 +124,7 @@ TEST_F(Vrml, TransformsPutVerticesInTheOrderOfTheStandard) {
     expect_at("center 1 0 0 scale 3 1 1 translation 0 0 7", {{-2, 0, 7}, {1, 0, 7}, {-2, 2, 7}});
     // Scaled by 3 along the diagonal of x and y: (1, 0) is half along it and half across.
     expect_at("scale 3 1 1 scaleOrientation 0 0 1 0.78539816339744831", {{0, 0, 0}, {2, 1, 0}, {2, 4, 0}}, 2e-15);
-    // The orientation does not affect the rotation, because it is undone after the scale.
+    // scaleOrientation is undone after the scale, so it does not affect the rotation.
     expect_at("scale 3 1 1 scaleOrientation 0 0 1 0.78539816339744831 rotation 0 0 1 1.5707963267948966",
               {{0, 0, 0}, {-1, 2, 0}, {-4, 2, 0}}, 2e-15);
 }
@@ -151,7 +150,7 @@ TEST_F(Vrml, UseRepeatsWhatDefNamed) {
     ASSERT_EQ(found.size(), 12u);
     EXPECT_EQ(found[4], Vec3(6, 0, 0));
     EXPECT_EQ(found[6], Vec3(0, 0, 7));
-    // The vertices of a node that is not read itself; and if two nodes share a name, the last one counts.
+    // Vertices may come from a node that is not read itself. If nodes share a name, the last one counts.
     const auto shared = corners(
         "Shape { geometry IndexedLineSet { coord DEF C Coordinate { point [ 9 9 9 ] } } }"
         "Shape { geometry PointSet { coord DEF C Coordinate { point [ 1 2 3 4 5 6 7 8 10 ] } } }" +
@@ -221,7 +220,7 @@ TEST_F(Vrml, WhatIsNotReadIsToldWithItsLine) {
     refused(head + "PROTO Bolt [ field SFInt32 n 0 ] { Group {} }\n", {"line 2", "PROTO", "convert"});
     refused(head + "Group { EXTERNPROTO Bolt [ ] \"a.wrl\" }\n", {"line 2", "EXTERNPROTO"});
     refused(head + triangle + "Group {\n children Inline { url \"b.wrl\" } }", {"line 4", "Inline"});
-    EXPECT_EQ(corners(triangle + "Switch { choice Shape { geometry Sphere {} } }").size(), 3u);  // not visible
+    EXPECT_EQ(corners(triangle + "Switch { choice Shape { geometry Sphere {} } }").size(), 3u);  // an unselected choice
     refused(head, {"holds no IndexedFaceSet"});
     refused(head + shape(points), {"holds no IndexedFaceSet with a face"});
     refused(head + shape("coordIndex [ 0 1 2 ]"), {"holds no IndexedFaceSet with a face"});
@@ -244,7 +243,7 @@ TEST_F(Vrml, MistakesAreToldWithTheirLine) {
     refused(head + transform("translation 1 2", triangle), {"line 2", "'translation' has 2 numbers, not 3"});
     refused(head + shape("coord Coordinate { point [ 0 0 0 1 ] } coordIndex [ 0 0 0 ]"),
             {"line 2", "'point' has 4 numbers"});
-    // The next shape would have enough vertices.
+    // Index 4 is out of range, although the whole file has enough vertices.
     refused(head + shape(points + " coordIndex [ 0 1\n4 -1 ]") + triangle,
             {"line 3", "'4' names none of the 4 vertices"});
     for (const char* bad : {"-2", "1.5", "x", "99999999999999999999"})
@@ -281,7 +280,7 @@ TEST_F(Vrml, DeepNestingIsRefusedAndNoCrash) {
     EXPECT_EQ(corners(nested(200)).size(), 3u);
     refused(head + nested(300), {"line 2", "nested deeper than 256"});
     refused(head + repeated("Group { children [ ", 1'000'000), {"nested deeper than 256"});
-    std::string chain = "DEF T0 " + triangle;  // each USE is one node deeper
+    std::string chain = "DEF T0 " + triangle;  // each USE nests one node deeper
     for (int i = 1; i < 100'000; ++i) chain += fmt::format("DEF T{} Group {{ children USE T{} }}\n", i, i - 1);
     refused(head + chain, {"nested deeper than 256", "USE"});
 }
@@ -300,7 +299,7 @@ TEST_F(Vrml, RepetitionThatNoMemoryHoldsIsRefused) {
     refused(head + "DEF T " + many + repeated("USE T ", 3000), {"USE repeats"});
 }
 
-// 2^12 and 2^17 triangles of 3 vertices and 4 words each, from files of at most 2 KB.
+// Files of at most 2 KB, whose nested USE nodes repeat a triangle 2^12 and 2^17 times.
 TEST_F(Vrml, ASmallFileMayRepeatSome) {
     const auto doubled = [](int times) {
         std::string text = "DEF T0 " + triangle;
@@ -308,7 +307,7 @@ TEST_F(Vrml, ASmallFileMayRepeatSome) {
             text += fmt::format("DEF T{0} Group {{ children [ USE T{1} USE T{1} ] }}\n", i, i - 1);
         return text;
     };
-    EXPECT_EQ(corners(doubled(12)).size(), 3 * 8191u);  // each group is also drawn where it is defined
+    EXPECT_EQ(corners(doubled(12)).size(), 3 * 8191u);  // 2^13 - 1: each group also counts where it is defined
     refused(head + doubled(17), {"USE repeats", "200 nodes, points and corners for each byte"});
 }
 

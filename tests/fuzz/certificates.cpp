@@ -1,7 +1,7 @@
-// Takes bytes as a certificate of small fixed scenes. Whatever the bytes are, the bound that the checker
-// finds must hold; it is compared with the exact distances of points of A. The first byte chooses the
-// scene, the next two `proven`. If the first byte is 255, the rest is a certificate file. If it is 254,
-// the rest is a file without its seal, which is added, and the second byte chooses the scene.
+// Checks arbitrary bytes as a certificate of a small fixed scene. The bound that the checker finds must
+// not be below the exact distance of any corner or centroid of A. First byte: the scene; the next two:
+// `proven`. If the first byte is 255, a certificate file follows. If it is 254, the second byte chooses
+// the scene, and a file without its seal (the hash in its last line) follows.
 #include "algorithms/kernel/triangle.h"
 #include "datasets/shape_file.h"
 #include "harness/check/certificate_check.h"
@@ -22,7 +22,7 @@ using exact::Rational;
 
 struct Known {
     Scene scene;
-    Rational squared;  // the largest at the corners and middles of A's triangles; h(A,B) is at least that
+    Rational squared;  // of the farthest corner or centroid of A; at most h(A,B)^2
 };
 
 std::vector<exact::RVec3> samples(const Shape& shape) {
@@ -63,7 +63,7 @@ const std::vector<Known>& scenes() {
     return all;
 }
 
-// Checks that text is safe for a terminal: no control characters. U+0080 to U+009F take two bytes.
+// Checks that text has no control characters, which could change a terminal. U+0080 to U+009F take two bytes.
 void expect_plain(std::string_view text) {
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);
@@ -72,9 +72,9 @@ void expect_plain(std::string_view text) {
     }
 }
 
-// Whatever a file claims about the scene, an accepted file must be true, and the printed description must be plain text.
+// If a file is accepted, its bounds must hold. Its printed description must be plain text in any case.
 void verify_file(CertificateFile content, const Known& one) {
-    content.source.sha256 = content_hash(one.scene.source);  // otherwise every file would be about other shapes
+    content.source.sha256 = content_hash(one.scene.source);  // otherwise every file is refused
     content.target.sha256 = content_hash(one.scene.target);
     const CertificateVerdict verdict = verify_certificate(content, one.scene.source, one.scene.target);
     expect(verdict.accepted == verdict.refusal.empty(), "neither accepted nor refused");
@@ -84,7 +84,7 @@ void verify_file(CertificateFile content, const Known& one) {
     const Rational proven = verdict.proven;
     expect(proven * proven >= one.squared, "accepted, although the bound does not hold");
     expect(content.bounds.lower <= verdict.proven, "accepted, although the lower bound does not hold");
-    // 1e-12 of the diagonal, which is below 10 in all scenes.
+    // Allows 1e-12 of the diagonal, which is below 10 in all scenes.
     expect(verdict.proven <= content.bounds.upper + 1e-11, "accepted, although the upper bound is not proven");
 }
 

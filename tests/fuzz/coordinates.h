@@ -1,5 +1,5 @@
-// Makes deliberately hard coordinates from bytes: points on small grids, one ulp beside another
-// point, on the line or in the plane of earlier points, far away, or any double of moderate exponent.
+// Makes difficult coordinates from bytes: on small grids, one ulp from an earlier point, on the line
+// or in the plane of earlier points, far away, or doubles of moderate exponent.
 #pragma once
 
 #include "tests/fuzz/target.h"
@@ -25,7 +25,7 @@ public:
 private:
     double grid() { return (static_cast<int>(in_.byte()) - 128) / 8.0; }
 
-    // Makes a number with any mantissa and an exponent within 2^-60 .. 2^60.
+    // Makes a number with any mantissa and an exponent from -64 to 63.
     double wide() {
         const auto bits = in_.next<std::uint64_t>();
         const int exponent = static_cast<int>(bits >> 52 & 0x7f) - 64;
@@ -51,7 +51,7 @@ private:
             }
             case 4:
                 return earlier();
-            case 5: {  // beside an earlier point
+            case 5: {  // within an ulp of an earlier point
                 Vec3 point = earlier();
                 const std::uint32_t ways = in_.byte();
                 for (int k = 0; k < 3; ++k)
@@ -68,7 +68,7 @@ private:
                 const double s = grid() / 8, t = grid() / 8;
                 return a + s * (b - a) + t * (c - a);
             }
-            case 8: {  // the end of a needle
+            case 8: {  // very near an earlier point
                 const Vec3 a = earlier();
                 const double size = std::ldexp(1.0, -static_cast<int>(in_.below(60)));
                 return a + size * fresh();

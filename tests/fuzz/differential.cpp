@@ -1,6 +1,6 @@
-// Gives two small shapes to every certified solver that takes them, each with one of its options.
-// All intervals must overlap, and must contain the exact distances of A's vertices, of points of a
-// grid on its triangles, and of all of A if both shapes are point sets.
+// Gives two small shapes to every certified solver that accepts them. All intervals must overlap, and
+// agree with the exact distance d of the farthest vertex or centroid of A: upper >= d, and
+// lower <= d + A's longest edge. For point sets, d is h.
 #include "algorithms/kernel/triangle.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -17,7 +17,7 @@ namespace {
 
 using exact::Rational;
 
-constexpr double most_seconds = 5;  // CPU time of one solve; more counts as a hang
+constexpr double most_seconds = 5;  // CPU time of a solve; a longer one counts as a hang
 
 struct Case {
     Scene scene;
@@ -25,13 +25,13 @@ struct Case {
     std::uint32_t variant;
 };
 
-// Returns 2^-k with k up to 1074, the least double; 1 in a quarter of all cases.
+// Returns 1 in a quarter of the cases, otherwise 2^-k for a k up to 1074; 2^-1074 is the smallest positive double.
 double own_size(Bytes& in) {
     const int k = in.next<std::uint16_t>() % 1433;
     return k <= 1074 ? std::ldexp(1.0, -k) : 1;
 }
 
-// If `sizes` is given, each triangle or point gets its own size from it.
+// Makes points or triangles. With `sizes`, each gets its own size; otherwise all have size 1.
 Shape shape_of(bool points, std::uint32_t count, double scale, const Vec3& offset, Coordinates& coordinates,
                Bytes* sizes) {
     Points all(static_cast<Index>(points ? count : 3 * count), 3);
@@ -69,7 +69,7 @@ Case decode(Bytes& in) {
     return {{std::move(a), std::move(b)}, query, variant};
 }
 
-// Returns the largest squared distance of a vertex or of the middle of a triangle of `a`.
+// Returns the largest squared distance from a vertex or centroid of `a` to `b`.
 Rational squared_at_samples(const Shape& a, const Shape& b) {
     Rational most = 0;
     for (Index i = 0; i < points_of(a).rows(); ++i)
@@ -84,7 +84,7 @@ Rational squared_at_samples(const Shape& a, const Shape& b) {
     return most;
 }
 
-// Returns the squared longest edge: no point of A is farther than that from a vertex of its triangle.
+// Returns the squared longest edge. No point of a triangle is farther than this from its corners.
 Rational squared_longest_edge(const Shape& a) {
     Rational most = 0;
     if (kind_of(a) == ShapeKind::points) return most;
@@ -98,8 +98,8 @@ Rational squared_longest_edge(const Shape& a) {
 }
 
 struct Known {
-    Rational at_samples;    // squared; a lower bound of h
-    Rational longest_edge;  // h <= at_samples + this, both as lengths
+    Rational at_samples;    // squared; at most h^2
+    Rational longest_edge;  // squared; h <= sqrt(at_samples) + sqrt(longest_edge)
 };
 
 Known known(const Case& one) {
@@ -131,7 +131,7 @@ bool legal(const Query& query, const Result& result) {
         case Status::below_floor:
         case Status::above_cutoff:
         case Status::time_limit:
-            return false;  // the query did not ask for these
+            return false;  // the query sets no floor, cutoff or time limit
         case Status::budget:
         case Status::precision_floor:
         case Status::stalled:

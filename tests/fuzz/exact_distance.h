@@ -1,4 +1,3 @@
-// The exact squared distance of a point to a shape.
 #pragma once
 
 #include "algorithms/kernel/triangle.h"

@@ -1,5 +1,5 @@
-// Reads files that people write: experiments, the manifest, surfaces, poses and recordings. The
-// first byte chooses the kind; the rest is the file.
+// Reads files that people write: experiments, manifests, surfaces, poses and recordings. First byte: the
+// kind; the rest: the file.
 #include "datasets/catalogue.h"
 #include "datasets/surface_file.h"
 #include "harness/plan/experiment.h"

@@ -1,5 +1,5 @@
-// Reads the journal of a run: each line of the bytes gets the checksum that a run would have
-// written. The entries read are written again, and must then be the same.
+// Reads the bytes as the journal of a run, with a valid checksum for each line. After an outcome is
+// added, reading the journal again must find all outcomes.
 #include "datasets/hash.h"
 #include "harness/run/journal.h"
 #include "tests/fuzz/memory_file.h"
@@ -16,14 +16,14 @@ std::string with_checksums(std::string_view bytes) {
         const std::string_view line = bytes.substr(0, bytes.find('\n'));
         const bool whole = line.size() < bytes.size();
         journal += Sha256().add(line.data(), line.size()).hex().substr(0, 16) + " " + std::string(line);
-        if (whole) journal += '\n';  // otherwise the write did not finish
+        if (whole) journal += '\n';  // otherwise as if the last write was interrupted
         bytes.remove_prefix(line.size() + (whole ? 1 : 0));
     }
     return journal;
 }
 
 void journals(std::string_view bytes) {
-    const bool as_it_is = !bytes.empty() && bytes[0] == '!';  // the checksums do not fit
+    const bool as_it_is = !bytes.empty() && bytes[0] == '!';  // with the checksums in the bytes
     const MemoryFile file(as_it_is ? std::string(bytes.substr(1)) : with_checksums(bytes));
     try {
         std::size_t known = 0;

@@ -1,4 +1,4 @@
-// A file in memory that has a path, for functions that read files: nothing is written to disk or left behind.
+// A file in memory with a path, for functions that read files; nothing is written to disk.
 #pragma once
 
 #include <sys/mman.h>

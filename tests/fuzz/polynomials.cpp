@@ -1,5 +1,5 @@
-// Reads text as a polynomial. Its ranges over a box, in every form, must contain its exact value
-// at a point of the box. A second reader finds that value from the text, in rationals.
+// Reads text as a polynomial. Every interval form must give a range over a box that contains the exact
+// value at a point of the box, which a second reader computes from the text in rationals.
 #include "algorithms/kernel/interval_form.h"
 #include "tests/fuzz/target.h"
 
@@ -13,12 +13,12 @@ namespace {
 
 using Rational = CGAL::Exact_rational;
 
-// A reader that follows the comment of kernel/polynomial.h without any checks: the text is known to be a polynomial.
+// Evaluates a polynomial written in the grammar of kernel/polynomial.h. Checks nothing: the text is known to be valid.
 class ExactValue {
 public:
     ExactValue(std::string_view text, const std::array<Rational, 3>& at) : text_(text), at_(at) {}
 
-    // Returns nothing if a power of ten is too far from 1 to be written out.
+    // Returns no value if an exponent such as 1e-99999 is too large for rationals.
     std::optional<Rational> value() {
         const Rational all = sum();
         return given_up_ ? std::nullopt : std::optional(all);

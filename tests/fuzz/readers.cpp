@@ -1,5 +1,5 @@
-// Reads files of meshes and points with load_file(): gives a valid shape or an InputError. The
-// first byte chooses the format; the rest is the file.
+// Reads a mesh or points with load_file(), which must give a valid shape or an InputError. First byte:
+// the format; the rest: the file.
 #include "datasets/load.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
@@ -9,7 +9,7 @@
 namespace hausbench::fuzz {
 namespace {
 
-// Written independently of shape_problem(), which the program uses.
+// Checks the shape without shape_problem(), which the program uses and which may be wrong.
 void expect_valid(const LoadedShape& loaded) {
     const Points& points = points_of(loaded.shape);
     expect(points.rows() > 0, "a shape without points");

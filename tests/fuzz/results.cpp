@@ -1,6 +1,6 @@
-// Reads result files with a valid seal. The bytes say how a small file of two rows is changed: a
-// column is missing, has another type or length, or has other values. If the first byte is 255,
-// the other bytes are the file, and get the seal that fits.
+// Reads changed result files with a valid seal (a hash of the file at its end). The bytes choose which
+// columns of a small file are missing or have another type, length or other values. If the first byte
+// is 255, the other bytes are the file without its seal.
 #include "datasets/hdf5.h"
 #include "harness/result/result_file.h"
 #include "tests/fuzz/target.h"
@@ -176,14 +176,14 @@ std::size_t write_changed(const std::filesystem::path& path, Bytes& in) {
 void results(std::string_view bytes) {
     Bytes in(bytes);
     const bool whole = !bytes.empty() && bytes[0] == '\xff';
-    static const TemporaryFolder folder;  // HDF5 resolves paths, which a file in memory does not have
+    static const TemporaryFolder folder;  // not a MemoryFile, because HDF5 resolves paths
     const std::filesystem::path file = folder.path() / "changed.h5";
     if (whole) std::ofstream(file, std::ios::binary) << sealed(bytes.substr(1));
     std::size_t values = bytes.size();
     if (!whole) {
         try {
             values = write_changed(file, in);
-        } catch (const std::runtime_error&) {  // HDF5 does not write this text
+        } catch (const std::runtime_error&) {  // HDF5 cannot write a text in this file
             return;
         }
     }

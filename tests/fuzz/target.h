@@ -1,6 +1,6 @@
-// Common parts of the fuzz targets. A target is a function of bytes that throws if something is wrong.
-// libFuzzer calls it (`make fuzz`, HAUSBENCH_LIBFUZZER), and so does tests/fuzz/replay/fuzz_replay_test.cpp,
-// which any compiler builds and which replays the files of tests/fuzz/corpus.
+// Common parts of the fuzz targets. A target is a function of bytes that throws if it finds an error.
+// libFuzzer calls it with changing bytes (`make fuzz`, HAUSBENCH_LIBFUZZER), and
+// tests/fuzz/replay/fuzz_replay_test.cpp with the files of tests/fuzz/corpus, with any compiler.
 #pragma once
 
 #include "algorithms/error.h"
@@ -34,8 +34,8 @@ inline void expect(bool holds, const std::string& what) {
     if (!holds) throw Wrong(what);
 }
 
-// Makes numbers from bytes; after their end all numbers are 0. libFuzzer's FuzzedDataProvider is
-// part of clang, but GCC builds the replay.
+// Makes numbers from bytes; when no bytes are left, zeros. Replaces libFuzzer's FuzzedDataProvider, which
+// GCC lacks.
 class Bytes {
 public:
     explicit Bytes(std::string_view bytes) : rest_(bytes) {}
@@ -62,7 +62,6 @@ private:
     std::string_view rest_;
 };
 
-// An error message for users is one non-empty line.
 inline void expect_one_line(const InputError& error) {
     const std::string_view text = error.what();
     expect(!text.empty() && text.find('\n') == std::string_view::npos, "the message is not one line");

@@ -1,5 +1,5 @@
-// A solver that breaks its contract in the way that the environment variable BROKEN names; without
-// the variable, it keeps the contract.
+// A solver that violates its contract in the way named by the environment variable BROKEN. Without the
+// variable, it is correct.
 #include <hausbench/plugin.h>
 #include <hausbench/structures/octree.h>
 

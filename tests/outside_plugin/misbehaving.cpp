@@ -1,5 +1,5 @@
-// Solvers that misbehave at one pose; at all others they answer like vertex_only.
-// The harness must still give each case its row and go on.
+// Solvers that crash, hang or lie at one pose, and answer like vertex_only at all others. The harness
+// must still write a row for each case.
 #include <hausbench/plugin.h>
 
 #include <unistd.h>
@@ -37,7 +37,7 @@ void eat_memory(const std::string& how, Result&) {
 
 void leave(const std::string&, Result&) { ::_exit(0); }
 
-// Grows by 4 MB at a time to 1.2 GB, without ever being silent for long.
+// Leaks 4 MB at each call, or 1.2 GB at once while it writes text to stderr.
 void leak(const std::string& how, Result&) {
     static std::vector<std::vector<char>> kept;
     const auto grow = [] { kept.emplace_back(std::size_t(4) << 20, 'x'); };
@@ -99,7 +99,7 @@ void chatter(const std::string&, Result&) {
     }
 }
 
-// Behaves like a solver that reaches a time limit of one second.
+// Reports a time limit after one second.
 void dawdle(const std::string&, Result& result) {
     ::usleep(999'999);
     result.status = Status::time_limit;
@@ -135,8 +135,8 @@ template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vecto
     SolverInfo info = vertex_only_solver().info;
     info.name = info.title = name;
     info.certified = false;
-    info.abilities.insert(Ability::warm);  // in name only
-    info.original_coordinates = true;      // so that `at` is a length of the experiment
+    info.abilities.insert(Ability::warm);  // not implemented
+    info.original_coordinates = true;      // so that `at` is not rescaled
     info.parameters = {
         {.name = "at",
          .default_value = 1.0,
@@ -176,7 +176,6 @@ private:
     std::unique_ptr<Solver> good_;
 };
 
-// A solver that never finishes preparing.
 class NeverReady final : public Solver {
 public:
     explicit NeverReady(const Options&) {}

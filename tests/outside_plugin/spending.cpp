@@ -1,5 +1,5 @@
-// Solvers that answer like vertex_only and also spend a known amount of memory or CPU time, so
-// that the harness's records can be compared with the amount spent.
+// A solver that answers like vertex_only, and uses a known amount of memory and CPU time, so that
+// tests can check what the harness measures.
 #include <hausbench/plugin.h>
 
 #include <time.h>
@@ -13,14 +13,14 @@ SolverEntry vertex_only_solver();  // vertex_only.cpp
 
 namespace {
 
-// Touches every page of so much memory, and frees it.
+// Allocates memory, touches every page of it, and frees it.
 void touch(std::int64_t megabytes) {
     const std::size_t size = std::size_t(megabytes) << 20;
     std::vector<char> memory(size);
     for (std::size_t i = 0; i < size; i += 4096) static_cast<volatile char&>(memory[i]) = 1;
 }
 
-// Spends so much CPU time of the calling thread, however long that takes.
+// Keeps the calling thread busy for this many seconds of CPU time.
 void burn(double seconds) {
     const auto now = [] {
         timespec t{};
@@ -73,7 +73,7 @@ ParameterSpec parameter(const char* name, ParameterValue none, const char* what)
 SolverEntry spending_solver() {
     SolverInfo info = vertex_only_solver().info;
     info.name = info.title = "spending";
-    info.original_coordinates = true;  // so that `at` is a length of the experiment
+    info.original_coordinates = true;  // so that `at` is not rescaled
     info.parameters = {parameter("prepare_megabytes", std::int64_t(0), "touched while preparing"),
                        parameter("solve_megabytes", std::int64_t(0), "touched while solving the pose `at`"),
                        parameter("at", 0.0, "x of its translation"),

@@ -1,6 +1,6 @@
-// A sampler like many others: it returns the largest distance of a vertex of A, and that plus `share`
-// of A's longest edge. Every point of a triangle is within 1/sqrt(3) of its longest edge from a
-// corner, so smaller shares give upper bounds that are wrong on some scenes and right on others.
+// A sampler. Lower bound: the largest distance of a vertex of A. Upper bound: that plus `share` times
+// A's longest edge. Points of a triangle are up to 1/sqrt(3) of its longest edge away from the nearest
+// corner, so with a smaller share the upper bound is wrong on some scenes.
 #include <hausbench/plugin.h>
 
 #include <cmath>

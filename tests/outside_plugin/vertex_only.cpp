@@ -53,10 +53,10 @@ public:
             if (deadline.passed()) {
                 result.status = Status::time_limit;
                 result.why_no_certificate = "time was out before each triangle of A had a bound; allow it more time";
-                return result;  // bounds of some triangles only bound h from below
+                return result;  // without the other triangles there is no upper bound
             }
             lowers.values.push_back(0);
-            std::vector<double> farthest(target_.size(), 0);  // distance of the farthest corner so far, from each S
+            std::vector<double> farthest(target_.size(), 0);  // squared distance of the farthest corner, from each S
             for (const Vec3& corner : {elements[i].a, elements[i].b, elements[i].c}) {
                 double lower = std::numeric_limits<double>::infinity(), nearest = lower;
                 Witness witness{corner, corner, Index(i), -1};
@@ -80,10 +80,10 @@ public:
         }
         result.bounds.upper = upper;
         if (query.wanted.fields) result.fields = {lowers, uppers};
-        // Leaves room for the checker's own rounding (cover_certificate.h); no box has a diagonal above 2 sqrt(3) `size`.
+        // Adds room for the checker's rounding errors (cover_certificate.h). Diagonals are at most 2 sqrt(3) `size`.
         if (query.wanted.certificate) result.certificates = {*proof.finish(upper + 100 * unit_roundoff * 4 * size)};
         const bool close = result.bounds.gap() <= query.tolerance.gap(result.bounds.lower);
-        result.status = close ? Status::converged : Status::budget;  // the solver cannot come closer
+        result.status = close ? Status::converged : Status::budget;  // it cannot refine further
         if (!close) result.note = "a solver that looks at vertices only comes no closer than this";
         return result;
     }

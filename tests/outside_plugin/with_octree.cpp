@@ -1,5 +1,5 @@
-// A solver that includes the header of a structure, which it may share with solvers of the
-// program. It measures only the vertices of A.
+// A plug-in with the header of a structure that the program can share with its own solvers. Measures
+// only the vertices of A.
 #include <hausbench/plugin.h>
 #include <hausbench/structures/octree.h>
 

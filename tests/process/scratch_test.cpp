@@ -1,5 +1,5 @@
-// Scratch folders: errors when none can be made, and races with other processes that clear theirs
-// away. Also the memory of several processes.
+// Scratch folders: errors when none can be made, and races with other processes that delete old ones.
+// Also the memory use of several processes.
 #include "process/scratch.h"
 #include "algorithms/error.h"
 #include "process/child.h"
@@ -24,9 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Ends this process with 0 if a folder is refused for lack of file descriptors, with one line and nothing left behind.
+// Exits with 0 if, without file descriptors, making a folder gives an error that says so and leaves nothing behind.
 [[noreturn]] void make_one_without_descriptors(const fs::path& temporary) {
-    ::alarm(2);  // it must not try forever
+    ::alarm(2);  // fails if it tries forever
     ::setenv("TMPDIR", temporary.c_str(), 1);
     { const ScratchFolder first("worker"); }
     rlimit before{};
@@ -49,7 +49,7 @@ TEST(ScratchFolder, IsRefusedAtOnceWhereItCannotBeOpened) {
     EXPECT_EXIT(make_one_without_descriptors(temporary.path()), testing::ExitedWithCode(0), "");
 }
 
-// Clears away like the first folder of another process, but all the time.
+// Deletes unlocked folders, as another process does before it makes its first folder, but without pause.
 void clear_away(const fs::path& from, const std::atomic<bool>& stop, std::atomic<int>& taken) {
     std::error_code ignored;
     while (!stop) {
@@ -85,8 +85,8 @@ TEST(ScratchFolder, IsMadeWhileOthersClearAwayTheirs) {
     ::unsetenv("TMPDIR");
 }
 
-// Touches `bytes`, and starts three processes that wait for a byte and then write to their copy.
-// Measures the memory of all of them before and after.
+// Three forks share pages of their parent, so memory counts once; after they have written to the
+// pages, each fork has its own copy.
 TEST(Memory, PagesThatForksShareCountOnce) {
     constexpr std::int64_t bytes = std::int64_t(64) << 20;
     int go[2], done[2];

@@ -1,7 +1,7 @@
 // A solver in one file: the corners of A against every triangle of B.
 //
-// Lower bound: the largest distance of a corner. Upper bound: a point of a triangle is at most L / sqrt(3) from the nearest of its
-// corners, L being its longest edge. In exact arithmetic; rounding is not accounted for, so it does not say `certified`.
+// Lower bound: the largest distance of a corner. Upper bound: adds L / sqrt(3), where L is the longest edge, because
+// no point of a triangle is farther from its nearest corner. Ignores rounding errors, so it is not `certified`.
 #include <hausbench/kernel/point_triangle.h>
 #include <hausbench/plugin.h>
 

@@ -89,7 +89,7 @@ std::string bytes_of(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// Returns an empty string if the file was read.
+// Returns the error of reading a file with these bytes; an empty string if it is valid.
 std::string problem_of(const std::filesystem::path& file, const std::string& bytes) {
     std::ofstream(file, std::ios::binary).write(bytes.data(), std::ptrdiff_t(bytes.size())).flush();
     try {
@@ -100,7 +100,7 @@ std::string problem_of(const std::filesystem::path& file, const std::string& byt
     return "";
 }
 
-// The last line fits, but a byte belongs to no certificate, or one is missing.
+// The hash in the last line is right, but the content has a byte too many or too few.
 TEST(CertificateFile, AWholeFileWithAnotherNumberOfBytes) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
@@ -112,7 +112,7 @@ TEST(CertificateFile, AWholeFileWithAnotherNumberOfBytes) {
               std::string::npos);
 }
 
-// Changes a text in the first line of a file, and makes the last line fit again.
+// Edits the first line and updates the hash in the last line, so that only the new value can be refused.
 TEST(CertificateFile, WhatAKeyMayHold) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
@@ -183,7 +183,7 @@ TEST(CertificateFile, AWitnessNamesAnElementThatIsThere) {
     }
 }
 
-// Changes every byte of a small file and some bytes of a large one; cuts off ends; adds and swaps bytes.
+// Flips a bit in each byte of a small file and in some of a large one; also cuts off ends and inserts bytes.
 TEST(CertificateFile, NoChangedByteIsRead) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "proof";
@@ -206,7 +206,7 @@ TEST(CertificateFile, NoChangedByteIsRead) {
             ASSERT_NE(problem_of(file, good.substr(0, size)), "");
         ASSERT_NE(problem_of(file, good + '\n'), "");
         ASSERT_NE(problem_of(file, good.substr(0, seal) + 'x' + good.substr(seal)), "");
-        std::string capitals = good;  // the same hash, written differently
+        std::string capitals = good;  // the same hash in capital letters
         for (std::size_t i = seal + 8; i < good.size(); ++i) capitals[i] = char(std::toupper(capitals[i]));
         ASSERT_NE(problem_of(file, capitals), "");
     }

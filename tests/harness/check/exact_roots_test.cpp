@@ -1,4 +1,4 @@
-// Roots of rationals: the neighbouring doubles, from below the smallest double to beyond the largest.
+// Square roots of rationals, rounded down and up to doubles, including underflow and overflow.
 #include "harness/check/exact_roots.h"
 #include "tests/support/random.h"
 
@@ -14,7 +14,7 @@ constexpr double largest = std::numeric_limits<double>::max(), smallest = std::n
 
 Rational squared(double x) { return Rational(x) * Rational(x); }
 
-// Checks the definition, and that the neighbouring double fails it.
+// Checks that the roots are the largest double not above and the smallest double not below the exact root.
 void expect_tight(const Rational& square) {
     const double below = root_at_most(square), above = root_at_least(square);
     EXPECT_LE(squared(below), square);

@@ -36,7 +36,7 @@ TEST(VerifyPenetration, RightAnswersHold) {
     expect(check(cube, bar, {0.5, 0.5}, from_target(end)), Verdict::holds, Verdict::holds);
     expect(check(bar, cube, {0.4999, 0.5}, from_source(end)), Verdict::holds, Verdict::holds);
     expect(check(cube, bar, {0.5 + 1e-11, 0.5}, from_target(end)), Verdict::holds,
-           Verdict::holds);  // cut points are rounded
+           Verdict::holds);  // the excess may be due to rounded cut points
     expect(check(cube, box({4, 4, 4}, {5, 5, 5}), {0, 0}, from_source(Vec3::Constant(unknown))), Verdict::holds,
            Verdict::holds);
     expect(check(box({-1, -1, -1}, {1, 1, 1}), box({-3, -3, -3}, {3, 3, 3}), {2, 2}, from_source({1, 0.3, 0.2})),
@@ -59,7 +59,7 @@ TEST(VerifyPenetration, Enclosed) {
     expect(check(box(-p, p), shell, {corner + 1e-3, 1}, from_source(p)), Verdict::unsound, Verdict::holds, "bounded");
 }
 
-// One slit just beside the witness separates the two teeth; another one lies just before the nearer point.
+// Thin slits separate the teeth: first one next to the witness, then one next to the nearer face of B.
 TEST(VerifyPenetration, NarrowSlitsSeparate) {
     const TriangleMesh teeth = joined(box({0, 0, 0}, {1, 1, 4}), box({1.001, 0, 0}, {3.5, 1, 4}));
     const TriangleMesh slab = box({-5, -5, 1}, {3.4, 6, 9});
@@ -101,7 +101,7 @@ TEST(VerifyPenetration, ALowerBoundThatIsTooLarge) {
     expect(check(cube, bar, {0.51, 0.52}, from_target(end)), Verdict::unsound, Verdict::holds,
            "the same part of the volume is bounded 0.5");
     expect(check(cube, bar, {0.5 + 1e-8, 0.52}, from_target(end)), Verdict::unsound, Verdict::holds, "bounded 0.5");
-    // From a corner of the bar, the path runs along the bar's edge.
+    // The witness is a corner of the bar, so the path to the cube's face runs along an edge of the bar.
     expect(check(cube, bar, {0.51, 0.52}, from_target({0.5, 0.2, 0.2})), Verdict::unsound, Verdict::holds, "bounded");
 }
 
@@ -114,7 +114,7 @@ TEST(VerifyPenetration, AWitnessThatIsNone) {
 }
 
 TEST(VerifyPenetration, AnUpperBoundThatIsTooSmall) {
-    // The corners of the bar's end are 0.2 from the cube's faces.
+    // The corners of the bar's end are 0.2 from the cube's faces, so the depth is at least 0.2.
     expect(check(cube, bar, {0, 0.19}, from_target(end)), Verdict::holds, Verdict::unsound, "lies deeper");
     expect(check(bar, cube, {0, 0.19}, from_source(end)), Verdict::holds, Verdict::unsound, "lies deeper");
     expect(check(cube, bar, {0, 0.21}, from_target(end)), Verdict::holds, Verdict::holds);
@@ -128,13 +128,13 @@ TEST(VerifyPenetration, NearerTrianglesOutsideDoNotCount) {
     expect(check(teeth, box({-5, -5, 1}, {1.1, 6, 4}), {0.9, 1.2}, from_source(side)), Verdict::holds, Verdict::holds);
     expect(check(teeth, box({-5, -5, 1}, {1.1, 6, 4}), {1.1, 1.2}, from_source(side)), Verdict::unsound, Verdict::holds,
            "same part");
-    // Inside the other tooth, that plane bounds the other part of the volume. The check does not
-    // prove which part is which.
+    // With the plane inside the other tooth, it bounds another part of the volume. The check cannot
+    // tell the parts apart, so it does not decide.
     expect(check(teeth, box({-5, -5, 1}, {1.3, 6, 4}), {0.9, 1.2}, from_source(side)), Verdict::not_checked,
            Verdict::holds);
 }
 
-// The nearer point and the middle of the path to it lie in both solids, but in another tooth: it bounds another part.
+// The nearer point lies in another tooth, as does the middle of the path to it, so it bounds another part.
 TEST(VerifyPenetration, AnotherPartRefutesNothing) {
     const TriangleMesh teeth =
         joined(joined(box({0, 0, 0}, {1, 1, 4}), box({1.2, 0, 0}, {2.2, 1, 4})), box({2.4, 0, 0}, {3.4, 1, 4}));

@@ -1,4 +1,4 @@
-// The off-clock check on small shapes: its proofs, its refutations, and how it stops.
+// The check of result rows on small shapes: what it proves, what it refutes, and how it stops.
 #include "harness/check/claims.h"
 #include "harness/check/verify.h"
 #include "tests/support/random.h"
@@ -11,7 +11,7 @@
 namespace hausbench {
 namespace {
 
-// Makes many triangles that are equally far away, so that interval arithmetic settles none of them.
+// Repeats a triangle: interval arithmetic cannot exclude any of the equally near copies.
 TriangleMesh copies_of_a_triangle(int count) {
     TriangleMesh mesh{Points(3, 3), Triangles(count, 3)};
     mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0;
@@ -62,7 +62,7 @@ TEST_F(VerifyRows, TheDistanceHoldsAndTheNextDoubleDoesNot) {
     EXPECT_EQ(rows[2].check.upper, Verdict::unsound);  // below the verified lower bound of the first row
 }
 
-// However little the row claims, its own witness is 2 away.
+// The witness is 2 away from B, so an upper bound below 2 is wrong, even if the lower bound is smaller.
 TEST_F(VerifyRows, AWitnessRefutesItsOwnUpperBound) {
     const Vec3 p(0.25, 0.25, 2);
     for (const auto& [lower, upper] : {std::pair(0.0, 1.5), std::pair(-1.0, 0.0), std::pair(1e-3, 1e-3)}) {
@@ -105,7 +105,7 @@ TEST_F(VerifyRows, ReferencesRefuteByWhatIsCheckedAlone) {
     check();
     EXPECT_EQ(rows[0].check.lower, Verdict::unsound);
     EXPECT_EQ(rows[2].check.lower, Verdict::no_witness);
-    references[0].outcome.bounds = {5, 5};  // not shown by its witness: it is wrong itself, and refutes nothing
+    references[0].outcome.bounds = {5, 5};  // its witness refutes it, so it refutes no row
     rows[2].outcome.status = RowStatus::ok;
     check();
     EXPECT_EQ(references[0].outcome.status, RowStatus::unsound);
@@ -119,7 +119,7 @@ TEST_F(VerifyRows, StoppedItSaysNothingOfWhatIsLeft) {
     int asked = 0;
     verify([&] { return ++asked > 50; });
     EXPECT_EQ(asked,
-              53);  // stops within the first row, then asks once for its upper bound and once before the second row
+              53);  // 51 calls until it stops in the first row, one for the row's upper bound, one before the next row
     for (const Row& row : rows) {
         EXPECT_EQ(row.check.lower, Verdict::not_checked);
         EXPECT_EQ(row.check.upper, Verdict::not_checked);
@@ -135,7 +135,7 @@ TEST_F(VerifyRows, WhatCannotBeCheckedLosesItsOldVerdict) {
     EXPECT_EQ(rows[0].check.upper, Verdict::not_checked);
 }
 
-// When a run adds to a result, earlier rows are checked against the new ones, and no others are visited.
+// Earlier rows of a result are checked again only if a new row has the same scene and pose.
 TEST_F(VerifyRows, RowsOfAnEarlierRunAreCheckedWhereANewOneIsOfTheSame) {
     const Vec3 p(0.25, 0.25, 2);
     rows = {answer(2, 2, p), answer(1, 1.5, p), answer(99, 100, p), answer(99, 100, p)};
@@ -158,7 +158,7 @@ TEST_F(VerifyRows, RowsOfAnEarlierRunAreCheckedWhereANewOneIsOfTheSame) {
 
 TEST_F(VerifyRows, WhatWasCheckedBeforeIsCheckedAgainWhereItMatters) {
     const Check held{Verdict::holds, Verdict::holds, "", Verdict::holds};
-    const auto moved = [](double up, const Check& check) {  // the bounds are wrong
+    const auto moved = [](double up, const Check& check) {  // a row with wrong bounds at a pose of its own
         Row row = answer(99, 100, {0.25, 0.25, 2 + up});
         row.asked.pose.translation = {0, 0, up};
         row.check = check;
@@ -211,7 +211,7 @@ protected:
     void verify() {
         verify_rows(rows, [this](const std::string& name) { return load(name); });
     }
-    // Rows of h(A,B), of h(B,A), and of H with the witness on B.
+    // Make rows of h(A,B), of h(B,A), and of H with its witness on B.
     static Row from_a(double lower, double upper) { return answer(lower, upper, Vec3::Zero()); }
     static Row from_b(double lower, double upper) {
         Row row = answer(lower, upper, {5, 0, 0});
@@ -240,17 +240,17 @@ TEST_F(VerifyBothDirections, AWitnessOnBShowsTheSymmetricDistance) {
     EXPECT_EQ(lower(0), Verdict::holds);
     EXPECT_EQ(upper(0), Verdict::holds);
     EXPECT_EQ(lower(1), Verdict::unsound);
-    // The named element is one of B: the first one is 5 away from the witness.
+    // The named element of B is 5 away from the witness point, so nothing is proven.
     rows = {symmetric(5, 5)};
     rows[0].outcome.witness.target_element = 0;
     verify();
     EXPECT_EQ(lower(0), Verdict::unsound);
-    // A witness on A does not help here.
+    // A witness on A cannot show H = 5, because h(A,B) = 0.
     rows = {symmetric(5, 5)};
     rows[0].outcome.witness.direction = Witness::Direction::source_to_target;
     verify();
     EXPECT_EQ(lower(0), Verdict::unsound);
-    // A row of h(A,B) has its witness on A, whatever it claims.
+    // In a row of h(A,B) the witness must be on A, even if the row says that it is on B.
     rows = {symmetric(5, 5)};
     rows[0].asked.quantity = Quantity::directed;
     verify();
@@ -277,7 +277,7 @@ TEST_F(VerifyBothDirections, EachDirectedDistanceRefutesTheSymmetricOneAndNotThe
     std::swap(rows[1].asked.source, rows[1].asked.target);
     verify();
     EXPECT_EQ(upper(1), Verdict::unsound);
-    // h(A,B) also refutes it.
+    // h(A,B) = 3 also refutes an upper bound of 2 on H.
     a = point(0, 3, 0);
     rows = {answer(3, 3, {0, 3, 0}), symmetric(0, 2)};
     verify();
@@ -290,17 +290,17 @@ TEST_F(VerifyBothDirections, WithoutAWitnessACertifiedUpperBoundRefutes) {
         row.outcome.witness.source_point = row.outcome.witness.target_point = Vec3::Constant(unknown);
         return row;
     };
-    // A reference for h(A,B) says nothing about H.
+    // An upper bound on h(A,B) says nothing about H.
     rows = {from_a(0, 0), bare(symmetric(5, 6))};
     rows[0].asked.certified = 1;
     verify();
     EXPECT_EQ(lower(1), Verdict::no_witness);
-    // A reference for H holds for both directions.
+    // An upper bound on H also bounds both directed distances.
     rows = {symmetric(5, 5), bare(from_a(6, 7)), bare(from_b(6, 7)), bare(symmetric(6, 7))};
     rows[0].asked.certified = 1;
     verify();
     for (std::size_t i : {1u, 2u, 3u}) EXPECT_EQ(lower(i), Verdict::unsound) << i;
-    // A refuted row does not count.
+    // A refuted row refutes no other row.
     rows = {symmetric(0, 4), bare(from_b(4.5, 7)), from_b(5, 5)};
     rows[0].asked.certified = 1;
     verify();
@@ -320,7 +320,7 @@ TEST_F(VerifyBothDirections, BothShapesArePosed) {
     verify();
     EXPECT_EQ(lower(0), Verdict::holds);
     EXPECT_EQ(upper(0), Verdict::holds);
-    EXPECT_EQ(upper(1), Verdict::holds);  // of another pose
+    EXPECT_EQ(upper(1), Verdict::holds);  // at another pose
     EXPECT_EQ(lower(2), Verdict::unsound);
     EXPECT_EQ(lower(3), Verdict::holds);
     // The swapped scene is the same if its poses are swapped too.
@@ -356,8 +356,8 @@ TEST_F(VerifyBothDirections, OfSurfacesToo) {
     EXPECT_EQ(lower(2), Verdict::holds);
 }
 
-// Bounds of an honest solver that certifies nothing: the square root of the largest of the least
-// squared distances, with a true witness. It poses shapes with its own order of operations.
+// Answers of a correct but uncertified solver, which computes h in doubles. It applies poses with its
+// own order of operations, so its rounding errors differ from the checker's.
 class VerifyUncertified : public testing::Test {
 protected:
     struct Scene {
@@ -409,8 +409,8 @@ protected:
         return rows;
     }
 
-    // Returns the honest answer; the same as certified; and answers with an error of a hundred
-    // times the slack in either bound.
+    // Returns the correct answer, the same answer marked certified, and one answer for each bound with
+    // an error of a hundred times the slack.
     static std::vector<Row> rows_of(const Scene& s) {
         std::vector<Row> rows(4, honest_answer(s));
         const double error = 100 * 84 * 0x1p-53 * s.largest;
@@ -421,7 +421,7 @@ protected:
         return rows;
     }
 
-    // Returns the share of scenes in which the honest bounds are off.
+    // Returns the share of scenes in which the solver's lower bound is too large by rounding.
     static double share_off(const std::vector<Scene>& scenes) {
         int off = 0;
         for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -437,8 +437,8 @@ protected:
     }
 };
 
-// A bound within the slack of 0 counts as 0 and needs no witness; a witness with rounded
-// coordinates lies a little off A and B.
+// A lower bound below the slack counts as 0 and needs no witness. So it does no harm that rounding
+// puts this witness slightly off A and B.
 TEST_F(VerifyUncertified, ABoundThatItsSlackTakesToZeroHolds) {
     const TriangleMesh mesh{(Points(3, 3) << 0.1, 0.2, 0.3, 0.7, 0.4, 0.1, 0.2, 0.9, 0.6).finished(),
                             (Triangles(1, 3) << 0, 1, 2).finished()};
@@ -455,8 +455,8 @@ TEST_F(VerifyUncertified, ABoundThatItsSlackTakesToZeroHolds) {
     EXPECT_EQ(rows[0].check.lower, Verdict::holds) << rows[0].check.reason;
 }
 
-// One shape is at the origin and small; the other is far away or large, by its coordinates or by
-// its pose, so only its size counts.
+// One shape is small and at the origin; coordinates or pose make the other one far away or large.
+// The slack must follow the larger coordinates.
 TEST_F(VerifyUncertified, HonestBoundsHoldWhicheverShapeIsLarge) {
     for (int kind = 0; kind < 6; ++kind) {
         Random random(std::uint64_t(kind) + 1);
@@ -492,7 +492,7 @@ TEST_F(VerifyUncertified, HonestBoundsHoldWherePosesCancel) {
     EXPECT_GT(share_off(scenes), 0.5);
 }
 
-// A row refutes another one only by bounds that are shown to hold.
+// A bound that holds only within the slack does not refute another row.
 TEST_F(VerifyUncertified, WhatRoundingExplainsRefutesNobody) {
     const Scene s{point(0.25, 0.25, 2), point(0.25, 0.25, 0), {}, {}, 2};
     Row off = honest_answer(s), proven = off;
@@ -501,7 +501,7 @@ TEST_F(VerifyUncertified, WhatRoundingExplainsRefutesNobody) {
     const std::vector<Row> rows = verified(s, {off, proven});
     EXPECT_EQ(rows[0].check.lower, Verdict::holds);
     EXPECT_EQ(rows[1].check.upper, Verdict::holds) << rows[1].check.reason;
-    // A bound that holds without slack also refutes without slack.
+    // A bound that holds exactly refutes another one that is off by one ulp.
     off.outcome.bounds.lower = 2;
     proven.outcome.bounds = {0, std::nextafter(2.0, 1.0)};
     EXPECT_EQ(verified(s, {off, proven})[1].check.upper, Verdict::unsound);
@@ -573,7 +573,7 @@ TEST_F(VerifyRows, ARowThatContradictsItselfIsNoticed) {
               r.asked.options = {{"seed", std::int64_t(1)}};
           }})
         expects(change, "its identity");
-    // A gap above the tolerance is right if the row answers a floor or a cutoff, or is not `ok`.
+    // A gap above the tolerance is allowed if the bounds decide the floor or the cutoff, or if the status is not `ok`.
     EXPECT_EQ(says([](Row& r) { r.outcome.status = RowStatus::timeout, r.outcome.bounds.upper = 7; }), "");
     EXPECT_EQ(says([&](Row& r) { r.outcome.status = RowStatus::timeout, r.outcome.bounds.upper = nan; }), "");
     const auto asked = [](Row& r, double floor, double cutoff) {

@@ -1,4 +1,4 @@
-// The re-check of lower bounds on algebraic surfaces: true ones hold, wrong ones are refuted, and none is left undecided.
+// The check of lower bounds on algebraic surfaces must accept true bounds and refute wrong ones.
 #include "harness/check/verify_surface.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -26,36 +26,36 @@ TEST(SurfaceCheck, TellsRightFromWrong) {
     EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);
     EXPECT_EQ(check(ball, large, 0.51, p), Verdict::unsound);
     EXPECT_EQ(check(ball, large, 0.6, p), Verdict::unsound);
-    EXPECT_NE(check(ball, large, 0.1 + 1e-9, Vec3(0, 0, 1.2)), Verdict::holds);   // 0.2 from the source
-    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);          // outside its box
-    const AlgebraicSurface squared = surface_in_cube("(x^2 + y^2 + z^2 - 1)^2");  // without a change of sign
-    EXPECT_EQ(check(squared, large, 0.1, p), Verdict::holds);                     // but 0 at p itself
+    EXPECT_NE(check(ball, large, 0.1 + 1e-9, Vec3(0, 0, 1.2)), Verdict::holds);   // the witness is 0.2 from A
+    EXPECT_EQ(check(ball, large, 0.1, Vec3(0, 0, 3)), Verdict::unsound);          // the witness is outside A's box
+    const AlgebraicSurface squared = surface_in_cube("(x^2 + y^2 + z^2 - 1)^2");  // nowhere negative
+    EXPECT_EQ(check(squared, large, 0.1, p), Verdict::holds);                     // p is a zero
     EXPECT_EQ(check(squared, large, 0.1, Vec3(0, 0, 0.7)), Verdict::unsound);
 }
 
-// A witness slightly off the surface costs that distance, and no more.
+// A witness slightly off A loses exactly its distance from A.
 TEST(SurfaceCheck, TakesOffHowFarTheWitnessIsBeside) {
     const double beside = 3e-5;
     const Vec3 p(0, 0, 1 - beside);
-    EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);  // 0.5 + beside away, minus beside
+    EXPECT_EQ(check(ball, large, 0.5 - 1e-9, p), Verdict::holds);  // 0.5 + beside from B, minus beside
     EXPECT_NE(check(ball, large, 0.5 + 0.5 * beside, p), Verdict::holds);
 }
 
-// The witness is from a coarse mesh, far from the surface: the rest of the distance is still shown.
+// A witness far from A, for example from a coarse mesh, still proves a smaller lower bound.
 TEST(SurfaceCheck, AWitnessFarFromTheSurfaceShowsWhatIsLeft) {
-    EXPECT_EQ(check(ball, large, 0.3 - 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);  // 0.6 - 0.1 - loss along axes
+    EXPECT_EQ(check(ball, large, 0.3 - 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);  // less than 0.6 - 0.1
     EXPECT_NE(check(ball, large, 0.5 + 1e-9, Vec3(0, 0, 0.9)), Verdict::holds);
 }
 
-// No axis crosses the cone at its apex.
+// At the apex, no line parallel to an axis crosses the cone.
 TEST(SurfaceCheck, TheApexOfACone) {
     EXPECT_EQ(check(cone_1, large, 1.4999, Vec3::Zero()), Verdict::holds);
     EXPECT_EQ(check(cone_1, large, 1.4999, Vec3(0, 0, 1e-6)), Verdict::holds);
     EXPECT_EQ(check(cone_1, large, 1.51, Vec3::Zero()), Verdict::unsound);
-    EXPECT_NE(check(cone_1, large, 1.29, Vec3(0, 0, 0.2)), Verdict::holds);  // 1.3 away, but 0.11 from the cone
+    EXPECT_NE(check(cone_1, large, 1.29, Vec3(0, 0, 0.2)), Verdict::holds);  // 1.3 from B, but 0.11 off the cone
 }
 
-// If the target is clipped, its nearest point lies on a side of the box.
+// Some targets are clipped by their box, so the nearest point may lie on a side of the box.
 TEST(SurfaceCheck, SettlesEveryWitnessOfTheEnclosure) {
     const AlgebraicSurface ellipsoid = surface_in_cube("x^2/2.25 + y^2 + z^2 - 1"),
                            torus = surface_in_cube("(x^2 + y^2 + z^2 + 3/4)^2 - 4*(x^2 + y^2)");

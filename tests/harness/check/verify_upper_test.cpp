@@ -29,7 +29,7 @@ Rational squared(const PointSet& a, const PointSet& b) {
     return most;
 }
 
-// Returns h(A,B) to within a few roundings, even if its square is out of range.
+// Returns h(A,B) with a small rounding error, even if its square overflows or underflows.
 double about(const PointSet& a, const PointSet& b) {
     double most = 0;
     for (Index i = 0; i < a.points.rows(); ++i) {
@@ -87,7 +87,7 @@ TEST(VerifyUpper, OneOutlierAndBothDirections) {
     EXPECT_EQ(check(a, b, 2e6, Quantity::symmetric), Verdict::holds);
 }
 
-// One outlier of B does not put all others into one cell, and equal points of A cost no more than one.
+// An outlier of B must not put all other points into one grid cell; equal points of A are checked once.
 TEST(VerifyUpper, OutliersAndEqualPointsCostLittle) {
     Random random(10);
     PointSet b = cloud(random, 200000, 1, Vec3::Zero()), a = b;
@@ -99,8 +99,8 @@ TEST(VerifyUpper, OutliersAndEqualPointsCostLittle) {
     EXPECT_EQ((UpperCheck{Quantity::directed, 0.4, 20}).of_points(same, {}, around, {}), Verdict::unsound);
 }
 
-// All of B is in the band that intervals leave undecided, and each rational comparison is slow:
-// the clock is read between them.
+// Interval arithmetic decides no point of B, and exact comparisons are slow, so the clock must be
+// read between them.
 TEST(VerifyUpper, TimeRunsOutWithinOnePoint) {
     const PointSet a{Points::Zero(1, 3)};
     PointSet b{Points(1000000, 3)};

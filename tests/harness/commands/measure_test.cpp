@@ -14,7 +14,7 @@
 namespace hausbench {
 namespace {
 
-// h is 3 from the first to the second, and 5 back.
+// h(first, second) = 3 and h(second, first) = 5.
 Points first() {
     Points p(2, 3);
     p << 0, 0, 0, 0, 3, 0;
@@ -59,7 +59,7 @@ TEST(Measure, HIsTheLargerOfTheTwo) {
             expect_in(*m.forward, turned ? 5 : 3, "h(A,B)");
             expect_in(*m.backward, turned ? 3 : 5, "h(B,A)");
             expect_in(m.result, 5, "H(A,B)");
-            // In either direction, the first point is on A.
+            // The source point is on A, whichever direction attains H.
             const Vec3 far(5, 0, 0), origin(0, 0, 0);
             EXPECT_EQ(m.result.witness.source_point, turned ? far : origin);
             EXPECT_EQ(m.result.witness.target_point, turned ? origin : far);
@@ -106,7 +106,7 @@ TEST(Measure, EachBoundOfHIsTheLargerOne) {
             EXPECT_EQ(turned ? m.result.witness.source_point : m.result.witness.target_point, Vec3(3, 3, 3));
             const bool close = tolerance > 1;
             EXPECT_EQ(to_string(m.result.status), close ? "converged" : "budget");
-            EXPECT_EQ(m.result.note, close ? "" : "of two points");  // this direction keeps the bounds apart
+            EXPECT_EQ(m.result.note, close ? "" : "of two points");  // the direction with the larger gap
         }
     }
 }
@@ -123,7 +123,7 @@ TEST(Measure, AQuestionEndsWithTheFirstDirectionThatAnswersIt) {
     EXPECT_EQ(to_string(symmetric(false, tolerance, 5.5).result.status), to_string(Status::below_floor));
 }
 
-// A solver that answers [0, 1] at once. If a proof is wanted, it never ends or, if it has much time, ends its process.
+// Answers [0, 1] at once. Asked for a certificate, it hangs or, with a time limit above 1 s, exits the process.
 class NoProof final : public Solver {
 public:
     explicit NoProof(const Options&) {}

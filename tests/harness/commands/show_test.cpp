@@ -1,4 +1,4 @@
-// The displays of results: tables that fit, bounds that hold as shown, reasons, two solvers side by side, progress lines.
+// Printed results: table widths, bounds rounded outward, reasons, comparisons of solvers, and progress lines.
 #include "algorithms/error.h"
 #include "datasets/hash.h"
 #include "harness/commands/comparison.h"
@@ -107,7 +107,7 @@ TEST(Times, TheRoundIsTheUnit) {
     EXPECT_EQ(time.value, 3);
     EXPECT_EQ(time.low, 2);
     EXPECT_EQ(time.high, 6);
-    one.outcome.repeats.resize(3);  // a single round: its repeats count
+    one.outcome.repeats.resize(3);  // with a single round, its repeats are compared
     EXPECT_EQ(time_of(one.outcome).value, 2);
     EXPECT_EQ(time_of(one.outcome).low, 1);
     EXPECT_EQ(time_of(one.outcome).high, 100);
@@ -260,7 +260,7 @@ TEST(Compare, IntervalsThatDoNotOverlapComeFirst) {
     EXPECT_THROW(compare_solvers(result_of({row("a", "s", 1, 2), row("b", "t", 1, 2)}), "a", "b", {}), InputError);
 }
 
-// Returns a row whose process is a little slower or faster in each round, with nearly equal repeats within the round.
+// Returns a row with a random speed in each round, and nearly equal times within a round.
 Row noisy_row(const std::string& scene, int rounds, int repeats, std::mt19937_64& bits) {
     std::lognormal_distribution<double> round_takes(0, 0.2), repeat_takes(0, 0.001);
     Row one = row("guthe", scene, 1, 2);
@@ -286,7 +286,7 @@ ResultFile noisy_result(int scenes, int rounds, int repeats, std::mt19937_64& bi
     return result;
 }
 
-// A program against itself, in 2000 simulated cases of six rounds: at most 5 % verdicts. The interval errs in 2 of 64.
+// Compares a program with itself in 2000 simulated cases. An interval from six rounds errs with probability 2 / 2^6.
 TEST(Compare, AProgramIsHardlyEverFasterOrSlowerThanItself) {
     std::mt19937_64 bits(39);
     constexpr int cases = 2000;
@@ -327,7 +327,7 @@ TEST(Compare, TimesOfOtherMachinesBuildsOrClocksHaveNoRatio) {
     lacks([](Outcome& o) { o.machine = "there"; }, "of different machines");
     lacks([](Outcome& o) { o.build = "another"; }, "of different builds");
     lacks([](Outcome& o) { o.clock = "wall"; }, "by different clocks");
-    // The builds of two results may differ.
+    // Only the builds of two results may differ.
     const auto two = [&](auto change) {
         ResultFile base = result_of(rows([](Outcome&) {})), candidate = result_of(rows(change));
         for (ResultFile* result : {&base, &candidate}) result->texts["build"] = result->texts["machine"] = "";
@@ -375,7 +375,7 @@ TEST(Compare, AProgramAndItsPluginsAreOneBuild) {
     }
 }
 
-// Two runs that were merged may number the poses of a motion differently.
+// Merged runs may number the poses of a motion differently, so rows are paired by the pose itself.
 TEST(Compare, PosesArePairedByTheirNumbers) {
     std::vector<Row> rows;
     for (const char* label : {"ohd", "scan"}) {

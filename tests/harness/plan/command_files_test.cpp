@@ -1,4 +1,4 @@
-// The files that a shell command line names.
+// Finds and hashes the files that a shell command line runs or reads.
 #include "harness/plan/command_files.h"
 
 #include "datasets/hash.h"
@@ -31,7 +31,6 @@ protected:
 
     CommandFiles of(const std::string& line) const { return files_of_command(line, folder.path()); }
 
-    // Returns the hash of these files in this order.
     std::string hash(const std::vector<std::string>& names) const {
         Sha256 all;
         for (const std::string& name : names) all.add(sha256_of_file(folder.path() / name));
@@ -51,7 +50,7 @@ TEST_F(FilesOfCommand, AreItsProgramsAndWhatTheyAreGiven) {
         {"X=1 tool; ./peer < peer.py", {"bin/tool", "peer", "peer.py"}},
         {"if tool 2>&1 | ./peer; then tool; fi", {"bin/tool", "peer", "bin/tool"}},
         {"(tool) && tool # peer.py", {"bin/tool", "bin/tool"}},
-        {"tool {A} > out.txt; tool out.txt", {"bin/tool", "bin/tool"}},  // its own output
+        {"tool {A} > out.txt; tool out.txt", {"bin/tool", "bin/tool"}},  // the command writes out.txt
         {"tool \"$HOME/peer.py\" peer.*", {"bin/tool"}},
         {"tool peer " + folder.path().string() + "/peer.py", {"bin/tool", "peer", "peer.py"}},
         {"echo {A} {B}", {}},
@@ -80,7 +79,7 @@ TEST_F(FilesOfCommand, AProgramThatIsNowhereIsNamed) {
 TEST_F(FilesOfCommand, AFileThatIsNoProgramIsNotFoundInPath) {
     std::filesystem::permissions(folder.path() / "bin" / "tool", std::filesystem::perms::owner_read);
     EXPECT_NE(of("tool").missing, "");
-    EXPECT_NE(of("peer.py").missing, "");  // the shell does not look here
+    EXPECT_NE(of("peer.py").missing, "");  // in the current folder, not in PATH
 }
 
 }  // namespace

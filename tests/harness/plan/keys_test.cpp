@@ -1,4 +1,4 @@
-// Defaults that `hausbench list keys` states are those that the reader takes.
+// `hausbench list keys` prints the defaults that the experiment reader uses.
 #include "harness/plan/keys.h"
 
 #include "harness/plan/experiment.h"

@@ -1,4 +1,4 @@
-// From an experiment file to its rows: the poses of both shapes, both quantities, and chains of warm cases.
+// Plans made from experiment files: poses of both shapes, both quantities, and chains of warm cases.
 #include "harness/plan/plan.h"
 
 #include "algorithms/error.h"
@@ -17,7 +17,7 @@
 namespace hausbench {
 namespace {
 
-// A solver that takes everything and never runs.
+// A solver that accepts every scene; plans need it, but never run it.
 class Idle : public Solver {
     void prepare(const Scene&, const Prepared&) override {}
     Result solve(const Query&, State*, Trace&) const override { return {}; }
@@ -61,7 +61,7 @@ protected:
                              said_.push_back(fmt::format("{} {}/{}", name, before, of));
                          });
     }
-    // Makes the plan of a matrix scene; `search` makes it a search.
+    // Plans a matrix scene: each source with each target or, by default, a search for its nearest target.
     Plan matrix_plan(const std::string& top, const std::string& sources, const std::string& targets,
                      const std::string& solver = "", const std::string& search = "search = 'nearest'") const {
         return plan(top,
@@ -80,7 +80,7 @@ protected:
         }
     }
 
-    mutable std::vector<std::string> said_;  // about the models, as they were made
+    mutable std::vector<std::string> said_;  // progress messages about models being made
 
 private:
     TemporaryFolder folder_;
@@ -97,7 +97,7 @@ TEST_F(PlanRows, SaysWhichModelItMakesAndHowManyAreLeft) {
     EXPECT_EQ(said_, (std::vector<std::string>{"ball 0/2", "half 1/2"}));
 }
 
-// As in a round, no lambda runs through all its seeds while another one waits.
+// All options run with a seed before the next seed begins.
 TEST_F(PlanRows, EachSeedRunsAllOptionsBeforeTheNextSeedBegins) {
     const Plan swept = plan("", "[[scene]]\nname = 'c'\nsource = 'cloud'\ntarget = 'cloud'\n",
                             "[[solver]]\nname = 'ohd'\nscenes = ['c']\n"
@@ -115,7 +115,7 @@ TEST_F(PlanRows, EachSeedRunsAllOptionsBeforeTheNextSeedBegins) {
                                           to_string(first.options.at("seed"))));
     }
     const std::vector<std::string> expected{
-        "scan",      "all 0.01 1", "ohd 0.5 1", "ohd 0.2 1",  "ohd 0.1 1",  // every other seed in reverse
+        "scan",      "all 0.01 1", "ohd 0.5 1", "ohd 0.2 1",  "ohd 0.1 1",  // every other seed in reverse order
         "ohd 0.1 2", "ohd 0.2 2",  "ohd 0.5 2", "all 0.01 2", "all 0.01 3", "ohd 0.5 3", "ohd 0.2 3", "ohd 0.1 3"};
     EXPECT_EQ(order, expected);
 }
@@ -130,7 +130,7 @@ TEST_F(PlanRows, BothShapesMove) {
         const double s = double(i / 2);
         EXPECT_EQ(both.cases[i].pose_index, int(i / 2));
         EXPECT_EQ(both.cases[i].pose.translation, Vec3(s * whole, 0, 0));
-        EXPECT_NEAR(both.cases[i].target_pose.translation.y(), s * whole / 2, 1e-15);  // in diagonals of B
+        EXPECT_NEAR(both.cases[i].target_pose.translation.y(), s * whole / 2, 1e-15);  // B's diagonal is whole / 2
         EXPECT_TRUE(one.cases[i].target_pose.is_identity());
         EXPECT_TRUE(other.cases[i].pose.is_identity());
         EXPECT_EQ(other.cases[i].target_pose.translation, both.cases[i].target_pose.translation);
@@ -168,7 +168,7 @@ TEST_F(PlanRows, ATraceHasTheCoarserAnswersUnlessTheToleranceGuides) {
     const std::string guided = "[[solver]]\nname = 'idle_guided'";
     EXPECT_EQ(run("", ""), 2u);
     EXPECT_EQ(run("trace = true", ""), 1u);
-    EXPECT_EQ(run("trace = true", guided), 3u);  // one case of the first, and both of the other
+    EXPECT_EQ(run("trace = true", guided), 3u);  // one case of `idle`, both of the guided solver
     EXPECT_EQ(run("", guided), 4u);
 }
 
@@ -192,15 +192,15 @@ TEST_F(PlanRows, AWarmChainIsAJobWithTheCasesBefore) {
             before = asked.identity;
         }
     }
-    // No row is read off a finer row, not even for an exact solver.
+    // Warm rows are never derived from rows of finer tolerances, not even for an exact solver.
     EXPECT_EQ(cold.traced.size(), 3u);
     EXPECT_TRUE(warm.traced.empty());
     EXPECT_TRUE(plan("", three, "warm = true\n[[solver]]\nname = 'idle_exact'\nwarm = true").traced.empty());
-    // No warm case equals a cold one, not even the first of a chain.
+    // Warm and cold cases have different identities, even the first of a chain.
     std::set<std::string> all = identities(cold);
     all.merge(identities(warm));
     EXPECT_EQ(all.size(), 12u);
-    // The poses before a pose belong to its identity: the same last pose, reached another way, is another case.
+    // The identity includes the earlier poses: the same pose reached by another path is another case.
     Case last = warm.cases[warm.jobs[0].cases[2]];
     last.chain = warm.cases[warm.jobs[0].cases[0]].identity;
     EXPECT_NE(identify(last), last.identity);
@@ -214,14 +214,14 @@ TEST_F(PlanRows, OfEitherQuantity) {
     for (const Case& asked : both.cases) EXPECT_TRUE(asked.quantity == Quantity::symmetric && asked.exact == 3);
     EXPECT_EQ(mixed.cases[0].identity, h.cases[0].identity);
     EXPECT_NE(both.cases[0].identity, h.cases[0].identity);
-    // The experiment's `exact` holds only for its own quantity.
+    // `exact` states the distance only for the experiment's own quantity, so other cases have NaN.
     for (std::size_t i : {2u, 3u})
         EXPECT_TRUE(mixed.cases[i].quantity == Quantity::symmetric && std::isnan(mixed.cases[i].exact));
-    // H has no trace to read coarser answers from; an exact solver needs none.
+    // Rows of H have no trace to derive coarser answers from; an exact solver needs none.
     EXPECT_EQ(h.traced.size(), 1u);
     EXPECT_TRUE(both.traced.empty());
     EXPECT_EQ(mixed.traced.size(), 2u);
-    // A solver without symmetric answers must take both orders of the shapes.
+    // A solver without symmetric answers solves both directions for H, so it must accept both orders of the shapes.
     const auto to_cloud = [&](const char* quantity) {
         const Plan plan = this->plan(quantity, "[[scene]]\nname = 'c'\nsource = 'ball'\ntarget = 'cloud'",
                                      "scenes = ['s']\n[[solver]]\nname = 'idle_without_points'\nscenes = ['c']");
@@ -245,7 +245,7 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
     const Plan search = matrix_plan("", "'ball', 'half', 'cloud'", ""),
                matrix = matrix_plan("", "'ball', 'half', 'cloud'", "", "", "");
     ASSERT_EQ(matrix.cases.size(), 2u * 9);
-    ASSERT_EQ(search.cases.size(), 2u * 6);  // no shape is searched for itself
+    ASSERT_EQ(search.cases.size(), 2u * 6);  // no shape is its own target
     ASSERT_EQ(matrix.jobs.size(), 1u);
     ASSERT_EQ(search.jobs.size(), 2u);  // one per tolerance
     const std::vector<std::pair<std::string, std::string>> pairs = {
@@ -262,7 +262,7 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
             EXPECT_EQ(asked.tolerance, search.cases[job.cases[0]].tolerance);
             EXPECT_FALSE(asked.warm);
             EXPECT_EQ(asked.chain, i % 2 == 0 ? "" : search.cases[job.cases[i - 1]].identity);
-            // Only the head is a case of the matrix, too.
+            // Only the first case of a chain equals a case of the matrix: later ones depend on earlier answers.
             EXPECT_EQ(of_matrix.contains(asked.identity), i % 2 == 0);
         }
     }
@@ -272,8 +272,8 @@ TEST_F(PlanRows, InASearchTheTargetsOfASourceAreOneChain) {
 TEST_F(PlanRows, InASearchAnotherOrderOrPrefixIsAnotherCase) {
     const auto last = [](const Plan& plan) { return plan.cases[plan.jobs[0].cases.back()].identity; };
     const std::string one = last(matrix_plan("", "'ball'", "'half', 'cloud'"));
-    EXPECT_EQ(one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // it excludes the source itself
-    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // and other sources
+    EXPECT_EQ(one, last(matrix_plan("", "'ball'", "'half', 'ball', 'cloud'")));  // the source is no target of its own
+    EXPECT_EQ(one, last(matrix_plan("", "'half', 'ball'", "'half', 'cloud'")));  // nor do other sources matter
     const std::set<std::string> targets = {one, last(matrix_plan("", "'ball'", "'cloud', 'half'")),
                                            last(matrix_plan("", "'ball'", "'cloud'")),
                                            last(matrix_plan("", "'ball'", "'half'"))};
@@ -323,7 +323,7 @@ TEST(Search, TheCutoffIsTheLeastUpperBoundButStaysAboveTheFloor) {
     EXPECT_EQ(narrowed(0, 2, std::nan("")), 2);
     EXPECT_EQ(narrowed(1, none, 1), std::nextafter(1.0, 2.0));
     EXPECT_EQ(narrowed(1, none, 0.5), std::nextafter(1.0, 2.0));
-    EXPECT_EQ(narrowed(1, 1, 0.5), 1);  // the experiment asks that question itself
+    EXPECT_EQ(narrowed(1, 1, 0.5), 1);  // the experiment itself sets cutoff = floor
     EXPECT_GT(narrowed(0, none, 0), 0);
     EXPECT_LT(narrowed(0, none, 0), 1e-150);
     EXPECT_EQ(narrowed(0, 1e-200, 0), 1e-200);

@@ -1,4 +1,4 @@
-// A plan's lookups, which must not visit all poses each time, and the wrong answers that it expects.
+// Plans: lookups take logarithmic time, and known wrong answers are expected.
 #include "harness/plan/plan.h"
 
 #include <gtest/gtest.h>
@@ -47,11 +47,11 @@ TEST(Lookup, TheNearestWorkIsFoundWithoutLookingAtAll) {
         EXPECT_LE(count, 2 * depth);
         return found;
     };
-    EXPECT_EQ(nearest(100), 0u);  // the first of equal ones
+    EXPECT_EQ(nearest(100), 0u);  // of equal works, the one added first
     EXPECT_EQ(nearest(1), 0u);
-    EXPECT_EQ(nearest(315), 0u);  // sqrt(100 * 1000) = 316.2
+    EXPECT_EQ(nearest(315), 0u);  // the boundary is sqrt(100 * 1000) = 316.2
     EXPECT_EQ(nearest(318), poses + 1);
-    EXPECT_EQ(nearest(1400), poses + 1);  // sqrt(1000 * 2000) = 1414.2
+    EXPECT_EQ(nearest(1400), poses + 1);  // the boundary is sqrt(1000 * 2000) = 1414.2
     EXPECT_EQ(nearest(1430), poses + 2);
     EXPECT_EQ(nearest(1e9), poses + 10);
     EXPECT_EQ(nearest(5000), poses + 5);
@@ -90,7 +90,7 @@ TEST(Plan, WrongAnswersAreExpectedOfKnownErrorsAndOfLabelsThatTheExperimentNames
     EXPECT_FALSE(unsound_expected(asked, experiment));
 }
 
-// The length of an axis does not matter, even if its square is not a double.
+// A rotation axis may have any length, even if its squared length overflows or underflows.
 TEST(Motions, AnAxisMayHaveAnyLength) {
     const Shape shape = PointSet{Points::Random(9, 3)};
     const std::vector<Pose> poses = poses_of(Rotation{{0.5, -1, 2}, 90, 3}, shape);

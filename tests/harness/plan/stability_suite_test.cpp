@@ -1,6 +1,5 @@
-// The distances stated in the stability suite are the distances of its shapes: each is compared
-// with exact arithmetic, or with a reference that shares no code with the solvers. The answers of
-// `cover` are proven, too: its certificates and witnesses are checked.
+// Compares the distances stated in the stability suite with exact arithmetic, or with a reference
+// that shares no code with the solvers. Also checks the certificates and witnesses of `cover`.
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
@@ -25,13 +24,13 @@ namespace {
 
 const std::filesystem::path root = HAUSBENCH_SOURCE;
 
-// A scene may state a double next to the true distance. For points the truth is exact. For meshes a vertex of
-// A attains it in all families but one, so it is exact from below, and good to 1e-4 of the extent from above.
+// Expects that `stated` is at most one double away from the true distance. For points, truth.squared is exact. For
+// meshes it is the distance of the farthest vertex of A, which attains h in all scenes except those named below.
 void expect_stated(double stated, const Truth& truth, const std::string& scene) {
     const double infinite = std::numeric_limits<double>::infinity();
     const double low = std::nextafter(stated, 0.0), high = std::nextafter(stated, infinite);
     const auto square = [](double x) -> exact::Rational { return exact::Rational(x) * exact::Rational(x); };
-    EXPECT_LE(truth.squared, square(high)) << scene;  // points: the distance; meshes: the distance of a vertex
+    EXPECT_LE(truth.squared, square(high)) << scene;  // a vertex is a lower bound
     if (!scene.starts_with("farthest point inside a face")) {
         EXPECT_GE(truth.squared, square(low)) << scene;
     }
@@ -57,7 +56,7 @@ TEST(StabilitySuite, StatedDistancesAreThoseOfTheShapes) {
             ++surfaces;
             continue;
         }
-        // Large scenes are hard only by their size; the smaller ones of the same family are checked.
+        // Skips large scenes, whose exact distances take too long; smaller scenes of the same family are checked.
         if (double(element_count(shapes.source)) * double(element_count(shapes.target)) > 4e4) {
             ++too_large;
             continue;
@@ -70,7 +69,7 @@ TEST(StabilitySuite, StatedDistancesAreThoseOfTheShapes) {
     EXPECT_LT(surfaces, 25);
 }
 
-// Returns an empty string if an answer of `cover` is proven from both sides, else the problem.
+// Returns why the certificate of cover's answer is refused; an empty string if it is accepted.
 std::string doubt_of_cover(const Scene& shapes, double tolerance) {
     Query query;
     query.tolerance = {Tolerance::Of::absolute, tolerance};

@@ -1,5 +1,5 @@
-// Fields: the distances of A's vertices against exact ones, the files that hold them, and the
-// errors that the harness's check refuses.
+// Distance fields on A: compared with exact distances, written to files, and refused by the check
+// if they are wrong.
 #include "harness/record/fields.h"
 #include "algorithms/error.h"
 #include "harness/check/verify.h"
@@ -61,7 +61,7 @@ Field bounds(const char* name, Field::Meaning meaning, std::vector<double> value
 }
 
 TEST(DistanceFields, OfASmallPairInTheirPosesAreExact) {
-    // A is above the square after its z axis has become the x axis and both have moved.
+    // The rotation turns A's z axis to the x axis; the translations put A above the square.
     Pose turned = moved({3, 0, 2});
     turned.rotation << 0, 0, 1, 0, 1, 0, -1, 0, 0;
     const Fields fields = fields_of(tetrahedron(), turned, square(), moved({0, -0.5, -1}));
@@ -69,7 +69,7 @@ TEST(DistanceFields, OfASmallPairInTheirPosesAreExact) {
     EXPECT_EQ(fields[0].name, "distance");
     EXPECT_EQ(fields[1].name, "nearest");
     for (const Field& field : fields) EXPECT_EQ(field.of, Field::Of::vertices);
-    EXPECT_EQ(fields[0].values, (std::vector<double>{3, 2, 3, 3}));  // z is 2, 1, 2, 2; the square is at -1
+    EXPECT_EQ(fields[0].values, (std::vector<double>{3, 2, 3, 3}));  // A at z = 2, 1, 2, 2; square at -1
     EXPECT_EQ(fields[1].values, (std::vector<double>{0, 0, 0, 0}));
     EXPECT_EQ(fields_of(tetrahedron(), moved({-3, 0, 0}), square(), {})[1].values, (std::vector<double>{1, 1, 1, 1}));
 }
@@ -183,7 +183,7 @@ TEST(DrawnFields, ShowWhatVerticesDoNot) {
         if (scale == 0) {
             EXPECT_NEAR(area_of(field), 4.5, 1e-12);
         }
-        // A field that is linear in between is nowhere far from the distance.
+        // Linear interpolation of the field on each piece stays close to the true distance.
         Random random(9);
         for (Index i = 0; i < field.pieces.rows(); ++i) {
             const double x = random.real(0, 1), y = random.real(0, 1 - x), weights[] = {1 - x - y, x, y};
@@ -197,7 +197,7 @@ TEST(DrawnFields, ShowWhatVerticesDoNot) {
             EXPECT_NEAR(drawn_there, d * unit, 2 * resolution);
         }
     }
-    EXPECT_EQ(drawn(right_angled(), b, {}).largest(), 0);  // the value before A is cut
+    EXPECT_EQ(drawn(right_angled(), b, {}).largest(), 0);  // uncut: A's corners are on B
 }
 
 TEST(DrawnFields, HaveNoGapsBetweenPieces) {
@@ -225,7 +225,7 @@ TEST(DrawnFields, NoEdgeIsLong) {
     for (double d : field.distances) EXPECT_EQ(d, 5);
 }
 
-// The midpoints of all edges are on B, but the centroid is not.
+// B has the corners and edge midpoints of the small triangle, so only the centroid shows that it must be cut.
 TEST(DrawnFields, CentroidsAreCompared) {
     PointSet b{Points(6, 3)};
     b.points << 0, 0, 0, 0.02, 0, 0, 0, 0.02, 0, 0.01, 0, 0, 0, 0.01, 0, 0.01, 0.01, 0;
@@ -236,7 +236,7 @@ TEST(DrawnFields, CentroidsAreCompared) {
     TriangleMesh both{Points(6, 3), Triangles(2, 3)};
     both.vertices << a.vertices, far.vertices;
     both.triangles << 0, 1, 2, 3, 4, 5;
-    const DrawnField field = drawn(both, b, {0.002 / 4.4});  // relative to the far triangle
+    const DrawnField field = drawn(both, b, {0.002 / 4.4});  // a fraction of the far triangle's distance
     EXPECT_GT(std::count(field.elements.begin(), field.elements.end(), 0), 3);
 }
 
@@ -248,14 +248,14 @@ TEST(DrawnFields, TheWitnessIsAVertex) {
     const PointSet b{right_angled().vertices};
     EXPECT_TRUE(has(drawn(right_angled(), b, {1, 1, witness, 0})));
     EXPECT_FALSE(has(drawn(right_angled(), b, {1, 1})));
-    EXPECT_FALSE(has(drawn(right_angled(), b, {1, 1, witness, 1})));  // no such triangle
+    EXPECT_FALSE(has(drawn(right_angled(), b, {1, 1, witness, 1})));  // triangle 1 does not exist
     const Vec3 beside(1, 0.7, 1e-3);
-    const DrawnField field = drawn(right_angled(), b, {1, 1, beside, 0});  // not on the triangle
+    const DrawnField field = drawn(right_angled(), b, {1, 1, beside, 0});  // off the triangle, so not added
     EXPECT_EQ(field.vertices.col(2).cwiseAbs().maxCoeff(), 0);
 }
 
 TEST(DrawnFields, TheLargestDifferencesGoFirstWhereThePiecesRunOut) {
-    // Two triangles; only the second has parts that B lacks.
+    // The second triangle is twice as large, so its points are farther from B and it is cut first.
     TriangleMesh a{Points(6, 3), Triangles(2, 3)};
     a.vertices << 0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 5, 0, 0, 5.02, 0, 0, 5, 0.02, 0;
     a.triangles << 0, 1, 2, 3, 4, 5;
@@ -266,7 +266,7 @@ TEST(DrawnFields, TheLargestDifferencesGoFirstWhereThePiecesRunOut) {
     EXPECT_FALSE(field.resolved);
     EXPECT_EQ(field.pieces.rows(), 5);
     EXPECT_EQ(std::count(field.elements.begin(), field.elements.end(), 1), 4);
-    drawing.most_pieces = 1;  // A has more triangles
+    drawing.most_pieces = 1;  // fewer than A's triangles: no cuts
     EXPECT_EQ(drawn(a, b, drawing).pieces.rows(), 2);
 }
 
@@ -279,7 +279,7 @@ TEST(DrawnFields, OfPointsAreNotCut) {
 }
 
 TEST(DrawnFields, TheResolutionIsAPartOfTheLargerOfBothBounds) {
-    // The vertices of A are 1 away from B; the lower bound is smaller, or absent.
+    // The vertices of A are 1 away from B. This value is used if the lower bound is smaller or NaN.
     TriangleMesh a = right_angled();
     a.vertices.col(2).setConstant(1);
     const PointSet b{right_angled().vertices};
@@ -298,7 +298,7 @@ TEST(DrawnFields, WhereRoundingLeavesNoMiddleNothingIsCut) {
 
 TEST(DrawnFields, NeedlesAreNotCutByTheirLength) {
     TriangleMesh a{Points(6, 3), Triangles(2, 3)};
-    a.vertices << 0, 0, 0, 4, 0, 0, 4, 1e-9, 0, 0, 0, 1, 0, 0, 1, 4, 0, 1;  // the other has two equal corners
+    a.vertices << 0, 0, 0, 4, 0, 0, 4, 1e-9, 0, 0, 0, 1, 0, 0, 1, 4, 0, 1;  // the second triangle has two equal corners
     a.triangles << 0, 1, 2, 3, 4, 5;
     TriangleMesh far = square();
     far.vertices.col(2).setConstant(3);
@@ -420,8 +420,8 @@ TEST_F(FieldFile, AsPlyOrVtkAreRefusedInOneLine) {
     EXPECT_NO_THROW(check_export_place(folder.path() / "x.Vtk"));
 }
 
-// Triangles of every height over their longest edge, down to rounding, with points above, beside
-// and far from them: the cases of the derivation in fields.cpp.
+// Samples the cases of the error derivation in fields.cpp: triangles from regular to nearly
+// degenerate, with points on, near and far above them.
 TEST(DistanceFields, AreWithinTheirErrorOfNeedles) {
     Random random(8);
     long double worst = 0;
@@ -598,7 +598,7 @@ TEST_F(CheckFields, BeyondTheDoublesNothingIsChecked) {
     expect(Verdict::not_checked);
 }
 
-// The faces of A have h = 7, 8, 8 and 8.
+// The farthest points of A's faces are 7, 8, 8 and 8 away from B.
 TEST_F(CheckFields, BoundsOfElements) {
     fields.push_back(bounds("lower", Field::Meaning::lower, {7, 8, 8, 8}));
     fields.push_back(bounds("upper", Field::Meaning::upper, {7, 8, 8, 8}));
@@ -646,7 +646,7 @@ TEST_F(CheckFields, BoundsOfElementsMayBeOffByTheSlack) {
     }
 }
 
-// The centroid is the farthest point of a triangle whose corners are on B.
+// The check also measures the centroid: it is sqrt(2) away from B, but all corners are on B.
 TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
     TriangleMesh one{Points(3, 3), Triangles(1, 3)};
     one.vertices << 0, 0, 0, 3, 0, 0, 0, 3, 0;
@@ -655,13 +655,13 @@ TEST_F(CheckFields, AnUpperBoundCoversTheCentroid) {
     b = PointSet{one.vertices};
     pose = target_pose = {};
     fields = fields_of(a, pose, b, target_pose);
-    fields.push_back(bounds("upper", Field::Meaning::upper, {1.4}));  // the truth is the square root of 2
+    fields.push_back(bounds("upper", Field::Meaning::upper, {1.4}));  // less than sqrt(2)
     expect(Verdict::unsound, "elements 0: upper 1.3999");
     fields.back().values[0] = 3;
     expect(Verdict::holds);
 }
 
-// The distance is c everywhere on the triangle, but the computed centroid may be farther away.
+// The triangle is c away. Its centroid, rounded upwards, must not refute an upper bound of c.
 TEST_F(CheckFields, TheCentroidMayBeOffTheElement) {
     pose = target_pose = {};
     int above = 0;
@@ -697,7 +697,7 @@ TEST_F(CheckFields, TheLastOfManyIsLookedAt) {
         std::string why;
         looked_at += check_fields(wrong, a, pose, b, target_pose, slack, {}, why) == Verdict::unsound;
     }
-    EXPECT_EQ(looked_at, 5);  // every tenth row
+    EXPECT_EQ(looked_at, 5);  // every tenth vertex is checked
     std::string reason;
     EXPECT_EQ(check_fields(
                   fields, a, pose, b, target_pose, slack, [] { return true; }, reason),
@@ -726,7 +726,7 @@ TEST_F(CheckFields, AnUnsoundFieldMakesItsRowUnsound) {
     EXPECT_EQ(rows[1].check.fields, Verdict::unsound);
     EXPECT_EQ(rows[1].outcome.status, RowStatus::unsound);
     EXPECT_NE(rows[1].outcome.reason.find("vertex 0"), std::string::npos);
-    EXPECT_EQ(rows[2].check.fields, Verdict::holds);  // rounding explains it
+    EXPECT_EQ(rows[2].check.fields, Verdict::holds);  // not certified, so rounding is allowed
     EXPECT_EQ(rows[3].check.fields, Verdict::unsound);
 }
 

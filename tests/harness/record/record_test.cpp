@@ -1,4 +1,4 @@
-// Facts that a row derives for its case: the tolerance as a length, and the identity.
+// Rows: the tolerance as a length, the identity of the case, and reading many of them.
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
 #include "harness/record/row.h"
@@ -67,7 +67,7 @@ TEST(Record, ATolerancesUnitIsOfABoxOrALengthOrTheLowerBound) {
     EXPECT_EQ(asked.resolved_tolerance().value, 0.25);
 }
 
-// Results in journals and files are found by their identity, so it must not change for cases that were possible before.
+// Journals and result files find results by identity, so the identity of a case must not change between versions.
 TEST(Record, IdentitiesOfOlderCasesStay) {
     EXPECT_EQ(identify(a_case()), "bc6fad1978b2d38f1762e5f589de794e93d97019beb375c912d19b0cc9ad6198");
 }
@@ -101,8 +101,8 @@ TEST(Record, TheVersionIsOneLine) {
         EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
-// Rows look up the hash of their models by name. If each row searched all models, reading would
-// take so long that the file counts as damaged.
+// Each row looks up its models by name. With a linear search, reading this file would take so long
+// that it counts as damaged.
 TEST(Record, AResultOfManyModelsIsRead) {
     constexpr std::size_t models = 120'000;
     const TemporaryFolder folder;

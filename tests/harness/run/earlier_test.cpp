@@ -53,8 +53,8 @@ protected:
         return {model("a", "a1"), model("b", "b1"), model("c", "c1"), model("unused", "u")};
     }
 
-    // Returns a row of a case that the experiment asks for in the profile `paper`, which has all
-    // solvers; if there is none, a row that nothing asks for.
+    // Returns a row of this solver and scene. If even the profile `paper`, which has all solvers, does
+    // not request such a case, the row belongs to none.
     Row row(const std::string& label, const std::string& scene, const std::string& profile, double lower) const {
         Row row;
         for (Case& c : cases_as_recorded(read_experiment(file(), "paper"), models(), no_shape).cases)
@@ -78,7 +78,7 @@ protected:
         return record;
     }
 
-    // Adds the results of a run of these cases, with lower bound 2.
+    // Adds rows of a run, with lower bound 2; earlier rows have another one.
     void run(const std::vector<std::pair<std::string, std::string>>& asked, bool whole) {
         plan_.whole = whole;
         for (const auto& [label, scene] : asked) {
@@ -169,7 +169,7 @@ TEST_F(Earlier, AnEditedExperimentNoLongerAsksForARow) {
     EXPECT_EQ(said[0].substr(0, 15), "5 earlier rows ");
 }
 
-// Every row of the other solver, with the text before and the text now, after a run of `naive` alone.
+// After an edit of the experiment, a run of `naive` alone keeps the other solver's rows that are still requested.
 TEST_F(Earlier, ARowStaysIfAndOnlyIfItsIdentityIsAskedFor) {
     const std::string solver = "\n[[solver]]\nname = \"naive\"\n[[solver]]\nname = \"guthe\"\n";
     const auto text = [&](const std::string& top, const std::string& scene, const std::string& of_solver) {
@@ -221,7 +221,7 @@ TEST_F(Earlier, ARowStaysIfAndOnlyIfItsIdentityIsAskedFor) {
     }
 }
 
-// The poses of a missing shape are not known, so nothing shows that the row is no longer asked for.
+// The poses depend on the shape. If it is missing, the row may still be requested, so it stays.
 TEST_F(Earlier, RowsOfAMotionStayWhereTheirModelIsNotThere) {
     const std::string text = std::string(experiment) +
                              "[[scene]]\nname = 'r'\nsource = 'a'\ntarget = 'b'\n"

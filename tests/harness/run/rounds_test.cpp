@@ -1,4 +1,4 @@
-// From the outcomes of rounds to the row of a case, and from its trace to the rows of coarser tolerances.
+// Combines the outcomes of a case's rounds into one row, and derives rows of coarser tolerances from its trace.
 #include "harness/run/rounds.h"
 
 #include <gtest/gtest.h>
@@ -62,9 +62,9 @@ TEST(Rounds, OtherBoundsAreAFailure) {
 }
 
 TEST(Rounds, ALimitInALaterRoundIsThatLimit) {
-    Outcome own = answered(0.5, 3, 1, 2);  // the solver's own deadline: its bounds differ, and hold
+    Outcome own = answered(0.5, 3, 1, 2);  // stopped by its own deadline, with wider but valid bounds
     own.status = RowStatus::timeout, own.solver_status = "time_limit", own.reason = "not within 1 s";
-    Outcome untimed = answered(1, 2, 1, 1);  // killed while timed
+    Outcome untimed = answered(1, 2, 1, 1);  // killed during its timed repeats
     untimed.status = RowStatus::timeout, untimed.repeats.clear(), untimed.reason = "not while it was timed";
     for (const Outcome& late : {killed(RowStatus::timeout, "killed: no answer within 1 s"), own, untimed,
                                 killed(RowStatus::out_of_memory, "too much"), killed(RowStatus::signal, "signal 11")}) {
@@ -73,7 +73,7 @@ TEST(Rounds, ALimitInALaterRoundIsThatLimit) {
         EXPECT_EQ(o.reason, "in round 2: " + late.reason);
         EXPECT_EQ(o.bounds.lower, 1);
         EXPECT_EQ(o.bounds.upper, 2);
-        // Two different answers weigh more, whichever comes first.
+        // Two different answers are a failure, even if another round hits a limit.
         EXPECT_EQ(gathered({answered(1, 2, 1, 0), late, answered(1, 3, 1, 2)}).status, RowStatus::failed);
         EXPECT_EQ(gathered({answered(1, 2, 1, 0), answered(1, 3, 1, 1), late}).status, RowStatus::failed);
     }
@@ -84,7 +84,7 @@ TEST(Rounds, OneRoundOfSeveralThreadsMakesItWallTime) {
     Outcome threaded = answered(1, 2, 1, 1);
     threaded.clock = "wall";
     EXPECT_EQ(gathered({answered(1, 2, 1, 0), threaded}).clock, "wall");
-    Outcome children = answered(1, 2, 1, 1);  // only the timed repeat shows it
+    Outcome children = answered(1, 2, 1, 1);  // several threads in the timed repeat alone
     children.repeats = {{1, 0.5, 0.9, 1}};
     EXPECT_EQ(gathered({answered(1, 2, 1, 0), children}).clock, "wall");
 }
@@ -102,7 +102,7 @@ TEST(Rounds, ACoarserToleranceIsReadOffTheTrace) {
     EXPECT_EQ(o.solve_seconds, 0.2);
     EXPECT_TRUE(o.answers.empty());  // no time was measured for it
     EXPECT_TRUE(o.from_trace && o.repeats.empty() && o.trace.empty());
-    // Also if the finer case ran out of time or stalled.
+    // The same holds if the finer case ran out of time or stalled after that.
     Outcome late = traced();
     late.status = RowStatus::timeout, late.solver_status = "time_limit";
     EXPECT_EQ(read_off_trace(late, 0.25).status, RowStatus::ok);
@@ -112,9 +112,8 @@ TEST(Rounds, ACoarserToleranceIsReadOffTheTrace) {
     EXPECT_EQ(read_off_trace(stalled, 0.25).status, RowStatus::ok);
 }
 
-// A sampler ignores the tolerance: its bounds have a fixed width, which may be enough for a coarser tolerance.
-// The trace comes from a second solve, which may get further before the clock stops it. Its lower bound would stand
-// beside a witness that does not prove it, and the row would be called unsound.
+// The trace comes from a second solve, which may reach a larger lower bound before its time is up. The answer's witness
+// does not prove that bound, so a row with both would be called unsound.
 TEST(Rounds, ATraceThatWentFurtherThanTheAnswerIsNotRead) {
     Outcome cut = traced();
     cut.status = RowStatus::timeout, cut.solver_status = "time_limit", cut.reason = "not within 2 s";
@@ -123,10 +122,11 @@ TEST(Rounds, ATraceThatWentFurtherThanTheAnswerIsNotRead) {
     EXPECT_EQ(coarse.status, RowStatus::timeout);
     EXPECT_EQ(coarse.bounds.lower, 0.8);
     EXPECT_EQ(coarse.bounds.upper, 3);
-    cut.bounds = {0.9, 3};  // the lower bound of the sample is proven
+    cut.bounds = {0.9, 3};  // the answer now proves the trace's lower bound of 0.9
     EXPECT_EQ(read_off_trace(cut, 0.25).status, RowStatus::ok);
 }
 
+// A sampler ignores the tolerance. Its bounds have a fixed gap, which may be small enough for a coarser tolerance.
 TEST(Rounds, AnAnswerThatIgnoresTheToleranceMayDoForACoarserOne) {
     Outcome fine = traced();
     fine.bounds = {1, 1.125};
@@ -149,7 +149,7 @@ TEST(Rounds, WhatIsNotDeterministicHoldsNoAnswerAtAnyTolerance) {
     const Outcome coarse = read_off_trace(fine, 0.25);
     EXPECT_EQ(coarse.status, RowStatus::failed);
     EXPECT_EQ(coarse.reason, fine.reason);
-    Outcome differs = traced();  // as the traced run found
+    Outcome differs = traced();  // the reason comes from the traced run
     differs.status = RowStatus::failed, differs.reason = "the traced run ended with other bounds";
     EXPECT_EQ(read_off_trace(differs, 0.25).status, RowStatus::failed);
     EXPECT_EQ(read_off_answer(fine, 0.25).status, RowStatus::failed);

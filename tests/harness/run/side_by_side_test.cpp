@@ -1,5 +1,5 @@
-// Work side by side: what fits at a time, how it is distributed, and that children of several
-// threads do not end each other.
+// Running jobs in parallel: limits on cores and memory, distribution of work, and child processes
+// of several threads.
 #include "harness/run/side_by_side.h"
 #include "algorithms/error.h"
 #include "harness/plan/split.h"
@@ -50,7 +50,7 @@ TEST(Room, WhatIsTooLargeForTheMachineRunsAlone) {
     EXPECT_TRUE(room.fits(giant));
 }
 
-// Records the jobs that are busy at a time while `run_side_by_side` runs.
+// A job that records the most cores and bytes in use at once, and fails if two jobs share a core.
 class Watch {
 public:
     explicit Watch(const std::vector<Demand>& demands) : demands_(demands) {}
@@ -135,7 +135,7 @@ TEST(Balanced, TheLongestGoFirstEachToWhoHasLeast) {
     EXPECT_TRUE(balanced({}, 3).empty());
 }
 
-// Makes jobs of one case each, with expected work in proportion to the elements.
+// Makes one job per element count; the expected work is proportional to the count.
 Plan plan_of(const std::vector<std::int64_t>& elements) {
     Plan plan;
     plan.experiment.repeats = 1;
@@ -216,8 +216,7 @@ Launch shell(const std::string& words) {
     return launch;
 }
 
-// Each child leaves an orphan, which is ended with it; no child ends the children of other
-// threads, which end by themselves.
+// The orphan of each child must be killed when the child ends; children of other threads must not.
 TEST(ChildrenOfThreads, EndOnlyWhatIsTheirOwn) {
     std::atomic<int> wrong = 0, ended = 0;
     const fs::path folder = fs::path(testing::TempDir()) / "orphans";

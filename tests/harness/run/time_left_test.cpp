@@ -1,4 +1,4 @@
-// The remaining time of a run: cases that have ended show how wrong the expectations for their kind are.
+// The estimated remaining time of a run: a solver's finished cases correct the expectations for its other cases.
 #include "harness/run/time_left.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 namespace hausbench {
 namespace {
 
-constexpr double near = 0.01;  // the estimate adds one second of work that took as long as expected
+constexpr double near = 0.01;  // relative error: the estimate adds one imaginary second that took as long as expected
 
 TEST(SecondsLeft, AreThoseExpectedBeforeAnythingEnded) {
     EXPECT_EQ(seconds_left({{"a", 2, 3}, {"b", 0.5, 4}}, 0), 8);
