@@ -14,7 +14,7 @@ class Origin(NamedTuple):
 
     beside: bool  # --jobs or a cluster may have run other cases at the same time
     machine: str
-    build: str  # hash of the program; see Results.programs
+    build: str  # hash of compiler, flags and libraries
     clock: str  # "cpu" or "wall"; empty: the row has no times
 
 
