@@ -34,7 +34,7 @@ PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \makeatletter\def\fps@table{!htbp}\makeatother
 \setlength{\parindent}{0pt}
 """
-OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # captions of figures about all experiments
+OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # figures about all experiments
 WITHOUT_LATEX: Final = "pdflatex is not installed (on Debian: texlive-latex-extra)"
 _OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
 

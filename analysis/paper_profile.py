@@ -38,7 +38,7 @@ class Kept:
     """The contents of a file in results/reference, parsed."""
 
     machines: list[str] = field(default_factory=list)
-    rows: dict[str, str] = field(default_factory=dict)  # by stem; of the table of contents at the head of the file
+    rows: dict[str, str] = field(default_factory=dict)  # by stem; a line of the table at the head of the file
     tables: dict[str, str] = field(default_factory=dict)  # by stem
     verdicts: list[claims.Record] = field(default_factory=list)
     times: list[claims.Record] = field(default_factory=list)

@@ -51,6 +51,8 @@ def unbroken(text: str) -> str:
 
 @dataclass(frozen=True)
 class Layout:
+    """How a table is printed."""
+
     size: str
     sideways: bool
     long: bool
