@@ -98,7 +98,7 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
                     | {"markersize": 0.75 * looks.size})
         for row in rows:
             if row.status not in ANSWERED:
-                letter_of_panel = 9 if what == "seconds" and row.ratio == ratios[0] else 0  # points: leaves space at the top left for the panel's letter
+                letter_of_panel = 9 if what == "seconds" and row.ratio == ratios[0] else 0  # in points, below the panel's letter
                 statuses.add(row.status)
                 ax.annotate(style.status_letter(row.status), (row.ratio, 1), (0, -4.5 - letter_of_panel - 6 * lost[row.ratio]),
                             xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center",

@@ -125,7 +125,7 @@ class Suite:
 
     def _answer(self, row: int, kind: str) -> Answer:
         cases, ending = self.results.cases, self.judge.ending(row)
-        # Invalid input is refused before the solver is asked, even if that solver does not accept such shapes.
+        # Invalid input is refused for all solvers, so those that do not accept such shapes are sorted out here.
         asked = ending.legal or (str(self.results.names[row]), kind) in self._takes
         return Answer(row, str(self.results.names[row]), float(cases.severity[row]), float(cases.tolerance[row]), ending.certified,
                       judge(ending) if asked else Outcome.NOT_APPLICABLE, self.judge.can_be_met(row), ending.legal, ending.status)
