@@ -1,8 +1,8 @@
 """Writes a LaTeX document with every figure and table of a paper: `python3 -m analysis.document [PAPER ...] [--results
 DIR] [--out DIR] [--compile]`.
 
-Collects what `python3 -m analysis` wrote to <results>/figures and <results>/tables in <out>/tables/PAPER.tex. PAPER
-`hausbench` contains the experiments that belong to no paper. --compile makes <out>/documents/PAPER.pdf with pdflatex.
+Writes <out>/tables/PAPER.tex from the files that `python3 -m analysis` wrote to <results>/figures and <results>/tables.
+PAPER `hausbench` has the experiments that belong to no paper. --compile makes <out>/documents/PAPER.pdf with pdflatex.
 """
 
 from __future__ import annotations

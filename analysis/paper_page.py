@@ -161,7 +161,7 @@ def records(folder: Path) -> list[claims.Record]:
 
 
 def judging(lines: Iterable[Line], kept: bool) -> set[str]:
-    """Returns the stems of the verdicts: of the kept ones if `kept`, else of those of this run."""
+    """Returns the stems that have a kept verdict if `kept`, else the stems with a verdict of this run."""
     return {str(line.verdict["stem"]) for line in lines if line.verdict and line.kept == kept}
 
 

@@ -20,7 +20,7 @@ OURS = "scan"
 
 
 class Cell:
-    """One solver on one workload."""
+    """The times of one solver on one workload."""
 
     def __init__(self, results: Results, row: int) -> None:
         cases = results.cases

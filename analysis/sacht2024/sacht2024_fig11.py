@@ -54,7 +54,7 @@ def collect(results: Results) -> list[Shown]:
 
 
 def verdicts(pairs: list[Shown]) -> list[Verdict]:
-    """Judges how often each bound was the last one. The counts are exact, so there is no statistical test."""
+    """Judges how often each bound was the last one. Counts are exact, so no statistical test is needed."""
     found = []
     for pair in pairs:
         counts, n = pair.counts, len(pair.last)

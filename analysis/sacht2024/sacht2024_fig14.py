@@ -30,7 +30,7 @@ MILLISECOND: Final = 1e-3
 
 @dataclass(frozen=True)
 class Outlier:
-    """One pair of meshes at one tolerance."""
+    """The ratio of the two solvers on one pair of meshes, at one tolerance."""
 
     scene: str
     tolerance: float

@@ -10,7 +10,7 @@ from analysis.shared.statistics import Estimate, no_data
 
 
 class Origin(NamedTuple):
-    """The properties of a row that must equal those of another row if their times are to be compared."""
+    """The properties of a row that decide whether its times are comparable with another row's times."""
 
     beside: bool  # --jobs or a cluster may have run other cases at the same time
     machine: str

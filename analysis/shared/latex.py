@@ -101,7 +101,7 @@ def _list(heading: str, items: Iterable[str]) -> list[str]:
 
 
 def _after(table: Table, label: str, notes: Sequence[str]) -> list[str]:
-    """Returns the claims, and the notes that do not fit into the float."""
+    """Returns the text after the table: claims, and the notes that do not fit into the float."""
     where, lines = rf"Table~\ref{{{label}}}", list[str]()
     if table.verdicts:
         lines += _list(f"Claims tested in {where}.", [tex.tex_escape(verdict.line().removeprefix("Claim: ")) for verdict in table.verdicts])

@@ -61,13 +61,13 @@ def stand_in(note: str) -> str:
 
 
 def scene_notes(results: Results) -> list[str]:
-    """Returns the notes of the experiment file on its scenes, such as which model replaces one that is not public."""
+    """Returns the notes of the experiment file on its scenes, such as which model replaces the paper's."""
     return [f"{style.scene_title(scene)}: {note}." for scene in results.scenes
             if (note := results.cases.scene_note[results.rows(scene=scene)[0]])]
 
 
 def clocks(results: Results) -> dict[str, list[str]]:
-    """Returns the titles of the solvers timed by each clock ('cpu' or 'wall')."""
+    """Returns the titles of the solvers with answers, by the clock of their rows ('cpu' or 'wall')."""
     found: dict[str, list[str]] = {}
     for row in range(len(results.cases)):
         if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):

@@ -162,7 +162,7 @@ def wins_more(claim: str, ahead: Mapping[str, Wins], behind: Mapping[str, Wins],
 
 
 def shared_wins(costs: Mapping[str, Sequence[float]], within: float = 1.05) -> dict[str, Wins]:
-    """Returns the pairs each solver wins: its cost is at most `within` times the least cost. NaN (no answer) never wins."""
+    """Returns the pairs that each solver wins: its cost is at most `within` times the least cost. NaN (no answer) never wins."""
     if not costs:
         return {}
     table = np.array([np.asarray(cost, dtype=np.float64) for cost in costs.values()])

@@ -15,7 +15,7 @@ _LETTERED: Final = re.compile(r"^\(([a-z]{1,2})\)")
 
 
 def panels(figure: Any) -> list[Any]:
-    """Returns the visible axes, row by row, without colour bars and twin axes."""
+    """Returns the axes that count as panels, row by row: no colour bars, twin axes, strips or empty axes."""
     found: dict[tuple[float, ...], Any] = {}
     for ax in figure.get_axes():
         shows = ax.axison or ax.get_title() or ax.lines or ax.collections or ax.patches or ax.images

@@ -14,7 +14,7 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import UNTESTED, Verdict
 
 PAPER: Final = "paper"
-# Keys of an experiment that do not change which distances are measured, only how often, how long or with what extra output.
+# Top-level keys that are not compared: they set only how to measure, or are compared one by one (scenes, solvers).
 HOW: Final = frozenset({"title", "paper", "profile", "model", "scene", "solver", "rounds", "repeats", "limits", "trace", "fields", "stages", "reference",
                         "expected_unsound", "claim", "plugins"})
 

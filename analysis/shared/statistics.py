@@ -190,7 +190,7 @@ def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, fl
 
 
 def simes(chances: Iterable[float]) -> float:
-    """Returns the p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n p_(k) / k.
+    """Returns the p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n * p_(k) / k.
 
     p_(k) is the k-th smallest of n p-values. The result is exact for independent p-values and conservative for positively
     dependent ones (Sarkar 1998). Ratios of different scenes are independent, as they come from different processes.

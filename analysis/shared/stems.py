@@ -47,7 +47,7 @@ def module_of(stem: str) -> str:
 
 
 def results_of(stem: str) -> str:
-    """Returns the stem of the result file that this stem draws."""
+    """Returns the stem whose result file the script of this stem draws."""
     return (_named_in(script_of(stem)) or [stem])[0]
 
 

@@ -64,7 +64,7 @@ class Layout:
 
 
 def _shared(natural: Sequence[float], least: Sequence[float], room: float) -> list[float] | None:
-    """Returns column widths with the sum `room`: the widest columns are cut to a common width, but not below `least`.
+    """Returns column widths that fit into `room`. If necessary, cuts the widest columns to a common width, but not below `least`.
 
     Returns None if even the least widths do not fit.
     """

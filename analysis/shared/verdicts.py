@@ -174,7 +174,7 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
 
 
 def never_chosen(claim: str, wrong: int, of: int, what: str) -> Verdict:
-    """Judges a claim that something never happens, on cases chosen to provoke it. They give no rate, as they are no sample."""
+    """Judges a claim that something never happens, on cases chosen to provoke it. They are not a sample, so no rate follows."""
     if not of or wrong:
         return Verdict(claim, FAILS if wrong else UNTESTED, f"{wrong} of {of:,} {what}" if wrong else f"no {what}")
     return Verdict(claim, NOT_REFUTED, f"0 of {of:,} {what}; the cases were chosen, not drawn, so no rate follows")

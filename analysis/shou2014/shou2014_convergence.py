@@ -92,7 +92,7 @@ def make(results: Results) -> Report:
 
 def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> list[Verdict]:
     """Judges claims on the published method: width with pruning, distances for all pairs, both in modified affine arithmetic,
-    and whether all intervals hold. None are times, so there is no statistical test.
+    and whether all intervals hold. These numbers are exact, so no statistical test is needed.
     """
     def of(label: str) -> dict[int, Joined]:
         return {depth: one for (name, form, depth), one in sorted(published.items()) if (name, form) == (label, "modified_affine")}

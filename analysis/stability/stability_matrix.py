@@ -33,7 +33,7 @@ def make(results: Results) -> Report:
 
 
 def place(suite: Suite, answer: Answer) -> str:
-    """Returns 'guthe on offset at 1e4'."""
+    """Names an answer by solver, family and severity: 'guthe on offset at 1e4'."""
     family, severity = suite.family_of[answer.row], severity_text(answer.severity)
     return f"{answer.label} on {family.title}{f' at {severity}' if severity else ''}"
 

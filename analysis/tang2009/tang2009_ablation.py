@@ -26,7 +26,7 @@ CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
 MARKERS: Final = "osD^v"  # one per scene
 COUNTED: Final = {**CUTS, **MEASURES}
 CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # (label to compare with the plain algorithm, claim)
-IN_SUBDIVISIONS: Final = (("tang, midpoint", PLAIN, "cuts"), (PLAIN, "tang, Lemma 4", "lemma4"))  # (label with more subdivisions, label with fewer, claim)
+IN_SUBDIVISIONS: Final = (("tang, midpoint", PLAIN, "cuts"), (PLAIN, "tang, Lemma 4", "lemma4"))  # more subdivisions, fewer, claim
 
 
 class Variants:
@@ -45,7 +45,7 @@ class Variants:
         return run if run and run.complete else None
 
     def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Returns slow / fast over all poses together: the ratio of times has an interval over rounds, that of counts is exact."""
+        """Returns slow / fast over all poses together: times have an interval over rounds, counts are exact."""
         above, below = self.run(scene, slow), self.run(scene, fast)
         if not above or not below:
             return NO_DATA

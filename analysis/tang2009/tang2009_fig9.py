@@ -54,7 +54,7 @@ def make(results: Results) -> Report:
 def bottom_of(tang: Run) -> float | None:
     """Returns the lower end of the axis of times, in ms, such that both culling stages are visible.
 
-    The subdivision stage may lie below: if nothing is subdivided, its time is only that of reading the clock.
+    The subdivision stage may lie below: if nothing is subdivided, it takes only the time to read the clock.
     """
     known = [x for stage in ("cull on A", "cull on B") for x in 1e3 * tang.stage(stage) if x > 0]
     return 0.5 * min(known) if known else None

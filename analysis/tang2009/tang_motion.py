@@ -184,7 +184,7 @@ def within_tolerance(found: Sequence[Motion], label: str) -> Verdict:
 def subdivided(found: Sequence[Motion], label: str) -> Verdict:
     """Bounds the share of triangles of both models that are subdivided, on average over the poses of each pair.
 
-    Rows count all subdivisions, including those of parts of a triangle; each makes four parts. So at most as many
+    Rows count subdivisions of triangles and of their parts; each makes four parts. So at most as many
     triangles are subdivided as there are subdivisions, or triangles that culling on A leaves. At least subdivisions /
     ((4^d - 1) / 3) triangles are, because a triangle has at most (4^d - 1) / 3 subdivisions down to depth d.
     """

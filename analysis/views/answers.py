@@ -60,7 +60,7 @@ def make(results: Results) -> Report:
         for name, cell in by_name.items():
             row = cell.cases[0]
             answered = [case for case in cell.cases if cases.status[case] != "failed"]
-            lower, upper = (float(cases.lower[answered].min()), float(cases.upper[answered].max())) if answered else (math.nan, math.nan)  # widest over seeds
+            lower, upper = (float(cases.lower[answered].min()), float(cases.upper[answered].max())) if answered else (math.nan, math.nan)  # over all seeds
             said = float(np.median(cases.reported_seconds[cell.cases])) if reported else math.nan
             table.rows.append([question.title(question.scene in moves), tables.number(question.tolerance, 2), style.title(cases.solver[row], name),
                                tables.number(lower, 7), tables.number(upper, 7),

@@ -12,7 +12,7 @@ from analysis.shared import shapes, style
 from analysis.shared.columns import Floats
 from analysis.shared.results import Results
 
-COLOURS: Final = ("#BCB0E0", "#9A88CC", "#7862B5", "#573F9A", "#332288")  # of A, from the first pose to the last; a hue that no solver in the figure has
+COLOURS: Final = ("#BCB0E0", "#9A88CC", "#7862B5", "#573F9A", "#332288")  # of A, from the first pose to the last; no solver there has this hue
 POSES: Final = len(COLOURS)
 MOST: Final = 3000  # approximate number of points drawn of each model
 CELLS: Final = 300  # cells along the longer side of the grid that computes the outline

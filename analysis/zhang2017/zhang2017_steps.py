@@ -36,7 +36,7 @@ class Step:
 
     @property
     def c(self) -> float:
-        """The factor that the paper calls constant: counted = 1 / (c p)."""
+        """The factor c in: counted steps = 1 / (c * p). The paper calls it constant."""
         return self.expected / self.counted.value if self.counted.n and self.counted.value > 0 else math.nan
 
 

@@ -37,7 +37,7 @@ COMPARED: Final = (  # claim, regime, slower solver, faster solver
                    ("touching", "touching", "ohd", "earlybreak"),
                    ("overlapping", "overlapping", "earlybreak", "ohd"),
                    ("nohd_overlapping", "overlapping", "nohd", "ohd"))
-CULLED: Final = (("few_culled", "touching", False), ("many_culled", "overlapping", True))  # claim, regime, and whether it says that more than HALF are culled
+CULLED: Final = (("few_culled", "touching", False), ("many_culled", "overlapping", True))  # claim, regime, whether more than HALF are culled
 HALF: Final = 0.5  # share of A that counts as many points
 
 
