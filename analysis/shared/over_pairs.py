@@ -89,7 +89,7 @@ def geometric_mean(ratios: npt.ArrayLike) -> Estimate:
 def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
     """Judges a claim that the mean over all possible pairs is at least `bar`.
 
-    The verdict is wrong with at most 5 % if the interval covers 95 %; see arithmetic_mean and geometric_mean.
+    The verdict is wrong in at most 5 % of cases if the interval covers 95 %; see arithmetic_mean and geometric_mean.
     """
     if not mean.n:
         return Verdict(claim, UNTESTED, "no pair with both")
