@@ -1,7 +1,7 @@
 """Draws figures and tables: `python3 -m analysis STEM ... [--results DIR] [--out DIR]`.
 
-Reads <results>/STEM.h5 with the script that stems.module_of() finds. Also draws every other stem that uses the results
-of STEM. Such a stem can be named by itself as well; it then reads the results that its script names.
+A STEM is the name of an experiment. Reads <results>/STEM.h5 with the script that stems.module_of() finds. Also draws
+all other stems whose scripts use these results; such a stem can be named alone, too.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from analysis.shared.stems import drawn_with, module_of, results_of
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Returns the exit code: 2 if a file is unusable. The other stems are drawn all the same."""
+    """Draws the stems and returns the exit code: 2 if a result file is unusable, which does not stop the other stems."""
     parser = argparse.ArgumentParser(prog="analysis", description="Draws figures and tables of experiments from their result files.")
     parser.add_argument("stems", nargs="+", metavar="STEM", help="an experiment, such as zhang2017_table3")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")

@@ -1,9 +1,8 @@
-"""Checks bounds and counted work of a run here against results/reference/counts: `python3 -m analysis.check_reference STEM...`
+"""Compares bounds and counters with those kept in results/reference/counts: `python3 -m analysis.check_reference STEM...`
 
-Bounds and counters are the same on every machine, so each row must match to the last digit. The file of a stem has one
-line for each row with status `ok`: the identity of the case (a hash of the shapes, the solver and its parameters), a
-description in words, the bounds and the counters. `--keep` adds the rows of results/STEM.h5 to the file and replaces
-rows of the same cases.
+They are the same on every machine, so each row must match to the last digit. The kept file of a stem has one line for
+each row with status `ok`: the identity of the case (a hash of the shapes, the solver and its parameters), a description
+in words, the bounds and the counters. `--keep` adds or replaces the rows that results/STEM.h5 has.
 """
 
 from __future__ import annotations
@@ -54,9 +53,10 @@ def words(row: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def same_words(here: Rows, there: Rows) -> Rows:
-    """Returns rows under the identities of the kept rows that match in words: solver, scene, pose and tolerance.
+    """Matches rows to kept rows by solver, scene, pose and tolerance, and returns them by the identity of the kept row.
 
-    Other limits change the identity but not the words. A scene in which no row is equal has other shapes and is left out.
+    Used if the identities differ, as they do under other limits. A scene in which no row equals its kept row is left out,
+    because its shapes must be others.
     """
     identity_of = {words(row): identity for identity, row in there.items()}
     found = {identity_of[words(row)]: row for row in here.values() if words(row) in identity_of}
@@ -71,7 +71,7 @@ def differences(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
 def check(stem: str, results: Results) -> tuple[str, bool]:
     """Returns the lines to print, and whether all rows are equal.
 
-    A kept row that has another status than `ok` here counts as different; a timeout does not.
+    A kept row that timed out here is skipped; one with any other status than `ok` counts as different.
     """
     here, there, cases = rows_of(results), kept(stem), results.cases
     lost = {str(cases.identity[row])[:16]: str(cases.status[row]) for row in range(len(cases)) if cases.status[row] not in ("ok", "timeout")}
@@ -99,7 +99,7 @@ def keep(stem: str, results: Results) -> Path:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Returns 1 if a row differs, 2 if a result cannot be read."""
+    """Returns the exit code: 1 if a row differs, 2 if a result cannot be read."""
     parser = argparse.ArgumentParser(prog="analysis.check_reference", description="Compares bounds and counted work with the kept ones.")
     parser.add_argument("stems", nargs="+", metavar="STEM")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")

@@ -1,4 +1,4 @@
-"""The conditions of kept and current tables, for the pages of claims and their picture: machines, rounds, clocks, brackets."""
+"""Says how the numbers on a page of claims were measured (machine, rounds, clock), by searching the text of the tables."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BRACKETS: Final = ("Brackets: an interval of at least 95 % (for fewer than six r
 
 
 def kept_texts(folder: Path, stems: Iterable[str]) -> list[str]:
-    """Returns the sections of these stems in the kept files of tables, after the head of each file, which names the machine."""
+    """Returns the texts about these stems from the kept files of tables: the head of each file, which names the machine, and sections."""
     wanted, found = {_results_of(stem) for stem in stems}, []
     for path in sorted(folder.glob("*.md")):
         head, *sections = path.read_text(encoding="utf-8").split("\n## ")
@@ -39,7 +39,9 @@ def present_texts(folder: Path, stems: Iterable[str]) -> list[str]:
 
 
 def measured(texts: Iterable[str]) -> str:
-    """Returns 'Measured on CPU, 2 cores, 24 GiB, SYSTEM; n = 2 to 10 rounds or seeds (fresh processes).'; empty without a machine."""
+    """Returns 'Measured on CPU, 2 cores, 24 GiB, SYSTEM; n = 2 to 10 rounds or seeds (fresh processes).', or an empty string if no
+    text names a machine.
+    """
     texts = list(texts)
     machines = list(dict.fromkeys(machine for text in texts for machine in _MACHINE.findall(text)))
     counts = sorted(int(count) for text in texts for pair in _ROUNDS.findall(text) for count in pair if count)

@@ -1,9 +1,8 @@
 """Writes a LaTeX document with every figure and table of a paper: `python3 -m analysis.document [PAPER ...] [--results
 DIR] [--out DIR] [--compile]`.
 
-Reads the files that `python3 -m analysis` wrote to <results>/figures and <results>/tables, and writes
-<out>/tables/PAPER.tex. The paper `hausbench` stands for the stems that belong to no paper. With --compile, pdflatex
-makes <out>/documents/PAPER.pdf.
+Writes <out>/tables/PAPER.tex from the files that `python3 -m analysis` wrote to <results>/figures and <results>/tables.
+PAPER `hausbench` has the experiments that belong to no paper. --compile makes <out>/documents/PAPER.pdf with pdflatex.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from analysis.shared.report import CAPTION
 from analysis.shared.stems import ANALYSIS, drawn_with, has_script
 from analysis.shared.tex import tex_escape
 
-# adjustbox does nothing here: no table is shrunk, so LaTeX reports each table that is too wide.
+# Defines adjustbox to do nothing, so that LaTeX reports tables that are too wide instead of shrinking them.
 PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \usepackage[textwidth=7.16in,textheight=9.2in]{geometry}
 \usepackage{textcomp,graphicx,booktabs,array,longtable,rotating,pdflscape,placeins,needspace}
@@ -35,21 +34,21 @@ PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \makeatletter\def\fps@table{!htbp}\makeatother
 \setlength{\parindent}{0pt}
 """
-OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # figures about all stems
+OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # figures about all experiments
 WITHOUT_LATEX: Final = "pdflatex is not installed (on Debian: texlive-latex-extra)"
 _OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
 
 
 def _place(stem: str) -> tuple[int, int, str]:
-    """Returns a sort key: figures by number, then tables, then sections, then the rest."""
+    """Returns a sort key for stems: figures by number, then tables, then sections, then others."""
     found = re.search(r"_(fig|table|section)(\d+)$", stem)
     return (["fig", "table", "section"].index(found[1]), int(found[2]), stem) if found else (3, 0, stem)
 
 
 def stems_of(paper: str) -> list[str]:
-    """Returns the stems of a paper in order; for `hausbench`, the stems that belong to no paper.
+    """Returns the stems of a paper in order, each followed by the stems that draw its results.
 
-    Each stem is followed by the stems that draw its results.
+    For `hausbench`, returns the stems that belong to no paper.
     """
     others = {each for each in papers() if each != claims.OWN}
     found = [file.stem for file in sorted((ANALYSIS.parent / "experiments").rglob("*.toml"))
@@ -59,7 +58,7 @@ def stems_of(paper: str) -> list[str]:
 
 
 def _caption(folder: Path, stem: str) -> str:
-    """Returns the caption of a stem's figure: its own, else the caption of its table, else the title of its experiment."""
+    """Returns the caption of a figure: its own or, if it has none, the caption of its table or the title of its experiment."""
     if (own := folder / "figures" / f"{stem}{CAPTION}").exists():
         return own.read_text(encoding="utf-8").strip()
     table = folder / "tables" / f"{stem}.md"
@@ -71,7 +70,7 @@ def _caption(folder: Path, stem: str) -> str:
 
 
 def _stem(folder: Path, stem: str, out: Path) -> list[str]:
-    """Returns the LaTeX lines of the figures and the table of a stem, for the files that exist."""
+    """Returns LaTeX lines with those figures and tables of a stem that exist."""
     lines = []
     for figure in sorted((folder / "figures").glob(f"{stem}.pdf")) + sorted((folder / "figures").glob(f"{stem}-*.pdf")):
         part = figure.stem.removeprefix(stem).lstrip("-")
@@ -83,7 +82,7 @@ def _stem(folder: Path, stem: str, out: Path) -> list[str]:
 
 
 def document(paper: str, folder: Path, out: Path) -> str:
-    """Returns the document; empty if no file of the paper exists."""
+    """Returns the LaTeX document of a paper; empty if none of its figures and tables exist."""
     parts = [line for stem in stems_of(paper) for line in _stem(folder, stem, out)][1:]  # the first stem needs no barrier below the title
     if parts and (page := folder / "tables" / f"{paper}_claims.tex").exists():
         parts += [r"\clearpage", rf"\input{{{os.path.relpath(page, out)}}}"]
@@ -92,14 +91,14 @@ def document(paper: str, folder: Path, out: Path) -> str:
 
 
 def too_wide(log: str, allowed: float = 5.0) -> list[str]:
-    """Returns the lines of a log about a box or float that exceeds the page by more than `allowed` points."""
+    """Returns the lines of a LaTeX log about boxes and floats that exceed the page by more than `allowed` points."""
     return [found[0] for found in _OVERFULL.finditer(log) if float(found[1] or found[2]) > allowed]
 
 
 def compiled(source: Path, out: Path) -> tuple[Path, list[str]]:
-    """Runs pdflatex three times, so that references and columns settle. Raises OSError if LaTeX fails.
+    """Runs pdflatex three times, until references and column widths are final. Raises OSError if LaTeX fails.
 
-    Returns the PDF, and the lines of the log about anything larger than its page.
+    Returns the PDF and the lines of too_wide().
     """
     out.mkdir(parents=True, exist_ok=True)
     command = ["pdflatex", "-halt-on-error", "-interaction=nonstopmode", f"-output-directory={out.resolve()}", source.name]
@@ -113,7 +112,7 @@ def compiled(source: Path, out: Path) -> tuple[Path, list[str]]:
 
 
 def write(paper: str, folder: Path, out: Path) -> Path | None:
-    """Writes <out>/tables/PAPER.tex. Returns None if there is nothing to print."""
+    """Writes <out>/tables/PAPER.tex. Returns None if the paper has no figures or tables yet."""
     path = out / "tables" / f"{paper}.tex"
     path.parent.mkdir(parents=True, exist_ok=True)
     text = document(paper, folder, path.parent)

@@ -1,7 +1,7 @@
 """Draws tables and figures of any result: `hausbench draw RESULT.h5`, which runs this file.
 
 Writes <out>/tables/STEM_KIND.csv, .md and .tex, and <out>/figures/STEM_KIND.pdf and .png (or the chosen formats), for
-each kind for which the result has data: `table` (every answer, and the experiment's own claims), `error-against-time`,
+each KIND for which the result has data: `table` (all answers and the experiment's own claims), `error-against-time`,
 `performance-profile` and `motion`.
 """
 
@@ -26,7 +26,7 @@ SUFFIXES: Final = ("pdf", "png", "svg")
 
 
 def reports(results: Results, kinds: Sequence[str]) -> dict[str, Report]:
-    """Returns the reports by kind, without kinds for which the result has no data. Raises ResultError if none is left."""
+    """Returns the report of each kind (default: all) for which the result has data. Raises ResultError if there is none."""
     made: dict[str, Report | None] = {kind: importlib.import_module(f"analysis.views.{KINDS[kind]}").make(results) for kind in kinds or KINDS}
     found = {kind: report for kind, report in made.items() if report is not None}
     if not found:
@@ -85,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ResultError as problem:
         print(printable(str(problem)), file=sys.stderr)
         return 2
-    except ValueError as problem:  # the file holds texts or times that no run writes
+    except ValueError as problem:  # the file was edited: no run writes such texts or times
         print(printable(f"{chosen.result}: cannot be drawn: {problem}: run its experiment again"), file=sys.stderr)
         return 2
     except OSError as problem:

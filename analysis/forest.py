@@ -15,25 +15,25 @@ from analysis.shared import claims, style
 CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values above 1 support the claim. Filled: time; hollow: counted work, or memory. A "
                   "marker with a line is a value and its interval; a line with end caps and no marker spans several ratios, from the least to the greatest. "
                   "A triangle: a value beyond the axis.")
-LEAST, MOST = 1e-2, 1e2  # ends of the axis; an arrow marks a value beyond them
+LEAST, MOST = 1e-2, 1e2  # ends of the axis; values beyond them are drawn as arrows
 ROW: Final = 0.116  # inches
-HIGHEST: Final = 7.7  # inches; leaves room for a heading and a caption. Many rows move closer together
-SECOND: Final = 0.08  # extra inches for a name of two lines
+HIGHEST: Final = 7.7  # inches; leaves space on a page for a heading and a caption. If there are many rows, they move closer together
+SECOND: Final = 0.08  # inches added for a second line of a name
 WORK: Final = "distances, bounds and nodes"
 WIDTH: Final = 96  # letters per line; a longer claim takes two lines
 FOOT: Final = 0.7  # inches for the axis label, the directions and the note
 PAPERS: Final = {"zhang2017": "Zhang et al. 2017", "tang2009": "Tang et al. 2009", "shou2014": "Shou et al. 2014", "sacht2024": "Sacht and Jacobson 2024", claims.OWN: "ours"}
 
-Bar = tuple[float, float, float]  # value (NaN: a range of several ratios), lower end, upper end (NaN: unknown)
+Bar = tuple[float, float, float]  # value (NaN: only the range of several ratios is known), lower end, upper end (NaN: unknown)
 
 
 def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
-    """Returns the ratio of a verdict and its ratio in counted work, if it has them. The first of each pair is True for time."""
+    """Returns up to two bars of a claim: (True, ratio of times) and (False, ratio of counted work)."""
     def bar(found: object) -> Bar | None:
         if not isinstance(found, list):
             return None
         value, least, most = (math.nan if x is None else float(x) for x in found)
-        if math.isnan(value):  # a range: None stands for an unlimited end
+        if math.isnan(value):  # a range, on which an unknown end is unlimited
             return value, 0.0 if math.isnan(least) else least, math.inf if math.isnan(most) else most
         return value, least, most
 
@@ -46,9 +46,9 @@ def bars(one: claims.Record) -> list[tuple[bool, Bar]]:
 
 
 def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
-    """Draws one row per claim, in the given order, with a heading above each paper.
+    """Draws one row per claim that has a ratio, in the given order, with a heading above the claims of each paper.
 
-    `measured` names the machine and the number of rounds.
+    `measured` names the machine and the number of rounds, for the note below.
     """
     shown = [one for one in found if bars(one)]
     heights, at, heads, before = [], 0.0, [], ""
@@ -84,7 +84,7 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
 
 
 def name_of(one: claims.Record) -> str:
-    """Returns the claim, in two lines if it is long."""
+    """Returns the text of a claim, broken into two lines if it is long."""
     text = f"{one['place']}: {one['claim']}" if one["place"] else str(one["claim"])
     if len(text) <= WIDTH:
         return text

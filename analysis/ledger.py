@@ -1,11 +1,10 @@
-"""Summarises the ledgers of results/*.h5, which list skipped work: one figure and one table with the reasons and the time saved.
+"""Summarises the ledgers of results/*.h5, which list the work that runs skipped, why, and the time saved.
 
-    python3 -m analysis.ledger         writes results/figures/ledger.pdf and .png, results/tables/ledger.csv, .md and
-    .tex; prints the totals
+    python3 -m analysis.ledger    writes results/figures/ledger.* and results/tables/ledger.*, and prints the totals
 
-A saving that was not measured, such as the time to build a structure that was never built, counts as zero in sums and
-appears as "not measured" in the table. If S.everything.h5 (from `run --leave-nothing-out`) lies beside S.h5, the table
-says how many answers the two files have in common.
+A saving that could not be measured, such as the time to build a structure that was never built, is "not measured" in
+the table and 0 in sums. If there is a result S.everything.h5 (from `run --leave-nothing-out`) beside S.h5, the table
+says how many answers are equal.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from analysis.shared.load import load
 from analysis.shared.report import save_caption, save_figure
 from analysis.shared.results import ResultError, Results
 
-# Title in the table, colour and hatch of the bar. The key is the column `what` of the ledger, or else `kind`.
+# By `what`, or else `kind`, of the ledger's entries: title in the table, colour and hatch of the bar.
 KINDS: Final = {"coarser tolerances": ("tolerances read off the trace of a finer run", "#56B4E9", ""),
                 "structures for each pose": ("structures used for all poses of a motion", "#E69F00", "//"),
                 "structures for each pair": ("structures used for all pairs of a matrix", "#009E73", "\\\\"),
@@ -38,7 +37,7 @@ KINDS: Final = {"coarser tolerances": ("tolerances read off the trace of a finer
 CAPTION: Final = ("Time in solvers of each experiment, s, and the time saved by not measuring again and not building. In brackets: the number of entries in "
                   "its ledger; an entry whose saving was not measured adds nothing.")
 LEAST: Final = 1.0  # seconds: shorter bars are not drawn
-COSTS: Final = ("reference",)  # kinds with a negative saving; they count as time in solvers
+COSTS: Final = ("reference",)  # kinds that cost time (their saving is negative), which is added to Stem.run
 EVERYTHING: Final = ".everything.h5"
 
 
@@ -47,7 +46,7 @@ class Stem:
     name: str
     run: float  # seconds in solvers: structures, first answers, repeats
     entries: Counter[str] = field(default_factory=Counter)  # by key of KINDS
-    unknown: Counter[str] = field(default_factory=Counter)  # likewise; entries whose saving was not measured
+    unknown: Counter[str] = field(default_factory=Counter)  # the number of these whose saving was not measured
     saved: dict[str, float] = field(default_factory=lambda: defaultdict(float))  # seconds, by key of KINDS
     reasons: dict[str, Counter[str]] = field(default_factory=dict)
     proof: str = ""
@@ -58,9 +57,9 @@ class Stem:
 
 
 def seconds_run(results: Results) -> float:
-    """Returns the wall time of structures, first answers and repeats.
+    """Returns the wall time spent on structures, first answers and repeats, in seconds.
 
-    A structure counts once per process, however many poses use it.
+    A structure counts once per process, even if many poses use it.
     """
     cases, prepared = results.cases, results.preparation
     built = {(cases.label[case], cases.scene[case], number, name, seconds)
@@ -135,7 +134,7 @@ def table(stems: Sequence[Stem]) -> tables.Table:
 
 
 def seconds_text(saved: float, unknown: int, entries: int) -> str:
-    """Returns the seconds, and the number of entries that they do not include."""
+    """Returns '1.50 (3 not measured)': the seconds saved, and the number of entries that this sum lacks."""
     if unknown == entries:
         return "not measured"
     return tables.number(saved) + (f" ({unknown:,} not measured)" if unknown else "")
@@ -152,7 +151,7 @@ def line(stems: Sequence[Stem]) -> str:
 
 
 def draw(stems: Sequence[Stem]) -> Any:
-    """Draws one bar for each stem of at least LEAST seconds: time in solvers, then time saved by kind."""
+    """Draws one bar per experiment: time in solvers, then time saved by kind. Bars below LEAST seconds are left out."""
     short, stems = sum(stem.run + stem.seconds_saved < LEAST for stem in stems), [stem for stem in stems if stem.run + stem.seconds_saved >= LEAST]
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 0.16 * len(stems) + 0.9))
     places, left = np.arange(len(stems)), np.array([stem.run for stem in stems])

@@ -1,7 +1,6 @@
-"""Lists the verdicts of a run that are the opposite of the kept ones: `python3 -m analysis.opposite [--out DIR]`.
+"""Lists the verdicts in DIR/tables that contradict those in results/reference: `python3 -m analysis.opposite [--out DIR]`.
 
-Reads DIR/tables/*.verdicts.json. Compares a verdict only if it was tested in this run (analysis/shared/sizes.py).
-Prints one line if there are none. `make experiments` runs it last.
+Verdicts that this run did not test (analysis/shared/sizes.py) are not compared. `make experiments` runs it last.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ def _key(one: claims.Record) -> tuple[str, ...]:
 
 
 def opposites(now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[str]:
-    """Returns a line for each claim whose outcome now is the opposite of the kept one."""
+    """Returns a line for each claim whose outcome now is the opposite of the kept one ('holds', 'does not hold')."""
     before = {_key(one): str(one["outcome"]) for one in kept}
     return [f"{one['stem']}: {one['place']}{': ' if one['place'] else ''}{one['claim']}: {one['outcome']} here ({one['evidence']}), "
             f"{before[_key(one)]} in results/reference"

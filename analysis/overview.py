@@ -1,4 +1,4 @@
-"""The picture of the README: the distance of each triangle of a coarse mesh to a fine one, the witness, and intervals against time."""
+"""Draws the picture of the README: a coarse mesh coloured by its distance to a fine one, and the bounds of solvers over time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Drawn
 
-FROM = (-0.5, 0.3, -1.0)  # position of the eye, if the witness can be seen from there
+FROM = (-0.5, 0.3, -1.0)  # direction to the eye, used if the witness is visible from there
 
 
 def make(results: Results) -> Report:
@@ -48,7 +48,7 @@ def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
 
 
 def magnify(ax: Any, shown: Drawn, eye: View, colours: Floats, witness: Floats) -> None:
-    """Draws the surroundings of the witness ten times as large, because the place with the largest distance is too small to see."""
+    """Adds an inset with the surroundings of the witness, ten times as large; the spot of the largest distance is tiny."""
     inset = ax.inset_axes((0.66, 0.0, 0.42, 0.42))
     mesh_picture.draw(inset, shown, eye, colours)
     inset.set_aspect("equal", adjustable="datalim")

@@ -1,12 +1,10 @@
 """Writes one page per paper with every checked sentence and its verdict, and a figure of all claims.
 
-    python3 -m analysis.paper_page                 writes results/tables/PAPER_claims.md and .tex,
-    results/figures/claims.pdf and .png
-    python3 -m analysis.paper_page --kept          writes results/reference/PAPER_claims.md and docs/claims.png, from
-    the kept verdicts alone
+    python3 -m analysis.paper_page           writes results/tables/PAPER_claims.* and results/figures/claims.*
+    python3 -m analysis.paper_page --kept    writes results/reference/PAPER_claims.md and docs/claims.png
 
-A claim shows the verdict of the current results if they test it; otherwise the verdict from results/reference, marked
-"(kept)". Our own claims have a page too (`hausbench`). analysis.paper_profile calls this with --kept.
+Shows the verdict of the current results if they test the claim, else the verdict from results/reference, marked
+"(kept)". With --kept, all verdicts come from there. Page `hausbench` has our own claims.
 """
 
 from __future__ import annotations
@@ -33,7 +31,7 @@ HEADER: Final = ("section", "the sentence, and how it is judged", "verdict", "me
 
 @dataclass(frozen=True)
 class Line:
-    """A claim at one place, with its verdict if there is one."""
+    """A line of the page: a claim, or its part about one scene, with its verdict if there is one."""
 
     entry: claims.Entry
     verdict: claims.Record | None = None
@@ -56,9 +54,9 @@ def _key(one: claims.Record) -> tuple[str, ...]:
 
 
 def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[Line]:
-    """Returns the lines in the order of the paper's claims file. A claim without a verdict has a line, too.
+    """Returns the lines of all claims, with or without a verdict, in the order of the paper's claims file.
 
-    Raises ValueError for a verdict on a claim that is marked untested.
+    A verdict in `now` replaces the one in `kept`. Raises ValueError for a verdict on a claim that is marked untested.
     """
     tested = {_key(one): Line(claims.entries(paper)[str(one["id"])], one) for one in now
               if one["paper"] == paper and one["outcome"] != UNTESTED and one["id"] in claims.entries(paper)}
@@ -71,10 +69,10 @@ def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Rec
 
 
 def why(line: Line) -> str:
-    """Explains a verdict that does not hold, or why a claim has no verdict.
+    """Explains why a claim does not hold, or has no verdict.
 
-    Gives the reason from the claims file, and says if the counted work agrees with the paper. Without such a reason,
-    counted work that does not hold either rules out the machine.
+    Gives the reason from the claims file, and says whether counted work confirms the claim. If it does not and the file
+    gives no reason, says that the machine is not the cause.
     """
     if line.verdict is None:
         return line.entry.untested or "Not measured at the sizes of the claim yet."
@@ -93,7 +91,7 @@ def _counted(line: Line) -> str:
 
 
 def cells(lines: Sequence[Line]) -> list[list[str]]:
-    """Returns the rows of a page. A sentence quoted by consecutive claims is printed once."""
+    """Returns the table rows of a page. Consecutive claims with the same quote print it once."""
     rows, quoted = [], ""
     for line in lines:
         entry, same = line.entry, bool(line.entry.quote) and line.entry.quote == quoted
@@ -107,14 +105,14 @@ def cells(lines: Sequence[Line]) -> list[list[str]]:
     return rows
 
 
-# Figures and tables in which nothing is measured.
+# Figures and tables of the papers that show no measurements, so no experiment reproduces them.
 SKETCHES: Final = {"tang2009": (("Figs. 2 to 6, Table 1", "the steps of the algorithm, sketches of them, and notation"),),
                    "sacht2024": (("Figs. 3 to 9", "sketches of branch and bound and of the four upper bounds"),),
                    "zhang2017": (("Figs. 1 to 7", "sketches of culling, of bounds and of the algorithms"),)}
 
 
 def items(paper: str, folder: Path = ROOT / "experiments") -> list[list[str]]:
-    """Returns the stems of the paper's tables and figures, each with its title."""
+    """Returns a row for each of the paper's tables and figures: stem and title."""
     rows = []
     for file in sorted((folder / paper).glob("*.toml"), key=lambda file: (file.stem.rstrip("0123456789"), len(file.stem), file.stem)):
         with file.open("rb") as text:
@@ -163,12 +161,12 @@ def records(folder: Path) -> list[claims.Record]:
 
 
 def judging(lines: Iterable[Line], kept: bool) -> set[str]:
-    """Returns the stems with a kept verdict, or those with a verdict of this run."""
+    """Returns the stems that have a kept verdict if `kept`, else the stems with a verdict of this run."""
     return {str(line.verdict["stem"]) for line in lines if line.verdict and line.kept == kept}
 
 
 def texts_of(lines: Sequence[Line], out: Path) -> list[str]:
-    """Returns the tables behind the verdicts: from `out` for this run's verdicts, and the kept tables for the others."""
+    """Returns the tables from which the verdicts were made: in `out` for verdicts of this run, else in results/reference."""
     return conditions.present_texts(out / "tables", judging(lines, False)) + conditions.kept_texts(REFERENCE, judging(lines, True))
 
 

@@ -1,16 +1,13 @@
-"""Puts the tables of a group's stems, measured at the paper's sizes, into one file in results/reference.
+"""Stores the tables of a paper, measured at the paper's sizes, in one file in results/reference.
 
     make zhang2017 PROFILE=paper && python3 -m analysis.paper_profile zhang2017
 
-writes results/reference/zhang2017_paper_profile.md. The file of a single stem, such as points_speed, is
-results/reference/points_speed.md. The group `corpus` has no paper: its largest profile is `corpus`, and its file is
-results/reference/corpus.md.
+writes results/reference/zhang2017_paper_profile.md. A single experiment, such as points_speed, is stored in
+points_speed.md, and the group `corpus`, which has no paper, in corpus.md (from its profile `corpus`).
 
-The verdicts go to NAME.verdicts.json beside the file, and the times for README's table of winners to NAME.times.json.
-Stems without a result here keep their tables, verdicts and times, so that a long group can be measured in parts. The
-section `What it says`, before the tables, is written by hand and stays as it is.
-
-Afterwards this rewrites README's table of winners, the pages of the papers (analysis/paper_page.py) and the picture of all claims.
+Verdicts go to NAME.verdicts.json, and times for README's table of winners to NAME.times.json. Experiments without a
+result here keep what was stored, so that a paper can be measured in parts. The section `What it says` is written by
+hand and stays. Afterwards, README's table of winners, the pages of claims and their picture are made again.
 """
 
 from __future__ import annotations
@@ -38,10 +35,10 @@ SAYS: Final = "What it says"  # the section that is written by hand
 
 @dataclass
 class Kept:
-    """The contents of a kept file."""
+    """The contents of a file in results/reference, parsed."""
 
     machines: list[str] = field(default_factory=list)
-    rows: dict[str, str] = field(default_factory=dict)  # by stem; from the table at the head of the file
+    rows: dict[str, str] = field(default_factory=dict)  # by stem; a line of the table at the head of the file
     tables: dict[str, str] = field(default_factory=dict)  # by stem
     verdicts: list[claims.Record] = field(default_factory=list)
     times: list[claims.Record] = field(default_factory=list)
@@ -94,9 +91,7 @@ def check(results: Results) -> Results:
 
 
 def files_of(group: str, folder: Path, kept: Kept) -> tuple[str, list[claims.Record], list[tables.Record]]:
-    """Returns the text of the file, all verdicts, and the times of winners: new ones for stems with results, kept ones
-    for the others.
-    """
+    """Returns the file's text, verdicts and times: new ones for stems with results, kept ones for the others."""
     stems, whole = stems_of(group, folder), whole_profile(group)
     if not stems:
         raise ResultError(f"{folder}: no results of '{group}': measure them with 'make {group} PROFILE={whole}'")

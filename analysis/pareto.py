@@ -1,9 +1,9 @@
 """Tells whether a solver is on the Pareto front of gap against time: `python3 -m analysis.pareto STEM [--solver cover]
 [--results DIR]`.
 
-A cell is a scene of meshes, a pose and a tolerance. The solver is beaten in a cell by a certified solver that is faster
-and whose gap is no larger. Only separated times count: the cell is open if a rival's gap is no larger but neither is
-clearly faster, or their times do not compare.
+A cell is a scene of meshes, a pose and a tolerance. The solver is beaten in a cell if a certified solver is faster (by
+separated times) and its gap is at most as large. The cell is open if times of such a rival are not separated or not
+comparable.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import Estimate, ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
-SHARE: Final = 0.9  # share of all cells that the claim needs
+SHARE: Final = 0.9  # the claim: on the front in at least this share of the cells
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Cell:
     pose: int
     tolerance: float
     gap: float
-    rivals: tuple[Rival, ...]  # rivals with a gap no larger that are not clearly slower
+    rivals: tuple[Rival, ...]  # solvers with at most this gap that are faster or not separated
 
     @property
     def beaten_by(self) -> tuple[Rival, ...]:

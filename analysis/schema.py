@@ -1,10 +1,7 @@
-"""Writes the files that follow from the program's own tables: analysis/shared/columns.py, and the tables in
-results/README.md and docs/experiments.md.
+"""Generates analysis/shared/columns.py, and the tables in results/README.md and docs/experiments.md: `python3 -m analysis.schema`.
 
-    python3 -m analysis.schema
-
-asks the program (`hausbench list columns`, `list keys`) and writes all three; a test fails if they are out of date.
-Nothing else in analysis/ starts the program: stems read result files, and take shapes from the cache.
+Their contents come from the program (`hausbench list columns`, `list keys`). A test fails if they are out of date.
+Nothing else in analysis/ runs the program.
 """
 
 from __future__ import annotations
@@ -43,12 +40,12 @@ Groups = dict[str, list[dict[str, Any]]]
 
 
 def program() -> Path:
-    """Returns HAUSBENCH_PROGRAM, or else the program that `make build` builds."""
+    """Returns the path of the program: HAUSBENCH_PROGRAM, or else what `make build` builds."""
     return Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench"))
 
 
 def listed(*what: str) -> Any:
-    """Returns the JSON that `hausbench list` prints."""
+    """Returns the parsed JSON output of `hausbench list`."""
     done = subprocess.run([program(), "list", *what], cwd=ROOT, capture_output=True, text=True, check=True)
     return json.loads(done.stdout)
 
@@ -59,7 +56,7 @@ def columns() -> Groups:
 
 
 def module(groups: Groups) -> str:
-    """Returns columns.py: one dataclass per group, and the default of each column for files that lack it."""
+    """Returns the text of columns.py: one dataclass per group, and the default of each column, for files that lack it."""
     text = HEAD
     for group, known in groups.items():
         text += f"\n\n@dataclass(frozen=True)\nclass {group.capitalize()}:\n"
@@ -95,14 +92,14 @@ def table(known: list[dict[str, Any]]) -> str:
 
 
 def readme(text: str, groups: Groups) -> str:
-    """Returns the page with the table of each group between its marks."""
+    """Returns results/README.md with a new table of columns for each group."""
     for group, known in groups.items():
         text = between_marks(text, f"columns of {group}", table(known))
     return text
 
 
 def between_marks(page: str, name: str, text: str) -> str:
-    """Returns the page with the text between the comments "NAME: begin" and "NAME: end"."""
+    """Replaces the text between the HTML comments "NAME: begin" and "NAME: end". Raises ValueError if they are missing."""
     begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
     if page.count(begin) != 1 or page.count(end) != 1:
         raise ValueError(f"the marks '{begin}' and '{end}' are missing: put them where the table belongs")
@@ -127,7 +124,7 @@ def recipe_table(recipes: list[dict[str, Any]], what: str) -> str:
 
 
 def experiments(page: str, keys: dict[str, Any]) -> str:
-    """Returns docs/experiments.md with the tables of keys, recipes and operations."""
+    """Returns docs/experiments.md with new tables of keys, recipes and operations."""
     for one in keys["tables"]:
         page = between_marks(page, f"keys of {one['table'] or 'the top level'}", key_table(one["keys"]))
     page = between_marks(page, "recipes", recipe_table(keys["recipes"], "recipe"))

@@ -1,9 +1,8 @@
-"""Shows which certified solver is the fastest, and by what factor: scene by tolerance, for point sets, meshes and surfaces.
+"""Shows which certified solver is fastest, and by what factor, for each scene and tolerance.
 
-    python3 -m analysis.which_solver   writes results/figures/which_solver.pdf and .png,
-    results/tables/which_solver.csv, .md and .tex
+    python3 -m analysis.which_solver    writes results/figures/which_solver.* and results/tables/which_solver.*
 
-Reads the results in STEMS that exist. A solver takes part in a cell if it is certified and reached the tolerance.
+Reads those results of STEMS that exist. Compares the certified solvers that reached the tolerance.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from analysis.shared.statistics import Estimate, ratio_by_round
 
 STEMS: Final = ("scaling_points", "points_speed", "scaling_meshes", "mesh_peers", "sacht2024_fig13", "error_vs_time")
 DOMAINS: Final = {"points": "Point sets", "mesh": "Meshes", "surface": "Surfaces"}
-FINEST: Final = 0.0  # stands for each solver's finest tolerance: most solvers of point sets ignore the tolerance
+FINEST: Final = 0.0  # means the finest tolerance of each solver; used for point sets, where most solvers ignore the tolerance
 OF: Final = "diagonal"
 CAPTION: Final = "The fastest solver whose bounds are proven, by scene and tolerance, and how many times as fast it is as the next best."
 HIGHEST: Final = 7.8  # inches: a page has room for the figure and its caption
@@ -45,7 +44,7 @@ class Cell:
     solver: str
     label: str
     rivals: int
-    ratio: Estimate | None  # time of the next best / time of the fastest; None: no rival, or it is not ahead of each
+    ratio: Estimate | None  # time of the next best / time of the fastest; None: no rival, or not the fastest in each comparison
     separated: bool  # its time is separated from the time of every rival
 
     @property
@@ -58,9 +57,9 @@ class Cell:
 
 
 def cells_of(results: Results) -> list[Cell]:
-    """Returns one cell for each scene in its first pose and each tolerance that some certified solver reached.
+    """Returns one cell for each scene, in its first pose, and each tolerance that some certified solver reached.
 
-    A tolerance gives no cell if the answer of some solver was read off the trace of a finer run, because it has no time of its own.
+    Skips tolerances at which some answer was read off the trace of a finer run, because such an answer has no time.
     """
     cases, kinds, found = results.cases, dict(zip(results.models.name, results.models.kind)), list[Cell]()
     asked: dict[tuple[str, float], dict[str, int]] = {}
@@ -85,9 +84,9 @@ def cells_of(results: Results) -> list[Cell]:
 
 
 def takes_part(results: Results, row: int) -> bool:
-    """Tells whether a row takes part: only the first of several seeds does.
+    """Tells whether a row is compared. Of several seeds only the first is.
 
-    A solver that is swept over another parameter does not, because none of its values can stand for the solver.
+    A solver that the experiment runs with several values of another parameter is not, because no value represents it.
     """
     variant = str(results.cases.variant[row])
     return not variant or (variant.startswith("seed=") and row == min(results.rows(scene=results.cases.scene[row], label=results.cases.label[row],
@@ -95,9 +94,9 @@ def takes_part(results: Results, row: int) -> bool:
 
 
 def cell(results: Results, scene: str, tolerance: float, rows: dict[str, int], domain: str) -> Cell:
-    """Returns the cell of the solver that no other beats, by the ratios that are shown.
+    """Returns the cell for the solver with no ratio (other / solver) below 1.
 
-    If each is beaten by another one, the cell takes the least median and has no ratio.
+    As ratios are paired, each solver may be beaten by another; the cell then has the least median and no ratio.
     """
     times = {label: results.total_by_round(row) for label, row in rows.items()}
     by_median = sorted(times, key=lambda label: float(np.median(list(times[label].values()))))
@@ -127,7 +126,7 @@ def table(cells: Sequence[Cell], machine: str) -> tables.Table:
 
 @dataclass
 class Row:
-    """A row of the picture: one scene, or several that differ only in size and share one tolerance and one winner."""
+    """A row of the figure: one scene, or consecutive sizes of a scene with the same winner at the same single tolerance."""
 
     family: str  # name of the scene without its size
     sizes: list[str]  # empty strings for names without a size
@@ -139,7 +138,7 @@ class Row:
 
 
 def rows_of(cells: Sequence[Cell]) -> list[Row]:
-    """Returns the rows for the cells of a domain, in their order."""
+    """Merges cells into the rows of the figure, in order."""
     scenes: dict[tuple[str, str], list[Cell]] = {}
     for one in cells:
         scenes.setdefault((one.stem, one.scene), []).append(one)
@@ -159,7 +158,7 @@ def rows_of(cells: Sequence[Cell]) -> list[Row]:
 
 
 def text_of(cells: Sequence[Cell]) -> str:
-    """Returns the winner and the range of its lead: 'cover 2.2–3.3×'."""
+    """Returns the fastest solver of these cells and the range of its factors: 'cover 2.2–3.3×'."""
     ratios = sorted(one.ratio.value for one in cells if one.ratio is not None and one.ratio.n)
     if len(cells) == 1 or len(ratios) < len(cells):
         return cells[0].text if len(cells) == 1 else cells[0].title

@@ -1,11 +1,8 @@
-"""Writes README's table of where solvers win, from the times kept beside the tables in results/reference/: `python3 -m
-analysis.winners`.
+"""Writes the table in README.md of how often each solver wins, from the times in results/reference: `python3 -m analysis.winners`.
 
-The table goes between two marks in README.md. analysis.paper_profile rewrites it whenever it writes those tables.
-
-A solver wins a scene if its interval lies below the interval of every other solver. A scene has no winner if a solver
-has a single time, which has no interval, or an interval of less than 95 %, or if the times do not compare; a line below
-the table says how many scenes these are.
+A solver wins a scene if its interval lies below the intervals of all others. A scene has no winner if some solver has a
+single time or an interval of less than 95 %, or if times are not comparable; a line below the table counts these
+scenes. analysis.paper_profile calls this whenever it stores new times.
 """
 
 from __future__ import annotations
@@ -26,8 +23,8 @@ from analysis.shared.statistics import CONFIDENCE, order_statistic_rank
 README: Final = REFERENCE.parent.parent / "README.md"
 BEGIN: Final = "<!-- written by analysis/winners.py: begin -->"
 END: Final = "<!-- written by analysis/winners.py: end -->"
-SUFFIX: Final = ".times.json"  # follows the name of a kept file of tables
-# By stem: the kept file with its table, and the name of its scenes.
+SUFFIX: Final = ".times.json"  # of the files of times beside the tables
+# By experiment: the file with its table in results/reference, and what its scenes are called.
 RACES: Final = {"zhang2017_table3": ("zhang2017_paper_profile.md", "pairs of Table 3"),
                 "points_speed": ("points_speed.md", "workloads of 100K and 1M points"),
                 "mesh_peers": ("mesh_peers.md", "pairs of real meshes")}
@@ -45,7 +42,7 @@ class Time:
     title: str
     n: int  # rounds, or seeds; 0: no answer
     seconds: Sequence[float]  # the median, then the ends of its interval; a single time has no ends
-    apart: str  # why the times of the scene do not compare; empty if they do
+    apart: str  # why the times of the scene are not comparable; empty if they are
 
     @property
     def name(self) -> str:
@@ -53,7 +50,7 @@ class Time:
 
 
 def times(records: Iterable[tables.Record], results: Results) -> list[tables.Record]:
-    """Returns the times in the records of a table, in the form in which they are kept."""
+    """Converts the records of a table to the JSON records that read() reads."""
     apart = {scene: reason_apart(one._replace(clock="") for one in origins(results, results.rows(scene=scene))) for scene in results.scenes}
     return [{"stem": results.stem, **{name: one[name] for name in ("scene", "solver", "label")}, "title": style.title(str(one["solver"]), str(one["label"])), "n": one["n"],
              "seconds": [x for end in ("median", "low", "high") if isinstance(x := one[f"{end}_seconds"], float) and math.isfinite(x)],
@@ -61,20 +58,20 @@ def times(records: Iterable[tables.Record], results: Results) -> list[tables.Rec
 
 
 def read(file: str, folder: Path = REFERENCE) -> list[Time]:
-    """Reads the times beside a kept file of tables. Raises OSError if there are none."""
+    """Reads the times that belong to a file of tables in `folder`. Raises OSError if there are none."""
     return [Time(**one) for one in tables.read_json((folder / file).with_suffix(SUFFIX))]  # type: ignore[arg-type]
 
 
 @dataclass
 class Race:
-    """The outcome on the scenes of a table."""
+    """How often each solver won among the scenes of a table."""
 
     scenes: int
     won: dict[str, list[float]] = field(default_factory=dict)  # by winner: for each scene won, time of the next best / its time
-    unjudged: int = 0  # scenes in which no solver can win
-    single: dict[str, None] = field(default_factory=dict)  # titles of the solvers with single times in those scenes
-    doubts: dict[str, None] = field(default_factory=dict)  # other reasons
-    least: dict[str, int] = field(default_factory=dict)  # by solver: those scenes that only single times keep it from winning
+    unjudged: int = 0  # scenes that cannot be judged, for one of the next two reasons
+    single: dict[str, None] = field(default_factory=dict)  # an ordered set: solvers with single times in unjudged scenes
+    doubts: dict[str, None] = field(default_factory=dict)  # an ordered set: other reasons why scenes are unjudged
+    least: dict[str, int] = field(default_factory=dict)  # by solver: unjudged scenes that it would win but for single times of others
 
 
 def race(among: Sequence[Time]) -> Race:

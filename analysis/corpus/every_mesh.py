@@ -1,4 +1,4 @@
-"""Every solver on every mesh of the packages: how many answers come within how much time, and why the others are missing."""
+"""Runs of all solvers on a large collection of meshes: the share of meshes answered over time, and the reasons for failures."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def seconds(results: Results, row: int) -> float:
 
 
 def shown_reason(reason: str) -> str:
-    """Removes what differs for each mesh (names, files and numbers), so that similar reasons are counted together."""
+    """Removes names, paths and numbers from a reason, so that similar reasons are counted together."""
     def differs(word: str, before: str | None) -> bool:
         return before != "signal" and ("/" in word or word[0] in "'\"" or any(character.isdigit() for character in word))
 
@@ -38,7 +38,7 @@ def shown_reason(reason: str) -> str:
 
 
 def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
-    """Returns status and reason of each scene without a single run, because its mesh or derived mesh could not be had."""
+    """Returns status and reason of each scene that no solver could run, because its mesh could not be read or derived."""
     cases = results.cases
     found: dict[str, tuple[str, str]] = {}
     for scene in results.scenes:
@@ -49,9 +49,9 @@ def unmeasured(results: Results) -> dict[str, tuple[str, str]]:
 
 
 def sound(results: Results) -> Verdict:
-    """Judges that no certified solver is wrong, fails or crashes on a readable mesh.
+    """Judges the claim that no certified solver is wrong, fails or crashes on a readable mesh.
 
-    Solvers on one mesh are not independent trials, so each mesh is one trial.
+    Each mesh is one trial, because solvers on the same mesh are not independent.
     """
     cases, lost = results.cases, unmeasured(results)
     rows = [row for row in range(len(cases))
@@ -66,7 +66,7 @@ def named(scenes: list[str]) -> str:
 
 
 def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
-    """Returns a sentence for each reason why rows are not `ok`, the most frequent first: for whole meshes, then for single solvers."""
+    """Returns one sentence per reason for missing answers, the most frequent first: of whole meshes, then of single solvers."""
     cases = results.cases
     meshes: dict[str, list[str]] = {}
     for scene, (status, reason) in lost.items():
@@ -85,9 +85,9 @@ def explained(results: Results, lost: dict[str, tuple[str, str]]) -> list[str]:
 
 
 def late(results: Results) -> list[str]:
-    """Says how many answers came after the limit, by solver.
+    """Says how many answers came after the time limit, by solver.
 
-    A solver is asked to stop at the limit and is ended some seconds later. An answer in between counts.
+    Solvers are asked to stop at the limit and killed some seconds later; answers in between count.
     """
     cases = results.cases
     after = Counter(style.title(cases.solver[row], cases.label[row]) for row in range(len(cases))

@@ -1,4 +1,4 @@
-"""Mesh solvers beside CGAL, pair by pair: times with preparation, how many times as fast each is, and memory."""
+"""Compares mesh solvers with CGAL on each pair of meshes: time with preparation, speedup, and memory."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round, ratio_
 from analysis.shared.verdicts import FAILS, NOT_JUDGED, OPEN, Verdict, above_one, everywhere
 
 PEER: Final = "cgal"
-AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # times as fast as CGAL, in geometric mean
-LARGE: Final = {"cover": 30_000}  # triangles of A and B: that mean takes only pairs of this size and more (default: all)
-EVERYWHERE: Final = {"cover": 5}  # times as fast as CGAL, on every pair
+AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # claimed speedup over CGAL, geometric mean
+LARGE: Final = {"cover": 30_000}  # this mean includes only pairs with at least so many triangles (default: all pairs)
+EVERYWHERE: Final = {"cover": 5}  # claimed speedup over CGAL on every pair
 INTERVAL: Final = ", interval over rounds, for these pairs"
 
 Pair = tuple[Cell, Cell]  # the cells of CGAL and of the solver
 
 
 def ratio(pair: Pair) -> Estimate:
-    """Returns how many times as long CGAL takes. If CGAL was stopped, its time limit stands for its time: a lower bound."""
+    """Returns time of CGAL / time of the solver. If CGAL timed out, its limit is used, which gives a lower bound."""
     peer, own = pair
     if peer.failures and comparable(pair):
         return ratio_of_medians([limit_of(peer)] * len(own.times), list(own.times.values()))
@@ -37,7 +37,7 @@ def ratio(pair: Pair) -> Estimate:
 
 
 def identical(results: Results, scene: str) -> bool:
-    """Tells whether a scene is a mesh and itself. The means leave it out, because CGAL matches faces."""
+    """Tells whether A and B are the same mesh. The means leave such scenes out, because CGAL recognises identical faces."""
     row = results.rows(scene=scene)[0]
     return bool(results.cases.source[row] == results.cases.target[row])
 
@@ -47,9 +47,9 @@ def limit_of(cell: Cell) -> float:
 
 
 def comparable(pair: Pair) -> bool:
-    """Tells whether the solver answered, CGAL answered or was stopped at its limit, and their times compare.
+    """Tells whether the times are comparable: the solver answered, and CGAL answered or timed out.
 
-    Any other failure of CGAL says nothing about its time.
+    Other failures of CGAL say nothing about its time.
     """
     peer, own = pair
     return not own.failures and peer.failures.keys() <= {"timeout"} and not apart_of(pair)
@@ -60,10 +60,7 @@ def apart_of(pair: Pair) -> str:
 
 
 def times_by_round(pair: Pair) -> dict[int, tuple[float, float]]:
-    """Returns the times of CGAL and of the solver in each round that has both.
-
-    The time limit stands for CGAL's time only if its row ended in a timeout.
-    """
+    """Returns the times of CGAL and of the solver in each round that has both. If CGAL timed out, its time is the limit."""
     peer, own = pair
     stopped = bool(peer.failures)
     return {number: (limit_of(peer) if stopped else peer.times[number], seconds)
@@ -71,9 +68,9 @@ def times_by_round(pair: Pair) -> dict[int, tuple[float, float]]:
 
 
 def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
-    """Returns the ratio of the geometric means over pairs, round by round, for the rounds that every pair has.
+    """Returns the geometric mean over pairs of CGAL's time / the solver's, with an interval over rounds.
 
-    The unit of its interval is the round.
+    Uses the rounds that all pairs have.
     """
     times = [times_by_round(pair) for pair in pairs]
     rounds = set[int]().union(*times).intersection(*times)
@@ -95,7 +92,7 @@ def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
     if mean.n:
         too_few = f"n = {mean.n}; " if verdict.outcome == NOT_JUDGED else ""
         verdict = replace(verdict, evidence=f"{too_few}{tables.estimate(mean)} times over {len(answered)} pairs{INTERVAL if mean.has_interval else ''}")
-    if stopped := sum(bool(peer.failures) for peer, _ in answered):  # CGAL takes at least its limit: the mean may be larger
+    if stopped := sum(bool(peer.failures) for peer, _ in answered):  # CGAL was given its limit as time, so the true mean may be larger
         verdict = replace(verdict, outcome=OPEN if verdict.outcome == FAILS else verdict.outcome,
                           evidence=f"{verdict.evidence}, at least: CGAL did not end on {stopped}")
     if lost:
@@ -111,7 +108,7 @@ def size_of(cell: Cell) -> float:
 
 
 def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
-    """Judges every pair, round by round. If CGAL was stopped, its limit stands for its time: this can confirm, but not refute."""
+    """Judges the speedup on every pair. If CGAL timed out, its limit is used as its time, so the pair can only confirm the claim."""
     aim = EVERYWHERE[label]
 
     def over_aim(pair: Pair) -> Estimate:
@@ -130,7 +127,7 @@ def judge_each(label: str, pairs: Sequence[Pair]) -> Verdict:
 
 
 def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: Sequence[str]) -> list[str]:
-    """Returns a note on how many times as long another solver takes in geometric mean; empty if no pair has both."""
+    """Returns a note on the geometric mean of time of `other` / time of `label`; empty if no pair has both."""
     both = [(cells[scene, other], cells[scene, label]) for scene in scenes if {(scene, other), (scene, label)} <= cells.keys()]
     answered = [pair for pair in both if not pair[0].failures and not pair[1].failures and not apart_of(pair)]
     if not answered:
@@ -189,9 +186,9 @@ def best_lower(cells: Sequence[Cell]) -> float:
 
 
 def draw(grid: Grid) -> Any:
-    """Draws a band for each pair, with a mark and its interval for each solver, one below another.
+    """Draws a band for each pair, with the time and interval of each solver.
 
-    Solvers that did not end are right of the frame, with a letter for the reason.
+    Solvers that failed are listed at the right, with a letter for the reason.
     """
     scenes, labels, cells = grid.scenes, grid.labels, grid.cells
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, min(7.8, 1.1 + 0.3 * len(scenes))))

@@ -1,4 +1,4 @@
-"""Pairs on which published mesh programs end with a wrong answer or with none: the outcome of each solver."""
+"""Shows the outcome of each solver on mesh pairs for which published programs give a wrong answer or none."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from analysis.stability.stability_outcomes import STOPS, Outcome
 
 # The outcomes, from best to worst.
 CONVERGED, STOPPED, NO_BOUNDS, WRONG = ("converged", "stopped", "no bounds", "wrong")
-SLACK: Final = 1e-12  # fraction of the diagonal of A: coordinates of models are rounded, `exact` is not
+SLACK: Final = 1e-12  # fraction of the diagonal of A: allows for rounded coordinates of models, as `exact` is for unrounded ones
 
 
 def outcome(results: Results, row: int) -> str:
     """Returns the outcome of a row.
 
-    `stopped`: at its time limit, budget or precision floor, with valid bounds. `wrong`: bounds that cannot be true, or
-    a certified solver that says that it has converged and has not.
+    `stopped`: valid bounds, but ended by its time limit, budget or precision floor. `wrong`: false bounds, or a certified
+    solver that reports convergence but missed the tolerance.
     """
     cases = results.cases
     status, lower, upper, exact = cases.status[row], cases.lower[row], cases.upper[row], cases.exact[row]
@@ -42,14 +42,14 @@ def outcome(results: Results, row: int) -> str:
 
 
 def ends(results: Results, row: int) -> str:
-    """Returns the text of a cell: the outcome, and the reason if it is not `converged`."""
+    """Returns the text of a cell: the outcome, or for a row that stopped or has no bounds, its status in words."""
     found, status = outcome(results, row), results.cases.status[row]
     word = style.status_word(status)
     return found if found in (CONVERGED, WRONG) else f"{word}, bounds hold" if found == STOPPED else word
 
 
 def claim(results: Results) -> Verdict:
-    """Judges that every row of a certified solver has an interval, and none is wrong."""
+    """Judges the claim that each row of a certified solver has bounds, and none is wrong."""
     rows = [row for row in range(len(results.cases)) if results.cases.certified[row]]
     ill = [row for row in rows if outcome(results, row) in (WRONG, NO_BOUNDS)]
     return never_chosen(claims.of("hausbench", "traps"), len(ill), len(rows), "answers")
@@ -88,7 +88,7 @@ def make(results: Results) -> Report:
 
 
 def distance(results: Results, row: int) -> str:
-    """Returns '0', or the proven distance over the diagonal: its first three digits if they are known, else the interval."""
+    """Returns the true distance over the diagonal of A: '0', three digits if that many are proven, or else the proven interval."""
     if results.cases.exact[row] == 0:
         return "0"
     known, diagonal = results.reference_of(row), float(results.cases.source_diagonal[row])
@@ -97,7 +97,7 @@ def distance(results: Results, row: int) -> str:
 
 
 def mark(results: Results, row: int) -> tuple[Outcome, str]:
-    """Returns the colour of a cell, as in the pictures of the stability suite, and its letter."""
+    """Returns the colour of a cell, as an Outcome of the stability suite, and the letter to draw in it."""
     found, status = outcome(results, row), str(results.cases.status[row])
     if found == CONVERGED:
         return Outcome.TIGHT, ""

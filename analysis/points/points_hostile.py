@@ -1,4 +1,4 @@
-"""scan beside a k-d tree on point sets that are hard for grids and trees: times with preparation, and counted work."""
+"""Compares `scan` with a k-d tree on point sets that are hard for grids and trees: time with preparation, and counted work."""
 
 from __future__ import annotations
 

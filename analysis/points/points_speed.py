@@ -1,4 +1,4 @@
-"""Our solver for point sets beside the best of the others, workload by workload: times with preparation, and memory."""
+"""Compares our solver for point sets with the best of the others on each workload: time with preparation, and memory."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ OURS = "scan"
 
 
 class Cell:
-    """One solver on one workload."""
+    """The times of one solver on one workload."""
 
     def __init__(self, results: Results, row: int) -> None:
         cases = results.cases
         self.row, self.status = row, cases.status[row]
-        self.reported = not math.isnan(cases.reported_seconds[row])  # an outside program, timed by its own clock
+        self.reported = not math.isnan(cases.reported_seconds[row])  # an external program that measured its time itself
         self.rounds = results.reported_by_round(row) if self.reported else results.total_by_round(row)
         self.wall, self.origin = results.total_by_round(row, "wall"), origin(results, row)
         self.time = median(list(self.rounds.values())) if self.status == "ok" else NO_DATA
@@ -39,9 +39,9 @@ class Cell:
 
 
 def ratio(other: Cell, ours: Cell) -> Estimate:
-    """Returns how many times as long the other takes; paired by round if both have rounds.
+    """Returns time of `other` / time of `ours`, paired by round if both have rounds.
 
-    A program that reports its own time reports wall time, and is compared with our wall time.
+    A program that measures its time itself reports wall time, so it is compared with our wall time.
     """
     if lacking := apart([one.origin._replace(clock="wall") if other.reported else one.origin for one in (other, ours)]):
         return lacking
@@ -99,9 +99,9 @@ def make(results: Results) -> Report:
 
 
 def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str, str], Cell]) -> Any:
-    """Draws a band for each workload, with a mark and its interval for each solver, one below another.
+    """Draws a band for each workload, with the time and interval of each solver.
 
-    Solvers that did not end are right of the frame, with a letter for the reason.
+    Solvers that failed are listed at the right, with a letter for the reason.
     """
     figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, min(7.8, 1.1 + 0.27 * len(scenes))))
     looks = {label: style.look(solver, label) for solver, label in labels}

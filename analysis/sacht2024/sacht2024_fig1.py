@@ -1,4 +1,4 @@
-"""Fig. 1 of Sacht and Jacobson 2024: a mesh, the same surface meshed again, and the place where they are farthest apart."""
+"""Fig. 1 of Sacht and Jacobson 2024: a mesh, its remeshing, and the place where they are farthest apart."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Drawn, Mesh
 
 MARK: Final = "#D55E00"
-PAPER: Final = 0.09  # percent of the diagonal: h of the paper's pair is below this
+PAPER: Final = 0.09  # percent of the diagonal; the paper's pair has a smaller distance
 REMESHED: Final = "remeshed by CGAL (for TetWild)"
 
 
@@ -43,7 +43,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, case: int) -> Any:
-    """Draws A, B, the distance of A to B, and the witness from near."""
+    """Draws A, B, A coloured by its distance to B, and a close-up of the witness."""
     cases = results.cases
     source, target = cases.source[case], cases.target[case]
     a, b, eye = shapes.mesh(results, source), shapes.mesh(results, target), mesh_picture.view_of(source)
@@ -72,9 +72,9 @@ def draw_distances(ax: Any, figure: Any, a: Drawn, diagonal: float, eye: mesh_pi
 
 
 def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats, diagonal: float) -> None:
-    """Draws a cut through both meshes in the plane of the picture, which contains the witness.
+    """Draws the cross-section of both meshes around the witness, with a scale bar in percent of the diagonal.
 
-    The scale bar is in percent of the diagonal.
+    The cutting plane is parallel to the picture and contains the witness.
     """
     ends = eye.seen(pair)
     room = 2.5 * float(np.linalg.norm(pair[1] - pair[0]))
@@ -92,9 +92,9 @@ def draw_near(ax: Any, a: Mesh, b: Mesh, eye: mesh_picture.View, pair: Floats, d
 
 
 def draw_scale(ax: Any, middle: Floats, room: float, diagonal: float) -> None:
-    """Draws a bar of 1, 2 or 5 times a power of ten percent of the diagonal.
+    """Draws a scale bar at the lower left: 1, 2 or 5 times a power of ten, in percent of the diagonal.
 
-    It is at the lower left of a frame that reaches `room` in all directions.
+    The frame extends by `room` in all directions from `middle`.
     """
     percent = 100 * 0.5 * room / diagonal
     power = 10.0 ** np.floor(np.log10(percent))
@@ -105,7 +105,7 @@ def draw_scale(ax: Any, middle: Floats, room: float, diagonal: float) -> None:
 
 
 def section(corners: Floats, shown: Mesh, depth: float) -> list[Floats]:
-    """Returns the segments in which triangles meet the plane at this depth, one for each triangle that crosses it."""
+    """Returns the cross-section at this depth: one segment for each triangle that crosses the plane."""
     sides, found = corners[shown.triangles], list[Floats]()
     above = sides[:, :, 2] > depth
     for triangle, flags in zip(sides[above.any(axis=1) & ~above.all(axis=1)], above[above.any(axis=1) & ~above.all(axis=1)]):

@@ -1,4 +1,4 @@
-"""Fig. 10 of Sacht and Jacobson 2024: the fastest order of their four upper bounds, for meshes against themselves meshed again."""
+"""Fig. 10 of Sacht and Jacobson 2024: which order of their four upper bounds is fastest, on meshes and their remeshings."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import UNTESTED, Verdict
 
-# The orders that the paper draws, from the worst to the best, in its words: the seven worst, two in between, the ten best.
+# The orders in the paper's figure: the seven worst, two in between, the ten best. "213" computes u2, then u1, then u3.
 DRAWN: Final = ("1", "2", "21", "12", "41", "4", "412", "3", "3241",
                 "23", "1243", "231", "213", "123", "2341", "2314", "234", "2134", "1234")
 SINGLE: Final = ("1", "2", "3", "4")
 TEN_BEST: Final = DRAWN[-10:]
 BEST, SOLVED = "1234", 0.753
 WITHOUT_U3: Final = "#4D4D4D"  # darker than the other bars, also in grey
-WITHIN = 0.1  # allowed difference in the share of pairs that are solved
+WITHIN = 0.1  # allowed difference to the paper in the share of solved pairs
 NEVER_RAN = ("skipped", "failed", "not_built")
 
 
 class Orders:
-    """The cost of each order on each pair. Pairs that no order solved have no winner, as in the paper."""
+    """The cost of each order on each pair. As in the paper, pairs that no order solved are left out of the wins."""
 
     def __init__(self, results: Results) -> None:
         self.results, cases = results, results.cases
         rows: dict[str, dict[str, int]] = {}
-        self.lost: dict[str, str] = {}  # pairs without a model, and the reason
+        self.lost: dict[str, str] = {}  # pairs whose model is missing, and why
         for row in range(len(cases)):
             scene = cases.scene[row]
             if cases.status[row] in NEVER_RAN:
@@ -54,16 +54,16 @@ class Orders:
         return cell is not None and not cell.failures
 
     def reason_apart(self, scene: str) -> str:
-        """Returns why the times of this pair do not compare; empty if they do."""
+        """Returns why the times of this pair are not comparable; empty if they are."""
         return reason_apart(one for (_, of), cell in self.cells.items() if of == scene for one in cell.origins)
 
     def cost(self, order: str, scene: str, what: str) -> float:
-        """Returns the time, or the count that MEASURES names; NaN if the tolerance was not reached, or if times do not compare."""
+        """Returns the time, or the count MEASURES[what]; NaN if the tolerance was not reached or times are not comparable."""
         cell = self.cells.get((order, scene))
         return np.nan if cell is None or (not what and self.apart) else cell.cost(what)
 
     def shared(self, orders: Iterable[str], what: str) -> dict[str, Wins]:
-        """Returns which of these orders win each pair that some order solves."""
+        """Returns the wins of these orders among the pairs that some order solved."""
         return shared_wins({order: [self.cost(order, scene, what) for scene in self.solved]
                             for order in orders if order in self.orders})
 
@@ -141,7 +141,7 @@ def make(results: Results) -> Report:
 
 
 def place(order: str) -> str:
-    """Returns the place of an order in the paper, which prints a picture and names these."""
+    """Returns the place of an order in the paper's figure, or a dash if it is not shown there."""
     if order not in DRAWN:
         return tables.NOTHING
     at = DRAWN.index(order)
@@ -156,7 +156,7 @@ def lost_note(found: Orders) -> list[str]:
 
 
 def draw(found: Orders) -> Any:
-    """Draws bars as in the paper, for the orders that it draws and the best one here: shared wins in time, and in counted work."""
+    """Draws the shared wins, in time and in counted work, of the orders that the paper shows and of the best order here."""
     work = list(MEASURES)[-1]
     drawn = [order for order in DRAWN if order in found.orders]
     for what in ("", work):

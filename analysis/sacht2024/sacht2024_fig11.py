@@ -1,4 +1,4 @@
-"""Fig. 11 of Sacht and Jacobson 2024: the last upper bound that was computed for each triangle of A, drawn on the mesh."""
+"""Fig. 11 of Sacht and Jacobson 2024: A, coloured by the last upper bound that was computed for each triangle."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, all_
 
 NAMES: Final = ("exact", "u1", "u2", "u3", "u4")
 THIN: Final = 0.1
-COLOURS: Final = ("#FFFFFF", "#332288", "#0072B2", "#56B4E9", "#D55E00")  # all of different lightness, also when shaded by SHADE
+COLOURS: Final = ("#FFFFFF", "#332288", "#0072B2", "#56B4E9", "#D55E00")  # differ in lightness even if darkened by SHADE
 SHADE: Final = 0.15
 
 
 @dataclass(frozen=True)
 class Shown:
-    """One pair with fields."""
+    """One pair to draw, with the values per triangle and vertex."""
 
     scene: str
     case: int
     last: Any  # for each triangle of A, an index into NAMES
-    distance: Floats  # to B; the vertices of A come first
+    distance: Floats  # of points of A to B; the vertices of A come first
 
     @property
     def counts(self) -> list[int]:
@@ -54,27 +54,27 @@ def collect(results: Results) -> list[Shown]:
 
 
 def verdicts(pairs: list[Shown]) -> list[Verdict]:
-    """Judges the use of bounds on each pair. These are counts, so there is nothing to test."""
+    """Judges how often each bound was the last one. Counts are exact, so no statistical test is needed."""
     found = []
     for pair in pairs:
         counts, n = pair.counts, len(pair.last)
         said = ", ".join(f"{name} {tables.number(100 * share, 2)} %" for name, share in zip(NAMES, pair.shares))
         unused = [name for name, count in zip(NAMES, counts) if not count]
         used = all_of(claims.of("sacht2024", "all_bounds", pair.scene), len(unused), len(NAMES), len(NAMES), f"bounds, of {n:,} triangles")
-        # The exact case and u1 are the two least used if each settles less than every other bound.
+        # The exact case and u1 are the two least used if both counts are below all others.
         more = [name for name, count in zip(NAMES[2:], counts[2:]) if count <= max(counts[:2])]
         least = all_of(claims.of("sacht2024", "least_used", pair.scene), len(more), 3, 3, f"other bounds: {said}")
-        # u2 and u3 are the two most used if each settles more than every other bound.
+        # u2 and u3 are the two most used if both counts are above all others.
         less = [name for name, count in zip(NAMES[2:4], counts[2:4]) if count <= max(*counts[:2], counts[4])]
         found += [used, least, all_of(claims.of("sacht2024", "u2_u3", pair.scene), len(less), 2, 2, f"bounds: {said}")]
     return found
 
 
 def thin(pair: Shown, a: Mesh) -> Verdict:
-    """Judges the bound that most thin triangles of A that disappear in B end with.
+    """Judges a claim about the last bound of most thin triangles that B lacks.
 
-    A triangle is thin if its height is below THIN of its longest edge. It disappears if its corners are all farther
-    from B than that height.
+    A triangle is thin if its height is below THIN times its longest edge. B lacks it if all its corners are farther
+    from B than this height.
     """
     sides = a.corners[a.triangles]
     edges = np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=2).max(axis=1)
@@ -112,9 +112,9 @@ def make(results: Results) -> Report:
 
 
 def square_root_scale(shown: Drawn, unit: float) -> PowerNorm:
-    """Returns a scale of distances times `unit` that ends where 99 % of the surface lies below.
+    """Returns a colour scale of distances times `unit`, up to the distance that 99 % of the surface does not exceed.
 
-    A few places far away would otherwise leave the rest in one colour.
+    Otherwise a few distant places would leave the rest in one colour.
     """
     sides, order = shown.corners[shown.triangles], np.argsort(shown.colours)
     area = np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1)[order].cumsum()
@@ -123,7 +123,7 @@ def square_root_scale(shown: Drawn, unit: float) -> PowerNorm:
 
 
 def draw(results: Results, pairs: list[Shown]) -> Any:
-    """Draws A coloured by bounds, then by the distance of each place to B, and B beside them."""
+    """Draws one row per pair: A coloured by last bounds, A coloured by distance to B, and B."""
     figure, axes = plt.subplots(len(pairs), 3, figsize=(style.DOUBLE_COLUMN, 0.5 + 2.2 * len(pairs)), squeeze=False)
     palette = np.array([to_rgba(colour) for colour in COLOURS])
     for (left, middle, right), pair in zip(axes, pairs):

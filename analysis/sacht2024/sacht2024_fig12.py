@@ -13,7 +13,7 @@ from analysis.shared.notes import machine_line, scene_notes
 from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import ResultError, Results
 
-EDGES: Final = 20_000  # triangles: edges would hide a mesh of more
+EDGES: Final = 20_000  # largest number of triangles drawn with edges, which would hide a finer mesh
 
 
 def make(results: Results) -> Report:
@@ -36,7 +36,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, shown: list[int]) -> Any:
-    """Draws A above, B below; one colour scale for all, by the square root, up to the largest distance drawn."""
+    """Draws each A above its B. All share one colour scale, by the square root of the distance."""
     cases = results.cases
     figure, axes = plt.subplots(2, len(shown), figsize=(style.DOUBLE_COLUMN, 4.3), squeeze=False)
     pairs = []

@@ -25,20 +25,17 @@ RIVALS = ("kang", "zheng")
 
 @dataclass(frozen=True)
 class Reach:
-    """When one solver, on one pair, first proved a gap within the tolerance. NaN: never, within the limits."""
+    """The time at which a solver, on one pair, first reached the tolerance. NaN: never, within the limits."""
 
     seconds: float
     read_from: str  # "trace", "case", or the reason why it was not reached
-    by_round: dict[int, float] = field(default_factory=dict)  # a single round if it was read off a trace
-    work: dict[str, int] = field(default_factory=dict)  # by MEASURES; none for a trace
+    by_round: dict[int, float] = field(default_factory=dict)  # a trace gives a single round
+    work: dict[str, int] = field(default_factory=dict)  # by key of MEASURES; empty for a trace
     origins: frozenset[Origin] = frozenset()
 
 
 def reach(results: Results, scene: str, label: str, tolerance: float) -> Reach:
-    """Reads the time from the trace of the finest run, or else from the run that asked for this tolerance.
-
-    The latter is for solvers that offer no trace.
-    """
+    """Reads the time from the trace of the finest run, or, for solvers without a trace, from the run at this tolerance."""
     cases = results.cases
     rows = [int(r) for r in results.rows(scene=scene, label=label)
             if cases.status[r] != "unsound" and cases.tolerance_of[r] == "diagonal"]
@@ -66,7 +63,7 @@ Found = dict[tuple[str, str, float], Reach]  # by label, scene, tolerance
 
 
 def mean_of_rounds(found: Found, label: str, scenes: list[str], t: float) -> dict[int, float]:
-    """Returns the mean over all pairs, by round; empty if a pair was not reached, because a mean is always over all pairs."""
+    """Returns the mean time over all pairs, by round; empty if the tolerance was not reached on some pair."""
     each = [found[label, scene, t].by_round for scene in scenes if (label, scene, t) in found]
     if len(each) < len(scenes) or not all(each):
         return {}
@@ -75,13 +72,13 @@ def mean_of_rounds(found: Found, label: str, scenes: list[str], t: float) -> dic
 
 
 def work_of(found: Found, label: str, scenes: list[str], t: float, what: str) -> float:
-    """Returns the sum over all pairs; NaN if one is missing or counts nothing."""
+    """Returns the counted work summed over all pairs; NaN if a pair is missing or has no count."""
     counts = [found[label, scene, t].work.get(what, 0) for scene in scenes if (label, scene, t) in found]
     return float(sum(counts)) if len(counts) == len(scenes) and all(counts) else np.nan
 
 
 def verdicts(found: Found, scenes: list[str]) -> list[Verdict]:
-    """Judges the ratio of means over the pairs, by round, at every tolerance."""
+    """Judges claims about ratios of mean times, at every tolerance."""
     def over(claim: str, ratio: Callable[[float], Estimate]) -> Verdict:
         return everywhere(claim, [ratio(t) for t in stages], "tolerances")
 
@@ -150,7 +147,7 @@ def make(results: Results) -> Report:
 
 
 def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) -> str:
-    """Explains why pairs are missing: 'CGAL: crown timeout (1e-7, 1e-8).'"""
+    """Says on which pairs tolerances were not reached, and why: 'CGAL: crown timeout (1e-7, 1e-8).'"""
     parts = []
     for solver, label in labels:
         why: dict[str, list[str]] = {}
@@ -167,7 +164,7 @@ def unreached(labels: list[tuple[str, str]], scenes: list[str], found: Found) ->
 
 
 def tracing_cost(results: Results) -> str:
-    """Says how long traced runs took beside timed ones: the trace's last sample over the median solve."""
+    """Returns a note on the cost of tracing: time of the trace's last sample / median time of untraced runs."""
     cases, ratios = results.cases, []
     for case in np.flatnonzero((cases.trace_end > cases.trace_begin) & (cases.status == "ok")):
         time = median(results.wall_seconds(int(case)))
@@ -181,7 +178,7 @@ def tracing_cost(results: Results) -> str:
 
 def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, float], Estimate],
          reached: dict[tuple[str, float], int], asked: set[tuple[str, float]], paper: dict[str, float]) -> Any:
-    """Draws lines at tolerances where all pairs were reached; above the break of the frame, the number of pairs at the others."""
+    """Draws the mean time at tolerances reached on all pairs. A strip on top shows the number of pairs at the others."""
     missing = [pair for pair in labels if any(reached[pair[1], t] < pairs for t in TOLERANCES if (pair[1], t) in asked)]
     strip = 0.14 * len(missing)
     figure, (top, ax) = plt.subplots(2, 1, sharex=True, figsize=(style.SINGLE_COLUMN, 2.75 + strip + 0.05),
@@ -211,7 +208,7 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.minorticks_off()
-    if not any(len(line.get_xdata()) for line in ax.lines):  # no solver reached anything: any frame will do
+    if not any(len(line.get_xdata()) for line in ax.lines):  # nothing to draw: any limits will do
         ax.set_ylim(1, 1e4)
     ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 30)
     scales.log_ticks(ax.yaxis)

@@ -20,7 +20,7 @@ from analysis.shared.statistics import paired_ratio
 from analysis.shared.verdicts import Verdict, most_of
 
 SLOW, FAST = "zheng", "sacht"  # the ratio is of these two
-THOUSANDS: Final = ("square, cut the other way", 1000.0)  # the scene that was built for this claim, before it was timed
+THOUSANDS: Final = ("square, cut the other way", 1000.0)  # a scene made for this claim, chosen before any timing
 TWENTIETH: Final = ("cube, finer", 20.0)
 PAPER: Final = ((7224.0, "paper's (a)"), (6024.0, "paper's (b)"), (1 / 20, "paper's (c)"))
 STANDS_IN: Final = {THOUSANDS[0]: "for paper's a, b", TWENTIETH[0]: "for paper's c"}
@@ -30,7 +30,7 @@ MILLISECOND: Final = 1e-3
 
 @dataclass(frozen=True)
 class Outlier:
-    """One pair of meshes at one tolerance."""
+    """The ratio of the two solvers on one pair of meshes, at one tolerance."""
 
     scene: str
     tolerance: float
@@ -55,7 +55,7 @@ def collect(results: Results) -> list[Outlier]:
 
 
 def verdicts(found: list[Outlier]) -> list[Verdict]:
-    """Judges the claims at the finest tolerance, which is the paper's."""
+    """Judges the claims at the finest tolerance, which the paper uses."""
     finest = [x for x in found if x.tolerance == min(y.tolerance for y in found)]
     by_scene = {x.scene: x for x in finest}
 
@@ -107,9 +107,9 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, found: list[Outlier], clock: str) -> Any:
-    """Draws the pairs, and below them the ratio of each, with a marker for each tolerance.
+    """Draws the pairs, and below them the ratio of times for each pair, with a marker for each tolerance.
 
-    Arrows mark ratios that are at least so much; lines are the ratios of the paper.
+    Arrows mark lower bounds on a ratio; lines are the ratios of the paper.
     """
     scenes = list(dict.fromkeys(x.scene for x in found))
     tolerances = sorted({x.tolerance for x in found}, reverse=True)

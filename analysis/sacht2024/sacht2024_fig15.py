@@ -1,4 +1,4 @@
-"""Fig. 15 of Sacht and Jacobson 2024: a pair of meshes that are nearly the same, on which branch and bound takes long."""
+"""Fig. 15 of Sacht and Jacobson 2024: two nearly equal meshes, on which branch and bound takes long."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-NEAR: Final = "fandisk"  # the scene whose meshes are nearly the same, but have other triangles
+NEAR: Final = "fandisk"  # the scene whose meshes have nearly the same surface but different triangles
 COARSE, FINE = 1e-6, 1e-8
 PAPER_SECONDS: Final = 180.0  # the paper's program takes longer than this at FINE
-PAPER_LOWER: Final = 8.7054e-8  # l / dA of the paper's pair
-PAPER_UPPER: Final = 1.087053e-6  # u / dA at COARSE
+PAPER_LOWER: Final = 8.7054e-8  # lower bound / diagonal of A of the paper's pair
+PAPER_UPPER: Final = 1.087053e-6  # upper bound / diagonal of A at COARSE
 GALLERY: Final = 1.5  # inches
 STANDS_IN: Final = "for model 104606 of Thingi10K and its half"
 Rows = dict[tuple[str, str, float], int]
@@ -38,7 +38,7 @@ def verdicts(results: Results, rows: Rows) -> list[Verdict]:
     fine, coarse = (find(results, rows, NEAR, "sacht", t) for t in (FINE, COARSE))
 
     def long(name: str, label: str) -> Verdict:
-        """Judges that a solver takes more than three minutes. If it was stopped earlier, it may or may not take them."""
+        """Judges the claim that a solver takes more than three minutes. The verdict is open if it was stopped earlier."""
         row = find(results, rows, NEAR, label, FINE)
         bar = Row("ok", dict.fromkeys(row.times or {0: 0.0}, PAPER_SECONDS), 0.0, {}) if row else None
         return above(claims.of("sacht2024", "three_minutes", solver=name, label=label), time_ratio(row, bar), 1)
@@ -83,9 +83,9 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances: list[float], clock: str) -> Any:
-    """Draws each pair, and below it a frame with a line for each solver: filled at the finest tolerance, open at the coarser ones.
+    """Draws each pair, and below it the time of each solver: filled marks at the finest tolerance, open ones at coarser ones.
 
-    A solver that was stopped has an arrow from there on, because its full time is not known.
+    An arrow to the right means that the solver was stopped at this time.
     """
     scenes, high = results.scenes, 0.9 + 0.28 * len(labels)
     pairs = sacht_gallery.meshes_of(results, scenes)

@@ -1,4 +1,4 @@
-"""Fig. 2 of Sacht and Jacobson 2024: how many times as fast as Zheng's method theirs is, for a mesh against its half."""
+"""Fig. 2 of Sacht and Jacobson 2024: the speedup of their method over Zheng's, on meshes and their halves."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from analysis.shared.statistics import Estimate
 from analysis.shared.verdicts import UNTESTED, Verdict, rising
 
 FAST, SLOW = "sacht", "zheng"
-PAPER = 16.0  # times as fast, on average
+PAPER = 16.0  # the paper's mean speedup
 TENS = 10.0  # "tens of times"
 SIZES = ((0, 1_000), (1_000, 5_000), (5_000, 20_000), (20_000, 10**12))  # triangles of A
 NEVER_RAN = ("skipped", "failed", "not_built")
@@ -39,7 +39,7 @@ class Pair:
         return self.cells[solver].time.value
 
     def over(self, solver: str) -> bool:
-        """Tells whether a solver did not reach the tolerance: it was stopped at the limit, or failed."""
+        """Tells whether a solver did not reach the tolerance, because it was stopped or failed."""
         return bool(self.cells[solver].failures)
 
     def late(self, solver: str) -> bool:
@@ -50,7 +50,7 @@ class Pair:
         return not self.over(FAST) and not self.over(SLOW)
 
     def ratio(self, what: str = "") -> float:
-        """Returns the ratio of Zheng to Sacht, of times or of the counts that MEASURES names. NaN if one of them has none."""
+        """Returns Zheng / Sacht, as a ratio of times or of counts MEASURES[what]; NaN if one of the two has none."""
         if not self.both:
             return np.nan
         pair = self.cells[SLOW], self.cells[FAST]
@@ -61,7 +61,7 @@ class Pairs:
     def __init__(self, results: Results) -> None:
         self.results = results
         self.pairs: list[Pair] = []
-        self.lost: dict[str, str] = {}  # pairs without an answer of both, and the reason: a missing model
+        self.lost: dict[str, str] = {}  # pairs whose model is missing, and why
         cases = results.cases
         for scene in results.scenes:
             rows = {solver: results.rows(scene=scene, label=solver) for solver in (FAST, SLOW)}
@@ -80,7 +80,7 @@ class Pairs:
         return [ratio for ratio in known if np.isfinite(ratio) and ratio > 0]
 
     def why_apart(self) -> str:
-        """Returns why the times of some pairs do not compare; empty if all do."""
+        """Returns why the times of some pair are not comparable; empty if all are."""
         found = (reason_apart(pair.cells[SLOW].origins | pair.cells[FAST].origins) for pair in self.pairs if pair.both)
         return next(filter(None, found), "")
 
@@ -89,7 +89,7 @@ class Pairs:
 
 
 def verdicts(found: Pairs) -> list[Verdict]:
-    """Judges the claims; the means in time and in counted work."""
+    """Judges the claims of the figure. Claims about means are judged in time and in counted work."""
     def means(name: str, mean: Any, bar: float, what: str) -> Verdict:
         claim = claims.of("sacht2024", name)
         return in_time_and_work(lambda measure: Verdict(claim, UNTESTED, f"times {why}") if why and not measure else
@@ -109,7 +109,7 @@ def verdicts(found: Pairs) -> list[Verdict]:
 
 
 def nearer_more(found: Pairs) -> Verdict:
-    """Correlates minus the distance of a pair with the subdivisions of Sacht per triangle of A, over the pairs that it ends on."""
+    """Judges the claim that Sacht's method subdivides more (per triangle of A) on nearer pairs, among the pairs it finished."""
     known = [pair for pair in found.pairs if not pair.over(FAST) and np.isfinite(pair.distance)]
     return rising(claims.of("sacht2024", "nearer_more"), [-pair.distance for pair in known],
                   [pair.cells[FAST].counters.get("subdivisions", 0) / pair.triangles for pair in known])
@@ -165,7 +165,7 @@ def numbers_of(ratios: Sequence[float]) -> list[str]:
 
 
 def notes(found: Pairs) -> list[str]:
-    """Returns notes on the pairs that the means leave out, and on the ends of the range."""
+    """Returns notes on how the means were computed, and on the pairs that they leave out."""
     limits = sorted({pair.limit for pair in found.pairs})
     left = [pair for pair in found.pairs if not pair.both]
     text = (f"Means are over the pairs that both solvers finished within {' or '.join(f'{x:g}' for x in limits)} s; in the paper, 180 s. Brackets: Student's "
@@ -202,7 +202,7 @@ def draw(found: Pairs) -> Any:
                 ax.axhspan(mean.low, mean.high, color="#D55E00", alpha=0.15, linewidth=0, zorder=0.5)
         ax.set(xscale="log", yscale="log", xlabel="triangles of A",
                title=f"counted {work}" if what else total_word(found.results))
-    for pair in found.pairs:  # at the limit: the ratio is beyond this
+    for pair in found.pairs:  # one was stopped: an arrow, as the true ratio is farther out
         late = [solver for solver in (SLOW, FAST) if pair.over(solver)]
         if len(late) == 1 and pair.late(late[0]):
             seconds = [pair.limit if pair.over(solver) else pair.seconds(solver) for solver in (SLOW, FAST)]

@@ -1,4 +1,4 @@
-"""Section 5.2 of Sacht and Jacobson 2024: inputs on which its program fails, built again, and how each solver ends on them."""
+"""Section 5.2 of Sacht and Jacobson 2024: how each solver handles rebuilt inputs on which the paper's program fails."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Verdict, all_of
 
 PIECES: Final = "too many pieces"
 STRAY: Final = "unreferenced vertex"
-TOLERANCE: Final = 1e-8  # of all rows that do not say otherwise
-# The behaviour of the published program, as the paper tells it, or as it was seen if that is said.
+TOLERANCE: Final = 1e-8  # unless a row has another one
+# How the published program behaves, as the paper describes it, or as we observed if the text says so.
 THEIRS: Final = {
     STRAY: "the vertex counts towards l, which rises above every u; the queue runs empty (mesh 82541)",
     "round-off": "the u of the triangle with the maximum is rounded below l; the queue runs empty (mesh 441717)",
@@ -27,7 +27,7 @@ THEIRS: Final = {
 
 
 def problem(results: Results, row: int) -> str:
-    """Returns how the row fails; empty if its bounds hold and it says truly how it ended."""
+    """Returns how the row fails; empty if its bounds hold and, for status `ok`, its gap meets the tolerance."""
     cases, status = results.cases, results.cases.status[row]
     low, high = float(cases.lower[row]), float(cases.upper[row])
     if not (np.isfinite(low) and np.isfinite(high)):
@@ -57,7 +57,7 @@ def certified(results: Results, scene: str) -> list[int]:
 
 
 def verdicts(results: Results) -> list[Verdict]:
-    """Judges every row. Each is deterministic, so a count is enough."""
+    """Judges a claim for each scene by counting failures, without statistics, because rows are deterministic."""
     found = []
     for scene in results.scenes:
         rows = certified(results, scene)
@@ -72,7 +72,7 @@ def without_problem(results: Results, name: str, rows: list[int]) -> Verdict:
 
 
 def reached(results: Results) -> Verdict:
-    """Judges, by the rows of sacht with a max_factor of their own, whether only the coarser tolerance is reached."""
+    """Judges the claim that solver sacht reaches only the coarser tolerance under the paper's limit of pieces (max_factor)."""
     cases, claim = results.cases, claims.of("sacht2024", "too_few_pieces")
     status = {float(cases.tolerance[row]): cases.status[row] for row in results.rows(scene=PIECES, solver="sacht")
               if cases.label[row] != "sacht"}
@@ -112,7 +112,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> Any:
-    """Draws the gap of each solver: filled if it ends within its tolerance, open if it was stopped, with a cross if it fails."""
+    """Draws the gap of each solver: a filled mark if it reached the tolerance, open if it was stopped, a cross if it failed."""
     cases = results.cases
     figure, ax = plt.subplots(figsize=(style.DOUBLE_COLUMN, 2.9))
     gaps = [results.gap(row) / float(cases.source_diagonal[row]) for row in range(len(cases)) if results.is_bounded(row)]

@@ -1,4 +1,4 @@
-"""Table 1 of Sacht and Jacobson 2024: the near-zero pairs of meshes, the paper's and their stand-ins."""
+"""Table 1 of Sacht and Jacobson 2024: the near-zero pairs of meshes of the paper, and the pairs that replace them here."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def topology(results: Results, model: str) -> str:
 
 
 def share(results: Results, scene: str, quantity: str) -> float:
-    """Returns the distance over the diagonal of A, from its certified interval."""
+    """Returns the distance over the diagonal of A: the middle of its certified interval."""
     rows = results.rows(scene=scene, quantity=quantity)
     return results.share(rows[0]) if rows else float("nan")
 

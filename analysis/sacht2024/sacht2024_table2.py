@@ -9,13 +9,13 @@ from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict
 
-PAPER = 4.38  # times as fast as Tang's program; the paper quotes it from Zheng et al.
+PAPER = 4.38  # speedup over Tang's program, which the paper quotes from Zheng et al.
 
 
 def verdicts(pairs: Pairs) -> list[Verdict]:
-    """Judges the stand-ins of the paper's pairs and the derived pairs, which are nearer, separately.
+    """Judges the claims for the pairs that replace the paper's, and separately for our nearer pairs.
 
-    Only the stand-ins belong to the paper's table, in which its method is the fastest.
+    The claim that the paper's method is the fastest is judged on the former only.
     """
     groups = {"near zero": [scene for scene in pairs.scenes if scene in pairs.papers],
               "nearer than 0.1 %": [scene for scene in pairs.scenes if scene not in pairs.papers]}

@@ -10,11 +10,11 @@ from analysis.shared import mesh_picture, shapes, style
 from analysis.shared.results import ResultError, Results
 from analysis.shared.shapes import Mesh
 
-PITCH: Final = 1.15  # from one mesh to the next, in sizes of a mesh
+PITCH: Final = 1.15  # distance between mesh centres, in sizes of a mesh
 
 
 def meshes_of(results: Results, scenes: Sequence[str]) -> dict[str, tuple[Mesh, Mesh]]:
-    """Returns A and B of each scene; leaves out the scenes whose shapes are not in the cache."""
+    """Returns A and B of each scene, without scenes whose shapes are not in the cache."""
     found = {}
     for scene in scenes:
         row = results.rows(scene=scene)[0]
@@ -26,7 +26,7 @@ def meshes_of(results: Results, scenes: Sequence[str]) -> dict[str, tuple[Mesh, 
 
 
 def draw(ax: Any, results: Results, pairs: dict[str, tuple[Mesh, Mesh]], upright: bool = True, name: Callable[[str], str] = style.scene_title) -> None:
-    """Draws the pairs from left to right, each mesh scaled to the same size. `upright` puts A above B; else B is right of A."""
+    """Draws the pairs from left to right, all meshes at the same size. With `upright` A is above B, else to the left of B."""
     placed = []
     for k, (scene, (a, b)) in enumerate(pairs.items()):
         eye = mesh_picture.view_of(str(results.cases.source[results.rows(scene=scene)[0]]))

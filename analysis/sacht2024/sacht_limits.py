@@ -1,4 +1,4 @@
-"""Rows that may have been stopped at their limit of time or of subdivisions, of which we only know that they take longer."""
+"""Ratios of times for rows that may have been stopped at a limit: then the time is only known to be longer."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Row:
 
     status: str
     times: dict[int, float]
-    limit: float  # seconds by the same clock until it was stopped; 0: not stopped, or not known
+    limit: float  # seconds until it was stopped, by the same clock; 0: not stopped, or unknown
     work: dict[str, float]  # by MEASURES, until the end or the limit
-    origins: frozenset[Origin] = frozenset()  # origins of its times; empty: they are not ours
+    origins: frozenset[Origin] = frozenset()  # of its times; empty for times that a paper prints
 
     @property
     def ended(self) -> bool:
@@ -46,14 +46,14 @@ def row_of(results: Results, row: int) -> Row:
     work = {what: float(sum(int(cases.counters[name][row]) for name in names if name in cases.counters))
             for what, names in MEASURES.items()}
     times = results.total_by_round(row)
-    # The time of a solver that was killed is not known; the limit itself is wall time, of which it may have had less.
+    # The time of a killed solver is unknown. The limit cannot replace it: it is wall time, so CPU time may be less.
     stopped = min(times.values(), default=0.0) if status in STOPPED else 0.0
     return Row(status, times if status in ENDED else {}, stopped, work, origins(results, [row]))
 
 
 @dataclass(frozen=True)
 class Bounded:
-    """A ratio: an estimate, or a bound below (or above) it, because one of the two was stopped."""
+    """A ratio of two costs. If one of the two solvers was stopped, only a lower or an upper bound is known."""
 
     estimate: Estimate = NO_DATA
     at_least: float = 0.0
@@ -68,7 +68,7 @@ class Bounded:
 
 
 def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
-    """Returns the ratio of times. A limit is compared with the upper end of the other's interval, which errs on the safe side."""
+    """Returns the ratio of times, or a bound if one was stopped: conservatively, from the upper end of the other's interval."""
     if slow is None or fast is None:
         return Bounded()
     if lacking := apart(slow.origins | fast.origins):
@@ -83,7 +83,7 @@ def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
 
 
 def work_ratio(slow: Row | None, fast: Row | None, what: str) -> Bounded:
-    """Returns the ratio of counted work. The count until a limit is the least work to be done, and differs from run to run."""
+    """Returns the ratio of counted work, or a bound if one was stopped, because its count is then only a lower bound."""
     if slow is None or fast is None or min(slow.work[what], fast.work[what]) <= 0:
         return Bounded()
     ratio = slow.work[what] / fast.work[what]
@@ -93,12 +93,12 @@ def work_ratio(slow: Row | None, fast: Row | None, what: str) -> Bounded:
 
 
 def ratio_of(slow: Row | None, fast: Row | None, what: str) -> Bounded:
-    """Returns the ratio of times, or of the counts that MEASURES names."""
+    """Returns the ratio of times, or of counts MEASURES[what]."""
     return work_ratio(slow, fast, what) if what else time_ratio(slow, fast)
 
 
 def above(claim: str, ratio: Bounded, times: float) -> Verdict:
-    """Judges a claim that a ratio is above `times`."""
+    """Judges the claim that a ratio is above `times`."""
     x, against = ratio.estimate, f", against {times:,g}" if times != 1 else ""
     if x.n:
         scaled = replace(x, value=x.value / times, low=x.low / times, high=x.high / times)

@@ -20,12 +20,12 @@ from analysis.shared.verdicts import Verdict, above_one
 PRINTED: Final = ("kang", "zheng", "sacht")  # solvers whose times the paper prints
 RATIOS: Final = (("zheng", "kang"), ("kang", "sacht"), ("zheng", "sacht"), ("cgal", "sacht"))
 SECOND: Final = {"ms": 1e-3}
-Ratio = tuple[str, str]  # of the first label's time or work to the second's
-STANDS_IN: Final = {"crown": "elephant", "monster": "bunny", "bust": "Snowden", "ramesses": "dragon"}  # for the paper's models
+Ratio = tuple[str, str]  # two labels: time or work of the first / of the second
+STANDS_IN: Final = {"crown": "elephant", "monster": "bunny", "bust": "Snowden", "ramesses": "dragon"}  # our model for each model of the paper
 
 
 def named(scene: str, between: str = " ") -> str:
-    """Returns the title of a scene, with the models that stand in for the paper's: 'elephant (for Crown)'."""
+    """Returns the title of a scene with the paper's models that ours replace: 'elephant (for Crown)'."""
     models = scene.split("_")
     if not set(models) <= STANDS_IN.keys():
         return style.scene_title(scene)
@@ -43,11 +43,11 @@ class Pairs(Grid):
             row["scene"]: {**row, **{label: row[label] * unit for label in PRINTED}} for row in self.printed["row"]}
 
     def less_on(self, claim: str, slow: str, fast: str, scene: str) -> Verdict:
-        """Judges a claim about one pair of meshes."""
+        """Judges the claim that `fast` takes less than `slow` on one pair, in time and in counted work."""
         return in_time_and_work(lambda what: above_one(claim, self.ratio(scene, slow, fast, what)))
 
     def average(self, claim: str, slow: str, fast: str, bar: float = 1.0, scenes: Sequence[str] | None = None) -> Verdict:
-        """Judges a claim that `fast` is `bar` times as fast on average over these pairs, in time and in counted work."""
+        """Judges the claim that `fast` is `bar` times as fast on average over these pairs, in time and in counted work."""
         among = self.scenes if scenes is None else scenes
         return in_time_and_work(lambda what: on_average(claim, [self.ratio(scene, slow, fast, what) for scene in among], bar))
 
@@ -56,7 +56,7 @@ class Pairs(Grid):
 
 
 def percent(share: float) -> str:
-    """Returns a share in percent; tiny ones, such as what rounding leaves of a zero, with their power of ten."""
+    """Formats a fraction in percent; tiny values, such as a zero with rounding errors, have an exponent."""
     return tables.number(100 * share)
 
 
@@ -96,7 +96,7 @@ def make(spec: Spec, results: Results) -> Report:
 
 
 def rows_of(pairs: Pairs, ratios: Sequence[Ratio], scene: str, scale: float) -> list[list[str]]:
-    """Returns the rows of a scene: times, counted work, and the paper's times."""
+    """Returns the table rows of a scene: times, counted work, and the paper's times."""
     paper = pairs.papers.get(scene, {})
     rows = [[named(scene), "here", pairs.results.sizes(pairs.first(scene)), percent(pairs.distance(scene)),
              *pairs.texts(scene, scale), *[tables.ratio(pairs.ratio(scene, *ratio)) for ratio in ratios]]]

@@ -1,4 +1,4 @@
-"""Cost against size: exponents of time and of memory with intervals, and forecasts for larger sizes."""
+"""Fits cost = constant * n^exponent to time and memory, with intervals, and forecasts the cost of larger sizes."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from analysis.shared.report import Report
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import CONFIDENCE
 
-LEAST_SECONDS: Final = 2e-4  # shorter times depend on starting and on reads from cold memory
-LEAST_BYTES: Final = 2**20  # smaller peaks depend on pages and on memory that loading left free
-FIXED: Final = 10.0  # a cost below this many times the cost of the smallest size has a fixed part, which would flatten the line
-LEAST_SIZES: Final = 3  # two sizes make a line that nothing can contradict
+LEAST_SECONDS: Final = 2e-4  # shorter times are dominated by startup and cold caches
+LEAST_BYTES: Final = 2**20  # smaller peaks depend on page sizes and on memory left over from loading
+FIXED: Final = 10.0  # costs below this many times the least are not used: their fixed part would flatten the line
+LEAST_SIZES: Final = 3  # any two sizes lie on a line, so they cannot test it
 ANSWERS: Final = "ok"
-# By stem: its elements, the label with whose memory the others are compared, and a note.
-# The scans have edges of more than two faces, or faces that are turned around; simplifying makes a manifold of them first.
+# By experiment: its elements, the label to whose memory the others are compared, and a note.
+# The scans have edges with more than two faces, or flipped faces; simplification first makes them manifolds.
 STEMS: Final = {
     "scaling_points": ("point", "cgal_kdtree", ""),
     "scaling_meshes": ("triangle", "cgal",
@@ -45,10 +45,10 @@ UNKNOWN: Final = Interval(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Growth:
-    """cost = constant n^exponent: the least squares line through logarithms, and Student's intervals around it.
+    """The fit cost = constant * n^exponent: a least squares line through logarithms, with Student's intervals.
 
-    The intervals hold if the logarithms scatter about a line with one variance. If cost bends (caches, a fixed part),
-    they say how far it is from a line.
+    The intervals hold if the logarithms scatter about the line with constant variance. If the true curve bends (caches,
+    a fixed cost), they become wide.
     """
 
     sizes: tuple[float, ...]
@@ -66,7 +66,7 @@ class Growth:
         return Interval(float(fit.slope), float(fit.slope) - half, float(fit.slope) + half)
 
     def at(self, n: float) -> Interval:
-        """Returns the cost to be expected at another size, with the interval for one more measurement there."""
+        """Returns the forecast for size n, with the interval for a new measurement there."""
         if not self.known:
             return UNKNOWN
         x, y = np.log(self.sizes), np.log(self.costs)
@@ -82,9 +82,9 @@ class Growth:
 
 
 def growth(sizes: Sequence[float], costs: Sequence[float], least: float, fixed: float = FIXED) -> Growth:
-    """Returns the growth from the size on at which every known cost is large enough to tell.
+    """Fits the growth over the largest sizes, from the first one after which all costs are large enough.
 
-    Large enough: at least `least`, and `fixed` times the cost of the smallest size.
+    A cost is large enough if it is at least `least`, and `fixed` times the cost of the smallest size.
     """
     known = sorted((n, cost) for n, cost in zip(sizes, costs, strict=True) if not math.isnan(cost))
     bar = max([least, *[fixed * cost for _, cost in known[:1]]])
@@ -94,7 +94,7 @@ def growth(sizes: Sequence[float], costs: Sequence[float], least: float, fixed: 
 
 @dataclass(frozen=True)
 class Curve:
-    """One solver in one regime, with its sizes in ascending order."""
+    """The costs of one solver in one regime, in ascending order of size."""
 
     regime: str
     solver: str
@@ -107,18 +107,18 @@ class Curve:
     structures: tuple[float, ...]  # bytes that the structures hold
     lost: tuple[tuple[float, str], ...]  # size and status of the rows without an answer
 
-    times_compare: bool = True  # if not, no exponent is made of them
+    times_compare: bool = True  # if false, no exponent is fitted to times
 
     @property
     def title(self) -> str:
         return style.title(self.solver, self.label)
 
     def growth_of(self, seconds: Sequence[float], least: float = LEAST_SECONDS) -> Growth:
-        """Returns the growth of times, one for each size."""
+        """Fits the growth of times; `seconds` has one for each size."""
         return growth(self.sizes, seconds, least) if self.times_compare else Growth((), ())
 
     def last(self, values: Sequence[float]) -> float:
-        """Returns the value per element, at the largest size that was answered."""
+        """Returns the last value per element: at the largest size that was answered."""
         return values[-1] / self.sizes[-1] if self.sizes else math.nan
 
 
@@ -150,12 +150,12 @@ def curves(results: Results) -> list[Curve]:
 
 
 def text(x: Interval) -> str:
-    """Returns '1.02 [0.98, 1.06]'."""
+    """Formats an exponent with its interval: '1.02 [0.98, 1.06]'."""
     return tables.NOTHING if math.isnan(x.value) else f"{x.value:.2f} [{x.low:.2f}, {x.high:.2f}]"
 
 
 def short(n: float) -> str:
-    """Returns '300K' or '20M'."""
+    """Formats a size: '300K', '20M'."""
     for unit, name in ((1e9, "G"), (1e6, "M"), (1e3, "K")):
         if n >= unit:
             return f"{n / unit:.3g}{name}"
@@ -205,13 +205,13 @@ def record(one: Curve, i: int, grown: Sequence[Growth]) -> tables.Record:
 
 
 def answered(one: Curve) -> str:
-    """Returns '2K to 600K; timeout at 2M'."""
+    """Returns the sizes that were answered, and the failures: '2K to 600K; timeout at 2M'."""
     there = f"{short(one.sizes[0])} to {short(one.sizes[-1])}" if one.sizes else "none"
     return "; ".join([there, *[f"{style.status_word(status)} at {short(n)}" for n, status in one.lost]])
 
 
 def peak_ratio(rival: Curve | None, one: Curve) -> float:
-    """Returns the ratio at the largest size that both answered with a peak large enough to tell."""
+    """Returns the rival's peak memory / the solver's, at the largest size at which both are at least LEAST_BYTES."""
     if rival is None or rival is one:
         return math.nan
     theirs = dict(zip(rival.sizes, rival.peak))
@@ -220,12 +220,12 @@ def peak_ratio(rival: Curve | None, one: Curve) -> float:
 
 
 def notes(results: Results) -> dict[str, str]:
-    """Returns the experiment's note on each regime."""
+    """Returns the notes of the experiment file, by regime."""
     return {str(family): str(note).partition(";")[0] for family, note in zip(results.cases.family, results.cases.scene_note) if note}
 
 
 def has_marks(ax: Any) -> bool:
-    """Tells whether the axes show numbers; marks of failures at the edge do not count, because they have no place on the axes."""
+    """Tells whether the axes show data. Failure marks at the edge do not count, as they have no data coordinates."""
     return any(len(line.get_xdata()) and line.get_transform() == ax.transData for line in ax.lines)
 
 
@@ -238,7 +238,7 @@ def tick(axes: Iterable[Any]) -> None:
 
 
 def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
-    """Draws times to solve (filled) and to prepare (small and open) above, and the peak memory per element below."""
+    """Draws times to solve (filled marks) and to prepare (small open marks) above, and peak memory per element below."""
     figure, axes = plt.subplots(2, max(1, len(by_regime)), figsize=(style.DOUBLE_COLUMN, 4.4), sharex=True, sharey="row", squeeze=False)
     for (regime, own), above, below in zip(by_regime.items(), axes[0], axes[1]):
         lost = []
@@ -249,7 +249,7 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
                 continue
             above.plot(one.sizes, one.solve, color=looks.colour, linestyle=looks.line, linewidth=0.7)
             above.plot(one.sizes, one.solve, **style.filled_marker(looks))
-            # CGAL builds soups and manifolds differently, so no line joins the two.
+            # CGAL prepares triangle soups and manifolds in different ways, so no line joins its preparation times.
             prepare = style.open_marker(looks) | {"markersize": 0.6 * looks.size, "markeredgewidth": 0.5} | ({} if one.solver == "cgal" else PREPARE)
             above.plot(one.sizes, one.prepare, **prepare)
             told = [(n, peak / n) for n, peak in zip(one.sizes, one.peak) if peak >= LEAST_BYTES]

@@ -1,12 +1,12 @@
-"""The cost of a thousand million points in each set, on paper: a forecast from the measured sizes, in one piece and in shards.
+"""Forecasts from measured sizes the cost of 10^9 points in each set, computed at once or in shards.
 
-In shards: split A into k cells with as many points each (the cells of a k-d tree). The task of a cell takes its points
-A_i, and B_i: all points of B within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is never below h(A_i,
-B), because B_i is a part of B. If u_i <= r it is exact: each point of A_i has its nearest point of B within u_i, so in
-B_i. Otherwise, if u_i is above the largest exact answer so far (0 if there is none), the task runs once more with the
-margin u_i, and is exact by the same argument; if B_i is empty, its margin is doubled until it is not. h(A, B) is the
-largest of the exact answers. If a solver gives an interval, u_i is its upper end, and the box of A_i is rounded
-outward. The plan does not include the cost of tasks that run again.
+Shards: split A into k cells with equally many points (the cells of a k-d tree). The task of cell i gets its points A_i,
+and B_i: all points of B within a margin r of the box of A_i. Its answer u_i = h(A_i, B_i) is at least h(A_i, B), because
+B_i is a part of B. If u_i <= r it is exact: each point of A_i has its nearest point of B within u_i, so in B_i.
+Otherwise, if u_i is above the largest exact answer so far (0 if there is none), the task runs again with margin u_i, and
+is exact by the same argument; while B_i is empty, the margin is doubled. h(A, B) is the largest exact answer. If a
+solver gives an interval, u_i is its upper end, and the box of A_i is rounded outward. The forecast does not include
+tasks that run again.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ SOLVERS: Final = ("scan", "kdtree", "inc")
 DRAWN: Final = "scan"
 EACH: Final = 1e9  # points of A, and as many of B
 POINT: Final = 24  # bytes: three doubles
-COPIES: Final = 2  # copies of a shape while it is loaded: as it is read, and as it is kept
-LEAST_SECONDS: Final = 1e-3  # in shorter times a fixed part dominates, which a line through logarithms would carry on
-PASSES: Final = 3  # passes over the files: to split them (read and write), and to read the shards
+COPIES: Final = 2  # copies of a shape in memory while it is loaded
+LEAST_SECONDS: Final = 1e-3  # a fixed cost dominates shorter times, so they are not extrapolated
+PASSES: Final = 3  # passes over the data: read and write to split, then read the shards
 MOST_TASKS: Final = 100_000
-MOST_MARGIN: Final = 4.0  # if a margin makes B this many times as large as A, cells gain little
+MOST_MARGIN: Final = 4.0  # if B_i has more than this many times the points of A_i, shards gain little
 TOO_WIDE: Final = "margin too wide"
 
 
@@ -46,19 +46,19 @@ class Shards:
 
 
 def widened(tasks: float, margin: float) -> float:
-    """Estimates the points in the margin of a cell, as a multiple of the cell's points. `margin` is a fraction of the diagonal.
+    """Estimates the points of B in a cell and its margin, as a multiple of the cell's points of A.
 
-    This is for points spread evenly in a cube, or on a surface in it: cells of a surface are the smaller ones, box /
-    sqrt(tasks). If points lie unevenly, it may be half as much again.
+    `margin` is a fraction of the diagonal of a cube, in which points are spread evenly over a surface: its cells have
+    side / sqrt(tasks), less than for points that fill the cube. Uneven points may need half as much again.
     """
     side = 1 / math.sqrt(3) / math.sqrt(tasks)
     return (1 + 2 * margin / side)**3
 
 
 def shards(each: float, margin: float, memory: float, bytes_of: Callable[[float], float]) -> Shards | None:
-    """Returns the fewest tasks, to within 5 %, whose points fit into `memory` together with the solver's memory for them.
+    """Returns the smallest number of tasks, to within 5 %, at which a task's points and the solver's memory fit into `memory`.
 
-    None if no number of cells does, or the margin takes in too much.
+    None if there is none up to MOST_TASKS, or if the margin is larger than MOST_MARGIN.
     """
     tasks = 1
     while tasks <= MOST_TASKS:
@@ -77,7 +77,7 @@ class Forecast:
     distance: Interval  # as a fraction of the diagonal of A
     peak: Interval  # bytes, besides the points
     seconds: Interval  # to prepare and solve
-    known: bool  # there are enough sizes for a plan
+    known: bool  # enough sizes were measured for a plan
     plan: Shards | None
     plan_seconds: Interval
 
@@ -87,7 +87,7 @@ def times(x: Interval, factor: float) -> Interval:
 
 
 def distances(results: Results, one: Curve) -> Growth:
-    """Returns the growth of h as a fraction of the diagonal of A."""
+    """Fits how h, as a fraction of the diagonal of A, depends on size."""
     cases = results.cases
     return growth(one.sizes, [float(cases.upper[row] / cases.source_diagonal[row]) for row in one.rows], 0, 0)
 
@@ -101,9 +101,7 @@ def memory_of(one: Curve) -> Growth:
 
 
 def forecast(results: Results, one: Curve, memory: float) -> Forecast:
-    """Returns the forecast for one solver. The upper ends of its intervals size the shards; the margin is the upper end
-    of the distance.
-    """
+    """Returns the forecast for one solver. The upper ends of the forecast memory and distance set shard size and margin."""
     total, seconds, peak, distance = 2 * EACH, cost(one), memory_of(one), distances(results, one)
     margin = distance.at(total).high
     known = seconds.known and peak.known and math.isfinite(margin)
@@ -113,7 +111,7 @@ def forecast(results: Results, one: Curve, memory: float) -> Forecast:
 
 
 def text(x: Interval, scale: float) -> str:
-    """Returns '70 [61, 82]'."""
+    """Formats an interval, scaled: '70 [61, 82]'."""
     if math.isnan(x.value):
         return tables.NOTHING
     return f"{tables.number(scale * x.value, 2)} [{tables.number(scale * x.low, 2)}, {tables.number(scale * x.high, 2)}]"

@@ -1,6 +1,6 @@
-"""A figure of times beside the times that a paper prints: one band per scene, one line per solver.
+"""Draws our times and the times that a paper prints in one figure: one band per scene, one line per solver.
 
-Filled marks: here; open marks: the paper; bars: the interval of the median.
+Filled marks are our medians, bars their intervals; open marks are the paper's times.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from analysis.shared.sizes import tests_claims
 
 
 def row_title(grid: Grid, scene: str) -> str:
-    """Returns the scene, and below it the shapes that stand in for the paper's, in short lines."""
+    """Returns the label of a scene: its title and, if we lack the paper's shapes, the shapes used instead, in short lines."""
     shapes = stand_in(str(grid.results.cases.scene_note[grid.first(scene)]))
     return "\n".join([style.scene_title(scene), *textwrap.wrap(f"(stand-in: {shapes})" if shapes else "", 22)])
 
 
 def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[Grid, str], str] = row_title) -> Any:
-    """Draws the figure. `title` names a scene.
+    """Draws the figure. `title` returns the label of a scene.
 
-    `papers` holds the seconds that the paper prints, by scene and label; they are drawn only beside times at the paper's sizes.
+    `papers` holds the seconds that the paper prints, by scene and label. They are drawn only if this run has the sizes of the paper.
     """
     here = "here, the paper's sizes" if tests_claims(grid.results) else "here, smaller sizes"
     if not tests_claims(grid.results):
@@ -55,7 +55,7 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[G
                 style.interval(ax, cell.time, y, color=looks.colour, linewidth=1.6, zorder=2)
                 ax.plot(cell.time.value, y, **style.filled_marker(looks))
             elif cell:
-                # On the side without the paper's mark.
+                # Written on the side away from the paper's mark.
                 right = bool(printed) and printed**2 < min(known) * max(known)
                 ax.text(0.985 if right else 0.015, y, f"{looks.title}: {cell.text(1)}", fontsize=6, color="#333333",
                         transform=ax.get_yaxis_transform(), ha="right" if right else "left", va="center")

@@ -1,11 +1,11 @@
-"""Cells of tables: all rows of one label on one scene, with the seeds pooled.
+"""Cells of tables: all rows of one solver (by its label) on one scene; a randomized solver has one row per seed.
 
-A time is CPU time of the process and its children if one thread works at a time, and wall time if several do. The
-result file says which (`clock`), and notes.clock_note says it under a table. Preparation is wall time. It is added to
-the first answer of the process, round by round, so that a solver gains nothing by building structures while it solves.
+Solving is measured in CPU time (with child processes) if one thread works at a time, else in wall time; `clock` in the
+result file says which. Preparation is wall time. It is added to the first answer of the same process, so a solver gains
+nothing by building structures while it solves.
 
-The unit of every interval is the round, a fresh process. With several seeds the unit is the seed, which has processes
-of its own, by the median of its rounds: rounds alone would show how times vary, but not how seeds do.
+Intervals are over rounds (fresh processes). With several seeds they are over seeds, each by the median of its rounds,
+because rounds alone would not show how much seeds vary.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ MEASURES: Final = {"distances": DISTANCES, "distances, bounds and nodes": WORK}
 
 
 def takes_seed(results: Results, row: int) -> bool:
-    """Tells whether the solver is randomized; its counts then belong to the seed that it was given."""
+    """Tells whether the solver is randomized, so that its counted work depends on the seed."""
     return "seed" in results.options(row)
 
 
 class Cell:
-    """All rows of one label on one scene, pooled over seeds."""
+    """The times and counted work of one solver on one scene, over all its seeds."""
 
     def __init__(self, results: Results, rows: Sequence[int]) -> None:
         cases, first = results.cases, rows[0]
@@ -47,7 +47,7 @@ class Cell:
         self.seeded = takes_seed(results, first)
         self.origins = origins(results, rows)
         self.failures = Counter(cases.status[r] for r in rows if cases.status[r] != "ok")
-        # If a seed failed, there is no median: leaving out the seeds that failed would leave out the slow ones.
+        # No median if a seed failed: the seeds that fail, for example by a timeout, would have been the slow ones.
         ok = not self.failures
         self.times = self._by_unit([results.total_by_round(r) for r in rows]) if ok else {}
         self.time: Estimate = median(list(self.times.values()))
@@ -58,7 +58,7 @@ class Cell:
         self.peak = float(np.median(cases.peak_bytes[rows])) if ok and (cases.peak_bytes[rows] >= 0).all() else np.nan
 
     def _by_unit(self, runs: list[dict[int, float]]) -> dict[int, float]:
-        """Returns the times of one row by round, or the medians of several rows by seed."""
+        """Returns the times by round if there is a single row, else the median of each row by seed."""
         if len(runs) == 1:
             return runs[0]
         return {seed: float(np.median(list(run.values()))) for seed, run in zip(self._seeds(), runs) if run}
@@ -67,7 +67,7 @@ class Cell:
         return [int(self.results.options(row).get("seed", i)) for i, row in enumerate(self.cases)]
 
     def share_preparation(self, other: Cell) -> None:
-        """Gives both cells the shorter of their two preparation times, round by round, because they use the same structure."""
+        """Sets both preparation times to the shorter one, round by round: both solvers build the same structure."""
         before = [self.results.prepare_by_round(cell.cases[0]) for cell in (self, other)]
         for cell in (self, other):
             solve = self.results.first_by_round(cell.cases[0])
@@ -78,7 +78,7 @@ class Cell:
         self.prepare = other.prepare = min(self.prepare, other.prepare)
 
     def counted(self, names: Sequence[str]) -> dict[int, float]:
-        """Returns the work by seed, or the single count of a solver without seeds; empty if a row failed or nothing is counted."""
+        """Returns the sum of these counters by seed; a solver without seeds has one entry. Empty if a row failed or none exists."""
         counters = self.results.cases.counters
         if self.failures or not any(name in counters for name in names):
             return {}
@@ -86,12 +86,12 @@ class Cell:
                 for seed, row in zip(self._seeds(), self.cases)}
 
     def count(self, names: Sequence[str]) -> float:
-        """Returns the median over seeds; NaN if nothing is counted."""
+        """Returns the sum of these counters, as the median over seeds; NaN if nothing is counted."""
         found = list(self.counted(names).values())
         return float(np.median(found)) if found and min(found) > 0 else np.nan
 
     def cost(self, what: str = "") -> float:
-        """Returns the time, or the count that MEASURES names; NaN if there is none."""
+        """Returns the median time in seconds, or the count MEASURES[what] if `what` is given; NaN if there is none."""
         return self.count(MEASURES[what]) if what else self.time.value
 
     def text(self, scale: float) -> str:
@@ -107,9 +107,9 @@ class Cell:
 
 
 def compare(slow: Cell, fast: Cell, by: float = 1.0) -> Estimate:
-    """Returns the ratio of times, divided by `by`; no data if the times do not compare.
+    """Returns (time of `slow` / time of `fast`) / by; no data if the times are not comparable.
 
-    The ratio is paired by round, or by seed if both have several. Otherwise it is a ratio of medians.
+    Times are paired by round, or by seed if both cells have several seeds. If neither is possible, medians are divided.
     """
     if slow.failures or fast.failures:
         return NO_DATA
@@ -122,7 +122,7 @@ def compare(slow: Cell, fast: Cell, by: float = 1.0) -> Estimate:
 
 
 def compare_work(slow: Cell, fast: Cell, names: Sequence[str]) -> Estimate:
-    """Returns the ratio of counted work: exact if no solver takes a seed; a single seed is one draw."""
+    """Returns the ratio of counted work. It is exact if neither solver is randomized; a single seed gives no interval."""
     return ratio_of_counts(slow.counted(names), fast.counted(names), (slow.seeded, fast.seeded))
 
 
@@ -137,10 +137,10 @@ def count_text(cell: Cell | None, names: Sequence[str]) -> str:
 
 
 class Grid:
-    """One cell for each scene and each label that was run on it."""
+    """A table of cells: scenes as rows, solvers (by label) as columns."""
 
     def __init__(self, results: Results, labels: Sequence[tuple[str, str]] = ()) -> None:
-        """`labels` are (solver, label) pairs in the order of columns; default: all pairs, in the order of style.LOOKS."""
+        """`labels` are the columns, as (solver, label) pairs; default: all pairs, in the order of style.LOOKS."""
         self.results, self.scenes = results, results.scenes
         self.labels = list(labels) or style.order(zip(results.cases.solver, results.cases.label))
         self.cells = {(scene, label): Cell(results, rows) for scene in self.scenes for _, label in self.labels
@@ -150,7 +150,7 @@ class Grid:
         return self.results.rows(scene=scene)[0]
 
     def row(self, scene: str) -> list[Cell | None]:
-        """Returns a cell for each label; None if it was not run."""
+        """Returns the cells of a scene, one per column; None for a solver that was not run on it."""
         return [self.cells.get((scene, label)) for _, label in self.labels]
 
     def texts(self, scene: str, scale: float) -> list[str]:
@@ -160,13 +160,13 @@ class Grid:
         return [style.title(*pair) for pair in self.labels]
 
     def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Returns the ratio of times, or of the counts that MEASURES names; NO_DATA if one of the two was not run."""
+        """Returns slow / fast as a ratio of times, or of counts MEASURES[what]; NO_DATA if one of the two was not run."""
         above, below = self.cells.get((scene, slow)), self.cells.get((scene, fast))
         if above is None or below is None:
             return NO_DATA
         return compare_work(above, below, MEASURES[what]) if what else compare(above, below)
 
     def less(self, claim: str, slow: str, fast: str, scenes: Sequence[str] | None = None) -> Verdict:
-        """Judges a claim that `fast` takes less than `slow` on all of these scenes, in time and in counted work."""
+        """Judges the claim that `fast` takes less than `slow` on all of these scenes, in time and in counted work."""
         among = self.scenes if scenes is None else scenes
         return in_time_and_work(lambda what: everywhere(claim, [self.ratio(scene, slow, fast, what) for scene in among]))

@@ -1,16 +1,15 @@
-"""Claims, from analysis/claims/<paper>.toml, and their verdicts as data.
+"""Reads claims from analysis/claims/<paper>.toml, and converts their verdicts to and from JSON.
 
-Each table of such a file is one claim, with these keys:
+Each table of such a file is one claim, with these keys (a stem is the name of an experiment and of its figure or table):
 
     claim        the words that tables print, perhaps with {blanks}
-    in_general   the same words without blanks, for a page on which the claim has no verdict; required if there are
-    blanks
+    in_general   the same words without blanks, printed if there is no verdict; required if there are blanks
     stem         the stem that judges it, or a list of stems
     judged_as    average, every pair, most, never, ...
     quote        the sentence of the paper; our own claims, in hausbench.toml, have no quote and no section
     section      the section of that sentence
-    counts       true: the ratio of the claim is of counted work
-    differs      why the claim does not hold here, if that is known
+    counts       true: the claim is about counted work, not time
+    differs      why the claim does not hold here, if known
     untested     why no script judges it; such a claim needs neither `stem` nor `judged_as`, and must not get a verdict
 """
 
@@ -29,9 +28,9 @@ from analysis.shared.verdicts import Ratio, Verdict
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
 OWN: Final = "hausbench"
-STATED: Final = "experiment"  # stands in place of a paper, for claims that an experiment states itself
+STATED: Final = "experiment"  # used as the paper of claims that an experiment file states itself
 KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "in_general", "untested"})
-SUFFIX: Final = ".verdicts.json"  # follows the stem, or the name of a kept file of tables
+SUFFIX: Final = ".verdicts.json"  # of the files with verdicts
 Record = tables.Record
 
 
@@ -47,13 +46,13 @@ class Entry:
     quote: str
     judged_as: str
     counts: bool  # the ratio is of counted work, not of time
-    differs: str  # why it does not hold here, if that is known
-    in_general: str = ""  # the words without blanks, if there are blanks
+    differs: str  # why the claim does not hold here, if known
+    in_general: str = ""  # the text without blanks; empty if `text` has none
     untested: str = ""  # why no script judges the claim
 
 
 class Claim(str):
-    """The words of a claim, and the entry that they come from. `place` is the only place, such as a scene, that it is about here."""
+    """The text of a claim with its blanks filled in, and its entry. `place` limits the claim, for example to one scene."""
 
     entry: Entry
     place: str
@@ -61,7 +60,7 @@ class Claim(str):
 
 @cache
 def entries(paper: str) -> dict[str, Entry]:
-    """Reads the claims of a paper, by id. Raises ValueError for a missing or unknown key, naming the file and the claim."""
+    """Reads the claims of a paper, by id. Raises ValueError for a missing or unknown key."""
     path = FOLDER / f"{paper}.toml"
     with path.open("rb") as file:
         return {name: _entry(path, name, table) for name, table in tomllib.load(file).items()}
@@ -92,10 +91,10 @@ def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:
 
 
 def record(verdict: Verdict, stem: str, profile: str) -> Record:
-    """Returns a verdict as it stands in a file.
+    """Returns a verdict as a record for a JSON file.
 
-    Raises TypeError if its claim is not from a claims file, and ValueError if that file does not name the stem or marks
-    the claim as untested.
+    Raises TypeError if its claim is not from a claims file, and ValueError if that file does not list the stem for the
+    claim or marks the claim as untested.
     """
     claim = verdict.claim
     if not isinstance(claim, Claim):

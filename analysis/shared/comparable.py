@@ -1,4 +1,4 @@
-"""Which times compare: times of rows that ran one at a time, with one build on one machine, timed by one clock."""
+"""Decides which times are comparable: rows that ran one at a time, on one machine, with one build and one clock."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from analysis.shared.statistics import Estimate, no_data
 
 
 class Origin(NamedTuple):
-    """Everything about a row that decides whether its times compare with another row's times."""
+    """The properties of a row that decide whether its times are comparable with another row's times."""
 
     beside: bool  # --jobs or a cluster may have run other cases at the same time
     machine: str
-    build: str  # build of the program; see Results.programs
+    build: str  # hash of compiler, flags and libraries
     clock: str  # "cpu" or "wall"; empty: the row has no times
 
 
 def origin(results: Results, row: int, clock: str = "") -> Origin:
-    """Returns the origin of a row. `clock` replaces the clock of the row, for times that were taken by another one."""
+    """Returns the origin of a row. `clock` replaces the row's clock if the caller uses times of another clock."""
     cases = results.cases
     return Origin(bool(cases.side_by_side[row]), str(cases.machine[row]), str(results.programs[row]),
                   clock or (results.clock_of(row) if results.first_by_round(row) else ""))
@@ -30,7 +30,7 @@ def origins(results: Results, rows: Iterable[int]) -> frozenset[Origin]:
 
 
 def reason_apart(found: Iterable[Origin]) -> str:
-    """Returns why the times of these rows do not compare; empty if they do."""
+    """Returns why the times of these rows are not comparable; empty if they are."""
     known = set(found)
     clocks = {one.clock for one in known} - {""}
     return ("run beside others" if any(one.beside for one in known) else
@@ -40,6 +40,6 @@ def reason_apart(found: Iterable[Origin]) -> str:
 
 
 def apart(found: Iterable[Origin]) -> Estimate | None:
-    """Returns an estimate without data that gives the reason, to use in place of a ratio; None if the times compare."""
+    """Returns None if the times are comparable, else an estimate without data but with the reason, to use as their ratio."""
     why = reason_apart(found)
     return no_data(f"times {why}") if why else None

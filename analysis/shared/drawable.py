@@ -1,6 +1,5 @@
-"""Makes text safe to draw.
-
-Names from results must not be read as formulas or vanish, and letters that the font lacks must stay visible.
+"""Makes text from results safe to draw with matplotlib, which would read '$' as a formula, leave out legend labels that
+begin with '_', and draw a box for each letter that the font lacks.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ import matplotlib.ticker
 
 from analysis.shared.printable import printable, spelled
 
-_done: Final = weakref.WeakSet[Any]()  # texts that are drawable already
+_done: Final = weakref.WeakSet[Any]()  # make_drawable() skips these: formulas, and texts changed before
 _POWER: Final = re.compile(r"\$10\^\{-?\d+\}\$")  # a tick label of a logarithmic axis
 
 
@@ -41,7 +40,7 @@ def legend_label(text: str) -> str:
 
 
 class _Drawable(matplotlib.ticker.Formatter):  # type: ignore[misc]
-    """A formatter that makes the tick labels of another formatter drawable."""
+    """Wraps the formatter of an axis so that its tick labels pass through drawable()."""
 
     def __init__(self, inner: Any) -> None:
         self.inner = inner
@@ -51,12 +50,12 @@ class _Drawable(matplotlib.ticker.Formatter):  # type: ignore[misc]
 
 
 def as_formula(text: Any) -> None:
-    """Lets matplotlib read the parts of this text between dollar signs as formulas."""
+    """Excludes a text from make_drawable(), so that matplotlib still reads '$...$' in it as a formula."""
     _done.add(text)
 
 
 def make_drawable(artist: Any) -> None:
-    """Makes all texts of a figure, or of a part of it, drawable, except formulas."""
+    """Applies drawable() to all texts of a figure or a part of it, except those passed to as_formula()."""
     for text in set(artist.findobj(matplotlib.text.Text)) - set(_done):
         text.set_text(drawable(text.get_text()))
         _done.add(text)

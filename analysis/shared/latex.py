@@ -1,5 +1,5 @@
-"""A table in LaTeX: a float with the caption, the cells and at most NOTE_WORDS words of notes; further notes and the
-claims follow as text.
+"""Writes a table in LaTeX: a float with caption, cells and at most NOTE_WORDS words of notes; the other notes and the
+claims follow as text, because a long float would not fit a page.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ NEEDS: Final = r"% needs \usepackage{booktabs,array,longtable,rotating,pdflscape
 
 
 def split_notes(notes: Sequence[str], words: int = NOTE_WORDS) -> tuple[list[str], list[str]]:
-    """Splits the notes into those that fit into `words` words and the others, each in their order."""
+    """Splits the notes into those that together have at most `words` words, and the others. Keeps the order."""
     inside: list[str] = []
     after: list[str] = []
     for note in notes:
@@ -30,7 +30,7 @@ def split_notes(notes: Sequence[str], words: int = NOTE_WORDS) -> tuple[list[str
 
 
 def _sentences(notes: Iterable[str]) -> str:
-    """Joins the notes into one paragraph; a note without an end gets a full stop."""
+    """Joins the notes into one paragraph, with a full stop after a note that has no final punctuation."""
     return " ".join(tex.tex_escape(note.strip() if note.rstrip().endswith((".", "!", "?")) else f"{note.strip()}.") for note in notes)
 
 
@@ -50,7 +50,7 @@ def _columns(block: Block, left: int) -> str:
 
 
 def _body(table: Table, block: Block) -> list[str]:
-    """Returns the rows. A block of columns leaves out the rows that have only 'n/a' in the block's own columns."""
+    """Returns the rows of one block of columns, without rows that have only 'n/a' in the columns that no other block has."""
     own = [k for k in block if k >= (table.parts[0] if table.parts else table.left)]
     lines: list[str] = []
     for i, row in enumerate(table.rows):
@@ -84,24 +84,24 @@ def _float(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> 
 
 
 def _pages(table: Table, chosen: Layout, caption: str, notes: Sequence[str]) -> list[str]:
-    """Returns a table of several pages as a longtable, which cannot float."""
+    """Returns a table longer than a page as a longtable, which unlike a float may break between pages."""
     lines = [r"\begin{landscape}"] * chosen.sideways + [rf"{{\{chosen.size}\setlength{{\tabcolsep}}{{{GAP:g}pt}}\setlength{{\LTcapwidth}}{{\linewidth}}%"]
     for number, block in enumerate(chosen.blocks):
         lines += [r"\addtocounter{table}{-1}"] * (number > 0)  # every longtable increments the number of tables
         lines += _longtable(table, block, "" if number else caption)
-    # The notes are upright, on the page of the text that follows, because sideways they would often be alone on a page.
-    # They are in a box, so that no page ends within them.
+    # The notes come after the landscape pages, where they share a page with the text that follows. The parbox keeps
+    # them on one page.
     return [*lines, "}", *[r"\end{landscape}"] * chosen.sideways, *[rf"\noindent\parbox{{\linewidth}}{{\footnotesize {_sentences(notes)}}}"] * bool(notes)]
 
 
 def _list(heading: str, items: Iterable[str]) -> list[str]:
-    """Returns a heading and a list. No page ends after the heading or within an item."""
+    """Returns a heading and a list. LaTeX will not break a page after the heading or within an item."""
     return [r"\begingroup\footnotesize\interlinepenalty=10000\csname @beginparpenalty\endcsname=10000\relax", rf"\par\medskip\noindent\textbf{{{heading}}}",
             r"\begin{itemize}\setlength{\itemsep}{0pt}\setlength{\parskip}{0pt}\setlength{\parsep}{0pt}", *[rf"\item {item}" for item in items], r"\end{itemize}\endgroup"]
 
 
 def _after(table: Table, label: str, notes: Sequence[str]) -> list[str]:
-    """Returns the claims, and the notes that do not fit into the float."""
+    """Returns the text after the table: claims, and the notes that do not fit into the float."""
     where, lines = rf"Table~\ref{{{label}}}", list[str]()
     if table.verdicts:
         lines += _list(f"Claims tested in {where}.", [tex.tex_escape(verdict.line().removeprefix("Claim: ")) for verdict in table.verdicts])
@@ -111,7 +111,7 @@ def _after(table: Table, label: str, notes: Sequence[str]) -> list[str]:
 
 
 def latex(table: Table, stem: str) -> str:
-    """Returns the table and the text that follows it, for pages of 7.16 x 9.2 inches.
+    """Returns the LaTeX of a table and of the text that follows it, for pages of 7.16 x 9.2 inches.
 
     A table too wide for an upright page is printed sideways or in several blocks.
     """

@@ -1,4 +1,4 @@
-"""Reads result files. No other module in analysis/ knows their layout, which results/README.md describes."""
+"""Reads result files (HDF5). Only this module depends on their layout, which results/README.md describes."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ NEEDED = ("cases/identity", "cases/solver", "cases/scene", "cases/status", "case
 
 
 def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
-    """Reads the columns of a group that are known here, and ignores others. A column that the file lacks takes its default."""
+    """Reads one group. Unknown columns are ignored; a column that the file lacks gets its default."""
     group, values = file.get(name, {}), dict[str, Any]()
     for path in NEEDED:
         if path.startswith(f"{name}/") and path not in file:
@@ -70,9 +70,9 @@ def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
 
 
 def _end_of_data(head: bytes) -> int | None:
-    """Returns where the data of an HDF5 file end, from its first bytes; None if unknown.
+    """Returns the offset at which the data of an HDF5 file end, read from its first bytes; None if unknown.
 
-    See "Superblock" in the specification of HDF5. Only addresses of 8 bytes are known here.
+    See "Superblock" in the HDF5 specification. Files whose addresses do not have 8 bytes are not supported.
     """
     if len(head) < 52 or not head.startswith(b"\x89HDF\r\n\x1a\n") or head[8] > 3 or head[13 if head[8] < 2 else 9] != 8:
         return None
@@ -85,9 +85,9 @@ def _begins_as_hdf5(path: Path) -> bool:
 
 
 def _has_broken_seal(path: Path) -> bool:
-    """Tells whether something other than the SHA-256 of the data follows the data of the file.
+    """Tells whether the data are followed by anything but the line with their SHA-256, as in a damaged file.
 
-    A file that another program changed has nothing after its data, and is not broken.
+    A file that another program rewrote ends with its data and passes.
     """
     with path.open("rb") as file:
         end, left = _end_of_data(file.read(64)), path.stat().st_size - SEAL_LENGTH
@@ -112,7 +112,7 @@ def _attribute(value: Any) -> Any:
 
 
 def _of_profile(results: Results, profile: str) -> Results:
-    """Returns the rows that the experiment requests in this profile."""
+    """Returns the results with only the rows that the experiment requests in this profile."""
     asked = [not profiles or profile in profiles.split(",") for profiles in results.cases.profile]
     keep = np.flatnonzero(asked)
     if len(keep) == len(results.cases):
@@ -137,9 +137,9 @@ def _of_profile(results: Results, profile: str) -> Results:
 
 
 def load(path: Path, profile: str = "") -> Results:
-    """Reads a whole result file, read-only, and returns its rows of one profile: `profile`, or else the profile of the latest run.
+    """Reads a result file and returns its rows of `profile`, by default the profile of the latest run.
 
-    Raises ResultError if the file is missing, damaged or foreign, or has a newer schema.
+    Raises ResultError if the file is missing or damaged, is not a result file, or has a newer schema.
     """
     stem = path.stem.removesuffix(".everything")  # `run --leave-nothing-out` adds the suffix
     if not path.is_file():

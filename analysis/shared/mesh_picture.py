@@ -1,4 +1,4 @@
-"""Pictures of meshes, seen from far away without perspective; the farthest triangles are drawn first."""
+"""Draws meshes in parallel projection, the farthest triangles first."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ GREY: Final = (0.80, 0.80, 0.82, 1.0)
 
 @dataclass(frozen=True)
 class View:
-    """Three unit vectors: to the right, up, and towards the eye."""
+    """The direction of view, as three unit vectors: right, up, and towards the eye."""
 
     axes: Floats
 
@@ -33,10 +33,10 @@ def view(eye: tuple[float, float, float], up: tuple[float, float, float] = (0.0,
 
 
 def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: float = 0.0, both_sides: bool = False, shade: float = 0.4) -> None:
-    """Draws triangles in their colours (n x 4; default: grey), darker by up to `shade` the more they turn away from the eye.
+    """Draws triangles in `colours` (RGBA rows; default: grey), darkened by up to `shade` as they turn away from the eye.
 
-    `edges` is the width of their outlines; 0: none. Triangles that face away are left out, unless `both_sides` is set:
-    a surface with holes shows its inside.
+    `edges` is the width of outlines; 0: none. Triangles that face away are left out unless `both_sides` is set, as is
+    needed for a surface with holes.
     """
     corners = of.seen(shown.corners)
     sides = corners[shown.triangles]
@@ -52,7 +52,7 @@ def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: f
 
 
 def frame(ax: Any, corners: Floats, margin: float = 0.02) -> None:
-    """Fits the axes to all of these projected points, and hides everything else of the axes."""
+    """Fits the axes to these projected points, and hides ticks and border."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     room = margin * float((high - low)[:2].max())
     ax.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room), aspect="equal", xticks=[], yticks=[])
@@ -60,15 +60,15 @@ def frame(ax: Any, corners: Floats, margin: float = 0.02) -> None:
 
 
 def ring(ax: Any, at: Floats, colour: str = "black", size: float = 9.0) -> None:
-    """Draws a ring with a white edge, which stands out on dark and on light surfaces."""
+    """Marks a point with a ring. Its white edge keeps it visible on dark surfaces."""
     for edge, width in (("white", 3.2), (colour, 1.4)):
         ax.plot([at[0]], [at[1]], "o", markersize=size, markerfacecolor="none", markeredgecolor=edge, markeredgewidth=width, zorder=6)
 
 
 def thumbnails(ax: Any, placed: Sequence[tuple[Mesh, View, float, float]], most: int = 2000) -> None:
-    """Draws meshes in one frame, each scaled to a box of size 1 that is centred at its place (x, y).
+    """Draws meshes side by side, each scaled to size 1 and centred at its (x, y).
 
-    A mesh of more than `most` triangles has no edges.
+    Meshes of more than `most` triangles are drawn without edges.
     """
     middles = np.array([[x, y] for _, _, x, y in placed])
     for shown, of, x, y in placed:
@@ -85,12 +85,12 @@ VIEWS: Final = {"fandisk": view((-1, 0.6, 1)), "wuson": view((1, 0.5, -1)), "cou
 
 
 def view_of(name: str) -> View:
-    """Returns the view of a model or a scene: the one in VIEWS, chosen by hand, or else a usual one."""
+    """Returns the view of a model or scene: the one chosen by hand in VIEWS, or a default."""
     return VIEWS.get(name, view((0.5, 0.4, 1)))
 
 
 def _hidden_by(shown: Mesh, of: View, point: Floats) -> int:
-    """Returns the number of triangles in front of a point of the mesh."""
+    """Returns the number of triangles that hide a point of the mesh in this view."""
     x, y, depth = of.seen(point)
     sides = of.seen(shown.corners)[shown.triangles]
     a, b, c = (sides[:, k, :2] - (x, y) for k in range(3))
@@ -102,7 +102,7 @@ def _hidden_by(shown: Mesh, of: View, point: Floats) -> int:
 
 
 def _facing(shown: Mesh, of: View, point: Floats) -> float:
-    """Returns how directly the triangles at the vertex nearest to the point face the eye: 1 if straight, 0 or less if turned away."""
+    """Returns how directly the surface at the vertex nearest to the point faces the eye: 1 if straight, at most 0 if it faces away."""
     nearest = int(np.argmin(np.linalg.norm(shown.corners - point, axis=1)))
     sides = of.seen(shown.corners[shown.triangles[(shown.triangles == nearest).any(axis=1)].reshape(-1)]).reshape(-1, 3, 3)
     normal = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]).sum(axis=0)
@@ -110,9 +110,9 @@ def _facing(shown: Mesh, of: View, point: Floats) -> float:
 
 
 def showing(shown: Mesh, of: View, point: Floats) -> View:
-    """Returns the view turned about the vertical, and raised or lowered, by the least angles that show the point and not edge-on.
+    """Rotates the view, by as little as possible, until the point is not hidden and the surface there is not seen edge-on.
 
-    Returns the view itself if no angles do.
+    Returns the view unchanged if no rotation achieves this.
     """
     x, y, z = of.axes[2]
     round_by, height = np.arctan2(x, z), np.arcsin(np.clip(y, -1, 1))
@@ -128,13 +128,13 @@ def showing(shown: Mesh, of: View, point: Floats) -> View:
 
 
 def across(of: View, direction: Floats) -> View:
-    """Returns the view turned until this direction lies in the plane of the picture, from left to right."""
+    """Rotates the view until this direction points to the right in the picture."""
     length = float(np.linalg.norm(direction))
     if not length > 0:
         return of
     right = direction / length
     towards = of.axes[2] - (of.axes[2] @ right) * right
-    if np.linalg.norm(towards) < 1e-3:  # seen along the line: any other side will do
+    if np.linalg.norm(towards) < 1e-3:  # the view is along the direction: rotate towards its up vector
         towards = of.axes[1] - (of.axes[1] @ right) * right
     towards /= np.linalg.norm(towards)
     return View(np.stack([right, np.cross(towards, right), towards]))

@@ -1,4 +1,4 @@
-"""Sentences below tables and figures: machine, build and clock of the rows, and bounds that were not checked."""
+"""Sentences for the notes below tables and figures: machine, build, clock, and bounds that were not checked."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analysis.shared.results import LEAST_SHARE, Results
 
 
 def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
-    """Names the solvers whose lower bounds the harness could not check, among these rows or all; empty if there are none."""
+    """Names the solvers in `rows` (default: all) whose lower bounds the harness could not check; empty if there are none."""
     cases, found = results.cases, dict[str, list[str]]()
     among = range(len(cases)) if rows is None else rows
     titles, asked = {str(cases.label[case]): style.title(cases.solver[case], cases.label[case]) for case in among}, Counter(str(cases.label[case]) for case in among)
@@ -29,19 +29,19 @@ def unchecked_line(results: Results, rows: Sequence[int] | None = None) -> str:
 
 
 def side_by_side_line(results: Results) -> str:
-    """Says how many rows ran beside others, so that their times do not compare; empty if none did."""
+    """Says how many rows have incomparable times, because they ran at the same time as others; empty if none did."""
     several = int((results.cases.side_by_side != 0).sum())
     return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times are not comparable." if several else ""
 
 
 def machine_line(results: Results) -> str:
-    """Returns the machine and the build of the rows, and the bounds that were not checked, for the end of a note."""
+    """Returns measured_on(), followed by unchecked_line() if it is not empty."""
     unchecked = unchecked_line(results)
     return f"{measured_on(results)}. {unchecked}" if unchecked else measured_on(results)
 
 
 def measured_on(results: Results) -> str:
-    """Returns the machine, the build and the profile."""
+    """Returns the sentence on the machine, the build and the profile."""
     meta = results.meta
     gibibytes = float(meta.get("memory_bytes", np.nan)) / 2**30
     dirty = " with changes" if meta.get("dirty") in (1, True, "true", "yes") else ""
@@ -55,19 +55,19 @@ def measured_on(results: Results) -> str:
 
 
 def stand_in(note: str) -> str:
-    """Returns the shapes that stand in for the paper's, from the note of a scene: 'an orange sampled twice'; empty if it names none."""
+    """Extracts from the note of a scene the shapes that replace the paper's: 'an orange sampled twice'; empty if it names none."""
     found = re.fullmatch(r"(?:.+, and )?(.+?)(?: that)? stands? in(?: for .*)?", note)
     return found[1] if found else ""
 
 
 def scene_notes(results: Results) -> list[str]:
-    """Returns the experiment's notes on its scenes, such as which model stands in for another one."""
+    """Returns the notes of the experiment file on its scenes, such as which model replaces the paper's."""
     return [f"{style.scene_title(scene)}: {note}." for scene in results.scenes
             if (note := results.cases.scene_note[results.rows(scene=scene)[0]])]
 
 
 def clocks(results: Results) -> dict[str, list[str]]:
-    """Returns the titles of solvers with answers, by the clock of their rows."""
+    """Returns the titles of the solvers with answers, by the clock of their rows ('cpu' or 'wall')."""
     found: dict[str, list[str]] = {}
     for row in range(len(results.cases)):
         if results.cases.status[row] in ("ok", "floor", "budget") and results.solve_by_round(row):
@@ -79,25 +79,25 @@ def clocks(results: Results) -> dict[str, list[str]]:
 
 
 def clock_word(results: Results) -> str:
-    """Returns 'CPU time', 'wall time', or 'time' if a table shows both, for captions and axes."""
+    """Returns 'CPU time' or 'wall time', or 'time' if the results have both, for captions and axes."""
     found = clocks(results)
     return "time" if len(found) > 1 else "wall time" if "wall" in found else "CPU time"
 
 
 def clock_title(results: Results) -> str:
-    """Returns clock_word() with a capital letter, to begin a sentence."""
+    """Returns clock_word() capitalised, to begin a sentence."""
     word = clock_word(results)
     return word[0].upper() + word[1:]
 
 
 def total_word(results: Results) -> str:
-    """Returns the words for times to prepare and solve, for captions and axes. Preparation is always wall time."""
+    """Names the sum of preparation (always wall time) and solving (CPU or wall time), for captions and axes."""
     word = clock_word(results)
     return "time to prepare (wall) and solve (CPU)" if word == "CPU time" else f"{word} to prepare and solve"
 
 
 def total_title(results: Results) -> str:
-    """Returns total_word() with a capital letter, to begin a sentence."""
+    """Returns total_word() capitalised, to begin a sentence."""
     word = total_word(results)
     return word[0].upper() + word[1:]
 

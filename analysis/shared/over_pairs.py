@@ -1,7 +1,7 @@
-"""Means and wins over many pairs of shapes, and verdicts on them. The unit is the pair: it gives one ratio or one winner.
+"""Judges claims over many pairs of shapes, each of which gives one ratio or one winner.
 
-The pairs are treated as a sample of all pairs that could have been chosen, so an interval says how far the choice of
-pairs may have moved a mean. It does not say how precise one time is: with one round per pair, noise widens the spread between pairs.
+The pairs count as a random sample of all possible pairs, so an interval says how much the choice of pairs may have
+moved the mean. Noise in single times widens it too.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Wins = npt.NDArray[np.bool_]  # one per pair
 
 
 def _student(x: Floats) -> Estimate:
-    """Returns the mean with Student's interval, of 95 % if the values are normal. A single value has no interval."""
+    """Returns the mean with Student's 95 % interval (exact for normal values). A single value has no interval."""
     middle = float(np.mean(x))
     if len(x) == 1:
         return Estimate(middle, math.nan, math.nan, 1, 0.0)
@@ -36,16 +36,16 @@ def _student(x: Floats) -> Estimate:
 
 @functools.cache
 def _chi_square(degrees: int) -> Floats:
-    """Returns 400 equally likely values of the chi-square distribution."""
+    """Returns 400 quantiles of the chi-square distribution at equal steps of probability."""
     return np.asarray(scipy.stats.chi2.ppf((np.arange(400) + 0.5) / 400, degrees))
 
 
 def _lognormal(x: Floats) -> tuple[float, float]:
     """Returns the generalized confidence interval for the mean of lognormal values (Krishnamoorthy and Mathew 2003).
 
-    It keeps its 95 % with few values too. Let m be the mean of the logarithms and v their variance. If v were known,
-    the log of the mean would be normal about m + v/2, with variance v/n; v itself follows from the variance of the
-    sample by a chi-square. The interval runs between the quantiles of this mixture, which are computed, not drawn at random.
+    It covers 95 % even for few values. Let m be the mean of the n logarithms and v their variance. If v were known, the
+    log of the mean would be normal about m + v/2, with variance v/n. For v itself we take 400 equally likely values: the
+    sample variance times (n - 1), over quantiles of the chi-square distribution. The interval runs between quantiles of this mixture.
     """
     logs, n = np.log(x), len(x)
     variance = np.var(logs, ddof=1) * (n - 1) / _chi_square(n - 1)
@@ -59,10 +59,10 @@ def _lognormal(x: Floats) -> tuple[float, float]:
 
 
 def arithmetic_mean(ratios: npt.ArrayLike) -> Estimate:
-    """Returns the mean of positive ratios. Its interval is of 95 % if the ratios are normal or lognormal.
+    """Returns the mean of positive ratios, with an interval of 95 % for normal and for lognormal ratios.
 
-    It contains both Student's interval and the one for lognormal ratios. Student's alone misses the mean of few skewed
-    ratios far more often: for 5 to 10 lognormal ones in 10 % of the cases and more.
+    The interval contains both Student's and the lognormal one. Student's alone would miss the mean of 5 to 10 lognormal
+    ratios in 10 % of the cases or more.
     """
     x = np.asarray(ratios, dtype=np.float64).ravel()
     if not len(x):
@@ -75,9 +75,9 @@ def arithmetic_mean(ratios: npt.ArrayLike) -> Estimate:
 
 
 def geometric_mean(ratios: npt.ArrayLike) -> Estimate:
-    """Returns the geometric mean of positive ratios: A/B and B/A give inverse means, and no outlier dominates it.
+    """Returns the geometric mean of positive ratios: A/B and B/A have inverse means, and no outlier dominates.
 
-    The interval is Student's for the logarithms, so it is of 95 % if the ratios are lognormal.
+    The interval is Student's for the logarithms, so it covers 95 % if the ratios are lognormal.
     """
     x = np.asarray(ratios, dtype=np.float64).ravel()
     if not len(x):
@@ -87,10 +87,9 @@ def geometric_mean(ratios: npt.ArrayLike) -> Estimate:
 
 
 def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
-    """Judges a claim that the mean over all pairs that could have been chosen is at least `bar`.
+    """Judges a claim that the mean over all possible pairs is at least `bar`.
 
-    The verdict errs with at most 5 % if the interval of the mean is of 95 %; arithmetic_mean and geometric_mean say for
-    which ratios it is.
+    The verdict is wrong in at most 5 % of cases if the interval covers 95 %; see arithmetic_mean and geometric_mean.
     """
     if not mean.n:
         return Verdict(claim, UNTESTED, "no pair with both")
@@ -102,14 +101,14 @@ def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
 def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verdict:
     """Judges a claim that ratios are above `bar` on average, by their geometric mean over the pairs.
 
-    Pairs without a ratio leave it open.
+    The outcome is 'not separated' if some pair has no ratio.
     """
     known = [x.value for x in ratios if x.n]
     if not known:
         return Verdict(claim, UNTESTED, f"no pair with both{why(ratios)}")
     mean = geometric_mean(known)
     verdict = mean_at_least(claim, mean, bar, "geometric mean")
-    if verdict.outcome == HOLDS and not mean.low > bar:  # for example if all counts are the same
+    if verdict.outcome == HOLDS and not mean.low > bar:  # low == bar, for example if all counts are equal
         return replace(verdict, outcome=OPEN)
     if len(known) < len(ratios):
         return replace(verdict, outcome=verdict.outcome if verdict.outcome == NOT_JUDGED else OPEN, evidence=f"{verdict.evidence}, no ratio for {len(ratios) - len(known)}{why(ratios)}")
@@ -117,7 +116,7 @@ def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verd
 
 
 def share_near(claim: str, count: int, of: int, share: float, within: float) -> Verdict:
-    """Judges a claim that this share of the pairs has a property, to within `within`, by the interval of Clopper and Pearson."""
+    """Judges a claim that a property is found in `share` of the pairs, plus or minus `within` (Clopper-Pearson interval)."""
     if not of:
         return Verdict(claim, UNTESTED, "no pairs")
     found = scipy.stats.binomtest(count, of).proportion_ci(CONFIDENCE, method="exact")
@@ -130,9 +129,9 @@ def share_near(claim: str, count: int, of: int, share: float, within: float) -> 
 
 
 def chance(more: Wins, less: Wins) -> float:
-    """Returns the one-sided p-value of "`more` wins no more often than `less`".
+    """Returns the one-sided p-value of "`more` wins no more often than `less`", by McNemar's exact test.
 
-    Pairs that only one of them wins are tosses of a coin (McNemar's exact test). Without such a pair the p-value is 1.
+    The test uses only pairs that exactly one of the two wins. Without such a pair the p-value is 1.
     """
     ours, theirs = int((more & ~less).sum()), int((less & ~more).sum())
     return float(scipy.stats.binomtest(ours, ours + theirs, alternative="greater").pvalue) if ours + theirs else 1.0
@@ -141,9 +140,9 @@ def chance(more: Wins, less: Wins) -> float:
 def wins_more(claim: str, ahead: Mapping[str, Wins], behind: Mapping[str, Wins], verb: str = "wins") -> Verdict:
     """Judges a claim that each of `ahead` wins more pairs than each of `behind`.
 
-    It holds if every comparison is separated; no correction is needed (an intersection-union test, Berger 1982). It
-    does not hold if some comparison is separated the other way; these comparisons depend on each other, so the least
-    p-value is multiplied by their number (Bonferroni).
+    It holds if every comparison is significant, without correction (an intersection-union test, Berger 1982). It does not
+    hold if some comparison is significant in the other direction, after multiplying the least p-value by the number of
+    comparisons (Bonferroni), because they depend on each other.
     """
     both = [(a, b) for a in ahead for b in behind]
     pairs = len(next(iter(ahead.values()))) if ahead else 0
@@ -163,7 +162,7 @@ def wins_more(claim: str, ahead: Mapping[str, Wins], behind: Mapping[str, Wins],
 
 
 def shared_wins(costs: Mapping[str, Sequence[float]], within: float = 1.05) -> dict[str, Wins]:
-    """Returns the winners of each pair: all whose cost is at most `within` times the least. NaN means no answer, and never wins."""
+    """Returns the pairs that each solver wins: its cost is at most `within` times the least cost. NaN (no answer) never wins."""
     if not costs:
         return {}
     table = np.array([np.asarray(cost, dtype=np.float64) for cost in costs.values()])

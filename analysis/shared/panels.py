@@ -8,14 +8,14 @@ from typing import Any, Final
 
 import matplotlib.layout_engine
 
-STRIP: Final = 0.35  # inches: lower axes are only a strip that belongs to a panel
-ROW: Final = 0.3  # inches: panels whose tops are nearer than this are in one row
+STRIP: Final = 0.35  # inches: axes less high than this belong to another panel and get no letter
+ROW: Final = 0.3  # inches: panels whose tops differ by less are in one row
 LETTERS: Final = [*ascii_lowercase, *[first + second for first in ascii_lowercase for second in ascii_lowercase]]
 _LETTERED: Final = re.compile(r"^\(([a-z]{1,2})\)")
 
 
 def panels(figure: Any) -> list[Any]:
-    """Returns the axes that show something, row by row, without colour bars and second axes at the same place."""
+    """Returns the axes that count as panels, row by row: no colour bars, twin axes, strips or empty axes."""
     found: dict[tuple[float, ...], Any] = {}
     for ax in figure.get_axes():
         shows = ax.axison or ax.get_title() or ax.lines or ax.collections or ax.patches or ax.images
@@ -31,10 +31,10 @@ def panels(figure: Any) -> list[Any]:
 
 
 def add_letters(figure: Any) -> None:
-    """Adds a letter to each panel if there are several. A title that begins with a letter keeps it.
+    """Adds a letter to each panel if there are several; a title that begins with "(a)" keeps its letter.
 
-    The letter goes before the title, or above the top left corner of a panel without one. If the panels were placed by
-    hand, it goes inside, because nothing makes room for it.
+    The letter goes before the title, or above the top left corner of a panel without a title. Without a layout engine
+    to make room, it goes inside that corner.
     """
     axes = panels(figure)
     room = figure.get_layout_engine() is not None and not isinstance(figure.get_layout_engine(), matplotlib.layout_engine.PlaceHolderLayoutEngine)

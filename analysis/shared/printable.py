@@ -1,4 +1,4 @@
-"""Makes text from result files safe to print: names and reasons must not steer a terminal or reverse the text. See
+"""Makes text from result files safe to print: control characters could steer a terminal or reverse the text. See
 algorithms/printable.h.
 """
 
@@ -11,7 +11,7 @@ from typing import Final
 
 _BREAKS: Final = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 _CONTROLS: Final = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029]")
-# Marks of direction, and characters of no width: two names that differ only in these look the same.
+# Marks of writing direction and zero-width characters: names that differ only in these look the same.
 _HIDDEN: Final = re.compile("[\u061c\u200b-\u200f\u202a-\u202e\u2060-\u2069\ufeff\U000e0000-\U000e007f]")
 
 
@@ -21,6 +21,6 @@ def printable(text: str, lines: bool = False) -> str:
 
 
 def spelled(text: str, known: Callable[[str], bool], form: str = "<{}>") -> str:
-    """Returns the text with each run of unknown letters replaced by their numbers in Unicode: '<U+4E2D U+6587>'."""
+    """Replaces each run of letters that `known` rejects with their Unicode numbers: '<U+4E2D U+6587>'."""
     runs = [(there, list(letters)) for there, letters in itertools.groupby(text, known)]
     return "".join("".join(letters) if there else form.format(" ".join(f"U+{ord(letter):04X}" for letter in letters)) for there, letters in runs)

@@ -1,4 +1,4 @@
-"""The command that measures a result, for the messages that ask for it."""
+"""The command that measures a result, for error messages about a missing one."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 
 
 def measure(stem: str, file: str = "", root: Path = ROOT) -> str:
-    """Returns the command that measures a stem.
+    """Returns the command that runs an experiment, by its name (`stem`).
 
-    It is 'make STEM' for an experiment of the project in a clone, and 'hausbench run STEM' for one beside an installed
-    program. For any other experiment it is 'hausbench run FILE', with the file of the experiment if that is known.
+    In a clone it is 'make STEM', beside an installed program 'hausbench run STEM'. For an experiment of the user it is
+    'hausbench run FILE', with its file if known.
     """
     ours = any(path.stem == stem for path in (root / "experiments").rglob("*.toml"))
     if ours and (root / "Makefile").is_file():

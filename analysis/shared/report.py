@@ -1,4 +1,4 @@
-"""The output of a stem, a figure and a table with its numbers in full, and how it is written."""
+"""The output of an experiment (a figure, a table and its numbers in full), and the code that writes the files."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ CAPTION: Final = ".txt"  # <out>/figures/<stem>.txt holds the caption of a figur
 
 @dataclass(frozen=True)
 class Report:
-    draw: Callable[[], Any] | None  # draws the figure, or several by name; None: no figure. Tables do not wait for it
+    draw: Callable[[], Any] | None  # returns the figure, or several by name; None: no figure. Called after the tables are written
     table: tables.Table | None = None  # without a table the figure has no notes
     records: Sequence[tables.Record] = ()  # rows of the CSV
     key: str = ""  # meaning of the letters in the figure; printed below it
-    clock: str = ""  # a sentence on the clock of the table's times, if it is not the clock of the rows; or NO_TIMES
+    clock: str = ""  # a sentence on the clock of the table's times if it differs from the clock of the rows; or NO_TIMES
     caption: str = ""  # caption of the figure: what each panel and mark shows; default: the caption of the table
-    parts: Mapping[str, Sequence[int]] = field(default_factory=dict)  # for several figures: the rows that each shows, for its footnote; default: all
+    parts: Mapping[str, Sequence[int]] = field(default_factory=dict)  # for several figures: the rows that each shows; default: all
 
     def printed(self, results: Results, stem: str = "") -> tables.Table | None:
-        """Returns the table with notes on its clock and on rows that ran beside others.
+        """Returns the table with notes on its clock and on rows that ran at the same time as others.
 
-        Its verdicts cover only claims that results of these sizes test.
+        Verdicts on claims about larger sizes become 'not tested'.
         """
         if self.table is None:
             return None
@@ -51,7 +51,7 @@ class Report:
         """Writes tables, verdicts, figures and caption, and returns their paths. `stem` defaults to the stem of the results.
 
         The files are <out>/tables/<stem>.csv, .md and .tex, <stem>.verdicts.json, <out>/figures/<stem>.pdf and .png (or
-        the chosen formats), and <stem>.txt if the figure has a caption of its own. An old figure is deleted if there is none now.
+        the chosen formats), and <stem>.txt if the figure has a caption of its own. An old figure is deleted if the report has none.
         """
         stem = stem or results.stem
         table, paths = self.printed(results, stem), list[Path]()
@@ -69,13 +69,13 @@ class Report:
         return [*paths, *figures, *save_caption(self.caption, out, stem)]
 
     def _footnote(self, results: Results, rows: Sequence[int] | None = None) -> str:
-        """Returns the text below a figure of these rows, or of all."""
+        """Returns the text below a figure: the key of its letters, unchecked bounds, and rows that ran at the same time as others."""
         texts = [self.key, unchecked_line(results, rows)] if self.table is not None else []
         return " ".join(filter(None, [*[f"{text}." for text in texts if text], side_by_side_line(results)]))
 
 
 def save_caption(caption: str, out: Path, stem: str) -> list[Path]:
-    """Writes the caption of a figure for analysis.document, or deletes an old one if it is empty."""
+    """Writes the caption of a figure for analysis.document. Deletes the file if the caption is empty."""
     path = out / "figures" / f"{stem}{CAPTION}"
     if not caption:
         path.unlink(missing_ok=True)
@@ -91,7 +91,7 @@ def delete_figures(out: Path, stem: str, formats: Sequence[str]) -> None:
 
 
 def save_png(figure: Any, path: Path) -> Path:
-    """Writes a figure as a PNG only, for a page. The same numbers give the same bytes."""
+    """Writes a figure as a PNG without metadata, so that the same numbers give the same bytes."""
     make_drawable(figure)
     drawn = io.BytesIO()
     figure.savefig(drawn, format="png", metadata={"Software": None})
@@ -101,9 +101,9 @@ def save_png(figure: Any, path: Path) -> Path:
 
 
 def save_figures(drawn: Any, out: Path, stem: str, caption: str, footnote: str, formats: Sequence[str], footnotes: Mapping[str, str] | None = None) -> list[Path]:
-    """Writes one figure as <stem>, or several as <stem>-<name>.
+    """Writes a single figure as <stem>, or a dict of figures as <stem>-<name>.
 
-    With several figures an old <stem> is deleted, and `footnotes` may replace the footnote of a name.
+    For a dict, an old <stem> is deleted, and `footnotes[name]` replaces `footnote`.
     """
     if not isinstance(drawn, dict):
         return save_figure(drawn, out, stem, caption, footnote, formats)
@@ -113,7 +113,7 @@ def save_figures(drawn: Any, out: Path, stem: str, caption: str, footnote: str, 
 
 
 def _whole(figure: Any) -> Any:
-    """Returns the box of the figure and of the text above and below it. It is wider than the figure only if something sticks out."""
+    """Returns the bounding box of the figure and of text that sticks out, for savefig()."""
     box, pad = figure.get_tightbbox(figure.canvas.get_renderer()), 0.05
     return Bbox([[min(0, box.x0), min(0, box.y0) - pad], [max(figure.get_figwidth(), box.x1), max(figure.get_figheight(), box.y1)]])
 
@@ -126,7 +126,7 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
     add_letters(figure)
     make_drawable(figure)
     if footnote:
-        figure.draw_without_rendering()  # settles the layout before the text is added, so that it makes no room for the text
+        figure.draw_without_rendering()  # fixes the layout before the footnote is added, so that the panels are not made smaller for it
         figure.set_layout_engine("none")
         figure.text(0.5, -0.01, "\n".join(textwrap.wrap(drawable(footnote), int(20 * figure.get_figwidth()))), ha="center", va="top",
                     fontsize=6.5, color=style.GREY)
@@ -141,7 +141,7 @@ def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: 
             "svg": {"Title": stem, "Description": caption, "Date": None},
             "png": {"Title": stem, "Description": caption, "Software": None}}
         for path in paths:
-            drawn = io.BytesIO()  # in memory first: on a full disk the PDF writer could not be closed
+            drawn = io.BytesIO()  # in memory first, because matplotlib's PDF writer fails to close on a full disk
             with plt.rc_context({"figure.constrained_layout.use": False} if footnote else {}):  # savefig() would turn it on again
                 figure.savefig(drawn, format=path.suffix[1:], metadata=metadata[path.suffix[1:]], bbox_inches=_whole(figure) if footnote else None)
             tables.write_whole(path, drawn.getvalue())

@@ -1,4 +1,4 @@
-"""A result file in memory: its rows, and the times, bounds and references that follow from them. analysis/shared/load.py reads it."""
+"""A result file in memory, as load.py reads it: its rows, and the times, bounds and references computed from them."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from analysis.shared.columns import Answers, Cases, Fields, Floats, Ints, Ledger
 from analysis.shared.statistics import by_round
 
 
-LEAST_SHARE: Final = 0.2  # an outside program is timed by CPU time only if that is at least this share of its wall time
+LEAST_SHARE: Final = 0.2  # an external program is timed by CPU time only if its CPU time is at least this share of its wall time
 
 
 class ResultError(Exception):
-    """A result file cannot be used. The message is one line with the name of the file and the remedy."""
+    """A result file cannot be used. The message is one line: the name of the file, the problem and what to do."""
 
 
 class Interval(NamedTuple):
@@ -29,7 +29,7 @@ class Interval(NamedTuple):
 
 
 def _hash_of(*texts: str) -> str:
-    """Returns the SHA-256 of texts, each preceded by its length, as Sha256 in datasets/hash.h takes it."""
+    """Returns the SHA-256 of texts, each preceded by its length; the same value as Sha256 in datasets/hash.h."""
     digest = hashlib.sha256()
     for text in texts:
         digest.update(len(text.encode()).to_bytes(8, "little") + text.encode())
@@ -51,7 +51,7 @@ class Results:
     ledger: Ledger
 
     def rows(self, **equal: object) -> list[int]:
-        """Returns the rows of /cases whose named columns have these values, in the order of the file."""
+        """Returns the rows of /cases with these values, such as rows(status="ok"), in the order of the file."""
         keep = np.ones(len(self.cases), dtype=bool)
         for column, value in equal.items():
             keep &= getattr(self.cases, column) == value
@@ -72,13 +72,13 @@ class Results:
 
     @cached_property
     def names(self) -> Texts:
-        """The name under which the solver of each row is shown: its label, with the parameters that the experiment sweeps."""
+        """The displayed name of each row's solver: its label, followed by the swept parameters in brackets."""
         return np.array([f"{label}({variant})" if variant else label
                          for label, variant in zip(self.cases.label, self.cases.variant)], dtype=object)
 
     @cached_property
     def programs(self) -> Texts:
-        """The build of the program that ran each row. For a solver of a plug-in, column `build` is a hash of both."""
+        """The build of the program that ran each row. For solvers from plug-ins, column `build` holds a hash of program and plug-in."""
         program = str(self.meta.get("build", ""))
         with_plugin = {_hash_of(program, str(plugin["sha256"])) for plugin in json.loads(self.meta.get("plugins") or "[]")}
         return np.array([program if build in with_plugin else build for build in self.cases.build], dtype=object)
@@ -117,11 +117,11 @@ class Results:
         return order[begin[case]:begin[case + 1]]
 
     def clock_of(self, case: int) -> str:
-        """Returns the clock that counts for this case: "cpu" (of the process and its children) or "wall".
+        """Returns the clock to use for this case: "cpu" (of the process and its children) or "wall".
 
-        It is "cpu" if one thread works at a time, else "wall". It is also "wall" if nothing was timed, because the row
-        was read off the trace of a finer tolerance, and for an outside program whose CPU time is less than LEAST_SHARE
-        of its wall time: such a program waits for another process, a GPU or a disk, whose time is not included.
+        It is "cpu" if one thread works at a time, with two exceptions. A row that was not timed, but read off the trace
+        of a finer tolerance, has "wall". So has an external program whose CPU time is less than LEAST_SHARE of its wall
+        time: it waits for another process, a GPU or a disk, which its CPU time does not include.
         """
         order, begin = self._answers_by_case
         cpu, wall = (np.concatenate([answers[order[begin[case]:begin[case + 1]]], repeats[self.repeats_of(case)]])
@@ -133,7 +133,7 @@ class Results:
     def first_by_round(self, case: int, clock: str = "") -> dict[int, float]:
         """Returns the time of the first answer of each process, by the clock of the case or by `clock`.
 
-        Files of older programs have repeats in its place. A row that was read off a trace has the time of the sample.
+        Uses the repeats if the file is of an older program, and the time of the sample if the row was read off a trace.
         """
         order, begin = self._answers_by_case
         rows = order[begin[case]:begin[case + 1]]
@@ -146,16 +146,16 @@ class Results:
         return {} if np.isnan(first) else {0: first}
 
     def reported_by_round(self, case: int) -> dict[int, float]:
-        """Returns the time that an outside program reports, by round; empty if it reports none."""
+        """Returns the times that an external program measured itself, by round; empty if it reports none."""
         order, begin = self._answers_by_case
         rows = order[begin[case]:begin[case + 1]]
         return {int(self.answers.round[row]): float(self.answers.reported_seconds[row]) for row in rows
                 if not np.isnan(self.answers.reported_seconds[row])}
 
     def solve_by_round(self, case: int, clock: str = "") -> dict[int, float]:
-        """Returns the time of solving once more, by round, by the clock of the case or by `clock`.
+        """Returns the time to solve again in a warm process, by round: the median of its repeats.
 
-        It is the median over the repeats of a round, which is a fresh process. Without repeats it is the time of the first answer.
+        Without repeats it is the time of the first answer. The clock is `clock`, or else the clock of the case.
         """
         rows = self.repeats_of(case)
         seconds = self.repeats.cpu_seconds if (clock or self.clock_of(case)) == "cpu" else self.repeats.wall_seconds
@@ -172,10 +172,10 @@ class Results:
         return found
 
     def total_by_round(self, case: int, clock: str = "") -> dict[int, float]:
-        """Returns the time to prepare and give the first answer, by round: the waiting time for a single question.
+        """Returns the time to prepare and give the first answer, by round: how long a user waits for one answer.
 
-        A repeat would be too short, because structures that a solver builds on the way, and pages that it touches
-        first, are there already. A round without preparation of its own gets the median of the others.
+        Repeats would be too short, because pages are in memory already, and structures that are built while solving
+        exist. A round without a preparation time gets the median of the others.
         """
         before, usual = self.prepare_by_round(case), self.prepare_seconds(case)
         return {number: seconds + before.get(number, usual)
@@ -190,7 +190,7 @@ class Results:
         return np.array(list(self.total_by_round(case).values()))
 
     def prepare_seconds(self, case: int) -> float:
-        """Returns the time to build all structures, the median over the rounds; 0 if there are none."""
+        """Returns the time to build all structures (median over rounds); 0 if there are none."""
         return float(np.nan_to_num(self.cases.prepare_seconds[case]))
 
     def trace_of(self, case: int) -> Trace:
@@ -198,12 +198,12 @@ class Results:
         return Trace(self.trace.seconds[part], self.trace.lower[part], self.trace.upper[part])
 
     def fields_of(self, case: int) -> dict[str, Floats]:
-        """Returns the values of each field of a case by name: a number per vertex, element or piece of A. Empty if it has none."""
+        """Returns the fields of a case by name, such as `distance`: one number per vertex, element or part of A."""
         return {str(self.fields.name[row]): self.field_values[int(self.fields.begin[row]):int(self.fields.end[row])]
                 for row in np.flatnonzero(self.fields.case == case)}
 
     def is_bounded(self, case: int) -> bool:
-        """Tells whether the row has valid bounds, even if it did not reach the tolerance. An unsound row has none."""
+        """Tells whether the row has valid bounds, even if it missed the tolerance. Bounds of an unsound row are not valid."""
         return bool(self.cases.status[case] != "unsound" and np.isfinite(self.cases.lower[case])
                     and np.isfinite(self.cases.upper[case]))
 
@@ -225,17 +225,16 @@ class Results:
         return self.cases.quantity[case], self.cases.source[case], self.cases.target[case], poses.tobytes()
 
     def reference_of(self, case: int) -> Interval:
-        """Returns the interval in which the true distance of this case, h or H, is proven to lie; NaN if nothing is proven.
+        """Returns the interval that is proven to contain the true distance, h or H; NaN if nothing is proven.
 
-        It is [greatest lower, least upper] over the reference answer and all rows of certified solvers with bounds, for
-        the same shapes in the same poses. Bounds that contradict each other (which `verify` reports) give the interval
-        between the two.
+        It is [greatest lower, least upper] over the reference answer and all certified rows of the same shapes and
+        poses. If bounds contradict each other (`verify` reports this), the two ends are exchanged.
         """
         proven = self.proven_of(case)
         return Interval(min(proven), max(proven))
 
     def proven_of(self, case: int) -> Interval:
-        """Returns the same, but bounds that contradict each other cross: [greatest lower, least upper]."""
+        """Like reference_of(), but keeps the order [greatest lower, least upper]: lower > upper if bounds contradict each other."""
         return self._proven.get(self._asked(case), Interval(np.nan, np.nan))
 
     def reference(self, scene: str, pose_index: int = 0) -> Interval:
@@ -243,28 +242,26 @@ class Results:
         return self.reference_of(rows[0]) if rows else Interval(np.nan, np.nan)
 
     def error(self, case: int, lower: float | None = None) -> float:
-        """Returns how far the answer may be from the true distance: the largest |lower - h| over all h in the reference.
+        """Returns the error of the lower bound: the largest |lower - h| over all h in reference_of(); NaN without a reference.
 
-        NaN if no certified solver has an answer. The answer is the lower bound, because a witness shows it and programs
-        report it; the gap says how good the upper bound is. So the gap measures the proof, and the error measures the
-        answer. Exact answers have error 0 if the interval of some row has width 0. `lower` replaces the lower bound of
-        the row (for samples of its trace).
+        The lower bound counts as the answer because a witness attains it and programs report it. How good the upper
+        bound is, the gap says. `lower` replaces the row's lower bound, for samples of its trace.
         """
         low, high = self.reference_of(case)
         value = float(self.cases.lower[case]) if lower is None else lower
         return max(abs(value - low), abs(value - high))
 
     def middle(self, case: int) -> float:
-        """Returns the middle of the interval in which the true distance is proven to lie."""
+        """Returns the middle of reference_of(), the best estimate of the true distance."""
         low, high = self.reference_of(case)
         return 0.5 * (low + high)
 
     def length_unit(self, case: int) -> float:
-        """Returns the diagonal of A, by which distances are divided; 1 for a single point, so that they stay lengths."""
+        """Returns the length by which plots divide distances: the diagonal of A, or 1 if A is a single point."""
         return float(self.cases.source_diagonal[case]) or 1.0
 
     def share(self, case: int) -> float:
-        """Returns middle() over the diagonal of A."""
+        """Returns the true distance, estimated by middle(), as a fraction of the diagonal of A."""
         return self.middle(case) / self.length_unit(case)
 
     def sizes(self, case: int, between: str = " / ") -> str:
@@ -272,7 +269,7 @@ class Results:
         return f"{self.cases.source_elements[case]:,}{between}{self.cases.target_elements[case]:,}"
 
     def check_of(self, case: int) -> str:
-        """Returns the result of the harness's check of the lower bound, in words. A bound without a witness is not checked."""
+        """Returns in words how the harness's check of the lower bound ended."""
         check = str(self.cases.lower_check[case])
         return "not checked (no witness)" if check == "no witness" else check
 

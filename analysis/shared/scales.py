@@ -1,4 +1,4 @@
-"""Logarithmic axes: zeros that stay visible, and ticks."""
+"""Logarithmic axes that can show zeros, and their ticks."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 
 class LogAxis:
-    """A logarithmic vertical axis on which exact zeros stay visible, in a separate band below a break.
+    """A logarithmic vertical axis that shows exact zeros in a separate band below a break.
 
-    Give it every value that will be drawn, then map the values through `place`. Values below 1e-250 are drawn at 1e-250.
+    Construct it with all values that will be drawn, and draw `place` of each. Values below 1e-250 are drawn at 1e-250.
     """
 
     LEAST: Final = 1e-250
@@ -25,7 +25,7 @@ class LogAxis:
         high = int(np.ceil(np.log10(positive.max()))) if len(positive) else 0
         high = max(high, low + 1)
         self.has_zeros = bool((x <= 0).any())
-        room = 0.075 * (high - low + 1)  # in decades: half of the band, and free space
+        room = 0.075 * (high - low + 1)  # in decades: half the height of the band for zeros
         self._zero = 10.0 ** (low - 2.6 * room)
         ax.set_yscale("log")
         ax.minorticks_off()
@@ -57,7 +57,7 @@ class LogAxis:
 def log_ticks(axis: Any) -> None:
     """Sets ticks at powers of ten, without minor ticks.
 
-    If fewer than two powers are in view, adds 3 times them, or 2 and 5 times, and writes plain numbers.
+    If fewer than two powers are in view, adds ticks at 3 (or 2 and 5) times a power, and writes plain numbers.
     """
     low, high = np.log10(sorted(axis.get_view_interval()))
     few = np.floor(high) - np.ceil(low) < 1

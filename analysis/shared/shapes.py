@@ -1,7 +1,6 @@
-"""The shapes behind the rows, for pictures and counts.
+"""Loads the shapes that a result was measured on, for pictures and counts.
 
-Result files hold no coordinates. The harness keeps each shape that it has loaded or made in its cache, as an HDF5 file
-with the same SHA-256 as in /models of the result.
+Result files hold no coordinates, but the SHA-256 of each shape (/models), by which it is found in the harness's cache.
 """
 
 from __future__ import annotations
@@ -30,32 +29,32 @@ class Mesh:
 
     @cached_property
     def _edge_uses(self) -> Indices:
-        """The number of triangles at each edge that joins two places. Corners at one place count as one corner."""
+        """The number of triangles at each edge. Corners with equal coordinates count as one; edges of length 0 are left out."""
         _, place = np.unique(self.corners + 0.0, axis=0, return_inverse=True)
         sides = np.sort(place.reshape(-1)[self.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)], axis=1)
         return np.asarray(np.unique(sides[sides[:, 0] != sides[:, 1]], axis=0, return_counts=True)[1], dtype=np.int64)
 
     @property
     def closed(self) -> bool:
-        """Every edge is used by at least two triangles."""
+        """True if every edge belongs to at least two triangles."""
         return bool((self._edge_uses > 1).all())
 
     @property
     def manifold(self) -> bool:
-        """No edge is used more than twice. Does not look for vertices at which two fans of triangles meet."""
+        """True if no edge belongs to more than two triangles. Does not detect vertices at which two fans of triangles meet."""
         return bool((self._edge_uses < 3).all())
 
 
 def cache_folder() -> Path:
-    """Returns the cache folder, as datasets/paths.cpp finds it from within a checkout."""
+    """Returns the cache folder of this checkout, by the same rules as datasets/paths.cpp."""
     return Path(os.environ.get("HAUSBENCH_CACHE") or Path(os.environ.get("HAUSBENCH_ROOT", ROOT)) / "datasets" / "cache")
 
 
 @cache
 def _files(folder: Path) -> dict[str, Path]:
-    """Returns the shape files by the SHA-256 of their content; their names depend on how the shape was made.
+    """Returns the files of cached shapes by the SHA-256 of the shape, which the file names do not contain.
 
-    Files of other versions are skipped.
+    Skips files of other versions.
     """
     found = {}
     for path in folder.glob("*.h5"):
@@ -66,7 +65,7 @@ def _files(folder: Path) -> dict[str, Path]:
 
 
 def _arrays(results: Results, model: str) -> tuple[Floats, Indices]:
-    """Returns coordinates and triangles; no triangles if the model is not a mesh. Raises ResultError if the cache lacks them."""
+    """Returns coordinates and triangles (none if the model is not a mesh). Raises ResultError if they are not in the cache."""
     hashes = dict(zip(results.models.name, results.models.sha256))
     path = _files(cache_folder() / "shapes").get(hashes.get(model, ""))
     if path is None or not path.exists():
@@ -78,13 +77,13 @@ def _arrays(results: Results, model: str) -> tuple[Floats, Indices]:
 
 
 def mesh(results: Results, model: str) -> Mesh:
-    """Reads a model of the result file, in the unit of the model."""
+    """Loads a mesh by its name in the result file, before any pose is applied."""
     return Mesh(*_arrays(results, model))
 
 
 @dataclass(frozen=True)
 class Drawn(Mesh):
-    """A in its pose, cut finely enough to show how far each place of it is from B."""
+    """A in its pose, subdivided finely enough to colour it by the distance to B."""
 
     elements: Indices  # for each triangle here, the triangle of A that contains it
     distances: Floats  # distance of each corner to B; A's own vertices come first
@@ -96,7 +95,7 @@ class Drawn(Mesh):
 
 
 def drawn(results: Results, case: int) -> Drawn:
-    """Returns A with the fields of a case, which must include `distance`. In files of older programs A is not cut."""
+    """Returns A coloured by the field `distance`, which the case must have. Files of older programs lack the subdivision."""
     fields = results.fields_of(case)
     if {"x", "y", "z", "a", "b", "c", "element"} <= fields.keys():
         corners, triangles = (np.column_stack([fields[name] for name in names]) for names in ("xyz", "abc"))
@@ -106,7 +105,7 @@ def drawn(results: Results, case: int) -> Drawn:
 
 
 def points(results: Results, model: str) -> Floats | None:
-    """Returns the coordinates, n x 3, in the unit of the model; None if the cache lacks them."""
+    """Returns the coordinates of a model (n x 3), before any pose is applied; None if they are not in the cache."""
     try:
         return _arrays(results, model)[0]
     except ResultError:
@@ -114,6 +113,6 @@ def points(results: Results, model: str) -> Floats | None:
 
 
 def posed(points: Floats, pose: Floats) -> Floats:
-    """Moves points by a pose as stored in result files: the rotation row by row, then the translation."""
+    """Applies a pose as stored in result files: 9 numbers of the rotation, row by row, then the translation."""
     moved: Floats = points @ pose[:9].reshape(3, 3).T + pose[9:]
     return moved

@@ -1,4 +1,4 @@
-"""Decides whether a result has the sizes at which a paper's claims are tested: the sizes of profile `paper` of its experiment."""
+"""Decides whether a result tests a paper's claims: it must include the sizes of its experiment's profile `paper`."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import UNTESTED, Verdict
 
 PAPER: Final = "paper"
-# Keys of an experiment that change how often or how long something is measured, but not what is measured.
+# Top-level keys that are not compared: they set only how to measure, or are compared one by one (scenes, solvers).
 HOW: Final = frozenset({"title", "paper", "profile", "model", "scene", "solver", "rounds", "repeats", "limits", "trace", "fields", "stages", "reference",
                         "expected_unsound", "claim", "plugins"})
 
 
 def _asked(experiment: dict[str, Any], profile: str) -> set[str]:
-    """Returns everything that the experiment requests in a profile: its scenes, its solvers and the other keys, each as text."""
+    """Returns the scenes, solvers and other keys of a profile, each as text, so that profiles can be compared as sets."""
     top = experiment | experiment.get("profile", {}).get(profile, {})
     tables = [(kind, {key: value for key, value in table.items() if key not in ("profiles", "note")})
               for kind in ("scene", "solver") for table in top.get(kind, []) if profile in table.get("profiles", [profile])]
@@ -39,7 +39,7 @@ def tests_claims(results: Results) -> bool:
 
 
 def kept_outcome(claim: claims.Claim, stem: str) -> str:
-    """Returns the outcome at the paper's sizes, from the verdicts kept in results/reference; empty if it was not measured."""
+    """Returns the outcome at the paper's sizes, from the verdicts in results/reference; empty if there is none."""
     for path in sorted(REFERENCE.glob(f"*{claims.SUFFIX}")):
         for one in claims.read(path):
             if (one["paper"], one["id"], one["stem"], one["place"]) == (claim.entry.paper, claim.entry.id, stem, claim.place) \
@@ -49,7 +49,7 @@ def kept_outcome(claim: claims.Claim, stem: str) -> str:
 
 
 def tested(verdicts: Iterable[Verdict], results: Results, stem: str) -> list[Verdict]:
-    """Returns the verdicts. Those on a paper's claims become `not tested` if the result has smaller sizes than the paper."""
+    """Returns the verdicts; verdicts on a paper's claims become `not tested` if the result has smaller sizes than the paper."""
     if tests_claims(results):
         return list(verdicts)
     return [_untested(verdict, results, stem) for verdict in verdicts]

@@ -1,9 +1,9 @@
 """Medians and ratios with intervals that assume nothing about the distribution of times.
 
-Pure functions. The unit is the round: repeats inside one process are not independent, so `by_round` first reduces them
-to one number. An interval runs between order statistics, so its coverage follows from the binomial distribution alone
-(David and Nagaraja, Order Statistics, section 7.1). Two rounds cannot give 95 %, six can. With fewer than six the
-interval is the whole range, `coverage` says how much it is worth, and nothing counts as separated.
+Repeats inside one process are not independent, so `by_round` first reduces each round (a fresh process) to one number.
+Intervals run between order statistics, so their coverage follows from the binomial distribution (David and Nagaraja,
+Order Statistics, section 7.1). It takes six rounds for 95 %. With fewer, the interval is the whole range, `coverage`
+says how likely it is to hold, and nothing counts as separated.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Estimate:
 
     n = 0: no data, everything is NaN. n = 1: no interval, `low` and `high` are NaN and the coverage is 0.
     p_above and p_below apply to ratios only: one-sided p-values against "the true ratio is at most 1" and "at least 1".
-    p_least is the smallest value that either of them can take with so many rounds, whatever the data.
+    p_least is the smallest p-value that this number of rounds can give, whatever the data.
     """
 
     value: float
@@ -46,7 +46,7 @@ class Estimate:
 
     @property
     def separated(self) -> bool:
-        """For a ratio: an interval of 95 % or more excludes 1. An interval of less coverage separates nothing."""
+        """True if the interval of a ratio excludes 1 and its coverage is at least 95 %."""
         return self.has_interval and self.coverage >= CONFIDENCE and not self.low <= 1.0 <= self.high
 
 
@@ -58,7 +58,7 @@ def no_data(reason: str) -> Estimate:
 
 
 def by_round(rounds: Iterable[int], values: Iterable[float]) -> dict[int, float]:
-    """Returns one number per round: the median of its repeats."""
+    """Returns the median of the repeats of each round."""
     found: dict[int, list[float]] = {}
     for number, value in zip(rounds, values, strict=True):
         found.setdefault(int(number), []).append(float(value))
@@ -66,18 +66,21 @@ def by_round(rounds: Iterable[int], values: Iterable[float]) -> dict[int, float]
 
 
 def order_statistic_rank(n: int, confidence: float) -> int:
-    """Returns the largest k for which [x_(k), x_(n+1-k)] (1-based) covers the median with `confidence`; 0 if none does."""
+    """Returns the largest k for which [x_(k), x_(n+1-k)] covers the median with `confidence`; 0 if none does.
+
+    x_(k) is the k-th smallest of n values, counted from 1.
+    """
     below = scipy.stats.binom.cdf(np.arange((n + 1) // 2), n, 0.5)  # P(Binomial(n, 1/2) <= 0, 1, ...)
     return int(np.searchsorted(2 * below, 1 - confidence, side="right"))
 
 
 def coverage_of_rank(n: int, k: int) -> float:
-    """Returns the probability that [x_(k), x_(n+1-k)] covers the median of a continuous distribution."""
+    """Returns the probability that the interval from the k-th smallest to the k-th largest of n values covers the median."""
     return float(1 - 2 * scipy.stats.binom.cdf(k - 1, n, 0.5))
 
 
 def median(values: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
-    """Returns the sample median and its order-statistic interval. O(n log n).
+    """Returns the sample median and its order-statistic interval.
 
     The values must be independent: one per round, or one per seed that has processes of its own. Raises ValueError for NaN.
     """
@@ -97,8 +100,8 @@ def median(values: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
 def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
     """Returns median(numerator) / median(denominator) of positive times that cannot be paired.
 
-    Each median gets an interval of half the error; the ratio of their ends covers by Bonferroni. This is conservative,
-    and the same on every machine (no resampling). It needs seven values on either side for 95 %.
+    Each median gets an interval with half the error, and dividing their ends gives the interval of the ratio (Bonferroni).
+    This is conservative and involves no resampling. An interval of 95 % needs seven values on each side.
     """
     half = 1 - (1 - confidence) / 2
     a, b = median(numerator, half), median(denominator, half)
@@ -112,7 +115,7 @@ def ratio_of_medians(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confi
 
 
 def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
-    """Returns the one-sided p-value against median(greater) <= median(less): the least error at which the intervals separate."""
+    """Returns the one-sided p-value of median(greater) <= median(less): the least error at which their intervals are disjoint."""
     a, b = np.sort(np.asarray(greater, dtype=np.float64)), np.sort(np.asarray(less, dtype=np.float64))
     tails = [scipy.stats.binom.cdf(np.arange((len(x) + 1) // 2), len(x), 0.5) for x in (a, b)]
     for tail in np.unique(np.concatenate(tails)):
@@ -124,13 +127,13 @@ def _chance(greater: npt.ArrayLike, less: npt.ArrayLike) -> float:
 
 def ratio_by_round(numerator: Mapping[int, float], denominator: Mapping[int, float],
                    confidence: float = CONFIDENCE) -> Estimate:
-    """Returns the ratio of times by round (or by seed), measured side by side; NO_DATA if they share no round."""
+    """Returns the paired_ratio() of the times in the rounds (or seeds) that both have; NO_DATA if there are none."""
     shared = sorted(numerator.keys() & denominator.keys())
     return paired_ratio([numerator[i] for i in shared], [denominator[i] for i in shared], confidence)
 
 
 def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
-    """Returns the median ratio of pairs that were measured side by side (interleaved), with its sign-test interval."""
+    """Returns the median of the ratios of paired times, taken in alternation, with its sign-test interval."""
     a, b = np.asarray(numerator, dtype=np.float64), np.asarray(denominator, dtype=np.float64)
     if a.shape != b.shape:
         raise ValueError(f"{len(a)} times cannot be paired with {len(b)}")
@@ -139,7 +142,7 @@ def paired_ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike, confidenc
     logs = median(np.log(a) - np.log(b), confidence)
     if logs.n == 0:
         return NO_DATA
-    # Ties count against either direction, so both p-values stay on the safe side.
+    # A tie counts for neither direction, which makes both p-values conservative.
     p_above, p_below = (float(scipy.stats.binomtest(int(count), logs.n, alternative="greater").pvalue)
                         for count in ((a > b).sum(), (a < b).sum()))
     return Estimate(math.exp(logs.value), math.exp(logs.low), math.exp(logs.high), logs.n, logs.coverage, p_above, p_below,
@@ -155,25 +158,25 @@ def student_half_width(values: Floats) -> float:
 
 
 def exact(ratio: float) -> Estimate:
-    """Returns a ratio that is known without error, such as a ratio of counted work."""
+    """Returns a ratio that is known without error, such as a ratio of deterministic counts."""
     if math.isnan(ratio):
         return NO_DATA
     return Estimate(ratio, ratio, ratio, 1, 1.0, 0.0 if ratio > 1 else 1.0, 0.0 if ratio < 1 else 1.0, 0.0)
 
 
 def one_draw(ratio: float) -> Estimate:
-    """Returns a ratio of counted work if a seeded solver ran with a single seed: another seed would give another count."""
+    """Returns a ratio without an interval: the counts of a randomized solver that ran with a single seed."""
     return NO_DATA if math.isnan(ratio) else Estimate(ratio, math.nan, math.nan, 1, 0.0)
 
 
 def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, float],
                     seeded: tuple[bool, bool] = (False, False)) -> Estimate:
-    """Returns the ratio of counted work by seed. A solver without a seed has one count, which is exact.
+    """Returns the ratio of counts, which are given by seed. `seeded` says which of the two solvers are randomized.
 
-    Seeds that both have are paired. A single seed is one draw.
+    The ratio is exact if neither is. Counts of the same seed are paired. With a single seed it has no interval.
     """
     if not numerator or not denominator or min(denominator.values()) <= 0 or min(numerator.values()) <= 0:
-        return NO_DATA  # 0: a solver that counts nothing, such as a peer
+        return NO_DATA  # an external program counts nothing
     if not any(seeded):
         return exact(next(iter(numerator.values())) / next(iter(denominator.values())))
     if not seeded[0]:
@@ -187,10 +190,10 @@ def ratio_of_counts(numerator: Mapping[int, float], denominator: Mapping[int, fl
 
 
 def simes(chances: Iterable[float]) -> float:
-    """Returns the p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n p_(k) / k.
+    """Returns the p-value of "all of these null hypotheses are true" (Simes 1986): min over k of n * p_(k) / k.
 
-    It is exact for independent p-values and conservative for positively dependent ones (Sarkar 1998). Ratios of
-    different scenes come from different processes.
+    p_(k) is the k-th smallest of n p-values. The result is exact for independent p-values and conservative for positively
+    dependent ones (Sarkar 1998). Ratios of different scenes are independent, as they come from different processes.
     """
     p = np.sort(np.fromiter(chances, dtype=np.float64))
     return float(min(1.0, (len(p) * p / np.arange(1, len(p) + 1)).min())) if len(p) else 1.0

@@ -1,8 +1,8 @@
-"""Finds the script of a stem, and the results that it draws.
+"""Finds the script of a stem (the name of an experiment), and the results that the script draws.
 
-The script of experiments/<folder>/<stem>.toml is analysis/<folder>/<stem>.py, unless SCRIPTS names another one in that
-folder. A script draws the results of its own stem, or of the stems that it lists as RESULTS_OF: the first of these is
-loaded for it, and the Makefile measures the others before it draws.
+The script of experiments/<folder>/<stem>.toml is analysis/<folder>/<stem>.py, or the one that SCRIPTS names. It draws
+the results of its own stem unless it lists others as RESULTS_OF: then it gets the results of the first of these, and the
+Makefile measures the others before the script runs.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Final
 
 from analysis.shared.results import ResultError
 
-# Stems that share a script, which tells them apart by the stem of the results. tools/walk reads these lines.
+# The scripts of stems that have none of their own. tools/walk reads these lines.
 SCRIPTS: Final = {
     "corpus_decimation": "every_mesh",
     "corpus_remesh": "every_mesh",
@@ -36,26 +36,26 @@ def script_of(stem: str) -> Path:
 
 
 def _named_in(script: Path) -> list[str]:
-    """Returns the stems that the script lists as RESULTS_OF. Reads the text instead of importing it, which would take seconds."""
+    """Returns the stems that a script lists as RESULTS_OF. Searches its text, because importing it would take seconds."""
     found = _RESULTS_OF.search(script.read_text(encoding="utf-8"))
     return re.findall(r'"(\w+)"', found[1]) if found else []
 
 
 def module_of(stem: str) -> str:
-    """Returns the name under which the script is imported."""
+    """Returns the module name of the script of a stem, such as analysis.speed.cliffs."""
     return ".".join(("analysis", *script_of(stem).relative_to(ANALYSIS).with_suffix("").parts))
 
 
 def results_of(stem: str) -> str:
-    """Returns the stem of the result file that this stem draws."""
+    """Returns the stem whose result file the script of this stem draws."""
     return (_named_in(script_of(stem)) or [stem])[0]
 
 
 def also_reads(stem: str) -> list[str]:
-    """Returns the other stems whose results it needs."""
+    """Returns the further stems whose results the script of this stem needs."""
     return _named_in(script_of(stem))[1:]
 
 
 def drawn_with(stem: str) -> list[str]:
-    """Returns the stem itself and all stems that draw its results."""
+    """Returns the stem and all other stems whose scripts draw its results."""
     return [stem, *sorted(file.stem for file in ANALYSIS.rglob("*.py") if file.stem != stem and _named_in(file)[:1] == [stem])]

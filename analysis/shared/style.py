@@ -1,8 +1,8 @@
-"""The look of figures: one fixed colour, marker and line per solver (LOOKS), words and letters for failures, legends, widths.
+"""The style of figures: a fixed colour, marker and line for each solver (LOOKS), letters for failures, legends, widths.
 
-Colours are from Okabe and Ito (2008), with a few from Paul Tol's muted set; both can be told apart with every common
-kind of colour blindness. There are more solvers than such colours, so a colour is used once more in the other family
-(point sets or meshes), with another marker.
+Colours are from Okabe and Ito (2008) and Paul Tol's muted set, which remain distinct with all common kinds of colour
+blindness. There are more solvers than such colours, so solvers of point sets and of meshes share colours, with
+different markers.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Look:
 
     @property
     def entry(self) -> str:
-        """The title as it stands in a legend."""
+        """The title as a legend label."""
         return legend_label(self.title)
 
     @property
@@ -82,10 +82,10 @@ LOOKS: Final[dict[str, Look]] = {
     "surface_enclosure": Look("surface enclosure (ours)", "#D55E00", "h"),
     "surface_meshes": Look("surface meshes (ours)", "#0072B2", "s"),
     "external": Look("external program", "#777777", ">", (0, (4, 1.5, 1, 1.5)))}
-NEUTRAL: Final = Look("", GREY, "o")  # for entries that belong to no solver
+NEUTRAL: Final = Look("", GREY, "o")  # for legend entries that are not about a solver
 PROGRAMS: Final = {"scipy_ckdtree": "SciPy cKDTree", "scipy_directed_hausdorff": "SciPy directed_hausdorff"}  # titles of external programs
 
-# Letters in figures for rows without bounds.
+# Letters in figures for rows whose status is not `ok`.
 STATUS_LETTERS: Final = {"timeout": "T", "out_of_memory": "M", "signal": "C", "failed": "F", "unsound": "U",
                          "skipped": "S", "not_built": "N", "floor": "P", "budget": "B"}
 STATUS_WORDS: Final = {"timeout": "timeout", "out_of_memory": "out of memory", "signal": "crashed", "failed": "failed",
@@ -94,7 +94,7 @@ STATUS_WORDS: Final = {"timeout": "timeout", "out_of_memory": "out of memory", "
 
 
 def letters_key(statuses: Iterable[str]) -> str:
-    """Returns the meaning of the letters of these statuses: 'T timeout, B budget spent'; empty if they have none."""
+    """Returns the key to the letters of these statuses: 'T timeout, B budget spent'; empty if none has a letter."""
     there = {str(status) for status in statuses}
     return ", ".join(f"{letter} {STATUS_WORDS[status]}" for status, letter in STATUS_LETTERS.items() if status in there)
 
@@ -111,18 +111,18 @@ def status_letter(status: str) -> str:
 _OWN_COLOURS: Final = ("#332288", "#AA4499", "#117733", "#CC6677", "#44AA99", "#DDCC77", "#6699CC", "#661100")
 _OWN_MARKERS: Final = "o^sDvP*Xp8Hd<>"
 _VARIANT_MARKERS: Final = "phd<>8*PHXv"
-_own: dict[str, Look] = {}  # by the name of the solver, or the label of an external program
+_own: dict[str, Look] = {}  # looks given by introduce(), by solver or by label of an external program
 _LINES: Final[tuple[Line, ...]] = ("-", DASHED, DOTTED, (0, (4, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)))
 _variants: dict[str, tuple[int, str]] = {}  # for each label of a solver with several labels: its number and its marker
 _in_front = ""
 _width = DOUBLE_COLUMN
-_behind: dict[str, int] = {}  # number of each label that is drawn in grey
+_behind: dict[str, int] = {}  # labels drawn in grey, each with the number of its shade and line
 
 
 def introduce(results: Results) -> None:
-    """Gives a look to solvers that are not in LOOKS, to external programs and to the variants of a solver, in the order of the file.
+    """Gives a title, colour and marker to solvers that are not in LOOKS (of plug-ins, or external programs).
 
-    Solvers (also of plug-ins) and programs get a title and a colour; variants get a shade, a marker and a line.
+    Variants of a solver get a shade of its colour, a marker and a line of their own.
     """
     used = {LOOKS[solver].marker for solver, name in zip(results.cases.solver, results.names) if solver in LOOKS and name == solver}
     titles: dict[str, str] = json.loads(str(results.meta.get("titles") or "{}"))
@@ -141,14 +141,14 @@ def introduce(results: Results) -> None:
 
 
 def _unused(markers: str, used: set[str], k: int) -> str:
-    """Returns the first marker that no solver here uses, and counts it as used; the k-th if all are used."""
+    """Returns the first of `markers` that is not in `used`, and adds it to `used`. If all are used, returns the k-th."""
     found = next((marker for marker in markers if marker not in used), markers[k % len(markers)])
     used.add(found)
     return found
 
 
 def set_width(inches: float) -> None:
-    """Sets the width of the figures that `hausbench draw` makes from now on."""
+    """Sets the width of figures drawn from now on."""
     global _width
     _width = inches
 
@@ -158,16 +158,16 @@ def width() -> float:
 
 
 def highlight(label: str) -> None:
-    """Draws all other solvers in shades of grey from now on, each with its own line; '' ends that."""
+    """Draws all solvers but this one in grey from now on, each with a line style of its own; '' undoes this."""
     global _in_front
     _in_front = label
     _behind.clear()
 
 
 def look(solver: str, label: str = "") -> Look:
-    """Returns the look of a solver. A label of its own (a variant) keeps the colour and gets another marker and line.
+    """Returns the look of a solver, or of the variant with this label, which has another marker and line.
 
-    A solver that is neither in LOOKS nor introduced is grey, with a marker that depends only on its name.
+    A solver that is neither in LOOKS nor passed to introduce() is grey, with a marker that depends only on its name.
     """
     found = _look(solver, label)
     if not _in_front or _in_front in (label, label.partition("(")[0], solver if not label else ""):
@@ -200,17 +200,17 @@ def title(solver: str, label: str = "") -> str:
 
 
 def order(pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Returns the distinct (solver, label) pairs in the order of LOOKS; unknown solvers come last, by first appearance."""
+    """Sorts the distinct (solver, label) pairs in the order of LOOKS. Other solvers come last, by first appearance."""
     place = {name: i for i, name in enumerate(LOOKS)}
     return sorted(dict.fromkeys(pairs), key=lambda pair: place.get(pair[0], len(place)))
 
 
-# Scenes that are panels of a paper's table or figure.
+# Scenes named after a panel of a paper's figure: scene_title() turns their first letter into "(a)".
 PANELS: Final = frozenset({"a_pears", "b_cow_hippo", "c_rabbits", "d_cups", "e_wrenches", "f_singular"})
 
 
 def scene_title(scene: str) -> str:
-    """Returns '(b) cow, hippo' for the panel 'b_cow_hippo', and other names with spaces for underscores."""
+    """Returns '(b) cow, hippo' for 'b_cow_hippo', a panel; in other names, replaces underscores with spaces."""
     if scene in PANELS:
         letter, *words = scene.split("_")
         return f"({letter}) {', '.join(words)}"
@@ -218,9 +218,9 @@ def scene_title(scene: str) -> str:
 
 
 def margin_marks(ax: Any, marks: Sequence[tuple[Look, str]], height: float, pitch: float = 8.5) -> None:
-    """Draws failures in a column to the right of the axes, from the top down: an open marker and a letter for each.
+    """Lists failures in a column to the right of the axes, from the top down: an open marker and a letter for each.
 
-    `height` of the column and `pitch` are in points; '+n' counts the failures that do not fit.
+    The column is `height` points high, with `pitch` points per failure. A last line '+n' counts those that do not fit.
     """
     room = max(1, int(height // pitch))
     shown = list(marks) if len(marks) <= room else list(marks)[:room - 1]
@@ -246,7 +246,7 @@ def open_marker(style: Look) -> dict[str, Any]:
 
 
 def interval(ax: Any, x: Estimate, at: float, scale: float = 1.0, upright: bool = False, **line: Any) -> None:
-    """Draws the interval of an estimate, if it has one: a horizontal line at height `at`, or a vertical one at x = `at`."""
+    """Draws the interval of an estimate, if any: horizontal at y = `at`, or with `upright` vertical at x = `at`."""
     if x.has_interval:
         ends, place = [scale * x.low, scale * x.high], [at, at]
         ax.plot(*((place, ends) if upright else (ends, place)), **line)
@@ -271,9 +271,9 @@ def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
 
 
 def legend_above(figure: Any, entries: Sequence[Any], columns: int = 3, room: bool = False) -> None:
-    """Draws a legend above all frames; constrained layout keeps them clear of it.
+    """Draws a legend above all panels; constrained layout makes space for it.
 
-    With `room` the figure becomes higher, and the legend has fewer columns if its labels are long.
+    With `room` the figure becomes higher by this space, and long labels reduce the number of columns.
     """
     legend = figure.legend(handles=entries, loc="upper center", ncol=columns)
     make_drawable(legend)

@@ -1,7 +1,7 @@
-"""Chooses how a LaTeX table fits a page.
+"""Fits a LaTeX table to a page: chooses font size, columns with line breaks, orientation, and the number of blocks and pages.
 
-It chooses the font size, the columns that wrap, upright or sideways, one block of columns or several, and one page or
-many. Widths are estimated from the letter widths of Computer Modern, so writing a table does not need LaTeX.
+Widths are estimated from the letter widths of Computer Modern, so writing a table does not need LaTeX. A wide table is
+split into blocks: groups of columns that are printed below each other.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ POINTS: Final = 72.27  # LaTeX points per inch
 PAGE_WIDTH: Final = 7.16 * POINTS
 PAGE_HEIGHT: Final = 9.2 * POINTS
 GAP: Final = 4.0  # \tabcolsep
-SPARE: Final = 1.03  # a column is this many times as wide as its estimate
-CROWDED: Final = 1.7  # if its cells, each on one line, need more than this many times the width, a table is set in another way
-AROUND: Final = 130.0  # points: height of a caption and of 120 words of notes
-# By size, in points: the height of a line, and the width of 1 em (small letters are relatively wider).
+SPARE: Final = 1.03  # estimated widths are multiplied by this, to be safe
+CROWDED: Final = 1.7  # cells are wrapped only if the table is at most this many times too wide
+AROUND: Final = 130.0  # points reserved for a caption and 120 words of notes
+# For each font size, in points: the height of a line and the width of 1 em.
 SIZES: Final = {"small": (11.0, 9 * 1.027), "footnotesize": (9.5, 8 * 1.0625), "scriptsize": (8.0, 7 * 1.138)}
 _BY_WIDTH: Final = {278: "il.,:;[]!|'", 306: "fj", 333: "- ", 394: "rst()`I\"", 444: "cez", 500: "ago0123456789/_?*#$", 528: "kvxy", 556: "bdhnpquJS", 653: "LF", 681: "EP",
                     750: "wABCRTUVXYZ&", 785: "DGHKNOQ+=<>~^@", 917: "mM%", 1028: "W"}
 _WIDTHS: Final = {letter: width for width, letters in _BY_WIDTH.items() for letter in letters}
 
-Block = dict[int, float | None]  # the columns of a block, each with its width in points if it wraps, else None
+Block = dict[int, float | None]  # columns of a block: width in points of a column that wraps, None for others
 
 
 def text_width(text: str, size: str) -> float:
-    """Returns the estimated width in points."""
+    """Estimates the width of a text in points."""
     def of(letter: str) -> float:
         return _WIDTHS.get(letter) or (3200 if "texttt" in tex_escape(letter) else 1000 if letter == "—" else 778)
 
@@ -39,7 +39,7 @@ def text_width(text: str, size: str) -> float:
 def unbroken(text: str) -> str:
     """Returns the text with non-breaking spaces inside brackets, so that no interval is split between two lines.
 
-    A text of 40 letters or more is returned as it is.
+    Text of 40 or more letters is returned unchanged.
     """
     inside, letters = 0, []
     for letter in text:
@@ -51,7 +51,7 @@ def unbroken(text: str) -> str:
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of a table."""
+    """How a table is printed."""
 
     size: str
     sideways: bool
@@ -64,7 +64,10 @@ class Layout:
 
 
 def _shared(natural: Sequence[float], least: Sequence[float], room: float) -> list[float] | None:
-    """Narrows the widest columns to one common width, but none below its least, until all fit into the room. None if they cannot."""
+    """Returns column widths that fit into `room`. If necessary, cuts the widest columns to a common width, but not below `least`.
+
+    Returns None if even the least widths do not fit.
+    """
     if sum(natural) <= room:
         return list(natural)
     if sum(least) > room:
@@ -78,7 +81,7 @@ def _shared(natural: Sequence[float], least: Sequence[float], room: float) -> li
 
 
 def _lines(text: str, width: float, size: str) -> int:
-    """Returns the number of lines of a cell that is wrapped at that width."""
+    """Returns the number of lines that a text takes if wrapped at `width` points."""
     count, at, space = 1, 0.0, text_width(" ", size)
     for word in unbroken(text).split(" "):
         wide = text_width(word, size)
@@ -91,7 +94,7 @@ def _lines(text: str, width: float, size: str) -> int:
 
 @dataclass(frozen=True)
 class Cells:
-    """The header and the rows of a table, measured at one size."""
+    """The rows of a table (the header is the first), with the widths that its columns need at one font size."""
 
     size: str
     rows: Sequence[Sequence[str]]
@@ -115,7 +118,7 @@ def _block(cells: Cells, columns: list[int], room: float) -> list[float] | None:
 
 
 def _set(cells: Cells, blocks: list[list[int]], sideways: bool) -> Layout | None:
-    """Lays out these blocks of columns; None if one is too wide."""
+    """Returns the layout of these blocks of columns; None if a block is too wide for the page."""
     room, page = (PAGE_HEIGHT, PAGE_WIDTH) if sideways else (PAGE_WIDTH, PAGE_HEIGHT)
     found: list[Block] = []
     height = 0.0
@@ -129,9 +132,9 @@ def _set(cells: Cells, blocks: list[list[int]], sideways: bool) -> Layout | None
 
 
 def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
-    """Splits the columns into blocks that fit an upright page, each after the first `kept` columns.
+    """Splits the columns into blocks that fit an upright page. Each block repeats the first `kept` columns.
 
-    Splits at `parts`, or else into as few blocks of similar size as possible.
+    Splits before the columns in `parts` if that fits, else into as few blocks of similar size as possible.
     """
     first, others = list(range(kept)), len(cells.natural) - kept
     tried = [[*parts, kept + others]] * bool(parts) + [[kept + round(others * i / count) for i in range(count + 1)] for count in range(2, others + 1)]
@@ -143,11 +146,10 @@ def _split(cells: Cells, kept: int, parts: Sequence[int]) -> list[list[int]]:
 
 
 def layout(header: Sequence[str], rows: Sequence[Sequence[str]], left: int, parts: Sequence[int] = ()) -> Layout:
-    """Returns the first layout that fits: upright, upright with some cells wrapped, sideways, or upright in several
-    blocks of columns.
+    """Returns the first layout that fits: upright, upright with wrapped cells, sideways, or upright in several blocks.
 
-    `parts` are the columns that begin a block; the columns before the first of them are in all blocks. Without `parts`
-    the columns of text are in all blocks.
+    `parts` are the columns at which blocks begin; columns before the first of them are repeated in each block. Without
+    `parts`, the `left` columns of text are repeated.
     """
     texts = [header, *rows]
     measured = {size: Cells.of(texts, size) for size in SIZES}

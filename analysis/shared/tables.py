@@ -1,4 +1,4 @@
-"""Tables: in CSV with every number in full; as printed in Markdown and in LaTeX (booktabs)."""
+"""Writes tables: CSV with all digits; rounded numbers in Markdown and LaTeX."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ Record = dict[str, object]
 
 @dataclass
 class Table:
-    """A printed table: texts, and verdicts, which are printed apart from the notes. A thin line is drawn before each row in `rules`."""
+    """A table to print, with notes and verdicts below it. The rows in `rules` begin a new group, set off by some space."""
 
     caption: str
     header: Sequence[str]
     rows: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     verdicts: Sequence[Verdict] = ()
-    left: int = 1  # the number of text columns, aligned left; the others hold numbers
+    left: int = 1  # the first columns, aligned left; the others hold numbers
     rules: set[int] = field(default_factory=set)
-    parts: Sequence[int] = ()  # LaTeX: columns that begin a block if a table is too wide; columns before the first are in all blocks
+    parts: Sequence[int] = ()  # columns at which LaTeX may split a table that is too wide; see table_width.layout()
 
     def lines_below(self) -> list[str]:
-        """Returns the text below the table, line by line."""
+        """Returns the lines below the table: verdicts, then notes."""
         return [*[verdict.line() for verdict in self.verdicts], *self.notes]
 
 
 def number(x: float, digits: int = 3) -> str:
-    """Rounds to `digits` significant digits, but keeps all digits before the point. '—' for NaN."""
+    """Formats x with `digits` significant digits; below 1e10, digits before the point are not rounded. NaN becomes '—'."""
     if math.isnan(x):
         return NOTHING
     if math.isinf(x):
@@ -58,7 +58,7 @@ def number(x: float, digits: int = 3) -> str:
 
 
 def estimate(x: Estimate, scale: float = 1.0) -> str:
-    """Returns '2.10 [2.05, 2.31]'; without the interval if there is only one value."""
+    """Formats an estimate and its interval: '2.10 [2.05, 2.31]'; '2.10' if there is no interval, '—' if no data."""
     if x.n == 0:
         return NOTHING
     if not x.has_interval or x.n == 1:  # a single time, or a count, which is exact
@@ -67,20 +67,22 @@ def estimate(x: Estimate, scale: float = 1.0) -> str:
 
 
 def ratio(x: Estimate) -> str:
-    """Returns a ratio of times like estimate(), marked if its interval contains 1 or n is too small for 95 %."""
+    """Formats a ratio like estimate(), and adds '(not separated)' if its interval contains 1, or '(not judged, n = 3)' if n is too
+    small for 95 %.
+    """
     if x.n == 0:
         return NOTHING
     return estimate(x) if x.separated else f"{estimate(x)} ({f'not judged, n = {x.n}' if x.coverage < CONFIDENCE else 'not separated'})"
 
 
 def time_unit(seconds: Iterable[float]) -> tuple[str, float]:
-    """Returns the unit of a table and its factor: ('ms', 1000) if the median of the times is below 0.1 s, else ('s', 1)."""
+    """Chooses the unit for a table of times: ('ms', 1000) if their median is below 0.1 s, else ('s', 1)."""
     known = sorted(x for x in seconds if math.isfinite(x))
     return ("ms", 1000.0) if known and known[len(known) // 2] < 0.1 else ("s", 1.0)
 
 
 def coverage_note(estimates: Iterable[Estimate]) -> str:
-    """Explains the brackets, and says how many rounds are behind them."""
+    """Returns the note that explains the intervals in brackets, with the number of rounds."""
     known = [x for x in estimates if x.n]
     if not known:
         return "No times."
@@ -94,12 +96,12 @@ def coverage_note(estimates: Iterable[Estimate]) -> str:
 
 
 def seconds(x: Estimate) -> Record:
-    """Returns the fields of a record for an estimate."""
+    """Returns the CSV fields of a time in seconds."""
     return {"n": x.n, "median_seconds": x.value, "low_seconds": x.low, "high_seconds": x.high}
 
 
 def markdown(table: Table) -> str:
-    """Returns the caption, the cells, then the claims and the notes, each under its own heading."""
+    """Returns the table in Markdown: caption, cells, then claims and notes, each under a heading."""
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
@@ -111,7 +113,7 @@ def markdown(table: Table) -> str:
 
 
 def comma_separated(records: Sequence[Record]) -> str:
-    """Returns one line per record; doubles with all digits, NaN as an empty field."""
+    """Returns the records as CSV. Floating-point numbers have all digits; NaN becomes an empty field."""
     def cell(value: object) -> object:
         return "" if isinstance(value, float) and math.isnan(value) else value
 
@@ -124,14 +126,14 @@ def comma_separated(records: Sequence[Record]) -> str:
 
 
 def save_json(records: Sequence[Record], path: Path) -> Path:
-    """Writes a list of records, one per line."""
+    """Writes records as a JSON list, one record per line."""
     lines = ",\n".join(json.dumps(one, ensure_ascii=False) for one in records)
     write_whole(path, f"[\n{lines}\n]\n" if records else "[]\n")
     return path
 
 
 def read_json(path: Path) -> list[Record]:
-    """Reads a list of records. Raises ValueError with the remedy if the file is damaged."""
+    """Reads what save_json() wrote. Raises ValueError if the file is damaged."""
     found = json.loads(path.read_text(encoding="utf-8"))
     if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
         raise ValueError(f"{path}: not a list of records: write it again with 'python3 -m analysis'")

@@ -1,5 +1,5 @@
-"""Text for LaTeX in pure ASCII: special characters, accents, symbols, and the Unicode numbers of letters that LaTeX
-cannot set by itself.
+"""Converts text to ASCII for LaTeX: escapes special characters, and writes accents and symbols as commands. A letter that
+LaTeX cannot print without packages becomes its Unicode number.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ _GREEK: Final = dict(zip("αβγδεζηθικλμνξπρστυφχψωΓΔΘΛ
     "alpha beta gamma delta varepsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon varphi chi psi omega "
     "Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega").split()))
 _KNOWN: Final = _SYMBOLS | {letter: rf"$\{name}$" for letter, name in _GREEK.items()}
-# For each combining accent, the command that puts it over or under a letter.
+# The LaTeX command of each combining accent.
 _ACCENTS: Final = {"\u0300": "`", "\u0301": "'", "\u0302": "^", "\u0303": "~", "\u0304": "=", "\u0306": "u", "\u0307": ".", "\u0308": '"', "\u030a": "r",
                    "\u030b": "H", "\u030c": "v", "\u0327": "c"}
-_ACCENTED: Final = re.compile(f"([A-Za-z])([{''.join(_ACCENTS)}])")  # letters with an accent that are not single characters in Unicode
+_ACCENTED: Final = re.compile(f"([A-Za-z])([{''.join(_ACCENTS)}])")  # a letter and a combining accent that Unicode has no single character for
 SPELLED: Final = r"\texttt{U+"
 SPELLED_NOTE: Final = "U+ and digits are the Unicode number of a letter that LaTeX does not set by itself."
 
 
 def _under_accent(base: str) -> str:
-    """Returns the letter; an i loses its dot."""
+    """Returns the letter to put an accent on: 'i' becomes '\\i', without a dot."""
     return base.replace("i", r"\i")
 
 
 def _tex(letter: str) -> str:
-    """Returns a letter for LaTeX; empty if LaTeX cannot set it by itself."""
+    """Returns the LaTeX of one letter; empty if LaTeX cannot print it without packages."""
     if letter in _KNOWN or letter.isascii():
         return _KNOWN.get(letter, letter)
     parts = unicodedata.normalize("NFD", letter)
@@ -46,10 +46,7 @@ def _tex(letter: str) -> str:
 
 
 def tex_escape(text: str) -> str:
-    """Returns the text for LaTeX; letters that it cannot set appear as '\\texttt{U+4E2D}'.
-
-    A combining accent is put over the letter before it.
-    """
+    """Returns the text in LaTeX. Letters that LaTeX cannot print become '\\texttt{U+4E2D}'."""
     parts = _ACCENTED.split(unicodedata.normalize("NFC", printable(text)))
     accented = [f"\\{_ACCENTS[accent]}{{{_under_accent(base)}}}" for base, accent in zip(parts[1::3], parts[2::3])]
     return "".join(part for pair in zip([*map(_escaped, parts[::3])], [*accented, ""]) for part in pair)
@@ -62,5 +59,5 @@ def _escaped(text: str) -> str:
 
 
 def noted(text: str) -> str:
-    """Returns a note if the escaped text shows letters as Unicode numbers; else empty."""
+    """Returns SPELLED_NOTE if the escaped text contains Unicode numbers; else empty."""
     return SPELLED_NOTE if SPELLED in text else ""

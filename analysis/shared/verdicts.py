@@ -1,8 +1,8 @@
-"""Judges a paper's claims by the data: 'holds', 'does not hold', 'not separated' or 'not judged'. No verdict is written by hand.
+"""Judges a paper's claims by the data: 'holds', 'does not hold', 'not separated' or 'not judged'.
 
-'Not separated' comes from few or noisy times: both answers remain possible. Every verdict errs with at most 5 %; if a
-verdict looks at many ratios, its docstring says how it keeps to that. Each claim about time is judged in counted work
-as well: counts are the same on every machine, but a unit of work takes another time on a current machine than on the paper's.
+'Not separated' means that times are too few or too noisy to decide. A verdict is wrong with a probability of at most
+5 %; the docstrings say how this is kept over many ratios. Claims about time are also judged in counted work, which does
+not depend on the machine.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from analysis.shared.statistics import NO_DATA, Estimate, median, simes
 HOLDS: Final = "holds"
 FAILS: Final = "does not hold"
 OPEN: Final = "not separated"
-NOT_JUDGED: Final = "not judged"  # too few rounds (n < 6 for one ratio) separate nothing, whatever the data
-NOT_REFUTED: Final = "not refuted"  # for claims that no number of cases can prove
-UNTESTED: Final = "not tested"  # the experiment left no data
+NOT_JUDGED: Final = "not judged"  # too few rounds for any verdict (n < 6 for one ratio)
+NOT_REFUTED: Final = "not refuted"  # in place of HOLDS for claims that no number of cases can prove
+UNTESTED: Final = "not tested"  # no data
 
 ERROR: Final = 0.05
-RARE: Final = 0.1  # a claim counts as not refuted only if the cases without a failure rule out this rate
+RARE: Final = 0.1  # "never" counts as not refuted only after enough trials to exclude this failure rate
 
 
 @dataclass(frozen=True)
 class Ratio:
     """A ratio measured / claimed; values above 1 support the claim.
 
-    `low` and `high` are the ends of the interval: NaN for a single time, equal to `value` for a count. If `value` is
-    NaN, this is a range of several ratios, from `low` to `high`.
+    `low` and `high` are the ends of its interval: NaN for a single time, equal to `value` for a count. If `value` is
+    NaN, they are the least and the greatest of several ratios.
     """
 
     value: float
@@ -68,7 +68,7 @@ class Verdict:
 
 
 def weighed(verdict: Verdict, ratios: Iterable[Estimate]) -> Verdict:
-    """Returns the verdict, with 'not judged' in place of 'not separated' if some estimate has too few rounds for 95 %."""
+    """Replaces 'not separated' with 'not judged' if some ratio has too few rounds for an interval of 95 %."""
     n = min((x.n for x in ratios if x.n and x.coverage < 1 - ERROR), default=0)
     return replace(verdict, outcome=NOT_JUDGED, evidence=f"n = {n}; {verdict.evidence}") if n and verdict.outcome == OPEN else verdict
 
@@ -76,10 +76,10 @@ def weighed(verdict: Verdict, ratios: Iterable[Estimate]) -> Verdict:
 def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
     """Judges a claim that every one of the ratios is above 1.
 
-    It holds if each ratio is known and separated above 1. That needs no correction (an intersection-union test, Berger
+    It holds if each ratio is known and separated above 1. This needs no correction (an intersection-union test, Berger
     1982): if one ratio is truly not above 1, the verdict is wrong only if that ratio is separated too, which happens
-    with at most 5 %. It does not hold if some ratio is below 1. Every ratio is then a chance to err, so Simes' test of
-    "none is below 1" combines the one-sided sign tests of all of them, with an error of 5 % altogether.
+    with at most 5 %. It does not hold if some ratio is below 1. Here each ratio adds a chance to err, so Simes' test of
+    "none is below 1" combines their one-sided sign tests, with an error of 5 % in total.
     """
     known = [x for x in ratios if x.n]
     if not known:
@@ -98,13 +98,13 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
 
 
 def why(ratios: Iterable[Estimate]) -> str:
-    """Returns the reasons why some ratios have no data, in brackets; empty if no reason is known."""
+    """Returns the reasons why ratios have no data: ' (reason, reason)'; empty if none is known."""
     reasons = dict.fromkeys(x.reason for x in ratios if not x.n and x.reason)
     return f" ({', '.join(reasons)})" if reasons else ""
 
 
 def power_of(ratios: Sequence[Estimate], what: str) -> str:
-    """Says what `everywhere` can refute with so many rounds, whatever the data; empty if one ratio below 1 is enough."""
+    """Says how many ratios below 1 `everywhere` needs for 'does not hold' with this number of rounds; empty if one is enough."""
     chances, n, of = sorted(x.p_least for x in ratios), min(x.n for x in ratios), len(ratios)
     needed = next((k for k in range(1, of + 1) if of * chances[k - 1] / k <= ERROR), of + 1)
     if needed == 1:
@@ -116,10 +116,10 @@ def power_of(ratios: Sequence[Estimate], what: str) -> str:
 def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
     """Judges a claim that more than half of the ratios are above 1.
 
-    "At least k of n are above 1" is tested on the ratios that remain after the k - 1 clearest ones: if fewer than k are
-    truly above 1, at least one of the remaining ones is not. Simes' test combines them (a partial conjunction,
-    Benjamini and Heller 2008). The claim does not hold if at least half are below 1, by the same test. An unknown ratio
-    counts for neither.
+    To show that at least k of n are above 1, the k - 1 with the least p-values are left out: if fewer than k were above 1,
+    the others would include one that is not. Simes' test combines their p-values (a partial conjunction, Benjamini and
+    Heller 2008). The claim does not hold if the same test shows that at least half are below 1. Unknown ratios count for
+    neither.
     """
     n, known = len(ratios), [x.value for x in ratios if x.n]
     if not known:
@@ -133,9 +133,9 @@ def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verd
 
 
 def least_of(ratios: Sequence[Estimate]) -> Estimate:
-    """Returns the least of several ratios, such as of all rivals to one solver.
+    """Returns the least of several ratios, for example of the times of all rivals to the time of one solver.
 
-    It is above 1 if all of them are, and below 1 if one of them is (Bonferroni).
+    It is separated above 1 if all ratios are, and below 1 if one of them is after a correction for their number (Bonferroni).
     """
     if not ratios or not all(x.n for x in ratios):
         return NO_DATA
@@ -157,9 +157,9 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
           against: str = "") -> Verdict:
     """Judges a claim that something never happens. One case refutes it, and no number of cases proves it.
 
-    If it never happened, the evidence is the greatest rate that `independent` trials (default: all) leave possible at
-    95 % (Clopper and Pearson 1934). If that rate is not below `bar`, there were too few trials. `against` describes the
-    bar if it is not RARE, such as the rate at which a variant goes wrong on the same trials.
+    If it never happened, the evidence is the greatest rate still possible at 95 % after `independent` (default: `of`)
+    trials (Clopper and Pearson 1934). If this rate is not below `bar`, there were too few trials. `against` describes a
+    bar other than RARE, such as the rate at which a variant goes wrong in the same trials.
     """
     if not of:
         return Verdict(claim, UNTESTED, f"no {what}")
@@ -174,16 +174,14 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
 
 
 def never_chosen(claim: str, wrong: int, of: int, what: str) -> Verdict:
-    """Judges a claim that something never happens, on cases that were chosen to provoke it. They are not a sample, so
-    they give no rate.
-    """
+    """Judges a claim that something never happens, on cases chosen to provoke it. They are not a sample, so no rate follows."""
     if not of or wrong:
         return Verdict(claim, FAILS if wrong else UNTESTED, f"{wrong} of {of:,} {what}" if wrong else f"no {what}")
     return Verdict(claim, NOT_REFUTED, f"0 of {of:,} {what}; the cases were chosen, not drawn, so no rate follows")
 
 
 def all_of(claim: str, unlike: int, seen: int, total: int, what: str) -> Verdict:
-    """Judges a claim about each of a known number of things, all of which can be looked at. This is a count, not a test."""
+    """Judges a claim about each of `total` things: it fails if any was `unlike`, and holds once all were `seen`. No statistics."""
     if not seen:
         return Verdict(claim, UNTESTED, f"no {what}")
     outcome = FAILS if unlike else HOLDS if seen >= total else OPEN
@@ -191,7 +189,7 @@ def all_of(claim: str, unlike: int, seen: int, total: int, what: str) -> Verdict
 
 
 def rising(claim: str, x: Sequence[float], y: Sequence[float]) -> Verdict:
-    """Judges a claim that y grows with x, over independent pairs, by Kendall's tau."""
+    """Judges a claim that y grows with x, by Kendall's tau. The points (x, y) must be independent."""
     if len(x) < 2:
         return Verdict(claim, UNTESTED, "fewer than two sizes")
     tau, chance = scipy.stats.kendalltau(x, y)
@@ -202,9 +200,9 @@ def rising(claim: str, x: Sequence[float], y: Sequence[float]) -> Verdict:
 
 
 def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[float]]]) -> Verdict:
-    """Judges a claim that y grows with x, if neighbouring x are alike.
+    """Judges a claim that y grows with x, if the points of a run depend on each other.
 
-    Each independent run (a seed) gives one Kendall's tau, and the interval is over runs.
+    Each independent run (a seed) gives one Kendall's tau; the interval is over runs.
     """
     taus = [float(np.nan_to_num(scipy.stats.kendalltau(x, y)[0])) for x, y in runs if len(x) > 1]
     if not taus:
@@ -218,8 +216,8 @@ def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[flo
 def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Verdict:
     """Judges a claim that a positive quantity, measured by independent runs at each of several places, is constant.
 
-    Constant means that its medians differ by at most the factor `within`. The intervals of all places hold together
-    (Bonferroni), and so does the interval of the factor that follows from them.
+    Constant means that its medians differ by at most the factor `within`. All intervals of medians hold at once with 95 %
+    (Bonferroni), and so does the interval of this factor, which follows from them.
     """
     found = [median(values, 1 - ERROR / len(places)) for values in places]
     known = [x for x in found if x.has_interval]
@@ -237,11 +235,11 @@ def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Ve
 
 
 def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str) -> Verdict:
-    """Judges a claim that a quantity is greatest at one place. `ratios` are its value there over its value at every other place.
+    """Judges a claim that a quantity is greatest at one place. `ratios` are value there / value at each other place.
 
     It holds if all ratios are known and separated above 1 (an intersection-union test, as in `everywhere`). It does not
-    hold if `rival`, the ratio to one place that was chosen without looking at the compared values, is separated below
-    1; as this is one ratio, it needs no correction.
+    hold if `rival` is separated below 1. This is the ratio to a single other place, which must be chosen without looking at
+    the values compared here, so no correction is needed.
     """
     known = [x for x in ratios if x.n]
     if not known:
@@ -254,11 +252,11 @@ def greatest(claim: str, ratios: Sequence[Estimate], rival: Estimate, what: str)
 def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], best: str, among: Sequence[str]) -> Verdict:
     """Judges a claim that the least time is at one of the settings `among`. `best` is the setting with the least time here.
 
-    Each rival comes with its ratios to all of `among`, above 1 if the rival is slower. The claim holds if all rivals
-    are separated from the same one of `among` (an intersection-union test for each of them, one-sided at 2.5 %, so two
-    settings keep 5 %; for more settings the level of each is divided). It does not hold if a rival is faster than all
-    of `among`. Rivals are compared with the same times and so depend on each other: for each rival the greatest
-    one-sided p-value over `among` is multiplied by the number of rivals (Bonferroni).
+    Each rival, another setting, comes with its ratios to all of `among`, above 1 if the rival is slower. The claim holds
+    if one of `among` is separated from all rivals (an intersection-union test, one-sided at 2.5 %, so two settings
+    together err with 5 %; more settings divide the 5 % among them). It does not hold if a rival is faster than all of
+    `among`. Rivals are compared with the same times and so depend on each other: the greatest p-value of each rival over
+    `among` is multiplied by the number of rivals (Bonferroni).
     """
     if not rivals:
         return Verdict(claim, UNTESTED, "no times")

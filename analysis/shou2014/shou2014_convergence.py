@@ -1,4 +1,4 @@
-"""The interval of Shou et al. 2014 against voxel size, and the interval of this project's enclosure: width, work and time."""
+"""Compares intervals for the example of Shou et al. 2014, by voxel size, with our enclosure: width, work and time."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from analysis.shared.verdicts import Verdict, all_of, everywhere
 from analysis.shou2014.shou2014_example import Joined, join
 
 FORMS = ("natural", "centred", "affine", "modified_affine")
-SHRINKS = 0.6  # largest share of the width that may be left: a half, and room for the position of the voxels
-WORK = 8  # growth of the number of distances if voxels are halved
+SHRINKS = 0.6  # halving voxels must shrink the width to at most this share: 1/2, with slack for where voxels lie
+WORK = 8  # factor in the number of distances if voxels are halved
 MARKERS = {"natural": "o", "centred": "s", "affine": "^", "modified_affine": "d"}
 
 
 def collect(results: Results) -> tuple[dict[tuple[str, str, int], Joined], dict[float, Joined]]:
-    """Returns the published method by label, form and depth, and ours by tolerance, if both directions have an answer."""
+    """Returns answers with both directions: of the published method by label, form and depth, and of ours by tolerance."""
     cases = results.cases
     groups: dict[tuple[Any, ...], list[int]] = {}
     for row in range(len(cases)):
@@ -91,10 +91,8 @@ def make(results: Results) -> Report:
 
 
 def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> list[Verdict]:
-    """Judges the widths of the pruned pairs and the distances of all pairs, with modified affine arithmetic, and every
-    published interval.
-
-    These are not times, so they are exact.
+    """Judges claims on the published method: width with pruning, distances for all pairs, both in modified affine arithmetic,
+    and whether all intervals hold. These numbers are exact, so no statistical test is needed.
     """
     def of(label: str) -> dict[int, Joined]:
         return {depth: one for (name, form, depth), one in sorted(published.items()) if (name, form) == (label, "modified_affine")}
@@ -109,7 +107,7 @@ def verdicts(published: dict[tuple[str, str, int], Joined], exact: float) -> lis
 
 
 def holding(intervals: Iterable[Joined], exact: float) -> str:
-    """Returns how many intervals hold the exact distance: '3 of 4'."""
+    """Returns how many intervals contain the exact distance: '3 of 4'."""
     held = [one.lower <= exact <= one.upper for one in intervals]
     return f"{sum(held)} of {len(held)}"
 

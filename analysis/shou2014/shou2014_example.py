@@ -1,4 +1,4 @@
-"""The example of Shou et al. 2014: the paper's interval beside ours, with both directions joined."""
+"""Compares the printed interval for the example of Shou et al. 2014 with ours, for the symmetric distance."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import Verdict, all_of
 
 
-PRINTED_TO = 1e-10  # largest difference from a number of ten digits: the paper cuts digits off and does not round
+PRINTED_TO = 1e-10  # allowed difference to ten printed digits, which the paper truncates instead of rounding
 
 
 @dataclass(frozen=True)
 class Joined:
-    """H from one solver: each end is the larger one of both directions; times and counts are of both together."""
+    """The symmetric distance by one solver: bounds are the maximum of both directions; times and counts are their sum."""
 
     lower: float
     upper: float
@@ -38,7 +38,7 @@ class Joined:
 
 
 def join(results: Results, rows: list[int]) -> Joined:
-    """Joins the rows of both directions, which have the same solver, label and options."""
+    """Combines the rows of both directions of one solver and its options into a symmetric answer."""
     cases = results.cases
     bad = [cases.status[row] for row in rows if cases.status[row] != "ok"]
     return Joined(max(float(cases.lower[row]) for row in rows), max(float(cases.upper[row]) for row in rows),
@@ -94,7 +94,7 @@ def make(results: Results) -> Report:
 
 
 def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
-    """Compares the interval of all pairs, its midpoint and its half-width with the printed numbers."""
+    """Judges whether our interval for all pairs, its midpoint and its half-width equal the printed numbers."""
     known = here if here and here.status == "ok" else None
     found = {"lower": known.lower, "upper": known.upper, "midpoint": (known.lower + known.upper) / 2, "error": (known.upper - known.lower) / 2} if known else {}
     unlike = sum(abs(value - float(paper[name])) >= PRINTED_TO for name, value in found.items())
@@ -102,7 +102,7 @@ def printed_interval(paper: dict[str, Any], here: Joined | None) -> Verdict:
 
 
 def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) -> str:
-    """Returns the end of a sentence on the paper's time: the ratio to ours, unless the printed time may have been misread."""
+    """Ends a sentence on the paper's time: with its ratio to ours, unless the printed time may have been misread."""
     if doubtful:
         return " as it was recognised, possibly with a lost decimal point, so no ratio of times is given."
     if here is None:
@@ -112,7 +112,7 @@ def compared_with(paper: dict[str, Any], here: Joined | None, doubtful: bool) ->
 
 
 def title_of(solver: str, label: str, tolerance: float) -> str:
-    """Returns the title of a method. The published one has no tolerance: a tolerance larger than the box stands for none."""
+    """Returns the title of a method, with its tolerance unless it is above 1, which means none."""
     title = style.title(solver, label).replace(" (ours)", ", ours")
     return title if tolerance > 1 else f"{title}, to {tolerance:g}".replace("e-0", "e-")
 

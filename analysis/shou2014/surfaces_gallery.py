@@ -1,4 +1,4 @@
-"""Pairs of algebraic surfaces with known distances: whose intervals hold them, and pictures of voxels and witnesses."""
+"""Pairs of algebraic surfaces with known distances: which solvers' intervals contain it, and pictures of voxels and witnesses."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Surface:
         self.low, self.high = box[0::2], box[1::2]
 
     def bounds(self, low: dict[str, Floats], high: dict[str, Floats]) -> tuple[Floats, Floats]:
-        """Returns the natural interval extension over many boxes at once, not rounded outward."""
+        """Returns bounds of the polynomial over many boxes at once (natural interval extension, not rounded outward)."""
         return _bounds(self.tree, low, high)
 
     def kept(self, voxels: int) -> npt.NDArray[np.bool_]:
@@ -76,12 +76,12 @@ def _bounds(node: ast.expr, low: dict[str, Floats], high: dict[str, Floats]) -> 
 
 
 def holds(results: Results, row: int, exact: float) -> bool:
-    """Tells whether the interval holds h, which the experiment gives to the nearest double."""
+    """Tells whether the interval contains h, which the experiment states rounded to the nearest double."""
     return not (results.cases.lower[row] > exact * (1 + 1e-15) or results.cases.upper[row] < exact * (1 - 1e-15))
 
 
 def cells_of(results: Results, row: int, exact: float) -> list[str]:
-    """Returns the texts of the interval and of the time."""
+    """Returns the table cells of a row: interval and time."""
     cases, status = results.cases, results.cases.status[row]
     low, high = float(cases.lower[row]), float(cases.upper[row])
     word = "stalled" if cases.solver_status[row] == "stalled" else style.status_word(status)
@@ -92,7 +92,7 @@ def cells_of(results: Results, row: int, exact: float) -> list[str]:
 
 
 def holds_distance(results: Results) -> Verdict:
-    """Judges every interval of the published method; a row without an interval is not judged."""
+    """Judges the claim that every interval of the published method contains the distance. Rows without one do not count."""
     cases, rows = results.cases, results.rows(solver="interval_subdivision")
     known = [row for row in rows if np.isfinite([cases.lower[row], cases.upper[row], cases.exact[row]]).all()]
     unlike = sum(not holds(results, row, float(cases.exact[row])) for row in known)
@@ -196,7 +196,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
         as_formula(ax.set_xlabel(f"${x}, {y}$ at ${'xyz'[axis]} = {round(at, 2) + 0.0:.2f}$", fontsize=6, labelpad=2))
     marks: list[Any] = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, alpha=OPACITY, linewidth=0)
                         for colour in (SOURCE_COLOUR, TARGET_COLOUR)]
-    marks.append((plt.Rectangle((0, 0), 1, 1, facecolor=TARGET_COLOUR, alpha=OPACITY, linewidth=0), marks[0]))  # one over the other
+    marks.append((plt.Rectangle((0, 0), 1, 1, facecolor=TARGET_COLOUR, alpha=OPACITY, linewidth=0), marks[0]))  # legend entry for A and B overlapping
     marks.append(plt.Line2D([], [], color=witness_colour, linewidth=1.4, marker="o", markersize=3.5, markevery=[0]))
     strip = 0.2 / figure.get_figheight()
     figure.set_layout_engine("tight", w_pad=0.6, h_pad=1.2, rect=(0, 0, 1, 1 - strip))

@@ -1,4 +1,7 @@
-"""Work and time of each solver against the ratio of two lengths of a scene, relative to work and time at ratio 1."""
+"""Shows at which ratio of two lengths of a scene (a size, a distance) the work or time of a solver rises steeply: a cliff.
+
+Work and time are relative to those at ratio 1.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +31,10 @@ def verdicts_of(curves: Curves, titles: dict[str, str]) -> list[Verdict]:
 
 
 def verdict(claim: str, title: str, curves: Curves) -> Verdict:
-    """Judges one solver over the families of a claim.
+    """Judges the claim that a solver has no cliff, over the families of the claim.
 
-    Counts are exact, so one ratio above MOST refutes the claim. So does a case without an answer, if the case of ratio 1 has one.
+    Work that exceeds MOST times the work at ratio 1 refutes the claim, as counts are exact. So does a missing answer, if
+    there is one at ratio 1.
     """
     text = claims.of("hausbench", "no_cliff", work=claim, title=title, most=MOST)
     known = {family: rows for (family, _), rows in curves.items() if rows[0].ratio == 1 and not math.isnan(rows[0].work)}
@@ -50,7 +54,7 @@ def verdict(claim: str, title: str, curves: Curves) -> Verdict:
 
 
 def away_notes(results: Results, curves: Curves, titles: dict[str, str]) -> list[str]:
-    """Describes cliffs from moving A away, after which work is flat: their size, where they end, and why if the counters tell."""
+    """Describes cliffs that end as A moves away: how much work grows, where it becomes constant, and why, if counters show it."""
     found, nodes = [], results.cases.counters.get("node_visits")
     for (key, label), rows in curves.items():
         factor, start = largest(rows, "work")[0], flat_from(rows)

@@ -1,4 +1,4 @@
-"""The curves of cliffs: work and time of each solver over the scenes of a family, by the ratio of two of their lengths."""
+"""The curves of `cliffs`: work and time of each solver on a family of scenes, by the ratio of two lengths of the scene."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from analysis.shared.comparable import Origin, origin, reason_apart
 from analysis.shared.results import ResultError, Results
 from analysis.shared.statistics import median
 
-MOST: Final = 4.0  # more than this many times the work of ratio 1 is a cliff
-FLAT: Final = 1.02  # work that differs by at most this factor has stopped growing
+MOST: Final = 4.0  # a cliff is more than this many times the work at ratio 1
+FLAT: Final = 1.02  # work within this factor counts as constant
 COUNTED: Final = ("point_distances", "point_triangle_distances", "box_distances", "node_visits", "bound_tests",
                   "polynomial_evaluations")
 ANSWERED: Final = ("ok", "floor")
@@ -26,7 +26,7 @@ NOT_RUN: Final = ("skipped", "not_built")
 class Family:
     title: str
     axis: str = "ratio"
-    claim: str = ""  # subject of a verdict; families with the same text share one verdict for each solver
+    claim: str = ""  # subject of a verdict; families with the same text are judged together
 
 
 QUERIES: Final = "closest point work"
@@ -47,7 +47,7 @@ FAMILIES: Final[dict[str, Family]] = {
 
 @dataclass(frozen=True)
 class Row:
-    """One case. Work and seconds are NaN if it has no answer; work also if the solver counts none."""
+    """A point of a curve. Work and seconds are NaN without an answer; work also if the solver counts none."""
 
     case: int
     ratio: float
@@ -57,11 +57,11 @@ class Row:
     origin: Origin = Origin(False, "", "", "")  # origin of its time
 
 
-Curves = dict[tuple[str, str], list[Row]]  # family, label: by ratio
+Curves = dict[tuple[str, str], list[Row]]  # by (family, label), ascending in ratio
 
 
 def place(results: Results, case: int) -> tuple[str, float]:
-    """Returns the family of a case and its ratio, from the name of its scene. Raises ResultError for any other name."""
+    """Returns the family and the ratio of a case, from the name of its scene. Raises ResultError if it is in no family."""
     cases, scene = results.cases, results.cases.scene[case]
     if scene.endswith("_away") and scene in FAMILIES:
         return scene, float(f"{np.linalg.norm(cases.pose[case][9:]):.3g}")  # 10^k without its rounding error
@@ -91,7 +91,7 @@ def collect(results: Results) -> Curves:
 
 
 def relative(rows: Sequence[Row], what: str) -> list[float]:
-    """Returns the work or seconds of each row, divided by the first row's; NaN for times that do not compare."""
+    """Returns `work` or `seconds` of each row / of the first row; NaN if times are not comparable."""
     values = [float(getattr(row, what)) for row in rows]
     return [math.nan if what == "seconds" and reason_apart([row.origin, rows[0].origin]) else value / values[0] for row, value in zip(rows, values)]
 
@@ -102,7 +102,7 @@ def largest(rows: Sequence[Row], what: str) -> tuple[float, Row | None]:
 
 
 def flat_from(rows: Sequence[Row]) -> Row | None:
-    """Returns the first of at least three ratios, up to the last, whose work differs by at most FLAT; None if it goes on changing."""
+    """Returns the row from which work stays within the factor FLAT, for at least three rows; None if there is none."""
     for i in range(len(rows) - 2):
         work = [row.work for row in rows[i:]]
         if all(map(math.isfinite, work)) and max(work) <= FLAT * min(work):
@@ -111,6 +111,6 @@ def flat_from(rows: Sequence[Row]) -> Row | None:
 
 
 def power(ratio: float) -> str:
-    """Returns '1e6' for a ratio, '32' for a degree."""
+    """Formats a power of ten as '1e6', and other or smaller ratios as they are: '32'."""
     exponent = math.log10(ratio)
     return f"1e{round(exponent)}" if ratio >= 1000 and abs(exponent - round(exponent)) < 1e-6 else f"{ratio:g}"

@@ -1,4 +1,4 @@
-"""The figure of cliffs: a panel for each family of scenes."""
+"""The figure of `cliffs`: a panel for each family of scenes."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from analysis.shared import scales, style
 from analysis.speed.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, relative
 
 ACROSS: Final = 4
-WIDE: Final = 1.46  # inches: the width of a frame; below, its height
+WIDE: Final = 1.46  # inches: width of a frame (TALL: height)
 TALL: Final = 0.92
 
-# Frames with point sets also show solvers of meshes: here no two solvers that share frames share a colour.
+# Some frames show solvers of point sets and of meshes, which may share colours elsewhere. Here they get other ones.
 _OTHER: Final = {"scan": ("#332288", (0, (4, 1.5, 1, 1.5)))}
 _SPLIT: Final = "#117733"  # Guthe's algorithm with another way to split
 
 
 def look(solver: str, label: str) -> style.Look:
-    """Returns the look of a solver in these frames."""
+    """Returns the look of a solver in this figure."""
     found = style.look(solver, label)
     if solver in _OTHER and label == solver:
         colour, line = _OTHER[solver]
@@ -32,9 +32,9 @@ def look(solver: str, label: str) -> style.Look:
 
 
 def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
-    """Draws work above and time below it for each family, on one axis of ratios. Frames side by side share their scale.
+    """Draws a panel per family: work above, time below, over the ratio. Frames in a row share their scale.
 
-    The frames are placed by hand, in inches; the legend takes the place of the last panel.
+    Frames are placed in inches, without a layout engine; the legend is in place of a last panel.
     """
     deep = 0.2 + 2 * TALL + 0.06 + 0.36
     height = deep * -(-(len(FAMILIES) + 1) // ACROSS) + 0.22
@@ -66,7 +66,7 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
 
 
 def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
-    """Returns the limits of a band of frames, with room for letters at the top."""
+    """Returns the limits of the vertical axis for a row of frames, with space at the top for letters."""
     values = [x for rows in curves for x in relative(rows, what) if math.isfinite(x) and x > 0]
     low, high = min([0.5, *values]) / 1.3, max([MOST * 2, *values])
     return low, high * (high / low) ** 0.2
@@ -74,9 +74,9 @@ def scale_of(curves: Sequence[Sequence[Row]], what: str) -> tuple[float, float]:
 
 def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, str]], what: str,
                limits: tuple[float, float]) -> set[str]:
-    """Draws lines through the answers, and letters at the top, in the solver's colour, for cases without one.
+    """Draws a line per solver, and at the top a letter for each case without an answer.
 
-    Returns the statuses of these cases.
+    Returns the statuses that these letters stand for.
     """
     ax.set_xscale("log")
     ax.set_yscale("log")
@@ -98,7 +98,7 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
                     | {"markersize": 0.75 * looks.size})
         for row in rows:
             if row.status not in ANSWERED:
-                letter_of_panel = 9 if what == "seconds" and row.ratio == ratios[0] else 0  # room for it at the top left
+                letter_of_panel = 9 if what == "seconds" and row.ratio == ratios[0] else 0  # in points, below the panel's letter
                 statuses.add(row.status)
                 ax.annotate(style.status_letter(row.status), (row.ratio, 1), (0, -4.5 - letter_of_panel - 6 * lost[row.ratio]),
                             xycoords=("data", "axes fraction"), textcoords="offset points", ha="center", va="center",
@@ -109,7 +109,7 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
                     ratios[-1] * 1.3 ** math.log10(10 * ratios[-1] / ratios[0]))
     scales.log_ticks(ax.xaxis)
     scales.log_ticks(ax.yaxis)
-    if ratios and ratios[-1] / ratios[0] < 100:  # degrees: each has its tick
+    if ratios and ratios[-1] / ratios[0] < 100:  # few values, such as degrees: a tick for each
         ax.set_xticks(ratios, [f"{x:g}" for x in ratios])
     elif ratios and ratios[0] == 1:
         ax.set_xticks([1, 1e4, 1e8, 1e12])

@@ -1,4 +1,4 @@
-"""Answers and traced bounds of a panel on one clock, and their true errors, for `error_vs_time`. Lengths are in diagonals of A."""
+"""Times, gaps and true errors of answers and traced bounds, for `error_vs_time`. Lengths are in diagonals of A."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import Estimate, median
 
 ROUNDING: Final = 2.0**-53  # smaller lengths are below the rounding of coordinates
-FINER: Final = 0.01  # fraction of the finest tolerance that a reference answer is asked for. Nothing smaller is shown
-LEAST_SHOWN: Final = 1e-10  # but everything above this is shown, whatever the tolerances
-# Parameters that decide the accuracy of a solver, whatever the tolerance: their values are points of one line.
+FINER: Final = 0.01  # gaps below this fraction of the finest tolerance are not distinguished
+LEAST_SHOWN: Final = 1e-10  # but gaps above this always are
+# Parameters that set the accuracy of a solver in place of the tolerance; answers at their values form one line.
 RESOLUTION: Final[Mapping[str, frozenset[str]]] = {"sampling": frozenset({"step", "samples"}), "interval_subdivision": frozenset({"depth"}),
                                                    "surface_meshes": frozenset({"cells"})}
 Panel = tuple[str, int]  # scene, pose
-Series = tuple[str, str]  # solver, and its label with the swept parameters that are neither a seed nor a resolution
+Series = tuple[str, str]  # solver, and its label with swept parameters, except seeds and RESOLUTION
 
 
 @dataclass(frozen=True)
 class Errors:
-    """Distances of both bounds and of their middle from the middle of the reference."""
+    """Distances of both bounds, and of their middle, from the middle of the reference interval."""
 
     lower: Floats
     middle: Floats
@@ -33,7 +33,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Answer:
-    """One marker: the answer of a series at a tolerance and a resolution, over all seeds."""
+    """One marker: the answer of a series at one tolerance and resolution, over all seeds."""
 
     series: Series
     case: int  # of the first seed
@@ -41,7 +41,7 @@ class Answer:
     time: Estimate
     gap: float
     ok: bool
-    read_off: bool  # from a traced run
+    read_off: bool  # read off the trace of a run at a finer tolerance
     certified: bool
 
 
@@ -56,14 +56,14 @@ class Curve:
 
 
 def _parts(results: Results, case: int, keep: bool) -> str:
-    """Returns the swept parameters that are a resolution (keep), or those that are neither a resolution nor a seed."""
+    """Returns the swept parameters that are a resolution if `keep`, else those that are neither a resolution nor a seed."""
     resolution = RESOLUTION.get(results.cases.solver[case], frozenset())
     parts = [part for part in str(results.cases.variant[case]).split(", ") if part]
     return ", ".join(part for part in parts if (name := part.partition("=")[0]) != "seed" and (name in resolution) == keep)
 
 
 def series_of(results: Results, case: int) -> Series:
-    """Returns the series as which a row is drawn."""
+    """Returns the series to which a row belongs."""
     rest, label = _parts(results, case, False), str(results.cases.label[case])
     return str(results.cases.solver[case]), f"{label}({rest})" if rest else label
 
@@ -88,7 +88,7 @@ def traced_row(results: Results, case: int) -> int | None:
 
 
 def read_off_from(results: Results, case: int) -> int | None:
-    """Finds the row whose traced run holds the answer of this one; None for a row with answers of its own."""
+    """Finds the traced run from which this row was read off; None for a row that was run itself."""
     if not results.cases.from_trace[case] or (results.answers.case == case).any() or len(results.repeats_of(case)):
         return None
     fine = traced_row(results, case)
@@ -98,8 +98,8 @@ def read_off_from(results: Results, case: int) -> int | None:
 def total_by_round(results: Results, case: int) -> dict[int, float]:
     """Returns the seconds to prepare and answer, by round.
 
-    An answer that was read off a traced run takes the same share of each timed run as of the traced one, so that all
-    answers are on the clock of the timed runs.
+    Tracing costs time. An answer that was read off a trace therefore gets the time of each untraced run, multiplied by
+    the share of the traced run after which it was reached.
     """
     fine = read_off_from(results, case)
     if fine is None:
@@ -110,12 +110,12 @@ def total_by_round(results: Results, case: int) -> dict[int, float]:
 
 
 def times_of(results: Results) -> dict[int, Estimate]:
-    """Returns the time to prepare and answer of each row with bounds."""
+    """Returns the time to prepare and answer, for all rows with bounds."""
     return {case: median(list(total_by_round(results, case).values())) for case in range(len(results.cases)) if results.is_bounded(case)}
 
 
 def over_seeds(results: Results, cases: Iterable[int]) -> Estimate:
-    """Returns the median over the rounds of the median over the seeds."""
+    """Returns the median over rounds, each of which is the median over seeds."""
     found: dict[int, list[float]] = {}
     for case in cases:
         for number, seconds in total_by_round(results, case).items():
@@ -124,7 +124,7 @@ def over_seeds(results: Results, cases: Iterable[int]) -> Estimate:
 
 
 def curve_of(results: Results, case: int) -> Curve:
-    """Returns the traced run of a row, scaled to end at the median of the timed runs, so that it excludes the cost of tracing."""
+    """Returns the trace of a row, its times scaled to end at the median of untraced runs, so that tracing costs nothing."""
     trace, first = results.trace_of(case), list(results.first_by_round(case).values())
     end = float(trace.seconds[-1])
     scale = float(np.median(first)) / end if first and end > 0 else 1.0
@@ -134,7 +134,7 @@ def curve_of(results: Results, case: int) -> Curve:
 
 
 def curves_of(results: Results, rows: Iterable[int]) -> dict[Series, list[Curve]]:
-    """Returns for each series its traced runs at the finest tolerance, one per seed; none for a series whose answers are joined."""
+    """Returns the traces of each series at its finest tolerance, one per seed. Series with a resolution have none."""
     finest: dict[tuple[Series, str], int] = {}
     for row in rows:
         series = series_of(results, row)
@@ -152,7 +152,7 @@ def curves_of(results: Results, rows: Iterable[int]) -> dict[Series, list[Curve]
 
 
 def answers_of(results: Results, rows: Iterable[int]) -> list[Answer]:
-    """Returns the markers of a panel. Equal answers to several tolerances are one marker, at the finest."""
+    """Returns the markers of a panel. If answers at several tolerances are equal, only the finest is returned."""
     cases = results.cases
     groups: dict[tuple[Series, str, float], list[int]] = {}
     for row in rows:
@@ -169,9 +169,9 @@ def answers_of(results: Results, rows: Iterable[int]) -> list[Answer]:
 
 
 def errors(results: Results, case: int, lower: Floats, upper: Floats) -> Errors:
-    """Returns the errors of the bounds and of their middle.
+    """Returns the errors of these bounds and of their middle.
 
-    They are NaN if no certified solver has an answer, and infinite if the row has no upper bound.
+    NaN if no certified solver has an answer. Without an upper bound, its error and the middle's are infinite.
     """
     size, true = results.length_unit(case), results.middle(case)
     return Errors(np.abs(true - lower) / size, np.abs(0.5 * (lower + upper) - true) / size, np.abs(upper - true) / size)
@@ -183,13 +183,13 @@ def errors_of(results: Results, case: int) -> Errors:
 
 
 def least_shown(results: Results) -> float:
-    """Returns the gap below which all gaps are drawn alike."""
+    """Returns the gap below which all gaps are drawn at the same height."""
     asked = [results.cases.tolerance_absolute[case] / results.length_unit(case) for case in range(len(results.cases))]
     return float(max(ROUNDING, min(FINER * np.min(asked, initial=np.inf), LEAST_SHOWN)))
 
 
 def reference_width(results: Results, case: int) -> float:
-    """Returns half the width of the reference: a smaller error cannot be told from 0. 0 if no certified solver has an answer."""
+    """Returns half the width of the reference, below which errors cannot be told from 0. Returns 0 without a reference."""
     low, high = results.reference_of(case)
     return float(np.nan_to_num(0.5 * (high - low) / results.length_unit(case)))
 
@@ -201,9 +201,7 @@ def steps_at(times: Floats, seconds: Floats, values: Floats) -> Floats:
 
 
 def band(lines: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats, Floats]:
-    """Returns times, and the least, the median and the greatest of several step functions, from the time on at which
-    all have a value.
-    """
+    """Returns times, and minimum, median and maximum of several step functions there, beginning when all have a value."""
     times = np.unique(np.concatenate([seconds for seconds, _ in lines]))
     values = np.array([steps_at(times, *line) for line in lines])
     times, values = times[known := ~np.isnan(values).any(axis=0)], values[:, known]
@@ -213,9 +211,9 @@ def band(lines: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats, Floats, Fl
 
 
 def stairs(answers: Iterable[Answer], least: float) -> tuple[Floats, Floats]:
-    """Returns the Pareto front of the certified answers: ascending times, and gaps, up to the last time of any.
+    """Returns the Pareto front of the certified answers, up to their last time: ascending times, falling gaps.
 
-    Gaps of at most `least` are equal.
+    Gaps below `least` count as `least`.
     """
     points = sorted((answer.time.value, max(answer.gap, least)) for answer in answers if answer.certified and np.isfinite(answer.gap))
     front: list[tuple[float, float]] = []
@@ -228,7 +226,7 @@ def stairs(answers: Iterable[Answer], least: float) -> tuple[Floats, Floats]:
 
 
 def tracing_cost(results: Results, case: int) -> float:
-    """Returns the share by which the traced run of a row took longer than the untraced repeats of its process; NaN without either."""
+    """Returns the relative cost of tracing: traced run / untraced repeats of its process - 1; NaN if one is missing."""
     trace = results.trace_of(case)
     rows = [row for row in results.repeats_of(case) if results.repeats.round[row] == 0]
     if not rows or not len(trace.seconds):

@@ -1,4 +1,4 @@
-"""The figure of `error_vs_time`: rows of panels by kind of shape; each has the gap above, the true error below, and one time axis."""
+"""The figure of `error_vs_time`: a panel per scene, gap above and true error below over time, in rows by kind of shape."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from analysis.speed.error_curves import Answer, Curve, Panel, Series
 DOMAINS: Final = {"mesh": "Meshes", "points": "Point sets", "surface": "Surfaces"}
 STAIRS: Final[dict[str, Any]] = {"color": "#A8A8A8", "linewidth": 1.4}
 LEGENDS: Final[dict[str, Any]] = {"handlelength": 2.6, "borderpad": 0, "labelspacing": 0.25}
-LETTER: Final = 0.24  # room above the curves of a frame for its letter, as a fraction of all decades
+LETTER: Final = 0.24  # space above the curves for the panel's letter, as a fraction of the axis
 # In inches.
 LEFT, PITCH, WIDE, TALL, BETWEEN, TITLE, BELOW, LEGEND = 0.66, 2.19, 1.82, 0.86, 0.07, 0.2, 0.335, 0.125
 
@@ -35,7 +35,7 @@ class Shown:
     curves: dict[Series, list[Curve]]
     least: float  # smaller gaps are drawn in the grey area
     floor: float  # smaller errors are drawn in the grey area
-    lost: list[tuple[Series, str, str]] = field(default_factory=list)  # for the margin: series, status, number of tolerances
+    lost: list[tuple[Series, str, str]] = field(default_factory=list)  # failures, as lost_of() returns them
 
 
 def shown_of(results: Results, panel: Panel, rows: list[int]) -> Shown:
@@ -47,9 +47,9 @@ def shown_of(results: Results, panel: Panel, rows: list[int]) -> Shown:
 
 
 def lost_of(results: Results, rows: list[int]) -> list[tuple[Series, str, str]]:
-    """Returns the series with rows that are not ok, their status, and at how many tolerances ('' for all).
+    """Returns the failures of a panel: series, status, and the number of tolerances (empty for all).
 
-    Bounds whose width depends on a resolution are not a failure: an open marker shows that the tolerance was not reached.
+    Solvers whose accuracy depends on a resolution do not fail by missing the tolerance; they get an open marker.
     """
     cases, found, asked = results.cases, dict[tuple[Series, str], set[float]](), dict[Series, set[float]]()
     for row in rows:
@@ -61,7 +61,7 @@ def lost_of(results: Results, rows: list[int]) -> list[tuple[Series, str, str]]:
 
 
 def domain_of(results: Results, panel: Panel) -> str:
-    """Names the kind of both shapes of a panel; empty if they differ."""
+    """Returns the kind of the shapes of a panel; empty if A and B differ in kind."""
     kinds = dict(zip(results.models.name, results.models.kind))
     row = results.rows(scene=panel[0], pose_index=panel[1])[0]
     both = {str(kinds.get(model, "")) for model in (results.cases.source[row], results.cases.target[row])}
@@ -69,7 +69,7 @@ def domain_of(results: Results, panel: Panel) -> str:
 
 
 def bands_of(results: Results, panels: Sequence[Panel]) -> list[tuple[str, list[Panel]]]:
-    """Returns the rows of the figure: panels of one kind of shapes, three or as many as fit its width."""
+    """Returns the rows of the figure, each with as many panels of one kind of shapes as fit its width."""
     across = max(1, int((style.width() - LEFT + PITCH - WIDE) / PITCH))
     found: dict[str, list[Panel]] = {}
     for panel in panels:
@@ -78,7 +78,7 @@ def bands_of(results: Results, panels: Sequence[Panel]) -> list[tuple[str, list[
 
 
 def draw(results: Results, panels: Sequence[Panel], rows_of: dict[Panel, list[int]], titles: dict[Panel, str], footnote: str = "") -> Any:
-    """Draws all panels, placed by hand: a layout engine would squeeze the frames to make room for the marks in their margins."""
+    """Draws all panels at computed positions; a layout engine would shrink the frames to fit the marks in their margins."""
     bands = [(domain, [shown_of(results, panel, rows_of[panel]) for panel in some]) for domain, some in bands_of(results, panels)]
     width = style.width()
     figure = plt.figure(figsize=(width, 1.0))
@@ -113,7 +113,7 @@ def _columns(figure: Any, handles: list[Any]) -> int:
 
 
 def _entries(bands: list[tuple[str, list[Shown]]]) -> list[list[Series]]:
-    """Returns the legend of each row: the last row of a kind of shapes has one for all of its rows."""
+    """Returns the legend entries of each row. Only the last row of each kind of shapes has a legend, for all of them."""
     of: dict[str, list[Series]] = {}
     for domain, band in bands:
         of[domain] = list(dict.fromkeys([*of.get(domain, []), *(series for one in band for series in _series(one))]))
@@ -153,7 +153,7 @@ def _draw_band(figure: Any, results: Results, band: list[Shown], titles: dict[Pa
 class Scale:
     """A logarithmic axis of lengths, the same in all frames of a row.
 
-    Lengths below the floor of a frame are drawn in its grey area.
+    Each frame has a *floor*: smaller lengths are all drawn at one height in a grey area below it.
     """
 
     least: float
@@ -165,7 +165,7 @@ class Scale:
         return self.high - self.low
 
     def apply(self, ax: Any, floor: float, room: float, labels: bool) -> None:
-        """Sets the limits, with `room` at the top as a fraction of all decades, and the ticks."""
+        """Sets limits and ticks. `room` is the free space at the top, as a fraction of the axis."""
         ax.set_yscale("log")
         ax.minorticks_off()
         step = max(1, -(-self.decades // 4))
@@ -180,7 +180,7 @@ class Scale:
                     color="#7A7A7A", zorder=1)
 
     def inside(self, floor: float) -> float:
-        """Returns where lengths below the floor are drawn."""
+        """Returns the height at which lengths below the floor are drawn."""
         return float(floor * 10.0 ** (-0.05 * self.decades))
 
     def place(self, values: Any, floor: float) -> Floats:
@@ -206,7 +206,7 @@ def _scale(results: Results, band: list[Shown]) -> Scale:
 
 
 def _tolerances(ax: Any, results: Results, one: Shown) -> None:
-    """Draws ticks on the axis and faint lines at the tolerances that were asked for."""
+    """Marks the requested tolerances with ticks and faint lines."""
     cases = results.cases
     asked = {float(cases.tolerance_absolute[row] / results.length_unit(row)) for row in one.rows
              if not error_curves.joined(error_curves.series_of(results, row))}
@@ -223,7 +223,7 @@ def _line(ax: Any, series: Series, seconds: Floats, values: Floats, **more: Any)
 
 
 def _band(ax: Any, scale: Scale, floor: float, series: Series, lines: list[tuple[Floats, Floats]], **more: Any) -> None:
-    """Draws one line, or the median of several seeds with the range of all of them."""
+    """Draws a single line, or for several seeds their median and a band from minimum to maximum."""
     lines = [(x, y) for x, y in lines if len(x)]
     if not lines:
         return
@@ -264,9 +264,9 @@ def _draw_gap(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
 
 
 def _draw_error(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
-    """Draws the error of the middle, with a bar from one bound's error to the other's.
+    """Draws the error of the middle of each interval, with a bar between the errors of its two bounds.
 
-    Without an upper bound, draws the error of the lower one.
+    Without an upper bound, draws the error of the lower bound.
     """
     for series, curves in one.curves.items():
         middles, lowers = [], []
@@ -290,7 +290,7 @@ def _draw_error(ax: Any, scale: Scale, results: Results, one: Shown) -> None:
 
 
 def _key(bands: list[tuple[str, list[Shown]]]) -> str:
-    """Explains the lines, markers and letters that occur."""
+    """Returns the text that explains the lines, markers and letters in the figure."""
     shown = [one for _, band in bands for one in band]
     answers = [answer for one in shown for answer in one.answers]
     curves = [curve for one in shown for some in one.curves.values() for curve in some]

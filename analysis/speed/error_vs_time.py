@@ -1,4 +1,4 @@
-"""Error against run time: for each scene, how small an interval each solver has proved by a time, and how accurate its answer is."""
+"""Error against run time: for each scene, the gap that each solver has reached by a time, and the true error of its answer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from analysis.speed import error_curves, error_picture
 from analysis.speed.error_curves import Panel
 
 OURS = "cover"
-LEAST_TRACED: Final = 0.01  # seconds: shorter traced runs do not show the cost of tracing
+LEAST_TRACED: Final = 0.01  # seconds: the cost of tracing is not computed from shorter runs
 HEADER = ["scene", "solver", "asked", "time, ms", "gap", "error of the middle", "of the lower bound", "tracing, %", "distances", "rows not ok"]
 
 
@@ -45,7 +45,7 @@ def make(results: Results) -> Report:
 
 
 def clock(results: Results) -> str:
-    """Returns the sentence on the clock. Rows that were read off a traced run have no clock of their own."""
+    """Returns the sentence on the clock, by the rows that were run; rows read off a trace have no clock."""
     timed = {results.clock_of(case) for case in range(len(results.cases)) if error_curves.read_off_from(results, case) is None and results.first_by_round(case)}
     if len(timed) > 1:
         return clock_note(results)
@@ -55,7 +55,7 @@ def clock(results: Results) -> str:
 
 
 def footnote(results: Results, times: dict[int, Estimate]) -> str:
-    """Returns rounds, clock and machine, for the figure."""
+    """Returns the footnote of the figure: number of rounds, clock and machine."""
     counts = sorted({time.n for time in times.values() if time.n})
     rounds = f"n = {counts[0] if len(counts) == 1 else f'{counts[0]} to {counts[-1]}'} rounds, " if counts else ""
     word = clock(results).removeprefix("Times are ").partition(",")[0].partition(";")[0]
@@ -63,7 +63,7 @@ def footnote(results: Results, times: dict[int, Estimate]) -> str:
 
 
 def message(results: Results, panels: Sequence[Panel], times: dict[int, Estimate]) -> str:
-    """Says which certified solvers are the first at the finest tolerance, and on how many scenes of which shapes."""
+    """Says which certified solvers reach the finest tolerance first, and on how many scenes of each kind of shape."""
     first: dict[str, Counter[str]] = {}
     for panel in panels:
         rows = [row for row in run_rows(results, panel) if row in times and results.cases.certified[row] == 1]
@@ -77,7 +77,7 @@ def message(results: Results, panels: Sequence[Panel], times: dict[int, Estimate
 
 
 def lines(results: Results, rows: Sequence[int]) -> list[list[int]]:
-    """Returns the rows of each line of the table: one solver with one choice of parameters, all its seeds and tolerances."""
+    """Groups rows by line of the table: one solver with one choice of parameters, with all its seeds and tolerances."""
     found: dict[tuple[str, str, str], list[int]] = {}
     for row in rows:
         found.setdefault((*error_curves.series_of(results, row), error_curves.resolution_of(results, row)), []).append(row)
@@ -86,7 +86,7 @@ def lines(results: Results, rows: Sequence[int]) -> list[list[int]]:
 
 
 def line_title(results: Results, rows: Sequence[int]) -> str:
-    """Names the solver and its resolution; with 'median of n seeds' if there are several."""
+    """Returns the solver and its resolution, and 'median of n seeds' if there are several."""
     solver, label = error_curves.series_of(results, rows[0])
     resolution, seeds = error_curves.resolution_of(results, rows[0]), len({results.names[row] for row in rows})
     name = style.title(solver, str(results.names[rows[0]])) if resolution else style.title(solver, label)
@@ -94,15 +94,13 @@ def line_title(results: Results, rows: Sequence[int]) -> str:
 
 
 def cost_of_tracing(results: Results, case: int) -> float:
-    """Returns the cost of tracing as a share; NaN if it is not known or the traced run is too short to say."""
+    """Returns error_curves.tracing_cost(), or NaN if the traced run is shorter than LEAST_TRACED."""
     trace = results.trace_of(case)
     return error_curves.tracing_cost(results, case) if len(trace.seconds) and trace.seconds[-1] >= LEAST_TRACED else float("nan")
 
 
 def tracing_note(results: Results) -> str:
-    """Returns a note on the cost of tracing: the median over all traced runs that are long enough, and over the runs of
-    the slowest solver.
-    """
+    """Returns a note on the cost of tracing: the median over all traced runs, and over the runs of the solver that it slows most."""
     cases, found = results.cases, dict[str, list[float]]()
     for case in map(int, np.flatnonzero(cases.from_trace == 0)):
         if np.isfinite(cost := cost_of_tracing(results, case)):
@@ -116,19 +114,19 @@ def tracing_note(results: Results) -> str:
 
 
 def percent(share: float) -> str:
-    """Prints a share in per cent, with one decimal if it is below 10 %."""
+    """Formats a fraction in percent, with one decimal below 10 %."""
     return f"{round(100 * share) or 0}" if abs(share) >= 0.1 else f"{round(100 * share, 1) or 0.0:.1f}"
 
 
 def run_rows(results: Results, panel: Panel) -> list[int]:
-    """Returns the rows of the solvers that were run on this scene; others do not take its shapes, or were not built."""
+    """Returns the rows of a panel, without solvers that do not accept its shapes or were not built."""
     cases, rows = results.cases, results.rows(scene=panel[0], pose_index=panel[1])
     run = {results.names[r] for r in rows if cases.status[r] not in ("skipped", "not_built")}
     return [r for r in rows if results.names[r] in run]
 
 
 def left_out(results: Results, panels: Sequence[Panel]) -> list[str]:
-    """Says which solvers were not run, and on what, in one note."""
+    """Returns a note on the solvers that were not run, and on which scenes."""
     where: dict[str, list[str]] = {}
     labels = style.order(zip(results.cases.solver, results.names))
     for panel in panels:
@@ -143,33 +141,33 @@ def left_out(results: Results, panels: Sequence[Panel]) -> list[str]:
 
 
 def panel_title(panel: Panel, panels: Sequence[Panel]) -> str:
-    """Names the scene, with the number of the pose if there are several."""
+    """Returns the scene, with the number of the pose if it has several."""
     several = sum(scene == panel[0] for scene, _ in panels) > 1
     return style.scene_title(panel[0]) + (f", pose {panel[1]}" if several else "")
 
 
 def unknown(results: Results, panels: Sequence[Panel]) -> list[str]:
-    """Names the scenes whose errors cannot be told, because no certified solver has an answer."""
+    """Returns a note on the scenes whose true errors are unknown, because no certified solver has an answer."""
     names = [panel_title(panel, panels) for panel in panels if np.isnan(results.reference(*panel)).any()]
     return [f"Error unknown, because no certified solver has an answer: {', '.join(names)}."] if names else []
 
 
 def distances(results: Results, case: int) -> int:
-    """Counts the distances of point to point and point to triangle of a solve."""
+    """Returns the number of distances (point to point, point to triangle) that were computed for a row."""
     counters = results.cases.counters
     names = ("point_distances", "point_triangle_distances")
     return sum(int(counters[name][case]) for name in names if name in counters)
 
 
 def error_cells(results: Results, case: int) -> list[str]:
-    """Returns the errors of the middle and of the lower bound as text, or the least that the reference can tell."""
+    """Formats the errors of the middle and of the lower bound; '≤ x' if the reference is only known to within x."""
     found, width = error_curves.errors_of(results, case), error_curves.reference_width(results, case)
     return [f"≤ {tables.number(width, 1)}" if 0 < width and value <= width else tables.number(value, 2)
             for value in (float(found.middle[0]), float(found.lower[0]))]
 
 
 def finest(results: Results, rows: Sequence[int], times: dict[int, Estimate]) -> list[str]:
-    """Returns the cells of a line, from the rows at the least tolerance that has bounds."""
+    """Returns the cells of a line of the table, from its rows with bounds at the finest tolerance."""
     asked = {results.cases.status[r]: set[float]() for r in rows if results.cases.status[r] != "ok"}
     for r in rows:
         if results.cases.status[r] != "ok":

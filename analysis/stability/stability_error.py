@@ -1,4 +1,4 @@
-"""How the error and the certified gap of each solver grow with severity, on the families whose true distance is known."""
+"""Shows how error and gap of each solver grow with severity, on families of scenes whose true distance is known."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def ill(family: Family) -> float:
 
 
 def error(suite: Suite, answer: Answer) -> float:
-    """Returns the error over the diagonal of A; NaN if there are no bounds."""
+    """Returns the error of the worse bound (of CGAL's lower bound) over the diagonal of A; NaN if there are no bounds."""
     cases, row = suite.results.cases, answer.row
     lower, upper, exact = float(cases.lower[row]), float(cases.upper[row]), float(cases.exact[row])
     apart = abs(lower - exact) if cases.solver[row] == "cgal" else max(abs(lower - exact), abs(upper - exact))
@@ -54,7 +54,7 @@ def error(suite: Suite, answer: Answer) -> float:
 
 
 def gap(suite: Suite, answer: Answer) -> float:
-    """Returns the gap over the diagonal of A; NaN for bounds that cross."""
+    """Returns the gap over the diagonal of A; NaN if lower > upper."""
     between = suite.results.gap(answer.row)
     return relative(between, float(suite.results.cases.source_diagonal[answer.row])) if between >= 0 else math.nan
 

@@ -1,4 +1,4 @@
-"""The rows of the stability suite by family and solver: a family is one scene at several severities."""
+"""Groups the rows of the stability suite by family (a scene at several severities) and solver."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class Answer:
     tolerance: float
     certified: bool
     outcome: Outcome
-    can_be_met: bool | None  # None: unknown
-    legal: bool
+    can_be_met: bool | None  # the tolerance is within the precision of doubles; None: unknown
+    legal: bool  # the input is valid, so a solver should answer
     status: str
 
     @property
     def letter(self) -> str:
-        """The letter in figures; if the answer stopped, it says at what."""
+        """The letter in figures; for STOPPED it says what stopped the solver."""
         return STOPS[self.status][0] if self.outcome == Outcome.STOPPED else self.outcome.letter
 
 
@@ -67,16 +67,16 @@ class Family:
         return list(self.answers.get(label, {}).values())
 
     def asked(self, label: str) -> list[Answer]:
-        """Returns the answers of a solver that were run."""
+        """Returns the answers of a solver, without those that are not applicable or were not run."""
         return [answer for answer in self.of(label) if answer.outcome not in (Outcome.NOT_APPLICABLE, Outcome.NOT_RUN)]
 
     def outcome(self, label: str, step: Step, tolerance: float) -> Outcome:
-        """Returns the outcome; `not run` if the experiment does not ask the solver."""
+        """Returns the outcome; NOT_RUN if the experiment has no such row."""
         answer = self.answers.get(label, {}).get((step, tolerance))
         return answer.outcome if answer else Outcome.NOT_RUN
 
     def mark(self, label: str, step: Step, tolerance: float) -> tuple[Outcome, str]:
-        """Returns the outcome and its letter in figures."""
+        """Returns the outcome and its letter in figures; NOT_RUN if the experiment has no such row."""
         answer = self.answers.get(label, {}).get((step, tolerance))
         return (answer.outcome, answer.letter) if answer else (Outcome.NOT_RUN, "")
 
@@ -101,10 +101,9 @@ class Suite:
         self.families = [self._family(name, kind, own) for (name, kind), own in rows.items()]
 
     def _kinds(self) -> list[str]:
-        """Returns the kind of each row.
+        """Returns the kind of shapes of each row.
 
-        If a model could not be read, for example input that is not legal, the row gets the kind of its family, or of
-        the row before it.
+        If a model could not be read, for example invalid input, this is the kind of its family, or else of the row before.
         """
         cases, models = self.results.cases, dict(zip(self.results.models.name, self.results.models.kind))
         known = [_KIND_OF.get(models.get(source, ""), "") for source in cases.source]
@@ -126,7 +125,7 @@ class Suite:
 
     def _answer(self, row: int, kind: str) -> Answer:
         cases, ending = self.results.cases, self.judge.ending(row)
-        # Input that cannot be read is refused for all solvers alike, even for those that do not take such shapes.
+        # Invalid input is refused for all solvers, so those that do not accept such shapes are sorted out here.
         asked = ending.legal or (str(self.results.names[row]), kind) in self._takes
         return Answer(row, str(self.results.names[row]), float(cases.severity[row]), float(cases.tolerance[row]), ending.certified,
                       judge(ending) if asked else Outcome.NOT_APPLICABLE, self.judge.can_be_met(row), ending.legal, ending.status)
@@ -150,17 +149,17 @@ class Suite:
         return [family for family in self.families if family.kind == kind]
 
     def labels_of(self, kind: str) -> list[Label]:
-        """Returns the solvers that take such shapes: not every row of theirs is `not applicable`."""
+        """Returns the solvers that accept shapes of this kind: some row is not NOT_APPLICABLE."""
         return [pair for pair in self.labels
                 if any(answer.outcome != Outcome.NOT_APPLICABLE for family in self.of_kind(kind) for answer in family.of(pair[1]))]
 
     def is_certified(self, label: str) -> bool:
-        """Tells whether a solver is certified. A solver that was run nowhere promises nothing here."""
+        """Tells whether a solver is certified; false if it was never run."""
         return any(answer.certified for family in self.families for answer in family.of(label))
 
 
 def ordered(pairs: Iterable[Label]) -> list[Label]:
-    """Sorts like style.order, but puts each variant that is printed wrong after its correct solver."""
+    """Sorts like style.order(), but puts each algorithm as printed (with its errors) after the corrected one."""
     known = style.order(pairs)
     found: list[Label] = [pair for pair in known if pair[0] not in AS_PRINTED]
     for pair in (pair for pair in known if pair[0] in AS_PRINTED):
@@ -174,7 +173,7 @@ def look(solver: str, label: str) -> style.Look:
 
 
 def severity_text(severity: float) -> str:
-    """Returns '1e6', '12' or '0.25'; empty if there is no severity."""
+    """Formats a severity: '1e6', '12', '0.25'; empty for NaN."""
     if math.isnan(severity):
         return ""
     if severity == 0 or 1e-3 <= abs(severity) < 1e4:
@@ -184,7 +183,7 @@ def severity_text(severity: float) -> str:
 
 
 def range_text(family: Family) -> str:
-    """Returns the severities from the mildest to the severest: '10 to 1e12'."""
+    """Returns the range of severities of a family: '10 to 1e12'."""
     if not family.has_severities:
         return f"{len(family.steps)} scenes" if len(family.steps) > 1 else ""
     ends = list(dict.fromkeys((severity_text(family.severities[0]), severity_text(family.severities[-1]))))
@@ -192,6 +191,6 @@ def range_text(family: Family) -> str:
 
 
 def percent(part: int, whole: int) -> str:
-    """Returns '97.2 %'; never 100 if some are missing."""
+    """Formats part / whole: '97.2 %'. At most 99.9 % if part < whole."""
     share = 100 * part / whole
     return f"{tables.number(min(share, 99.9) if part < whole else share)} %"

@@ -17,10 +17,10 @@ from analysis.stability import stability_picture
 from analysis.stability.stability_families import KINDS, Answer, Family, Suite, look, percent, severity_text
 from analysis.stability.stability_outcomes import ILL, MEETABLE, SLACK, U, Outcome
 
-SHARE: Final = 0.95  # share that must be tight, among the cells that can be right and tight
-# Solvers whose bounds are as wide as the spacing of their samples or of their grid, whatever the tolerance.
+SHARE: Final = 0.95  # claimed share of tight answers, among those for which a tight answer is possible
+# Solvers that ignore the tolerance: the spacing of their samples or grid sets the width of their bounds.
 WITHOUT_TOLERANCE: Final = ("sampling", "surface_meshes")
-NAMED: Final = 12  # a failed claim names at most this many places
+NAMED: Final = 12  # the evidence against a claim names at most this many places
 
 
 def make(results: Results) -> Report:
@@ -33,13 +33,13 @@ def make(results: Results) -> Report:
 
 
 def place(suite: Suite, answer: Answer) -> str:
-    """Returns 'guthe on offset at 1e4'."""
+    """Names an answer by solver, family and severity: 'guthe on offset at 1e4'."""
     family, severity = suite.family_of[answer.row], severity_text(answer.severity)
     return f"{answer.label} on {family.title}{f' at {severity}' if severity else ''}"
 
 
 def named(places: Sequence[str]) -> str:
-    """Joins the places without repeats: tolerances share a place."""
+    """Joins the distinct places, at most NAMED, and counts the others."""
     distinct = list(dict.fromkeys(places))
     rest = len(distinct) - NAMED
     return "; ".join(distinct[:NAMED]) + (f"; and {rest} more" if rest > 0 else "")
@@ -60,7 +60,7 @@ def claim_certified(suite: Suite) -> Verdict:
 
 
 def claim_tight(suite: Suite) -> Verdict:
-    """Judges the share of tight answers. This is a count of all cells, not a test."""
+    """Judges the claim on the share of tight answers, by counting, without statistics."""
     claim = claims.of("hausbench", "tight", percent=100 * SHARE, aside=" and ".join(WITHOUT_TOLERANCE))
     among = [answer for answer in suite.answers if answer.certified and answer.legal and answer.can_be_met and was_run(answer)
              and suite.results.cases.solver[answer.row] not in WITHOUT_TOLERANCE]
@@ -69,7 +69,7 @@ def claim_tight(suite: Suite) -> Verdict:
     tight = [answer for answer in among if answer.outcome == Outcome.TIGHT]
 
     def below(name_of: dict[int, str]) -> str:
-        """Lists the shares of the families, or solvers, that are below SHARE by themselves; the worst first."""
+        """Lists the families (or solvers) whose own share is below SHARE, the worst first."""
         shares = []
         for name in dict.fromkeys(name_of[answer.row] for answer in among):
             own = [answer for answer in among if name_of[answer.row] == name]
@@ -86,13 +86,15 @@ def claim_tight(suite: Suite) -> Verdict:
 
 
 def expected_wrong(suite: Suite) -> list[str]:
-    """Returns the labels of arithmetic and algorithms known to be wrong, and of the peer that publishes no bound of its rounding."""
+    """Returns the labels of solvers known to be wrong: textbook arithmetic, algorithms as printed, and CGAL, which does not
+    bound its rounding errors.
+    """
     return [label for solver, label in suite.labels
             if solver == "cgal" or solver.endswith("_as_printed") or "textbook kernel" in label]
 
 
 def claims_can_fail(suite: Suite) -> list[Verdict]:
-    """Judges that each of these solvers can be seen to be wrong. One case is enough to show it."""
+    """Judges the claim that the suite detects each solver in expected_wrong(): at least one of its answers is wrong."""
     found = []
     for label in expected_wrong(suite):
         asked = [answer for answer in suite.answers if answer.label == label and was_run(answer)]
@@ -107,7 +109,7 @@ def claims_can_fail(suite: Suite) -> list[Verdict]:
 
 
 def cell(family: Family, label: str) -> str:
-    """Returns the worst outcome, and at how many severities. At a severity the worst of its tolerances counts."""
+    """Returns the worst outcome of a solver on a family, and the number of severities that have it (at any tolerance)."""
     worst = {}
     for step in family.steps:
         own = [family.outcome(label, step, tolerance) for tolerance in family.tolerances]
@@ -152,7 +154,7 @@ def table_of(suite: Suite) -> tables.Table:
 
 
 def _kinds_begin(suite: Suite) -> list[int]:
-    """Returns the columns at which the solvers of points alone, of meshes and of surfaces begin."""
+    """Returns the first column of each group of solvers: for points only, meshes, and surfaces."""
     takes = [next((kind for kind in reversed(KINDS) if pair in suite.labels_of(kind)), "") for pair in suite.labels]
     return [3 + i for i, kind in enumerate(takes) if i == 0 or kind != takes[i - 1]]
 
@@ -162,7 +164,7 @@ def seconds_text(results: Results) -> str:
 
 
 def note_of(suite: Suite, family: Family) -> str:
-    """Returns the experiment's note on the family; if its scenes have different notes, one for each scene."""
+    """Returns the note on a family from the experiment file. If its scenes have different notes, returns all of them."""
     cases, notes = suite.results.cases, dict[str, str]()
     for own in family.answers.values():
         for answer in own.values():

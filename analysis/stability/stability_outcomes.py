@@ -1,4 +1,4 @@
-"""The outcome of each row of the stability suite: how it is judged, and its words, letters and colours."""
+"""Classifies the rows of the stability suite by outcome, and gives each outcome its words, letter and colour."""
 
 from __future__ import annotations
 
@@ -15,18 +15,17 @@ from analysis.shared.results import Interval, ResultError, Results
 
 U: Final = 2.0**-53
 SLACK: Final = 84 * U  # as a fraction of the largest |coordinate|, for solvers that are not certified; derived in harness/check/verify.cpp
-# Likewise: a tolerance below it is below the precision of double arithmetic. The widest certified bounds, of meshes far
-# from the origin, were seen to be 34 u M apart at their precision floor.
+# The least tolerance that double arithmetic can meet, as a fraction of M, the largest |coordinate|. The widest certified
+# bounds at a precision floor that we saw, of meshes far from the origin, were 34 * U * M apart.
 MEETABLE: Final = 40 * U
-LEAST: Final = 40 * 2.0**-1074  # floor if u M is below the smallest double
+LEAST: Final = 40 * 2.0**-1074  # the same if U * M is below the smallest double
 
 
 class Outcome(Enum):
-    """The outcomes from best to worst, after the two of rows that were not asked.
+    """The outcomes of a row: first two for rows that were not run, then from best to worst.
 
-    Each has words, a short word, a letter in figures, a colour, and the colour of the letter. The worse, the darker
-    (but a crash is black), with a step in lightness between any two colours: they can be told apart in grey and with
-    every kind of colour blindness.
+    Each has words, a short word, a letter in figures, a colour, and the colour of the letter. Worse outcomes are darker
+    (but a crash is black), so that colours differ in grey and with all kinds of colour blindness.
     """
 
     NOT_APPLICABLE = ("not applicable", "n/a", "", "#FFFFFF", "#777777")
@@ -51,28 +50,28 @@ ILL: Final = (Outcome.REFUSED, Outcome.HUNG, Outcome.CRASHED, Outcome.WRONG)
 
 @dataclass(frozen=True)
 class Ending:
-    """Everything that decides the outcome of a row."""
+    """The properties of a row that decide its outcome."""
 
     status: str = "ok"
     reason: str = ""
     solver_status: str = ""  # empty: the solver gave no answer
     lower: float = math.nan
     upper: float = math.nan
-    truth: Interval = Interval(math.nan, math.nan)  # the interval that is known to hold the true distance
+    truth: Interval = Interval(math.nan, math.nan)  # an interval that contains the true distance
     slack: float = 0.0  # how far the bounds may be off; NaN: unknown
     tolerance: float = 0.0
     certified: bool = True
     unsound: bool = False  # found by the harness
-    legal: bool = True  # the input is legal: a solver should answer it
+    legal: bool = True  # the input is valid, so a solver should answer
 
     @property
     def takes_it(self) -> bool:
-        """False if the solver does not take such shapes, or does not compute the quantity."""
+        """False if the solver does not accept such shapes, or does not compute this quantity."""
         return not re.match(r"solver '[^']*' (takes no|computes) ", self.reason)
 
     @property
     def leaves_out_the_truth(self) -> bool:
-        """The bounds cross, or do not hold. An unknown slack shows nothing."""
+        """True if lower > upper, or the true distance is outside the bounds, by more than the slack. False for an unknown slack."""
         low, high = self.lower - self.slack, self.upper + self.slack
         return self.lower > high or low > self.truth.upper or high < self.truth.lower or math.isinf(self.lower)
 
@@ -99,13 +98,13 @@ def _judge_legal(ending: Ending) -> Outcome:
         return _without_bounds(ending)
     if ending.leaves_out_the_truth:
         return Outcome.WRONG
-    if ending.status == "failed" and ending.solver_status != "stalled":  # two runs of it differ: neither can be relied on
+    if ending.status == "failed" and ending.solver_status != "stalled":  # its runs gave different answers
         return Outcome.WRONG
     if ending.is_tight:
         return Outcome.TIGHT
     if ending.status in ("timeout", "budget", "floor"):
         return Outcome.STOPPED
-    if ending.status == "failed" and ending.lower <= 0 and math.isinf(ending.upper):  # gives only the reason
+    if ending.status == "failed" and ending.lower <= 0 and math.isinf(ending.upper):  # trivial bounds and a reason
         return Outcome.REFUSED
     if ending.status == "ok" and ending.certified:
         return Outcome.WRONG
@@ -113,7 +112,7 @@ def _judge_legal(ending: Ending) -> Outcome:
 
 
 def _without_bounds(ending: Ending) -> Outcome:
-    if ending.solver_status:  # its answer is not a number
+    if ending.solver_status:  # it answered NaN
         return Outcome.WRONG
     if ending.status == "timeout":
         return Outcome.HUNG
@@ -121,7 +120,7 @@ def _without_bounds(ending: Ending) -> Outcome:
 
 
 class Judge:
-    """Judges the rows of a result file. Remembers the size of each model."""
+    """Finds the outcomes of the rows of a result file. Caches the size of each model."""
 
     def __init__(self, results: Results) -> None:
         self.results = results
@@ -136,10 +135,10 @@ class Judge:
                       not str(cases.scene_note[row]).startswith("not legal"))
 
     def truth(self, row: int) -> Interval:
-        """Returns `exact`, give or take one ulp; else the interval that all certified rows prove together.
+        """Returns `exact`, give or take one ulp, or if it is unknown the interval that all certified rows prove together.
 
-        The ends of that interval cross if one of these rows is wrong, and it is not known which: then every row that is
-        not wider than both is outside.
+        If certified rows contradict each other, this interval has lower > upper, as it is not known which one is wrong.
+        Then only a row whose bounds include both ends contains it.
         """
         exact = float(self.results.cases.exact[row])
         if math.isnan(exact):
@@ -152,12 +151,12 @@ class Judge:
         return None if math.isnan(floor) else bool(self.results.cases.tolerance_absolute[row] >= floor)
 
     def floor(self, row: int) -> float:
-        """Returns the least tolerance that doubles can meet; NaN: unknown."""
+        """Returns the least tolerance that doubles can meet; NaN if a shape is not in the cache."""
         largest = self.magnitude(row)
         return math.nan if math.isnan(largest) else max(MEETABLE * largest, LEAST)
 
     def magnitude(self, row: int) -> float:
-        """Returns the largest |coordinate| of both posed shapes, as harness/check/verify.cpp bounds it; NaN: unknown."""
+        """Returns a bound on |coordinate| of both shapes in their poses, as in harness/check/verify.cpp; NaN if one is not cached."""
         cases, found = self.results.cases, list[float]()
         for model, pose in ((cases.source[row], cases.pose[row]), (cases.target[row], cases.target_pose[row])):
             largest = self._largest_of(str(model))

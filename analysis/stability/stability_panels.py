@@ -1,4 +1,4 @@
-"""Small multiples of the stability suite: for a few families, two measures of each answer against severity, one above the other."""
+"""Draws small panels for a few families of the stability suite: two measures against severity, one above the other."""
 
 from __future__ import annotations
 
@@ -25,35 +25,35 @@ PITCH: Final = 1.68
 DEEP: Final = 0.2 + 2 * TALL + 0.08 + 0.36
 LEFT: Final = 0.6
 MARK: Final = "#D00000"
-BEHIND: Final = "#C4C4C4"  # for solvers that have no colour here
-SHOWN: Final = 6
-OURS: Final = {"cover": 3e6, "scan": 2e6, "surface_enclosure": 1e6}  # chosen first, in this order
+BEHIND: Final = "#C4C4C4"  # grey, for solvers that telling() does not choose
+SHOWN: Final = 6  # solvers drawn in colour, at most
+OURS: Final = {"cover": 3e6, "scan": 2e6, "surface_enclosure": 1e6}  # added to their score, so that they are chosen first
 
 
 @dataclass(frozen=True)
 class Measure:
-    """The number that a frame shows: NaN is not drawn, infinity is a letter at the top."""
+    """The number that a frame shows for each answer. NaN is not drawn; infinity becomes a letter at the top."""
 
     name: str
     of: Callable[[Answer], float]
     guide: Callable[[Answer], float]  # a line for orientation; NaN: none
-    stopped_at: Callable[[Answer], float] = lambda answer: math.nan  # height of an open marker for an answer out of time; NaN: none
+    stopped_at: Callable[[Answer], float] = lambda answer: math.nan  # height of an open marker for a timeout; NaN: none
 
 
 def choose(families: Sequence[Family], interest: Callable[[Family], float] = lambda family: 0.0) -> list[Family]:
-    """Returns the families of most interest, and among these the ones with the most severities, in the order of the experiment."""
+    """Returns the MOST families with the highest interest, then the most severities, in the order of the experiment."""
     among = sorted(families, key=lambda family: (-interest(family), -len(family.steps)))[:MOST]
     return [family for family in families if family in among]
 
 
 def swept(suite: Suite) -> list[Family]:
-    """Returns the families of legal input with two severities or more."""
+    """Returns the families of valid input with at least two severities."""
     return [family for family in suite.families if family.has_severities and len(set(family.severities)) > 1
             and all(answer.legal for own in family.answers.values() for answer in own.values())]
 
 
 def telling(suite: Suite, families: Sequence[Family]) -> list[Label]:
-    """Returns at most SHOWN solvers, all of different colours and markers: ours, then those that most often have no tight answer."""
+    """Chooses at most SHOWN solvers, of different colours and markers: ours, then those that miss tight answers most often."""
     def score(pair: Label) -> float:
         own = [answer for family in families for answer in family.finest(pair[1]) if answer in family.asked(pair[1])]
         return sum(1.0 + 9.0 * (answer.outcome == Outcome.WRONG) for answer in own if answer.outcome != Outcome.TIGHT) + OURS.get(pair[0], 0.0) * bool(own)
@@ -120,9 +120,9 @@ def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure, shown: S
 
 
 def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer], measure: Measure, lost: Counter[float], front: bool) -> None:
-    """Draws a line through the answers, and a letter at the top for each answer without a value.
+    """Draws the line of a solver, and a letter at the top for each answer whose measure is infinite.
 
-    The letter is in a darker shade of the solver's colour. A solver that is not in front is grey.
+    A solver that is not in front is grey.
     """
     looks = look(*pair) if front else replace(look(*pair), colour=BEHIND, line="-")
     known = [(answer.severity, measure.of(answer), answer) for answer in own if math.isfinite(measure.of(answer))]
@@ -151,7 +151,7 @@ def draw_line(ax: Any, axis: scales.LogAxis, pair: Label, own: Sequence[Answer],
 
 
 def spread(severities: Sequence[float], apart: float) -> list[float]:
-    """Returns the severities that are at least `apart` powers of ten from every one kept before them, sorted."""
+    """Thins out severities, so that any two differ by at least `apart` powers of ten. Earlier ones have priority."""
     kept: list[float] = []
     for severity in severities:
         if all(abs(math.log10(severity / other)) >= apart for other in kept):
@@ -160,15 +160,15 @@ def spread(severities: Sequence[float], apart: float) -> list[float]:
 
 
 def set_severities(ax: Any, severities: Sequence[float], family: Family) -> None:
-    """Sets the axis of severities, with the severest at the right. A severity of 0 or below has no logarithm."""
+    """Sets the axis of severities, with the severest at the right: logarithmic if all are positive."""
     if not severities:
         return
     first, last = severities[0], severities[-1]
     if first > 0:
         room = (last / first) ** 0.06
         ax.set_xlim(max(first / room, 1e-305), min(last * room, 1e305))  # ticks beyond are not doubles
-        ax.set_xscale("log")  # after the limits, or it would look for limits beyond doubles
-        if last / first >= 1e30:  # locators of logarithmic axes look beyond the axis, out of the range of doubles
+        ax.set_xscale("log")  # after the limits, because automatic limits could exceed the range of doubles
+        if last / first >= 1e30:  # LogLocator would compute ticks beyond the range of doubles
             shown = spread([severities[0], severities[-1], *severities[1:-1]], math.log10(last / first) / 4)
             ax.xaxis.set_major_locator(FixedLocator(shown))
             ax.xaxis.set_minor_locator(NullLocator())

@@ -1,4 +1,4 @@
-"""The matrix of outcomes: one figure per kind of shape, one cell per family and solver, and in it one strip per severity."""
+"""Draws the matrix of outcomes: one figure per kind of shape, one cell per family and solver, one strip in it per severity."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from analysis.shared import style
 from analysis.stability.stability_families import KINDS, Family, Label, Suite, look, range_text
 from analysis.stability.stability_outcomes import STOPS, Outcome
 
-# In inches, because the figure is laid out by hand: cells have one size in all bands.
+# In inches; without a layout engine, so that cells have the same size in all bands.
 WIDE: Final = style.DOUBLE_COLUMN
 LEFT: Final = 1.42  # for the names of families
 RIGHT: Final = 0.62  # for their severities
 ROW: Final = 0.138
 HEAD: Final = 0.86  # for the names of solvers
 GAP: Final = 0.06  # between cells, as a fraction of a cell
-BELOW: Final = 0.6  # width of the first column, which belongs to no solver, in cells
+BELOW: Final = 0.6  # width of the first column (see draw_floor), in cells
 DARK: Final = "#555555"
 
 
 def draw(suite: Suite) -> dict[str, Any]:
-    """Draws one figure per kind of shape, because together they are higher than a page."""
+    """Draws one figure per kind of shape; a single figure would be higher than a page."""
     return {kind: draw_kind(suite, kind) for kind in KINDS if suite.of_kind(kind)}
 
 
@@ -66,7 +66,7 @@ def legend(suite: Suite, families: Sequence[Family]) -> list[Any]:
 
 
 def draw_band(ax: Any, suite: Suite, families: Sequence[Family], labels: Sequence[Label], pitch: float) -> None:
-    """Draws the cells. `pitch` is the width of a cell, in points."""
+    """Draws the cells of these families and solvers. `pitch` is the width of a cell, in points."""
     ax.set_xlim(-BELOW, len(labels))
     ax.set_ylim(len(families), 0)
     for i, family in enumerate(families):
@@ -91,7 +91,7 @@ def draw_band(ax: Any, suite: Suite, families: Sequence[Family], labels: Sequenc
 
 
 def parts(family: Family, left: float, wide: float) -> list[tuple[Any, float, float, float, float]]:
-    """Returns the parts of a cell: (step, tolerance), left, top, width and height of each."""
+    """Returns the strips of a cell: ((step, tolerance), left, top, width, height) of each."""
     n, m = len(family.steps), len(family.tolerances)
     across, down = (wide - GAP) / n, (1 - 2 * GAP) / m
     return [((step, tolerance), left + GAP / 2 + k * across, GAP + l * down, across, down)
@@ -99,7 +99,7 @@ def parts(family: Family, left: float, wide: float) -> list[tuple[Any, float, fl
 
 
 def draw_floor(ax: Any, family: Family, i: int) -> None:
-    """Draws the first column: dark if no solver in doubles can meet the gap."""
+    """Draws the first column, which is dark where the tolerance is below the precision of doubles."""
     met = {key: answer.can_be_met for own in family.answers.values() for key, answer in own.items() if answer.can_be_met is not None}
     for key, x, y, wide, high in parts(family, -BELOW, BELOW):
         colour = {True: "#EEEEEE", False: DARK, None: "#FFFFFF"}[met.get(key)]
@@ -107,7 +107,7 @@ def draw_floor(ax: Any, family: Family, i: int) -> None:
 
 
 def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: float) -> None:
-    """Draws a letter in the middle of each run of equal strips; runs too narrow for it get a smaller one."""
+    """Draws the strips of a cell, with a letter in the middle of each run of equal ones; in narrow runs it is smaller."""
     marks = {key: family.mark(label, *key) for key, *_ in parts(family, 0, 1)}
     for key, x, y, wide, high in parts(family, at[0], 1):
         outcome, _ = marks[key]
@@ -125,13 +125,13 @@ def draw_cell(ax: Any, family: Family, label: str, at: tuple[int, int], pitch: f
                 size = min(6.0 if len(family.tolerances) == 1 else 4.6, max(3.6, 1.25 * points))
                 ax.text(x, y, letter, ha="center", va="center_baseline", fontsize=size, color=outcome.ink, fontweight="bold",
                         family="DejaVu Sans")
-        for k in range(1, len(line)):  # so that strips of one colour can be counted
+        for k in range(1, len(line)):  # separates strips of the same colour
             x = at[0] + GAP / 2 + k * across
             ax.plot([x, x], [y - 0.5 / len(family.tolerances) + GAP, y + 0.5 / len(family.tolerances) - GAP], color="white", linewidth=0.25,
                     solid_capstyle="butt")
 
 
 def runs(line: Sequence[object]) -> list[tuple[int, int]]:
-    """Returns the begin and the end of each run of equal values."""
+    """Returns (begin, end) of each run of equal values."""
     ends = [k for k in range(1, len(line)) if line[k] != line[k - 1]]
     return list(zip([0, *ends], [*ends, len(line)]))

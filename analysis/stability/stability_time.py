@@ -1,4 +1,4 @@
-"""How the time and the counted work of each solver grow with severity."""
+"""Shows how time and counted work of each solver grow with severity."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def ran_out_of_time(suite: Suite, answer: Answer) -> bool:
 
 
 def seconds(suite: Suite, answer: Answer) -> float:
-    """Returns the time of an answer; NaN if there is none, or if the limit ended it."""
+    """Returns the time of an answer; NaN if there is none, or it ran out of time."""
     return math.nan if ran_out_of_time(suite, answer) else float(suite.results.cases.solve_seconds[answer.row])
 
 
@@ -54,14 +54,14 @@ def limit(suite: Suite, answer: Answer) -> float:
 
 
 def work(suite: Suite, answer: Answer) -> float:
-    """Returns the counted work; NaN if nothing is counted, or the answer was cut short."""
+    """Returns the counted work; NaN if nothing is counted, or it ran out of time."""
     counters = suite.results.cases.counters
     count = sum(int(counters[name][answer.row]) for name in COUNTED if name in counters)
     return float(count) if count and not ran_out_of_time(suite, answer) else math.nan
 
 
 def growth(suite: Suite, family: Family) -> float:
-    """Returns by how many powers of ten the work of a solver grows at most; infinity if one ran out of time."""
+    """Returns the largest growth of work of any solver over a family, in powers of ten; infinity if one ran out of time."""
     most = 0.0
     for label in family.answers:
         own = [answer for answer in family.finest(label) if answer in family.asked(label)]

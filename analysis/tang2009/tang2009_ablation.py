@@ -1,6 +1,4 @@
-"""The value of each part of the algorithm of Tang et al. 2009: Voronoi subdivision, group traversal, Lemma 4, a warm
-start, the tolerance.
-"""
+"""An ablation study of the algorithm of Tang et al. 2009: Voronoi subdivision, group traversal, Lemma 4, warm start, tolerance."""
 
 from __future__ import annotations
 
@@ -27,12 +25,12 @@ PLAIN: Final = "tang"
 CUTS: Final[dict[str, tuple[str, ...]]] = {"subdivisions": ("subdivisions",)}
 MARKERS: Final = "osD^v"  # one per scene
 COUNTED: Final = {**CUTS, **MEASURES}
-CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # compared with the plain algorithm; claim
+CLAIMS: Final = (("tang, midpoint", "voronoi"), ("tang, corners alone", "group_traversal"))  # (label to compare with the plain algorithm, claim)
 IN_SUBDIVISIONS: Final = (("tang, midpoint", PLAIN, "cuts"), (PLAIN, "tang, Lemma 4", "lemma4"))  # more subdivisions, fewer, claim
 
 
 class Variants:
-    """A Run for each scene, label and tolerance."""
+    """The runs of all variants of the algorithm, by scene, label and tolerance."""
 
     def __init__(self, results: Results) -> None:
         cases = results.cases
@@ -47,7 +45,7 @@ class Variants:
         return run if run and run.complete else None
 
     def ratio(self, scene: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Returns the ratio over all poses together: of times one number per round, of counted work one exact number."""
+        """Returns slow / fast over all poses together: times have an interval over rounds, counts are exact."""
         above, below = self.run(scene, slow), self.run(scene, fast)
         if not above or not below:
             return NO_DATA
@@ -71,10 +69,7 @@ def verdicts(variants: Variants) -> list[Verdict]:
 
 
 def sensitive(variants: Variants) -> Verdict:
-    """Compares the levels of nested triangles at the finest tolerance with the levels at the coarsest.
-
-    The levels are the deepest subdivision, and the triangle itself.
-    """
+    """Judges the claim that the depth of subdivision depends on the tolerance, by the finest and the coarsest one."""
     def levels(scene: str, tolerance: float) -> float:
         run = variants.run(scene, PLAIN, tolerance)
         return 1 + float(np.nanmax(run.deepest)) if run and np.isfinite(run.deepest).any() else math.nan
@@ -119,13 +114,13 @@ def make(results: Results) -> Report:
 
 
 def named(results: Results, scene: str) -> str:
-    """Returns a scene with the stand-ins for its models: 'Puma1/Puma2 (stand-ins: dinosaur, horse)'."""
+    """Returns the title of a scene, with our replacements for its models: 'Puma1/Puma2 (stand-ins: dinosaur, horse)'."""
     shapes = [shape.removeprefix("stand-in: ") for shape in tang_pictures.stand_ins(results, results.rows(scene=scene)[0]) if shape]
     return style.scene_title(scene) + (f" (stand-ins: {', '.join(shapes)})" if shapes else "")
 
 
 def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
-    """Draws each change against the plain algorithm on the left, and the plain algorithm's time against the tolerance on the right."""
+    """Draws each variant's time relative to the plain algorithm (left), and the time of the latter over the tolerance (right)."""
     changed = [label for label, tolerance in rows if tolerance == FINEST and label != PLAIN]
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.9), width_ratios=(1.3, 1))
     colours = plt.get_cmap("viridis")(np.linspace(0.05, 0.75, len(variants.scenes)))

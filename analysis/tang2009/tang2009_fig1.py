@@ -1,4 +1,4 @@
-"""Figure 1 of Tang et al. 2009: pairs, frames of two dynamic scenes, and the points that attain the distance or the depth."""
+"""Figure 1 of Tang et al. 2009: pairs and frames of dynamic scenes, with the points that attain distance or depth."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ VIEWS: Final[dict[str, View]] = {"Alphabet Domino": view((1, -1.2, 1.6), (0, 0, 
 
 
 def group(results: Results, row: int) -> str:
-    """Returns the scene of a pair, or the recorded scene to which the frame belongs."""
+    """Returns the scene of a row; for a frame of a recording, the name of the recording."""
     name: str = results.cases.scene[row]
     return name.partition(": ")[0] if int(results.cases.frame[row]) >= 0 else name
 
@@ -54,7 +54,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, groups: dict[str, list[int]]) -> Any:
-    """Draws pairs above, frames below."""
+    """Draws the pairs above and the frames below."""
     frames = {name: rows for name, rows in groups.items() if int(results.cases.frame[rows[0]]) >= 0}
     pairs = [next((row for row in rows if results.is_bounded(row)), rows[0]) for name, rows in groups.items() if name not in frames]
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 4.6))

@@ -1,4 +1,4 @@
-"""Figure 10 of Tang et al. 2009: their algorithm against Guthe's on models that lie over each other, in time and in memory."""
+"""Figure 10 of Tang et al. 2009: time and memory of their algorithm and of Guthe's, on overlapping models."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from analysis.shared.statistics import NO_DATA, Estimate, exact, paired_ratio
 from analysis.shared.verdicts import Verdict, everywhere
 
 OVER: Final = (("guthe", "tang"), ("guthe", "cover"), ("tang", "cover"))
-MOST: Final = 0.03  # fraction of the longest side: the paper's overlapping models are nearer than this
+MOST: Final = 0.03  # fraction of the longest side: the paper's models are nearer than this
 TIMES: Final = 10  # "by more than an order of magnitude"
 TENS: Final = 10.0  # seconds: "tens of seconds or more"
 
 
 class Pairs(Grid):
     def distance(self, scene: str) -> float:
-        """Returns H as a share of A's longest side."""
+        """Returns H as a fraction of the longest side of A."""
         row = self.first(scene)
         return self.results.middle(row) / float(self.results.cases.source_longest[row])
 
 
 def verdicts(pairs: Pairs) -> list[Verdict]:
-    """Judges the claims; averages are over the pairs nearer than the paper's 3 %."""
+    """Judges the claims of the figure. Averages are over pairs nearer than 3 %, as in the paper."""
     scenes = [scene for scene in pairs.scenes if pairs.distance(scene) < MOST]
 
     def judge(name: str, times: float) -> Verdict:
@@ -42,7 +42,7 @@ def verdicts(pairs: Pairs) -> list[Verdict]:
 
 
 def tens(pairs: Pairs) -> Verdict:
-    """Compares Guthe's time with TENS on every pair."""
+    """Judges the claim that Guthe's algorithm takes at least TENS on every pair."""
     def ratio(cell: Cell | None) -> Estimate:
         if cell is None or not cell.times:
             return NO_DATA
@@ -52,14 +52,14 @@ def tens(pairs: Pairs) -> Verdict:
 
 
 def subdivisions(pairs: Pairs) -> Verdict:
-    """Compares the number of subdivisions on every pair. It is the same in every run."""
+    """Judges the claim that Guthe's algorithm needs more subdivisions on every pair. Counts are the same in every run."""
     counts = [[pairs.cells[scene, label].counters.get("subdivisions", 0) if (scene, label) in pairs.cells else 0 for label in ("guthe", "tang")]
               for scene in pairs.scenes]
     return everywhere(claims.of("tang2009", "subdivisions"), [exact(guthe / tang) if min(guthe, tang) > 0 else NO_DATA for guthe, tang in counts])
 
 
 def memory(pairs: Pairs) -> Verdict:
-    """Compares peak memory on every pair. Each peak is a single number without an interval."""
+    """Judges the claim that Guthe's algorithm needs more memory on every pair, by single peaks without intervals."""
     peaks = [[pairs.cells[scene, label].peak if (scene, label) in pairs.cells else -1 for label in ("guthe", "tang")] for scene in pairs.scenes]
     return everywhere(claims.of("tang2009", "memory"), [exact(guthe / tang) if min(guthe, tang) > 0 else NO_DATA for guthe, tang in peaks])
 
@@ -94,7 +94,7 @@ def make(results: Results) -> Report:
 
 
 def draw(pairs: Pairs, clock: str) -> Any:
-    """Draws a dot for each solver of a pair: time on the left, memory on the right."""
+    """Draws a mark per pair and solver: time on the left, memory on the right."""
     figure, axes = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 0.45 * len(pairs.scenes) + 1.1), sharey=True)
     step = 0.7 / len(pairs.labels)
     for ax, what in zip(axes, ("time", "peak")):

@@ -1,4 +1,4 @@
-"""Figure 7 of Tang et al. 2009: the models, here their stand-ins."""
+"""Figure 7 of Tang et al. 2009: the models that we use in place of the paper's."""
 
 from __future__ import annotations
 

@@ -52,18 +52,17 @@ def make(results: Results) -> Report:
 
 
 def bottom_of(tang: Run) -> float | None:
-    """Returns the lower end of the axis of times, in ms: below both cullings.
+    """Returns the lower end of the axis of times, in ms, such that both culling stages are visible.
 
-    The stage of subdivision is ignored, because it takes only the time to read the clock if nothing is subdivided.
+    The subdivision stage may lie below: if nothing is subdivided, it takes only the time to read the clock.
     """
     known = [x for stage in ("cull on A", "cull on B") for x in 1e3 * tang.stage(stage) if x > 0]
     return 0.5 * min(known) if known else None
 
 
 def draw(found: list[Motion], clock: str) -> Any:
-    """Draws a column for each pair: the stages above, H below.
-
-    The axis of times is logarithmic, because the last frames take up to a thousand times longer.
+    """Draws a column for each pair: time of the stages above (logarithmic, as the last frames take up to a thousand times longer),
+    H below.
     """
     figure, axes = plt.subplots(2, len(found), figsize=(style.DOUBLE_COLUMN, 3.9), sharex="col", squeeze=False, height_ratios=(2.2, 1))
     for (upper, lower), motion in zip(axes.T, found):

@@ -1,5 +1,5 @@
-"""The nearest shape by a search (`search = "nearest"`), against the full matrix of tang2009_similarity: the same answer
-with less work.
+"""Compares the search for the nearest shape (`search = "nearest"`) with the full matrix of tang2009_similarity: the answer
+should be the same, with less work.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ WORK: Final = "distances, bounds and nodes"
 
 @dataclass(frozen=True)
 class Answers:
-    """The rows from one shape to all others, by the name of the other."""
+    """The rows from one shape to all others, by the other's name."""
 
     results: Results
     rows: dict[str, int]
@@ -39,12 +39,12 @@ class Answers:
         return sum(self.results.cases.answer[row] == "h > cutoff" for row in self.rows.values())
 
     def nearest(self) -> str:
-        """Returns the shape with the least upper bound, which is the search's criterion; empty if no row has one."""
+        """Returns the shape with the least upper bound, by which the search decides; empty if no row has bounds."""
         known = {target: float(self.results.cases.upper[row]) for target, row in self.rows.items() if self.results.is_bounded(row)}
         return min(known, key=lambda target: known[target], default="")
 
     def percent(self, target: str) -> float:
-        """Returns the middle of the interval of H, in percent of the diagonal."""
+        """Returns H (the middle of its interval) in percent of the diagonal."""
         cases, row = self.results.cases, self.rows[target]
         return 50 * float(cases.lower[row] + cases.upper[row]) / float(cases.source_diagonal[row])
 
@@ -55,7 +55,7 @@ class Answers:
 
 @dataclass(frozen=True)
 class Search:
-    """One shape and one solver: the rows of the search, and the rows of the matrix (without its diagonal) for the same pairs."""
+    """One shape and one solver: the rows of the search, and of the matrix for the same pairs."""
 
     name: str
     found: Answers
@@ -71,7 +71,7 @@ class Search:
 
     @property
     def same(self) -> bool | None:
-        """Whether the matrix has the same nearest shape; None if an answer is missing, or two are too close for its intervals."""
+        """True if the matrix has the same nearest shape; None if answers are missing, or its intervals do not decide."""
         if not self.comparable:
             return None
         found, best, cases = self.found.nearest(), self.matrix.nearest(), self.matrix.results.cases
@@ -81,7 +81,7 @@ class Search:
 
 
 def matrix_beside(results: Results) -> tuple[Results | None, str]:
-    """Loads the matrix from the same folder and profile; also returns the reason if there is none."""
+    """Loads the result of the matrix in the same folder and profile. If there is none, returns None and the reason."""
     try:
         return load(results.path.parent / f"{RESULTS_OF[1]}.h5", str(results.meta.get("profile", ""))), ""
     except ResultError as problem:
@@ -89,7 +89,7 @@ def matrix_beside(results: Results) -> tuple[Results | None, str]:
 
 
 def asked(results: Results, row: int) -> tuple[object, ...]:
-    """Returns everything that two rows must share to ask one question."""
+    """Returns a key that is equal for two rows if they asked for the same distance with the same solver and options."""
     cases, models = results.cases, results.models
     hashes = dict(zip(models.name, models.sha256))
     return (cases.solver[row], cases.options[row], cases.source[row], cases.target[row], hashes.get(cases.source[row]), hashes.get(cases.target[row]),
@@ -118,7 +118,7 @@ def verdicts(title: str, label: str, found: Sequence[Search]) -> list[Verdict]:
 
 
 def total(found: Sequence[Search], what: str) -> tuple[int, int]:
-    """Returns the work of the matrix and of the search, over the shapes for which both are known."""
+    """Returns the total work of the matrix and of the search, over the shapes with both."""
     known = [one for one in found if one.saving(what).n]
     return sum(one.matrix.counted(MEASURES[what]) for one in known), sum(one.found.counted(MEASURES[what]) for one in known)
 
@@ -163,7 +163,7 @@ def make(results: Results) -> Report:
 
 
 def draw(every: dict[str, list[Search]]) -> Any:
-    """Draws one line per shape, from the work of the search to the work of the matrix."""
+    """Draws a line per shape, from the work of the search to the work of the matrix."""
     names = list(dict.fromkeys(one.name for found in every.values() for one in found))
     figure, axes = plt.subplots(1, len(every), figsize=(style.DOUBLE_COLUMN, 0.17 * len(names) + 1.2), sharey=True, squeeze=False)
     place = {name: i for i, name in enumerate(names)}

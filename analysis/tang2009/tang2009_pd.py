@@ -39,9 +39,9 @@ def verdicts(found: list[Scene], papers: dict[str, float]) -> list[Verdict]:
 
 
 def agreement(found: list[Scene]) -> Verdict:
-    """Judges that the intervals of two solvers for one pair have a number in common.
+    """Judges the claim that the intervals of all solvers for a pair overlap.
 
-    A billionth of the longest side is allowed, which is more than the rounding of cutting.
+    They may miss each other by 1e-9 of the longest side, which exceeds the rounding errors of cutting the meshes.
     """
     bounds: dict[tuple[str, int, bytes], list[tuple[float, float]]] = {}
     for scene in found:
@@ -87,7 +87,7 @@ def make(results: Results) -> Report:
 
 
 def caption(names: list[str], papers: dict[str, float]) -> str:
-    """Returns the caption of the figure."""
+    """Returns the caption of the figure. `papers` are the means that the paper prints."""
     mean = f" Dotted: the mean that the paper prints ({', '.join(name for name in names if name in papers)}); the paper does not say whether that includes cutting."
     return ("(a) The volume that two solids A and B have in common, in separate parts. (b) Each part, enlarged and moved next to the others, with the "
             "points of its penetration depth joined by a green line. The other panels: wall time, in ms, to measure the depths of all pairs of a frame, "
@@ -111,9 +111,8 @@ def record(scene: Scene, row: int) -> tables.Record:
 
 
 def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[str, float]) -> Any:
-    """Draws Fig. 11 above: the common volume of two solids, and the deepest pair of each part.
-
-    Draws the measuring time by frame below, with its legend.
+    """Draws Fig. 11 above (the common volume of two solids, and the deepest pair of points of each part), and the time by
+    frame below.
     """
     names = list(dict.fromkeys(scene.name for scene in found))
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, 5.4))

@@ -1,4 +1,4 @@
-"""Shape similarity, the other application of Tang et al. 2009: the nearest shape of each, their distance matrix and a dendrogram."""
+"""Shape similarity, an application in Tang et al. 2009: distance matrix of shapes, nearest shapes and dendrogram."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from analysis.shared.verdicts import ERROR, FAILS, HOLDS, OPEN, UNTESTED, Verdic
 
 SUFFIX: Final = "_centred"
 SOLVER: Final = "cover"
-# Shapes that show the same thing, in our judgement.
+# Shapes of similar objects, in our judgement.
 FAMILIES: Final = {"bunnies": ("bunny_cgal", "bunny_open", "bunny_small", "tang_bunny1"), "dragons": ("dragon_res4", "dragon_res3", "chinese_dragon"),
                    "chess pieces": ("king", "queen"), "fruit": ("orange", "apple"), "asteroids": ("asteroid_low", "asteroid_high"),
                    "dinosaurs": ("dino", "diplodocus", "triceratops"), "bears": ("bear", "bear_bis"), "elephants": ("elephant", "refined_elephant"),
@@ -30,9 +30,9 @@ FAMILIES: Final = {"bunnies": ("bunny_cgal", "bunny_open", "bunny_small", "tang_
 
 @dataclass(frozen=True)
 class Matrix:
-    """Row i, column j: the interval of H(shape i, shape j), in diagonals of shape i. NaN: no answer.
+    """Row i, column j: the interval of H(shape i, shape j) / diagonal of shape i. NaN: no answer.
 
-    All diagonals are 1, but for rounding.
+    The shapes are scaled to diagonal 1.
     """
 
     names: list[str]
@@ -41,7 +41,7 @@ class Matrix:
 
     @property
     def middle(self) -> Floats:
-        """The middle of the intervals of both orders of a pair."""
+        """The distances, averaged over (i, j) and (j, i): the middles of the intervals."""
         whole = 0.25 * (self.lower + self.upper + self.lower.T + self.upper.T)
         np.fill_diagonal(whole, 0.0)
         return np.asarray(whole)
@@ -69,7 +69,7 @@ def family(name: str) -> str:
 
 
 def nearest(matrix: Matrix) -> list[list[int]]:
-    """Returns for each shape all others, the nearest first."""
+    """Returns for each shape the indices of all others, nearest first."""
     return [[int(j) for j in np.argsort(row, kind="stable") if j != i] for i, row in enumerate(matrix.middle)]
 
 
@@ -88,10 +88,10 @@ def verdicts(matrix: Matrix) -> list[Verdict]:
 
 
 def retrieval(matrix: Matrix) -> Verdict:
-    """Judges whether the nearest other shape is of the same family, by a sign test of 'more families than not'.
+    """Judges the claim that the nearest other shape is usually of the same family, by a sign test.
 
-    Shapes of one family depend on each other, so families are the trials. A family counts if more than half of its
-    members find another member of it.
+    Families are the trials, because shapes of a family depend on each other. A family is a success if for more than
+    half of its members the nearest shape is another member.
     """
     claim = claims.of("hausbench", "same_family")
     if not matrix.complete or len(matrix.names) < 3:
@@ -128,7 +128,7 @@ def make(results: Results) -> Report:
 
 
 def draw(matrix: Matrix) -> Any:
-    """Draws the dendrogram (average linkage) on the left, and the matrix in its order on the right."""
+    """Draws the dendrogram (average linkage) on the left, and the matrix in the same order on the right."""
     distances = np.nan_to_num(matrix.middle, nan=float(np.nanmax(matrix.middle)))
     tree = hierarchy.linkage(scipy.spatial.distance.squareform(100 * distances, checks=False), "average")
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 0.17 * len(matrix.names) + 1.6), width_ratios=(1, 1.9))

@@ -81,7 +81,7 @@ def record(motion: Motion, label: str) -> list[tables.Record]:
 
 
 def look(solver: str, label: str) -> style.Look:
-    """Returns the look of a solver; a warm start is dashed."""
+    """Returns the look of a solver; variants with a warm start have dashed lines."""
     warm = (solver, label) in WARM
     return replace(style.look(solver, label), line=style.DASHED, title=f"{style.title(solver)}, warm") if warm else style.look(solver, label)
 

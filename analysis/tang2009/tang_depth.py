@@ -1,4 +1,4 @@
-"""The penetration depth in recorded scenes: for each frame, the pairs of objects that overlap."""
+"""Penetration depth in recorded scenes, frame by frame, of all pairs of objects that overlap."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ MEASURE: Final = "seconds: measure"
 
 
 def mean_over_frames(values: Floats) -> Estimate:
-    """Returns the mean over frames in their order, with Student's interval.
+    """Returns the mean over frames, in order, with Student's interval.
 
-    Frames depend on those before them, so the interval is from the means of eight runs of consecutive frames.
+    Consecutive frames are alike, so the interval is computed from the means of eight blocks of frames.
     """
     if not len(values) or not np.isfinite(values).all():
         return NO_DATA
@@ -53,17 +53,17 @@ class Scene:
         return [row for row in self.rows if self.results.cases.status[row] == "ok"]
 
     def told(self, name: str) -> Floats:
-        """Returns the number that the solver reports under this name, for each answered row."""
+        """Returns an extra number that the solver reports, by its name, for each answered row."""
         return np.array([self.results.extras(row).get(name, np.nan) for row in self.answered])
 
     @cached_property
     def depths(self) -> Floats:
-        """The middles of the intervals, in longest sides of the first object."""
+        """The depths (middles of intervals) / longest side of the first object."""
         cases, rows = self.results.cases, self.answered
         return np.array([0.5 * (cases.lower[row] + cases.upper[row]) / cases.source_longest[row] for row in rows])
 
     def per_frame(self, *stages: str) -> Floats:
-        """Returns the seconds of these stages, over all pairs of each frame. NaN if a pair has no answer."""
+        """Returns the time of these stages by frame, summed over its pairs, in seconds; NaN if a pair has no answer."""
         place = {frame: i for i, frame in enumerate(self.frames)}
         sums = np.zeros(len(place))
         for row in self.rows:
@@ -73,7 +73,7 @@ class Scene:
 
 
 def recorded(results: Results, labels: list[str]) -> list[Scene]:
-    """Returns the recorded scenes, by the name of their [[scene]], each with the solvers that were run on it."""
+    """Returns a Scene for each recording (a [[scene]] of the experiment) and each of these solvers that was run on it."""
     cases = results.cases
     names: dict[str, dict[str, list[int]]] = {}
     for row in range(len(cases)):
@@ -84,7 +84,7 @@ def recorded(results: Results, labels: list[str]) -> list[Scene]:
 
 
 def faster(claim: str, scene: Scene, stages: tuple[str, ...], printed: float) -> Verdict:
-    """Judges that the mean over the frames, in milliseconds, is below a printed one."""
+    """Judges the claim that the mean time per frame is below `printed` milliseconds."""
     spent = mean_over_frames(scene.per_frame(*stages))
     if why := reason_apart(origins(scene.results, scene.rows)):
         return Verdict(claim, UNTESTED, f"times {why}")

@@ -1,7 +1,7 @@
-"""Motions of Tang et al. 2009: one model is translated towards another, and H is measured at each pose, by each solver.
+"""Motions of Tang et al. 2009: one model moves towards another, and each solver computes H at each pose.
 
-One process answers all poses of a round, and neighbouring poses are alike, so the unit of an interval of times is the
-round. Counted work is the same in all rounds.
+Intervals of times are over rounds, not poses, because one process answers all poses of a round and neighbouring poses
+are alike. Counted work is the same in all rounds.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ AIM_OF_WARM: Final = 0.67
 
 
 class Run:
-    """One label on one scene: its rows in the order of the poses."""
+    """The rows of one solver (by label) on one scene, in the order of poses."""
 
     def __init__(self, results: Results, rows: Sequence[int]) -> None:
         self.results, self.rows = results, sorted(rows, key=lambda row: int(results.cases.pose_index[row]))
@@ -46,7 +46,7 @@ class Run:
 
     @cached_property
     def by_round(self) -> dict[int, Floats]:
-        """The seconds of each pose, for the rounds that have all poses. Empty if a pose has no answer."""
+        """The time of each pose in seconds, for rounds with all poses. Empty if a pose has no answer."""
         if not self.complete:
             return {}
         found = [self.results.solve_by_round(row) for row in self.rows]
@@ -55,17 +55,17 @@ class Run:
 
     @property
     def mean(self) -> Estimate:
-        """The mean time of a pose, from one number per round."""
+        """The mean time of a pose, with an interval over rounds."""
         return median([float(times.mean()) for times in self.by_round.values()])
 
     @property
     def per_pose(self) -> Floats:
-        """The time of each pose, the median over the rounds."""
+        """The time of each pose (median over rounds)."""
         return np.asarray(np.median(list(self.by_round.values()), axis=0)) if self.by_round else np.empty(0)
 
     @cached_property
     def distance(self) -> Floats:
-        """H as a share of A's longest side: the middle of the proven interval."""
+        """H (the middle of the proven interval) / longest side of A."""
         cases = self.results.cases
         return np.array([self.results.middle(row) / float(cases.source_longest[row]) for row in self.rows])
 
@@ -74,17 +74,17 @@ class Run:
         return np.array([float(sum(int(counters[name][row]) for name in names if name in counters)) for row in self.rows])
 
     def told(self, name: str) -> Floats:
-        """Returns a number that the solver reports at each pose, one for each direction; NaN if it reports none."""
+        """Returns an extra number that the solver reports, by its name: a row per pose, a column per direction; NaN if missing."""
         extras = [self.results.extras(row) for row in self.rows]
         return np.array([[one.get(name, math.nan), one.get(name + BACK, math.nan)] for one in extras])
 
     @cached_property
     def deepest(self) -> Floats:
-        """The number of nested subdivisions at each pose, the larger one of both directions; NaN if the solver reports none."""
+        """The depth of subdivision at each pose, the maximum of both directions; NaN if the solver does not report it."""
         return np.asarray(np.fmax(*self.told("depth").T))
 
     def stage(self, name: str) -> Floats:
-        """Returns the seconds of one stage at each pose, both directions together."""
+        """Returns the seconds of one stage at each pose, the sum of both directions."""
         return np.asarray(np.nansum(self.told(f"seconds: {name}"), axis=1))
 
     def mean_told(self, name: str) -> float:
@@ -93,7 +93,7 @@ class Run:
 
 
 class Motion:
-    """One scene, with a Run for each label."""
+    """A motion: one scene, with the Run of each solver, by label."""
 
     def __init__(self, results: Results, scene: str) -> None:
         cases, self.scene = results.cases, scene
@@ -105,7 +105,7 @@ class Motion:
         self.note = cases.scene_note[self.first]
 
     def work_ratio(self, slow: str, fast: str, names: Sequence[str]) -> Estimate:
-        """Returns the median ratio of counted work over the poses except the first, to which nothing was carried over."""
+        """Returns the median ratio of counted work over the poses, without the first, which has no warm start."""
         if not all(label in self.runs and self.runs[label].complete for label in (slow, fast)):
             return NO_DATA
         above, below = (self.runs[label].counted(names)[1:] for label in (slow, fast))
@@ -122,7 +122,7 @@ def labels_of(found: Sequence[Motion]) -> list[tuple[str, str]]:
 
 
 def each(claim: str, values: Sequence[float], most: float, what: str, scale: float = 1.0) -> Verdict:
-    """Judges a claim that each of some numbers, which are known exactly, is at most `most`."""
+    """Judges a claim that all `values`, which are exact, are at most `most`."""
     if not values or not all(map(math.isfinite, values)):
         return Verdict(claim, UNTESTED if not any(map(math.isfinite, values)) else OPEN, f"a number is missing among {len(values)} {what}")
     over = sum(value > most for value in values)
@@ -131,9 +131,9 @@ def each(claim: str, values: Sequence[float], most: float, what: str, scale: flo
 
 
 def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
-    """Judges the paper's culling rate by the mean of each pair over poses and directions.
+    """Judges the paper's culling rate, by the mean over poses and directions of each pair.
 
-    The ratio is the share that may be left over the share that is left.
+    The ratio is the share of triangles that may be left / the share that is left.
     """
     verdicts = []
     for side in ("A", "B"):
@@ -146,12 +146,12 @@ def culling(found: Sequence[Motion], label: str) -> list[Verdict]:
 
 
 def below(value: float, bar: float) -> Estimate:
-    """Returns a ratio for the claim that an exact number is below a bar: above 1 if it is. NaN gives no data."""
+    """Returns bar / value as an exact ratio, which is above 1 if the value is below the bar. NaN gives no data."""
     return exact(math.inf if value == 0 else bar / value)
 
 
 def depth(found: Sequence[Motion], label: str) -> Verdict:
-    """Judges that ten nested subdivisions or more are rare: at less than half of the poses of most pairs. Counts are exact."""
+    """Judges the claim that deep subdivisions (AIM_OF_DEPTH levels or more) occur at less than half of the poses, on most pairs."""
     deepest = [motion.runs[label].deepest for motion in found if label in motion.runs]
     deep = [float((one >= AIM_OF_DEPTH).mean()) if np.isfinite(one).all() else math.nan for one in deepest]
     verdict = most_of(claims.of("tang2009", "depth"), [below(share, 0.5) for share in deep])
@@ -162,7 +162,7 @@ def depth(found: Sequence[Motion], label: str) -> Verdict:
 
 
 def faster_than(found: Sequence[Motion], label: str, name: str, seconds: float, slowest: bool = False) -> Verdict:
-    """Compares the mean time of a pose, or the time of the slowest pose, with `seconds`, for every pair. The unit is the round."""
+    """Judges the claim that the mean time of a pose (or the time of the slowest pose) is below `seconds` on every pair."""
     def ratio(run: Run) -> Estimate:
         spent = {number: float(times.max() if slowest else times.mean()) for number, times in run.by_round.items()}
         return apart(run.origins) or ratio_by_round(dict.fromkeys(spent, seconds), spent)
@@ -171,9 +171,9 @@ def faster_than(found: Sequence[Motion], label: str, name: str, seconds: float, 
 
 
 def within_tolerance(found: Sequence[Motion], label: str) -> Verdict:
-    """Judges every pose that ended by itself.
+    """Judges the claim that poses reach the tolerance. Timeouts and the like do not count.
 
-    A row with another status than ok has wider bounds than the tolerance, or wrong ones.
+    Rows that stopped at the precision floor or are unsound refute it.
     """
     rows = [(motion.runs[label].results, row) for motion in found if label in motion.runs for row in motion.runs[label].rows]
     ended = [(results, row) for results, row in rows if results.cases.status[row] in ("ok", "floor", "unsound")]
@@ -182,11 +182,11 @@ def within_tolerance(found: Sequence[Motion], label: str) -> Verdict:
 
 
 def subdivided(found: Sequence[Motion], label: str) -> Verdict:
-    """Bounds the share of the triangles of both models that are subdivided, on average over the poses of each pair.
+    """Bounds the share of triangles of both models that are subdivided, on average over the poses of each pair.
 
-    Rows count the subdivisions of triangles and of their pieces; each makes four pieces. So subdivided triangles are at
-    most as many as the subdivisions, and as the triangles that culling on A leaves; and a triangle has at most (4^d -
-    1) / 3 subdivisions if the deepest is d.
+    Rows count subdivisions of triangles and of their parts; each makes four parts. So at most as many
+    triangles are subdivided as there are subdivisions, or triangles that culling on A leaves. At least subdivisions /
+    ((4^d - 1) / 3) triangles are, because a triangle has at most (4^d - 1) / 3 subdivisions down to depth d.
     """
     def bounds(motion: Motion) -> tuple[float, float]:
         run, cases = motion.runs[label], motion.runs[label].results.cases
@@ -207,7 +207,7 @@ def subdivided(found: Sequence[Motion], label: str) -> Verdict:
 
 
 def rising(found: Sequence[Motion], label: str) -> Verdict:
-    """Judges that time and work grow as the models get nearer. Each pair is one run; the result says nothing about other poses."""
+    """Judges the claim that time and work grow as the models get nearer, with each pair as one independent run."""
     runs = [motion.runs[label] for motion in found if label in motion.runs and motion.runs[label].complete]
     claim = claims.of("tang2009", "nearer")
 

@@ -1,4 +1,4 @@
-"""Pictures of the models of Tang et al. 2009, and of the points that attain the two-sided distance of a pair."""
+"""Draws the models of Tang et al. 2009, and the pairs of points that attain a distance or depth."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from analysis.shared.results import Results
 from analysis.shared.shapes import Mesh
 
 WITNESS: Final = "#00A000"  # green, as in the paper
-BLUE: Final = (0.10, 0.18, 0.60, 1.0)  # the part of A in B: blue as in the paper, and darker than red to differ in grey
+BLUE: Final = (0.10, 0.18, 0.60, 1.0)  # the part of A in B; blue as in the paper, and darker than RED so that they differ in grey
 RED: Final = (0.93, 0.42, 0.36, 1.0)  # the part of B in A
-PAINT: Final = ((0.36, 0.51, 0.76, 1.0), (0.97, 0.87, 0.70, 1.0))  # A dark, B light: they differ in grey, too
+PAINT: Final = ((0.36, 0.51, 0.76, 1.0), (0.97, 0.87, 0.70, 1.0))  # A dark, B light, so that they differ in grey
 HALO: Final = [matplotlib.patheffects.withStroke(linewidth=2.6, foreground="white")]
-SIDE: Final = mesh_picture.view((0.15, 0.3, 1))  # the motions are along x, so from left to right
+SIDE: Final = mesh_picture.view((0.15, 0.3, 1))  # shows motions, which are along x, from left to right
 
-# Chosen by hand, because the way up differs.
+# Chosen by hand, because the up direction of the models differs.
 VIEWS: Final = {"tang_puma1": mesh_picture.view((1, -0.6, 0.3), (0, 0, 1)),
                 "tang_fish2": mesh_picture.view((-0.3, -1, 0.1), (0, 0, 1)), "tang_dog": mesh_picture.view((1, 0.3, -0.5)),
                 "tang_bird1": mesh_picture.view((0.5, -1, 0.4), (0, 0, 1)), "tang_watch2": mesh_picture.view((0.3, -1, 0.3), (0, 0, 1))}
 
 
 def stand_ins(results: Results, row: int) -> list[str]:
-    """Returns the stand-ins for A and for B: 'stand-in: hand', or for a bunny of the paper 'Bunny2 simplified'.
+    """Returns which models replace A and B, from the note of the scene: 'stand-in: hand', 'Bunny2 simplified'.
 
-    A stand-in is empty if the note of the scene does not name it.
+    Empty strings mean that the note does not say.
     """
     note = str(results.cases.scene_note[row])
     if found := re.fullmatch(r"(?:an? )?(.+?) and (?:an? )?(.+?) stand in", note.partition(";")[0]):
@@ -45,7 +45,7 @@ def stand_ins(results: Results, row: int) -> list[str]:
 
 
 def short_title(results: Results, row: int) -> str:
-    """Returns the paper's names and the numbers of triangles, and in a second line the stand-ins, for a narrow panel."""
+    """Returns a title for a narrow panel: names in the paper, numbers of triangles, and on a second line the stand-ins."""
     scene, note = str(results.cases.scene[row]), str(results.cases.scene_note[row])
     told = {name: shape.removeprefix("stand-in: ") for name, shape in zip(scene.split("/"), stand_ins(results, row)) if shape}
     second = f"stand-ins: {', '.join(told.values())}" if len(told) == 2 else next((f"{name}: {shape}" for name, shape in told.items()), note.partition(":")[0])
@@ -53,7 +53,7 @@ def short_title(results: Results, row: int) -> str:
 
 
 def title(results: Results, row: int) -> str:
-    """Returns the paper's names, and the note on their stand-ins."""
+    """Returns a title: names in the paper, and the note on what replaces them."""
     note = str(results.cases.scene_note[row])
     return f"{results.cases.scene[row]}\n({note})" if note else str(results.cases.scene[row])
 
@@ -65,7 +65,7 @@ def placed(results: Results, name: str, pose: Floats) -> Mesh:
 
 
 def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Returns all of them as one mesh."""
+    """Concatenates meshes into one."""
     before = np.cumsum([0, *[len(one.corners) for one in meshes]])
     return Mesh(np.concatenate([one.corners for one in meshes]), np.concatenate([one.triangles + count for one, count in zip(meshes, before)]))
 
@@ -77,14 +77,14 @@ def pair_of(results: Results, row: int) -> list[Mesh]:
 
 
 def draw_witness(ax: Any, results: Results, row: int, of: View, width: float, size: float) -> None:
-    """Draws the witness as a line that nothing hides; nothing if it is not known."""
+    """Draws the witness, if known, as a line in front of everything else."""
     pair = np.stack([results.cases.witness_source[row], results.cases.witness_target[row]])
     if np.isfinite(pair).all():
         ax.plot(*of.seen(pair)[:, :2].T, color=WITNESS, linewidth=width, marker="o", markersize=size, zorder=5, path_effects=HALO)
 
 
 def draw_pair(ax: Any, results: Results, case: int, of: View = SIDE) -> None:
-    """Draws both models in their colours, and the witness."""
+    """Draws both models of a pair, and the witness."""
     meshes = pair_of(results, case)
     colours = np.concatenate([np.tile(paint, (len(one.triangles), 1)) for one, paint in zip(meshes, PAINT)])
     mesh_picture.draw(ax, joined(meshes), of, colours, both_sides=not all(one.closed for one in meshes))
@@ -97,7 +97,7 @@ def draw_model(ax: Any, results: Results, name: str, colour: int = 0) -> None:
 
 
 def draw_frame(ax: Any, results: Results, rows: list[int], of: View) -> None:
-    """Draws all objects of these pairs in their places in the frame, and the deepest points of each pair."""
+    """Draws all objects of a frame, and the deepest points of each pair. `rows` are the pairs of the frame."""
     cases = results.cases
     objects = {(str(name), pose.tobytes()): pose for row in rows
                for name, pose in ((cases.source[row], cases.pose[row]), (cases.target[row], cases.target_pose[row]))}
@@ -111,7 +111,7 @@ def draw_frame(ax: Any, results: Results, rows: list[int], of: View) -> None:
 
 
 def inside(mesh: Mesh, points: Floats) -> npt.NDArray[np.bool_]:
-    """Tells which points lie in a closed mesh: the solid angles of its triangles make up the whole sphere. O(points triangles)."""
+    """Tells which points lie inside a closed mesh: there, the solid angles of its triangles add up to 4 pi. O(points * triangles)."""
     found = np.zeros(len(points), dtype=bool)
     for begin in range(0, len(points), 512):
         a, b, c = (mesh.corners[mesh.triangles[:, k]][None] - points[begin:begin + 512, None] for k in range(3))
@@ -123,7 +123,7 @@ def inside(mesh: Mesh, points: Floats) -> npt.NDArray[np.bool_]:
 
 
 def pieces(shown: Mesh, size: float) -> Mesh:
-    """Returns the triangles, cut at the middle of their longest side until no side is longer than `size`."""
+    """Bisects triangles at their longest side until no side is longer than `size`."""
     sides = shown.corners[shown.triangles]
     while True:
         lengths = np.linalg.norm(sides - np.roll(sides, -1, axis=1), axis=2)
@@ -137,7 +137,7 @@ def pieces(shown: Mesh, size: float) -> Mesh:
 
 
 def within(own: Mesh, other: Mesh, size: float) -> Mesh:
-    """Returns the part of `own`, in pieces no longer than `size`, whose middles lie in the solid `other`."""
+    """Returns the part of `own` inside the solid `other`, as triangles of sides up to `size`, selected by their centroids."""
     low, high = other.corners.min(axis=0), other.corners.max(axis=0)
     sides = own.corners[own.triangles]
     near = ((sides.min(axis=1) <= high) & (sides.max(axis=1) >= low)).all(axis=1)
@@ -148,9 +148,9 @@ def within(own: Mesh, other: Mesh, size: float) -> Mesh:
 
 
 def draw_common_volume(ax: Any, results: Results, row: int, of: View, close: bool) -> None:
-    """Draws both solids, transparent, and the part of each that lies in the other.
+    """Draws both solids, transparent, and their common volume.
 
-    With `close`, draws each connected part of that instead, side by side, with its deepest pair of points, which the solver reports.
+    With `close`, draws instead the connected parts of this volume side by side, with the deepest pair of points of each.
     """
     a, b = pair_of(results, row)
     size = float(results.cases.source_longest[row]) / 100
@@ -168,21 +168,21 @@ def draw_common_volume(ax: Any, results: Results, row: int, of: View, close: boo
 
 
 def connected(points: Floats, gap: float) -> npt.NDArray[np.int_]:
-    """Returns the number of the cluster of each point; points nearer than the gap are in one cluster."""
+    """Returns the cluster number of each point. Points nearer than `gap` to each other are in one cluster."""
     pairs = scipy.spatial.cKDTree(points).query_pairs(gap, output_type="ndarray")
     graph = scipy.sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
     return np.asarray(scipy.sparse.csgraph.connected_components(graph, directed=False)[1])
 
 
 def deepest_pairs(extras: dict[str, float]) -> list[Floats]:
-    """Returns the deepest pair of points of each part, on A and on B."""
+    """Returns the deepest pair of points (on A, on B) of each part, from the numbers that the solver reports."""
     return [np.array([[extras[f"length: part {part}, {side} {axis}"] for axis in "xyz"] for side in "AB"]) for part in range(1, int(extras.get("parts", 0)) + 1)]
 
 
 def draw_parts(ax: Any, common: Mesh, colours: Floats, pairs: Sequence[Floats], of: View, size: float) -> None:
-    """Draws the connected parts at one scale, from left to right in their order from the top down.
+    """Draws the connected parts of a mesh side by side at one scale; the highest part is at the left.
 
-    Each part has the pairs of points that are nearest to it.
+    Each pair of points is drawn with the part that is nearest to it.
     """
     middles = common.corners[common.triangles].mean(axis=1)
     part_of = connected(middles, 2 * size)
@@ -202,7 +202,7 @@ def draw_parts(ax: Any, common: Mesh, colours: Floats, pairs: Sequence[Floats], 
 
 
 def draw_deepest(ax: Any, seen: Floats) -> None:
-    """Draws a deepest pair of points, in coordinates of the view."""
+    """Draws a pair of points, given in view coordinates, and the line between them."""
     ax.plot(*seen[:, :2].T, color=WITNESS, linewidth=1.6, zorder=5)
     for end, colour in zip(seen, (BLUE, RED)):
         ax.plot(*end[:2], marker="o", markersize=3.2, color=colour[:3], markeredgecolor="white", markeredgewidth=0.4, zorder=6)

@@ -16,7 +16,7 @@ from analysis.views import stated
 
 
 class Asked(NamedTuple):
-    """One question of an experiment."""
+    """A distance that an experiment asks for, at one tolerance."""
 
     scene: str
     pose: int
@@ -27,7 +27,7 @@ class Asked(NamedTuple):
 
 
 def questions(results: Results) -> dict[Asked, dict[str, Cell]]:
-    """Returns the answers to each question, by the name of the solver, both in the order of the file."""
+    """Returns the answers to each question, by solver, in the order of the file."""
     rows: dict[Asked, dict[str, list[int]]] = {}
     cases = results.cases
     for row in range(len(cases)):
@@ -37,7 +37,7 @@ def questions(results: Results) -> dict[Asked, dict[str, Cell]]:
 
 
 def measured(results: Results) -> dict[Asked, dict[str, Cell]]:
-    """Returns the same without questions whose answers were all read off runs at finer tolerances, to count no measurement twice."""
+    """Returns questions() without those whose answers were all read off finer runs, so that no measurement counts twice."""
     return {question: by_name for question, by_name in questions(results).items()
             if not all(results.cases.from_trace[row] for cell in by_name.values() for row in cell.cases)}
 
@@ -73,7 +73,7 @@ def make(results: Results) -> Report:
 
 
 def units(results: Results) -> str:
-    """Names the unit of the tolerances, for a sentence."""
+    """Returns the unit of the tolerances in words, for a sentence."""
     words = {"diagonal": "fractions of the diagonal of A", "longest": "fractions of the longest side of A's box", "absolute": "lengths",
              "lower": "fractions of the lower bound"}
     return " or ".join(words.get(str(of), str(of)) for of in results.in_order("tolerance_of"))

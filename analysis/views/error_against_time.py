@@ -22,6 +22,6 @@ def make(results: Results) -> Report | None:
 
 
 def lengths_line(results: Results) -> str:
-    """Names the scenes whose gaps and errors are lengths, because A is a single point; empty if there are none."""
+    """Returns a note on scenes whose gaps and errors are lengths, because A is a single point; empty if there are none."""
     scenes = results.in_order("scene", [case for case in range(len(results.cases)) if results.cases.source_diagonal[case] == 0 and results.is_bounded(case)])
     return f"Lengths, not fractions, because A is a single point: {', '.join(map(style.scene_title, scenes))}" if scenes else ""

@@ -1,4 +1,4 @@
-"""Kind `motion`: bounds and times pose by pose, for scenes that move."""
+"""Kind `motion`: bounds and times pose by pose, for scenes with several poses."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from analysis.views.answers import moving
 
 
 def make(results: Results) -> Report | None:
-    """Returns None if no scene moves."""
+    """Returns None if no scene has several poses."""
     scenes = [scene for scene in results.scenes if scene in moving(results)]
     if not scenes:
         return None
@@ -46,7 +46,7 @@ def pairs_of(results: Results, scene: str) -> list[tuple[str, str]]:
 
 
 def finest(results: Results, scene: str, name: str) -> list[int]:
-    """Returns the row of each pose at the finest tolerance that the solver was asked for."""
+    """Returns the row of each pose, in order, at the solver's finest tolerance."""
     rows = [row for row in results.rows(scene=scene) if results.names[row] == name]
     least = min(float(results.cases.tolerance[row]) for row in rows)
     return sorted((row for row in rows if results.cases.tolerance[row] == least), key=lambda row: int(results.cases.pose_index[row]))
@@ -59,7 +59,7 @@ def seconds(results: Results, row: int) -> float:
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
-    """Draws the interval of every pose above and the time below, for each scene; as many scenes side by side as the width allows."""
+    """Draws each scene, with as many side by side as fit the width: bounds of all poses above, times below."""
     across = max(1, min(len(scenes), int(style.width() / 1.1)))
     bands = -(-len(scenes) // across)
     figure, axes = plt.subplots(2 * bands, across, figsize=(style.width(), 3.7 * bands), squeeze=False)

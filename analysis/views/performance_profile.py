@@ -21,10 +21,10 @@ SHOWN = (1.0, 2.0, 10.0)  # factors in the printed table
 
 
 def factors(results: Results) -> dict[tuple[str, str], Floats]:
-    """Returns for each (solver, name) its time over the least time of all solvers, one value per question.
+    """Returns for each (solver, name) its time / the least time of all solvers, one value per question.
 
-    The value is infinity if the solver did not get there, and NaN if it was not asked or does not take the shapes.
-    Questions are left out if their times do not compare, or if a time is 0, which has no factors.
+    It is infinite if the solver failed, and NaN if it was not run or does not accept the shapes. Questions are left out
+    if times are not comparable or a time is 0.
     """
     pairs = style.order(zip(results.cases.solver, results.names))
     columns = []
@@ -38,7 +38,7 @@ def factors(results: Results) -> dict[tuple[str, str], Floats]:
 
 
 def too_short(results: Results) -> list[str]:
-    """Says how many questions are left out because a clock read 0."""
+    """Returns a note on the questions that are left out because a time is 0."""
     count = sum(any(cell.time.value == 0 for cell in by_name.values()) for by_name in measured(results).values())
     return [f"{count} {'cases are' if count > 1 else 'case is'} left out: a time is 0, too short for the clock."] if count else []
 
@@ -50,7 +50,7 @@ def cost(results: Results, cell: Cell | None) -> float:
 
 
 def shares(values: Floats, factor: float) -> float:
-    """Returns the share of its cases that a solver answers within a factor; NaN if it was asked none."""
+    """Returns the share of its questions that a solver answers within `factor` of the fastest; NaN if it has none."""
     asked = values[~np.isnan(values)]
     return float((asked <= factor).mean()) if len(asked) else math.nan
 

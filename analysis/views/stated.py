@@ -14,8 +14,8 @@ from analysis.shared.verdicts import UNTESTED, Verdict, everywhere
 
 
 def verdicts(results: Results, asked: Mapping[Any, Mapping[str, Cell]]) -> list[Verdict]:
-    """Returns one verdict for each claim in the experiment's text, as kept in the result. Only questions that both
-    solvers were asked count.
+    """Returns one verdict for each claim in the experiment file, of which the result has a copy. Uses the questions that both
+    solvers were asked.
     """
     stated = tomllib.loads(str(results.meta.get("experiment_toml") or "")).get("claim", [])
     return [_judged(results, claim, number, asked) for number, claim in enumerate(stated)]
@@ -24,7 +24,7 @@ def verdicts(results: Results, asked: Mapping[Any, Mapping[str, Cell]]) -> list[
 def _judged(results: Results, stated: Mapping[str, Any], number: int, asked: Mapping[Any, Mapping[str, Cell]]) -> Verdict:
     fast, slow, by = str(stated["solver"]), str(stated["faster_than"]), float(stated.get("by", 1.0))
     both = [cells for cells in asked.values() if slow in cells and fast in cells
-            and not all(results.cases.from_trace[row] for name in (slow, fast) for row in cells[name].cases)]  # else one measurement would count twice
+            and not all(results.cases.from_trace[row] for name in (slow, fast) for row in cells[name].cases)]  # so that no measurement counts twice
     every = stated.get("on") == "every" or len(both) == 1  # one case has no average
     claim = claims.Claim(f"{_title(results, fast)} takes less time than {_title(results, slow)} {'on every case' if every else 'on average'}"
                          + (f", by a factor of {by:g}" if by != 1 else ""))

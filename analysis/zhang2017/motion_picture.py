@@ -1,4 +1,4 @@
-"""The models of Figures 10 and 11 of Zhang et al. 2017 in their places: the outline of B, and A at some of its poses."""
+"""Draws the motions of Figures 10 and 11 of Zhang et al. 2017: the outline of B, and A at some of its poses."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from analysis.shared.results import Results
 
 COLOURS: Final = ("#BCB0E0", "#9A88CC", "#7862B5", "#573F9A", "#332288")  # of A, from the first pose to the last; no solver there has this hue
 POSES: Final = len(COLOURS)
-MOST: Final = 3000  # number of points drawn of each model, roughly
-CELLS: Final = 300  # cells of the outline's grid, along the longer side
-GAP: Final = 0.04  # fraction of the longer side: the outline joins points nearer than twice this
+MOST: Final = 3000  # approximate number of points drawn of each model
+CELLS: Final = 300  # cells along the longer side of the grid that computes the outline
+GAP: Final = 0.04  # fraction of the longer side; see draw_outline()
 
 
 def thinned(points: Floats) -> Floats:
@@ -24,7 +24,7 @@ def thinned(points: Floats) -> Floats:
 
 
 def draw_outline(ax: Any, points: Floats) -> None:
-    """Draws the outline of points in the plane. Points nearer than two gaps are joined (a morphological closing)."""
+    """Draws the outline of points in the plane, joining points nearer than twice GAP (a morphological closing)."""
     low, high = points.min(axis=0), points.max(axis=0)
     gap = GAP * float((high - low).max())
     cell = float((high - low).max()) / CELLS
@@ -36,7 +36,7 @@ def draw_outline(ax: Any, points: Floats) -> None:
 
 
 def draw(ax: Any, results: Results, rows: list[int]) -> None:
-    """Draws the models as seen along y or z, in which they are thinner. `rows` has one row per pose, in order.
+    """Draws the models as seen along y or z, whichever they extend less in. `rows` has one row per pose, in order.
 
     Draws nothing if a shape is not in the cache.
     """

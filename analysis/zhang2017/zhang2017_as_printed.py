@@ -1,4 +1,4 @@
-"""How often the algorithms of Zhang et al. 2017 are wrong if they are implemented as they are printed."""
+"""Shows how often the algorithms of Zhang et al. 2017 are wrong if they are implemented exactly as printed."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ LOOKS: Final = {"ohd_as_printed": style.Look("OHD as printed", "#0072B2", "D"),
                 "ohd": style.Look("OHD", "#56B4E9", "o"), "nohd": style.Look("NOHD", "#999933", "s")}
 CLAIMS: Final = {"ohd_as_printed": ("zhang2017", "ohd_as_printed"), "nohd_as_printed": ("zhang2017", "nohd_as_printed"),
                  "ohd": ("hausbench", "ohd_exact"), "nohd": ("hausbench", "nohd_exact")}
-PRINTED: Final = {"ohd": "ohd_as_printed", "nohd": "nohd_as_printed"}  # by the mended solver: its printed variant
+PRINTED: Final = {"ohd": "ohd_as_printed", "nohd": "nohd_as_printed"}  # the as-printed variant of each corrected solver
 
 
 def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
     """Groups answered rows by scene and by block of BLOCK neighbouring poses.
 
-    Answers at neighbouring poses, and at one pose with several seeds, are alike; blocks are treated as independent.
+    Answers at neighbouring poses, or with several seeds at one pose, are alike; blocks count as independent.
     """
     found: dict[tuple[str, int], list[int]] = {}
     for row in answered(results, rows):
@@ -40,10 +40,9 @@ def blocks(results: Results, rows: Sequence[int]) -> list[list[int]]:
 
 
 def share_interval(results: Results, rows: Sequence[int]) -> tuple[float, float]:
-    """Returns the 95 % interval for the share of wrong answers; NaN for fewer than two blocks.
+    """Returns the 95 % interval for the share of wrong answers, by a bootstrap over blocks; NaN for fewer than two blocks.
 
-    It is the bootstrap over blocks. If no answer is wrong, or all are, it is exact (Clopper and Pearson 1934), with
-    each block as one answer.
+    If none or all are wrong, returns the exact interval (Clopper and Pearson 1934) with each block as one answer.
     """
     parts = blocks(results, rows)
     counts = np.array([[len(wrong(results, part)), len(part)] for part in parts]).reshape(-1, 2)
@@ -62,7 +61,7 @@ def share_interval(results: Results, rows: Sequence[int]) -> tuple[float, float]
 
 
 def answered(results: Results, rows: Sequence[int]) -> list[int]:
-    """Returns the rows with an answer, right or wrong; timeouts and the like have none."""
+    """Returns the rows with an answer, right or wrong: no timeouts or other failures."""
     return [row for row in rows if results.cases.status[row] in ("ok", "unsound")]
 
 
@@ -71,9 +70,9 @@ def wrong(results: Results, rows: Sequence[int]) -> list[int]:
 
 
 def printed_rate(results: Results, label: str) -> float:
-    """Returns the share of blocks in which the printed variant of a mended solver goes wrong; NaN if it never does.
+    """Returns the share of blocks in which the as-printed variant of a corrected solver is wrong; NaN if it never is.
 
-    Takes only scenes, poses and seeds that the mended solver answered, so a mended solver that goes wrong as often would show it.
+    Uses only scenes, poses and seeds that the corrected solver answered, so that both have the same chances to err.
     """
     def question(row: int) -> tuple[str, int, object]:
         return results.cases.scene[row], int(results.cases.pose_index[row]), results.options(row).get("seed")
@@ -86,9 +85,9 @@ def printed_rate(results: Results, label: str) -> float:
 
 
 def exactness(results: Results, label: str) -> Verdict:
-    """Judges that a solver is never wrong.
+    """Judges the claim that a solver is never wrong.
 
-    For a mended solver the bar is the rate at which the printed one goes wrong, or RARE if it never does.
+    There must be enough trials to exclude the error rate of its as-printed variant, or RARE if that is never wrong.
     """
     rows = results.rows(label=label)
     rate = printed_rate(results, label)
@@ -98,7 +97,7 @@ def exactness(results: Results, label: str) -> Verdict:
 
 
 def off(results: Results, row: int) -> float:
-    """Returns the answer as a multiple of the true distance; NaN if no certified solver knows it."""
+    """Returns the answer / the true distance; NaN if no certified solver has an answer."""
     low, high = results.reference_of(row)
     if math.isnan(low):
         return math.nan
@@ -106,7 +105,7 @@ def off(results: Results, row: int) -> float:
 
 
 def direction(results: Results, label: str) -> str:
-    """Says how many of its wrong answers are too small and how many too large."""
+    """Says how many wrong answers of a solver are too small and how many too large: '3 too small, 1 too large'."""
     ratios = [off(results, row) for row in wrong(results, results.rows(label=label))]
     parts = [f"{count} too {way}" for count, way in ((sum(x < 1 for x in ratios), "small"),
                                                      (sum(x > 1 for x in ratios), "large")) if count]
@@ -160,7 +159,7 @@ def make(results: Results) -> Report:
 
 
 def draw(results: Results, scenes: list[str]) -> Any:
-    """Draws one column per scene, by the shift between the clouds: above the share of wrong seeds, below by how much they are wrong."""
+    """Draws a column per scene over the shift between the clouds: the share of wrong seeds above, the size of errors below."""
     figure, axes = plt.subplots(2, len(scenes), figsize=(style.DOUBLE_COLUMN, 3.0), sharex="col", sharey="row",
                                 squeeze=False)
     labels = [label for label in LOOKS if label.endswith("as_printed")]

@@ -16,12 +16,12 @@ from analysis.shared.report import NO_TIMES, Report
 from analysis.shared.results import Results
 from analysis.shared.verdicts import all_of
 
-SOURCE, TARGET, WITNESS = "#00507F", "#F2B134", "#000000"  # A dark, B light: they differ in grey, too
-MOST = 6000  # most points drawn of a set
+SOURCE, TARGET, WITNESS = "#00507F", "#F2B134", "#000000"  # A dark, B light, so that they differ in grey
+MOST = 6000  # at most so many points of a set are drawn
 
 
 def row_of(results: Results, scene: str) -> int:
-    """Returns a row with a witness if there is one, else the first row."""
+    """Returns a row of the scene with a witness; if none has one, the first row."""
     rows = results.rows(scene=scene)
     return next((row for row in rows if results.is_bounded(row)
                  and np.isfinite(results.cases.witness_source[row]).all()), rows[0])
@@ -69,15 +69,15 @@ def make(results: Results) -> Report:
 
 
 def shapes_text(results: Results, row: int) -> str:
-    """Returns the second line of a title: '(stand-in: an orange sampled twice)'; empty if the shapes are the paper's."""
+    """Returns the second line of a title: '(stand-in: an orange sampled twice)'; empty for shapes of the paper."""
     shapes_here = stand_in(str(results.cases.scene_note[row]))
     return f"(stand-in: {shapes_here})" if shapes_here else ""
 
 
 def view(points: Floats, along: Floats) -> Floats:
-    """Returns a plane (3 x 2) that holds `along` and the longest direction of the points perpendicular to it.
+    """Returns the plane of projection (3 x 2): it contains `along` and the direction perpendicular to it in which points spread most.
 
-    The plane is turned so that the points are widest to the right.
+    It is rotated so that the points are widest from left to right.
     """
     centred = points - points.mean(axis=0)
     length = float(np.linalg.norm(along))

@@ -21,7 +21,7 @@ def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
 
 
 def build_by_depth(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
-    """Compares the times to build the octree, each divided by its depth; one number per round."""
+    """Judges the claim on the time to build the octree by its depth: time / depth, by round, should be constant."""
     claim = claims.of("zhang2017", "build_by_depth", f"{scene} points")
     cells = [(depth, cell) for depth in sweep.values if (cell := sweep.cells.get((scene, depth))) and not cell.failures]
     if why := reason_apart(one for _, cell in cells for one in cell.origins):

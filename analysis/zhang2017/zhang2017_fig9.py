@@ -30,9 +30,9 @@ def verdicts(sweep: zhang_sweep.Sweep) -> list[Verdict]:
 
 
 def ahd_culls(sweep: zhang_sweep.Sweep, scene: str) -> Verdict:
-    """Correlates lambda with the number of culled points, for each seed.
+    """Judges the claim on lambda and the number of culled points, by their correlation for each seed.
 
-    With one seed AHD never falls as lambda grows, because a longer sample begins with the shorter one.
+    For one seed the AHD, the distance of the sample, cannot fall as lambda grows: a longer sample contains the shorter.
     """
     by_seed: dict[int, list[tuple[float, float]]] = {}
     for value in sweep.values:

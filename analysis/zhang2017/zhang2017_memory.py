@@ -1,4 +1,4 @@
-"""Peak memory of exact solvers of point sets against the number of points: INC's queues beside trees and scans."""
+"""Peak memory of exact solvers over the number of points: compares the queues of INC with trees and scans."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from analysis.shared.results import Results
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict
 
 POINT: Final = 24  # bytes: three doubles
-LEAST: Final = 2**20  # bytes; smaller peaks depend on pages and on memory that loading left free, not on the solver
-LINEAR: Final = 1.2  # the greatest exponent that passes for almost linear: the paper gives no number
-ALIKE: Final = 0.05  # peaks of two runs of one solver differ by less, because of how the allocator rounds up and gives back
+LEAST: Final = 2**20  # bytes; smaller peaks are dominated by page sizes and memory left over from loading
+LINEAR: Final = 1.2  # largest exponent that counts as almost linear; the paper gives no number
+ALIKE: Final = 0.05  # peaks of two runs of one solver differ by less than this, due to the allocator
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Spot:
 
 
 def collect(results: Results) -> list[Spot]:
-    """Collects the cells of each scene. A scene is named 'workload, size'."""
+    """Collects the cells of each scene, whose name is 'workload, size'."""
     found = []
     for scene in results.scenes:
         rows = results.rows(scene=scene)
@@ -47,9 +47,9 @@ def collect(results: Results) -> list[Spot]:
 
 
 def slope(points: list[int], peaks: list[float]) -> float:
-    """Returns the exponent in memory = constant n^exponent, by least squares of logarithms.
+    """Returns the exponent in memory = constant * n^exponent, by least squares of logarithms.
 
-    NaN for fewer than two peaks that are large enough (LEAST).
+    NaN if fewer than two peaks are at least LEAST.
     """
     known = [(n, peak) for n, peak in zip(points, peaks) if peak >= LEAST]
     if len({n for n, _ in known}) < 2:
@@ -60,10 +60,9 @@ def slope(points: list[int], peaks: list[float]) -> float:
 def verdict(workload: str, spots: list[Spot]) -> Verdict:
     """Judges the claim that INC needs the most memory, at the largest size at which INC ended.
 
-    A peak is one number, not a sample: peaks that differ by less than ALIKE of the larger, or by less than LEAST, are
-    not told apart. A solver that ran out of memory needs more than INC if the limit is above INC's peak: INC ended
-    below the same limit, on the same points. The need of a solver that failed in another way is not known, so the claim
-    cannot hold then.
+    A peak is a single number: peaks that differ by less than ALIKE of the larger, or by less than LEAST, count as equal. A
+    solver that ran out of memory needs more than INC if its limit is above INC's peak. The memory that a solver needs is
+    unknown if it failed in another way, so the claim cannot hold then.
     """
     claim = claims.of("hausbench", "inc_memory", workload)
     known = [spot for spot in spots if "inc" in spot.cells and spot.cells["inc"].peak > 0]
@@ -90,10 +89,10 @@ def verdict(workload: str, spots: list[Spot]) -> Verdict:
 
 
 def almost_linear(workload: str, spots: list[Spot]) -> Verdict:
-    """Compares the exponent of EARLYBREAK's distances over |A| + |B| with LINEAR.
+    """Judges the claim that EARLYBREAK is almost linear, by the exponent of its distances over |A| + |B|.
 
-    Each size is one seed; Student's interval says how they scatter about a line through their logarithms. A size
-    without an answer took longer than the limit, or failed, so the claim cannot hold then.
+    Each size has one seed; Student's interval comes from their scatter about a line through logarithms. If a size has no
+    answer, the claim cannot hold.
     """
     claim = claims.of("zhang2017", "almost_linear", workload)
     cells = [(spot.points, spot.cells["earlybreak"]) for spot in spots if "earlybreak" in spot.cells]
@@ -107,13 +106,13 @@ def almost_linear(workload: str, spots: list[Spot]) -> Verdict:
 
 
 def compared(own: float, other: float) -> str:
-    """Judges the claim that INC's peak is greater, against one other peak."""
+    """Returns the outcome for the claim that INC's peak (`own`) is greater than another."""
     alike = abs(own - other) < max(LEAST, ALIKE * max(own, other))
     return OPEN if alike else HOLDS if own > other else FAILS
 
 
 def memory_limit(cell: Cell) -> float:
-    """Returns the memory that was too little for a solver that ran out of it; 0 for all others."""
+    """Returns the memory limit of a solver that ran out of memory; 0 for all others."""
     return float(cell.results.cases.memory_limit_bytes[cell.cases[0]]) if cell.failures["out_of_memory"] else 0.0
 
 

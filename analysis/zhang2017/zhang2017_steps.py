@@ -1,4 +1,4 @@
-"""The inner steps of EARLYBREAK that Eqs. 4 to 7 of Zhang et al. 2017 predict, beside the counted ones."""
+"""Compares the inner steps of EARLYBREAK that Eqs. 4 to 7 of Zhang et al. 2017 predict with counted ones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from analysis.shared.statistics import Estimate, median
 from analysis.shared.verdicts import Verdict, constant, rising_by_run
 
 MOST: Final = 4000  # points of A whose distances to all of B are computed
-CONSTANT: Final = 1.25  # factor within which c counts as constant: the paper gives no number
+CONSTANT: Final = 1.25  # c counts as constant within this factor; the paper gives no number
 STAND_INS: Final = {"pears, a tenth": "an orange, sampled twice"}  # as in Table 3; the scene has no note
 EXPECTED = style.Look("1/mean p (Eq. 7, c = 1)", style.GREY, "s", style.DASHED)
 BY_POINT = style.Look("mean of 1/p over the points of A", "#000000", "d", style.DOTTED)
@@ -31,20 +31,20 @@ class Step:
     distance: float
     counted: Estimate  # inner steps per point of A; over seeds
     by_seed: dict[int, float]
-    expected: float  # 1/p with p averaged over all pairs
-    by_point: float  # mean over the points of A of the steps that each has to expect
+    expected: float  # 1/p, where p is the share of all pairs that end the inner loop
+    by_point: float  # expected steps, averaged over the points of A
 
     @property
     def c(self) -> float:
-        """The factor that the paper calls constant: counted = 1 / (c p)."""
+        """The factor c in: counted steps = 1 / (c * p). The paper calls it constant."""
         return self.expected / self.counted.value if self.counted.n and self.counted.value > 0 else math.nan
 
 
 def expectations(a: Floats, b: Floats, distance: float) -> tuple[float, float]:
-    """Returns 1/p, and the mean over the points of A of their expected draws, if cmax were `distance` from the start.
+    """Returns 1/p, and the expected number of steps averaged over the points of A, if cmax were `distance` from the start.
 
-    B is shuffled, so steps are draws without replacement. If k of the m points are near enough, the first of them is
-    expected after (m + 1) / (k + 1) draws; if none is, all m are drawn. O(|A| |B|).
+    B is shuffled, so steps are draws without replacement. If k of the m points of B are near enough, the first of these
+    is expected after (m + 1) / (k + 1) draws; if k = 0, all m are drawn. O(|A| |B|).
     """
     m = len(b)
     near = np.zeros(len(a))
@@ -109,7 +109,7 @@ def make(results: Results) -> Report:
 
 
 def verdicts(steps: list[Step]) -> list[Verdict]:
-    """Judges the claims on one scene. Seeds are the independent runs, because neighbouring poses are alike."""
+    """Judges the claims on one scene. Only seeds count as independent, because neighbouring poses are alike."""
     scene = steps[0].scene
     known = [step for step in steps if math.isfinite(step.expected)]
     seeds = sorted(set.intersection(*[set(step.by_seed) for step in steps]))

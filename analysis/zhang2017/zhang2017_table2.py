@@ -14,7 +14,7 @@ from analysis.zhang2017 import zhang_pairs
 
 
 def extra(results: Results, scene: str, cells: dict[str, Cell]) -> list[tuple[str, str, float]]:
-    """Returns the share of A that each of the two ways of culling leaves out."""
+    """Returns extra columns: the percentage of A that OHD culls, corrected and as printed."""
     found = []
     for label, header in (("ohd", "culled, %"), ("ohd_as_printed", "culled as printed, %")):
         rows = results.rows(scene=scene, label=label)

@@ -38,7 +38,7 @@ def span(values: list[float], digits: int = 2) -> str:
 
 
 def what_it_saves(grid: Grid, papers: dict[str, dict[str, Any]]) -> str:
-    """Explains why ratios of time here are not the paper's: the cost of a pair of points, and how many pairs are saved."""
+    """Returns a note on why ratios of times differ from the paper's: the cost per distance, and how many distances are saved."""
     theirs = [1e9 * paper["naive"] / (paper["source_elements"] * paper["target_elements"]) for paper in papers.values()
               if "naive" in paper]
     ours = [nanoseconds(grid.cells.get((scene, "naive"))) for scene in grid.scenes]
@@ -61,13 +61,13 @@ def paper_ratio(paper: dict[str, Any], slow: str, fast: str) -> str:
 
 
 def faster(grid: Grid, slow: str) -> Verdict:
-    """Judges the claim on average, because EARLYBREAK is the faster one in row (e) of the paper's own table."""
+    """Judges the claim that the framework is faster, on average only: in row (e) of the paper's table EARLYBREAK is faster."""
     claim = claims.of("zhang2017", f"framework_{slow}")
     return in_time_and_work(lambda what: on_average(claim, [grid.ratio(scene, slow, "adaptive", what) for scene in grid.scenes]))
 
 
 def all_pairs(grid: Grid) -> Verdict:
-    """Compares the distances that NAIVEHDD counted with |A| |B|. It has no seed, so one row per pair is enough."""
+    """Judges the claim that NAIVEHDD computes |A| * |B| distances. It is deterministic, so one row per pair is enough."""
     known = [cell for scene in grid.scenes if (cell := grid.cells.get((scene, "naive"))) and not np.isnan(cell.count(DISTANCES))]
     cases = grid.results.cases
     unlike = sum(cell.count(DISTANCES) != int(cases.source_elements[cell.cases[0]]) * int(cases.target_elements[cell.cases[0]]) for cell in known)

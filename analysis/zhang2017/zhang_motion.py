@@ -1,8 +1,8 @@
 """Figures 10 and 11 of Zhang et al. 2017: one model moves through another, and each pose is timed.
 
-Neighbouring poses are alike, and one process answers all poses of a round, so no test counts poses. Each round gives
-one number (the median over the poses of a kind), and the interval is over rounds; it is about these poses only. Times
-of a solver with several seeds are from the first seed; counted work has one number per seed.
+Neighbouring poses are alike, and one process answers all poses of a round, so poses are not independent. Each round
+gives one number, the median over the poses of a *regime* (models apart, touching, overlapping), and intervals are over
+rounds. Times of randomized solvers are of the first seed; counted work has one number per seed.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ WORK: Final = "distances, bounds and nodes"
 THETA: Final = 0.33
 REGIMES: Final = (("apart", "boxes apart"), ("touching", "α ≤ 0.33"), ("overlapping", "α > 0.33"))
 SHADES: Final = {"apart": "#FFFFFF", "touching": "#F4F4F4", "overlapping": "#E6E6E6"}
-COMPARED: Final = (  # the claim, its regime, and the slower and the faster solver there
+COMPARED: Final = (  # claim, regime, slower solver, faster solver
                    ("apart", "apart", "earlybreak", "nohd"),
                    ("touching", "touching", "ohd", "earlybreak"),
                    ("overlapping", "overlapping", "earlybreak", "ohd"),
                    ("nohd_overlapping", "overlapping", "nohd", "ohd"))
-CULLED: Final = (("few_culled", "touching", False), ("many_culled", "overlapping", True))  # the claim and its regime; whether more than HALF are culled
-HALF: Final = 0.5  # share of A that counts as a large number of points
+CULLED: Final = (("few_culled", "touching", False), ("many_culled", "overlapping", True))  # claim, regime, whether more than HALF are culled
+HALF: Final = 0.5  # share of A that counts as many points
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Pose:
 
 
 class Motion:
-    """One scene: its poses in order, and the time to solve each, by round."""
+    """One scene, with its poses in order and the time to solve each, by round."""
 
     def __init__(self, results: Results, scene: str) -> None:
         cases = results.cases
@@ -78,21 +78,20 @@ class Motion:
         return median(list(self.rounds(pose, label).values()))
 
     def work(self, pose: Pose, label: str, what: str) -> float:
-        """Returns the work of the first seed; NaN if there is no answer, or nothing is counted."""
+        """Returns the counted work of the first seed; NaN without an answer or a count."""
         return next(iter(self.work_by_seed(pose, label, what)), math.nan) or math.nan
 
     def work_by_seed(self, pose: Pose, label: str, what: str) -> list[float]:
-        """Returns the work of each seed; empty if a seed has no answer, because leaving it out would leave out a slow one."""
+        """Returns the counted work of each seed. Empty if a seed has no answer, because only slow ones would be missing."""
         rows, counters = pose.seeds.get(label, []), self.results.cases.counters
         if any(self.results.cases.status[row] != "ok" for row in rows):
             return []
         return [float(sum(int(counters[name][row]) for name in MEASURES[what] if name in counters)) for row in rows]
 
     def work_ratio(self, poses: Sequence[tuple[Pose, Pose]], slow: str, fast: str, what: str, chosen: bool = False) -> Estimate:
-        """Returns the median over these poses of the ratio of counted work: exact for solvers without a seed, else one
-        number per seed.
+        """Returns the median over pairs of poses of the ratio of counted work, exact for deterministic solvers, else over seeds.
 
-        `chosen`: the poses were chosen by the counts of the first seed, which is therefore left out.
+        `chosen` leaves out the first seed, by whose counts the caller chose the poses.
         """
         known = [(a, b) for p, q in poses
                  if (a := self.work_by_seed(p, slow, what)) and (b := self.work_by_seed(q, fast, what)) and min(a + b) > 0]
@@ -107,14 +106,14 @@ class Motion:
         return paired_ratio(used, [1.0] * len(used)) if seeds > 1 else exact(ratios[0])
 
     def times(self, regime: str, *labels: str) -> list[tuple[float, ...]]:
-        """Returns the times at each pose of the regime at which all of these solvers were timed."""
+        """Returns the times of these solvers at each pose of the regime at which all were timed."""
         return [tuple(self.time(p, label).value for label in labels) for p in self.poses
                 if p.regime == regime and all(self.time(p, label).n for label in labels)]
 
     def ratio(self, regime: str, slow: str, fast: str, what: str = "") -> Estimate:
-        """Returns the median over the poses of a regime of the ratio of times, one number per round.
+        """Returns the median ratio of times over the poses of a regime, with an interval over rounds.
 
-        `what` asks for counted work instead, which is the same in all rounds but differs between seeds.
+        With `what`, returns the ratio of counted work, which differs between seeds, not rounds.
         """
         poses = [pose for pose in self.poses if pose.regime == regime]
         if what:
@@ -145,7 +144,7 @@ class Motion:
         return [*found, *[self.culled(*one) for one in CULLED], *self.worst_case()]
 
     def nearer(self, label: str) -> Verdict:
-        """Correlates time with minus the distance, over all poses: one number per round, and one per seed for counted work."""
+        """Judges the claim that nearer poses take longer, by a correlation per round; for counted work, per seed."""
         claim = claims.of("zhang2017", "nearer", self.scene, solver=style.title(label))
         timed = [p for p in self.poses if self.time(p, label).n and math.isfinite(p.distance)]
         x = [-p.distance for p in timed]
@@ -163,7 +162,7 @@ class Motion:
         return in_time_and_work(judge)
 
     def culled(self, name: str, regime: str, more: bool) -> Verdict:
-        """Compares the share of A that OHD culls with HALF: the median over the poses of a regime, one number per seed."""
+        """Judges the claim that OHD culls more (or less) than HALF of A: median over the poses of a regime, per seed."""
         claim = claims.of("zhang2017", name, self.scene)
         cases = self.results.cases
         shares = [[self.results.extras(row).get("culled", math.nan) / int(cases.source_elements[row]) if cases.status[row] == "ok" else math.nan
@@ -178,7 +177,7 @@ class Motion:
         return weighed(Verdict(claim, outcome, f"{tables.estimate(share, 100)} % of A, at {len(known)} poses, over n = {share.n} seeds"), [share])
 
     def worst_case(self) -> list[Verdict]:
-        """Compares the distances that EARLYBREAK counted with |A| |B|, for every seed at the poses whose distance is 0.
+        """Judges the claim that EARLYBREAK computes |A| * |B| distances if the distance is 0, for every seed and such pose.
 
         Empty if there are no such poses.
         """
@@ -189,11 +188,11 @@ class Motion:
         return [all_of(claim, sum(count != pairs[0] for count in counts), len(counts), len(counts), "runs, each with a seed of its own")] if poses else []
 
     def peak(self, label: str) -> Verdict:
-        """Judges that the time is greatest where the models overlap most, which is at the least distance.
+        """Judges the claim that the time is greatest where the models overlap most, which is at the least distance.
 
-        The pose there, and the pose elsewhere that may refute it, are chosen by counted work: choosing them by the
-        times that are compared would err too often. So would choosing them by the counts that are compared: the first
-        of several seeds chooses, and the others are compared.
+        The pose there, and the pose elsewhere that may refute the claim, are chosen by counted work, because choosing by
+        the times that are then compared would err too often. For the same reason, if counts are compared, the first
+        seed chooses and only the other seeds are compared.
         """
         claim = claims.of("zhang2017", "peak", self.scene, solver=style.title(label))
         timed = [p for p in self.poses if self.time(p, label).n]
@@ -201,7 +200,7 @@ class Motion:
             return Verdict(claim, UNTESTED, "fewer than three poses")
         nearest = min(timed, key=lambda p: p.distance)
         least = [i for i, p in enumerate(timed) if p.distance <= nearest.distance]
-        # Neighbouring poses count as the same place, because the motion is sampled.
+        # The motion is sampled, so poses next to the nearest ones count as the same place.
         near = [p for i, p in enumerate(timed) if min(abs(i - k) for k in least) <= 1]
         far = [p for p in timed if p not in near]
 
@@ -221,7 +220,7 @@ class Motion:
         return in_time_and_work(verdict)
 
     def reuse(self) -> list[str]:
-        """Returns the notes of the ledger on structures, one per reason: 'built once ...: saved NOHD 12.3 ms, OHD 13.1 ms'."""
+        """Returns notes on structures that were not built again, by reason: 'built once ...: saved NOHD 12.3 ms, OHD 13.1 ms'."""
         ledger, found = self.results.ledger, dict[str, dict[str, str]]()
         for subject, what, reason, seconds in zip(ledger.subject, ledger.what, ledger.reason, ledger.seconds_saved):
             solver = next((pair for pair in self.labels if subject.endswith(f" on {self.scene}") and subject.removesuffix(f" on {self.scene}").split("(")[0] == pair[1]), None)
@@ -231,7 +230,7 @@ class Motion:
 
 
 def _regime(results: Results, rows: dict[str, int]) -> str:
-    """Returns the regime of a pose by the overlap that the framework measured."""
+    """Returns the regime of a pose, by the overlap `alpha` that solver `adaptive` reports."""
     told = results.extras(rows["adaptive"]) if "adaptive" in rows else {}
     if "alpha" not in told:
         return "unknown"
@@ -286,7 +285,7 @@ def make(results: Results) -> Report:
 
 
 def figure_caption(caption: str, motions: list[Motion], clock: str) -> str:
-    """Returns the caption, which explains each row of panels."""
+    """Returns the caption with an explanation of each row of panels."""
     notes = {motion.scene: str(motion.results.cases.scene_note[motion.results.rows(scene=motion.scene)[0]]) for motion in motions}
     shapes = "; ".join(f"{scene}: {note}" for scene, note in notes.items() if note)
     return (f"{caption} Top: the outline of B, and A at {motion_picture.POSES} of its poses, the first the lightest. Middle: {clock} to solve a pose, in seconds; a line is the "
@@ -295,7 +294,7 @@ def figure_caption(caption: str, motions: list[Motion], clock: str) -> str:
 
 
 def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str], clock: str) -> Any:
-    """Draws one column per scene: the models on top, then times, then the distance; grey where the boxes overlap."""
+    """Draws a column per scene: models, times, distance. The background is grey where the boxes of A and B overlap."""
     figure, axes = plt.subplots(3, len(motions), figsize=(style.DOUBLE_COLUMN, 4.7), squeeze=False, height_ratios=(1, 2.4, 1))
     for (top, upper, lower), motion in zip(axes.T, motions):
         motion_picture.draw(top, motion.results, [next(iter(pose.rows.values())) for pose in motion.poses])

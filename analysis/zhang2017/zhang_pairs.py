@@ -1,4 +1,4 @@
-"""Tables 1 and 2 of Zhang et al. 2017: pairs of random clouds, and a solver with and without a part of it."""
+"""Tables 1 and 2 of Zhang et al. 2017: a solver with and without one of its parts, on pairs of random clouds."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Spec:
     caption: str
     without: str  # labels of the two variants
     with_it: str
-    part: str  # the part that only one of them has
+    part: str  # name of the part that only `with_it` has
     gains: str  # id of the paper's claim
     others: tuple[str, ...]  # more labels, one column each
     notes: list[str]
@@ -35,9 +35,9 @@ class Spec:
 
 
 class Pair:
-    """One scene. Both variants are prepared with the same structure, which is built once for each.
+    """One scene. Both variants build the same structure, so both get the shorter of their two preparation times.
 
-    Both get the shorter of these two times. If both have several seeds, their medians even out the accidents of preparation.
+    With several seeds each keeps its own times, because medians even out differences in preparation.
     """
 
     def __init__(self, results: Results, spec: Spec, scene: str) -> None:
@@ -128,7 +128,7 @@ def verdicts_of(spec: Spec, pairs: list[Pair]) -> list[Verdict]:
 
 
 def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
-    """Says how much work and how much time the part saves: medians over the pairs."""
+    """Returns a note on how much work and time the part saves (medians over the pairs)."""
     known = [pair for pair in pairs if pair.ratio.n and all(x.n for x in pair.counted.values())]
     if not known:
         return f"These rows do not say how much work {spec.part} saves."
@@ -142,7 +142,7 @@ def what_it_saves(spec: Spec, pairs: list[Pair]) -> str:
 
 
 def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown: list[str], clock: str) -> Any:
-    """Draws times by size, and the ratio that the table is about. Filled marks: here; open marks: the paper."""
+    """Draws times by size, and the ratio without / with the part. Filled marks are our times, open marks the paper's."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.7))
     solver = spec.with_it
     own = style.look(solver)

@@ -18,7 +18,7 @@ from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate
 from analysis.shared.verdicts import Verdict, everywhere, least_among
 
-# Looks of pairs, from light to dark, in colours that no solver has; markers tell them apart as well.
+# Colours (from light to dark; no solver has them) and markers of the pairs.
 PAIR_LOOKS = [("#DDCC77", "o"), ("#44AA99", "^"), ("#CC6677", "s"), ("#AA4499", "D"), ("#332288", "v")]
 
 
@@ -26,7 +26,7 @@ PAIR_LOOKS = [("#DDCC77", "o"), ("#44AA99", "^"), ("#CC6677", "s"), ("#AA4499", 
 class Spec:
     caption: str
     parameter: str
-    axis: str  # label of the axis
+    axis: str  # label of the horizontal axis
     text_of: Callable[[float], str]
     recommended: float  # the value that the paper recommends; marked in the figure
     verdicts: Callable[[Sweep], list[Verdict]]
@@ -35,7 +35,7 @@ class Spec:
 
 
 class Sweep:
-    """The cells by scene and value of the parameter."""
+    """The cells of a solver, by scene and value of one parameter."""
 
     def __init__(self, spec: Spec, results: Results) -> None:
         self.spec, self.results = spec, results
@@ -56,18 +56,18 @@ class Sweep:
         return [v for v in (self.values if among is None else among) if self.time(scene, v).n]
 
     def best(self, scene: str, among: list[float] | None = None) -> float:
-        """Returns the value with the least median time; NaN if there is none."""
+        """Returns the value (of `among`) with the least median time; NaN if there are no times."""
         return min(self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan)
 
     def ratio(self, scene: str, slow: float, fast: float, what: str = "") -> Estimate:
-        """Returns the ratio of times, or of the counts that MEASURES names."""
+        """Returns the ratio of times, or of counts MEASURES[what], of value `slow` / value `fast`."""
         if (scene, slow) not in self.cells or (scene, fast) not in self.cells:
             return NO_DATA
         pair = self.cells[scene, slow], self.cells[scene, fast]
         return compare_work(*pair, MEASURES[what]) if what else compare(*pair)
 
     def times_the_least(self, scene: str, value: float) -> float:
-        """Returns the time as a multiple of the least of its scene; NaN if the two do not compare."""
+        """Returns the time / the least time of the scene; NaN if the two are not comparable."""
         best = self.best(scene)
         if math.isnan(best) or apart(self.cells[scene, value].origins | self.cells[scene, best].origins):
             return math.nan
@@ -123,12 +123,12 @@ def make(spec: Spec, results: Results) -> Report:
 
 
 def from_zero(sweep: Sweep) -> bool:
-    """Tells whether the axis of multiples begins at zero. It does not if all multiples are below two, which it would squeeze."""
+    """Tells whether the axis of multiples should begin at 0; if all are below 2, this would leave them too close together."""
     return any(sweep.times_the_least(scene, value) > 2 for scene in sweep.scenes for value in sweep.timed(scene))
 
 
 def draw(sweep: Sweep) -> Any:
-    """Draws the times on the left, and the times in units of each pair's least on the right."""
+    """Draws the times on the left, and as multiples of the least time of each pair on the right."""
     spec = sweep.spec
     figure, axes = plt.subplots(1, 2, figsize=(style.DOUBLE_COLUMN, 2.6))
     place = {value: i for i, value in enumerate(sweep.values)}
