@@ -8,14 +8,14 @@ from synthetic import ResultFile, spread, without_bounds
 
 
 def pairs(stem: str, without: str, options: dict[str, Any], solver: str) -> ResultFile:
-    """Without the tested feature, the solver takes 1.5, 2, 2 and 0.9 to 1.1 times as long on pairs 1 to 4, and times out on
-    pair 5. One variant's preparation is slow by accident, which must not count.
+    """Without the tested feature, pairs 1 to 4 take 1.5, 2, 2 and 0.9 to 1.1 times as long, and pair 5 times out. One
+    variant's preparation is slow by accident, which must not count.
     """
     file = ResultFile(stem, wall=1.25, cpu=1.0)
     for k, ratio in enumerate((1.5, 2.0, 2.0, 1.0, 2.0), start=1):
         common: dict[str, Any] = {"source_elements": 1000 * k, "target_elements": 2000 * k, "lower": 0.5, "upper": 0.5,
                                   "peak_bytes": 2**20}
-        bases = [0.002 * k * (1 + 0.01 * i) for i in range(7)]  # each round is slower, so only pairing by round separates the solvers
+        bases = [0.002 * k * (1 + 0.01 * i) for i in range(7)]  # rounds become slower: only pairing them separates the solvers
         work = {"bound_tests": 3000 * k, "point_distances": 1000 * k}
         if k == 5:
             file.case(solver, f"pair {k}", label=without, options=options, **without_bounds("timeout", "10 s", common))
@@ -71,9 +71,8 @@ def fig9() -> ResultFile:
 
 
 def motion(stem: str) -> ResultFile:
-    """A moves along x through 21 poses. NOHD takes half of EARLYBREAK's time if the shapes are apart (|x| > 0.7). OHD takes
-    twice EARLYBREAK's time if they touch, and half of it if they overlap (|x| < 0.4). Times peak at x = 0, where NOHD times
-    out.
+    """A moves along x. NOHD takes half of EARLYBREAK's time if the shapes are apart (|x| > 0.7); OHD takes twice as much if
+    they touch, and half if they overlap (|x| < 0.4). Times peak at x = 0, where NOHD times out.
     """
     file = ResultFile(stem, wall=1.25, cpu=1.0)
     for index in range(21):
@@ -83,8 +82,7 @@ def motion(stem: str) -> ResultFile:
         times = {"earlybreak": early, "nohd": 0.5 * early, "ohd": early * (2.0 if alpha < 0.33 else 0.5),
                  "adaptive": 0.5 * early if alpha < 0 else early}
         for solver, time in times.items():
-            # EARLYBREAK computes ten times as many distances, but the others test bounds and visit nodes instead: the
-            # total work is nearly equal.
+            # EARLYBREAK computes more distances, but no bounds and nodes: the total work is nearly equal.
             few = int(1e7 * early)
             work = ({"point_distances": 10 * few} if solver in ("earlybreak", "adaptive") else
                     {"point_distances": few, "bound_tests": 8 * few, "node_visits": 2 * few})
@@ -122,8 +120,8 @@ def fig12() -> ResultFile:
 
 
 def steps() -> ResultFile:
-    """At each of five poses, each of A's four points is 0.5 from one of B's five points and 2 from the other four; h = 1. So
-    1/p = 5, and the mean by points is 3. The solver counted 6 distances per point, and 3 at the last pose.
+    """At five poses, each of A's four points is 0.5 from one of B's points and 2 from four others; h = 1. So 1/p = 5, and the
+    mean by points is 3. Counted are 6 distances per point, but 3 at the last pose.
     """
     file = ResultFile("zhang2017_steps", wall=1.25, cpu=1.0)
     for pose in range(5):
@@ -135,7 +133,7 @@ def steps() -> ResultFile:
 
 
 def as_printed() -> ResultFile:
-    """OHD as printed in the paper gives one wrong answer in 8 (0.9 h) and times out once; NOHD as printed is wrong in all 3."""
+    """OHD as printed gives one wrong answer in 8 (0.9 h) and times out once; NOHD as printed is wrong in all 3."""
     file = ResultFile("zhang2017_as_printed", wall=1.25, cpu=1.0)
     for pose in range(3):
         common: dict[str, Any] = {"pose_index": 5 * pose, "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0.5 * pose, 0, 0],
@@ -156,7 +154,7 @@ def as_printed() -> ResultFile:
 
 
 def memory() -> ResultFile:
-    """From 10K to 1M points per set, INC's memory grows as n^1.5 from 2 MiB; kdtree needs 8 MiB at 1M; scan crashes."""
+    """INC's memory grows as n^1.5 from 2 MiB at 10K points; kdtree needs 8 MiB at 1M; scan crashes."""
     file = ResultFile("zhang2017_memory", wall=1.25, cpu=1.0)
     for size, n, peak in (("10K", 10_000, 2 * 2**20), ("1M", 1_000_000, 2000 * 2**20)):
         common: dict[str, Any] = {"source_elements": n, "target_elements": n, "scene_note": "samples", "lower": 0.5,

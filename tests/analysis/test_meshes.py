@@ -1,4 +1,4 @@
-"""Tests the tables of mesh solvers beside CGAL and on hard inputs, on files with known numbers."""
+"""Tables of mesh solvers beside CGAL and on hard inputs."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_peers_ratios_and_means(make: Make) -> None:
                                                     (0.010, 2, ": not judged (n = 2; ")])
 def test_peers_claim_comes_out_three_ways(make: Make, seconds: float, rounds: int, outcome: str) -> None:
     file = peers(sacht=seconds, rounds=rounds, stopped=outcome != "it does not hold")
-    if seconds == 0.057:  # noise around exactly the required mean, with CGAL's time limit as a lower bound for the third pair
+    if seconds == 0.057:  # noise around exactly the required mean; one of the three ratios is a lower bound
         for answer in file.answers[::2]:
             answer["cpu_seconds"] *= 1.4
     assert f"Here{'' if outcome[0] == ':' else ' '}{outcome}" in claim(make(file)[2], "Sacht")
@@ -96,7 +96,7 @@ def test_peers_claim_is_open_where_the_solver_alone_has_no_answer(make: Make) ->
 
 @pytest.mark.parametrize("of", ["zheng", "cgal"])
 def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> None:
-    """One solver has only the first 6 of 14 rounds. The missing rounds must not count as timeouts after 5 s."""
+    """One solver has only 6 of 14 rounds. The missing rounds are no timeouts."""
     file = peers(rounds=14)
     few = {row for row, case in enumerate(file.cases) if case["solver"] == of and case["status"] == "ok"}
     file.answers = [answer for answer in file.answers if answer["case"] not in few or answer["round"] < 6]
@@ -110,7 +110,7 @@ def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> No
                                                       (0.0025, 6, ": not separated", "it holds"), (0.020, 6, "it does not hold", ": not separated"),
                                                       (0.001, 2, ": not judged (n = 2; ", ": not judged (n = 2; ")])
 def test_peers_cover_has_two_aims(make: Make, seconds: float, rounds: int, mean: str, each: str) -> None:
-    """CGAL takes 100 ms on near and 25 ms on far, cover `seconds` and a quarter of it; the aims are factors of 40 on average and 5 on every pair."""
+    """CGAL takes 100 ms on near and 25 ms on far, cover `seconds` and a quarter of it; the aims are 40 times on average and 5 times everywhere."""
     file = peers(cover=seconds, rounds=rounds, stopped=False, elements=30_000)
     if seconds in (0.0025, 0.020):  # noise around exactly the required factor
         for answer in file.answers[::2]:
@@ -128,7 +128,7 @@ def test_peers_small_pairs_do_not_count_for_the_mean_of_cover(make: Make) -> Non
 
 
 def traps(**wrong: Any) -> ResultFile:
-    """guthe converges on the first pair and stops early with bounds on the second; CGAL is wrong on one and killed on the other."""
+    """guthe converges on one pair and stops early with bounds on the other; CGAL is wrong on one and killed on the other."""
     file = ResultFile("mesh_traps", cpu=1.0)
     common: dict[str, Any] = {"tolerance": 1e-6, "exact": 0.0, "case_seconds_limit": 2.0, "scene_note": "a note", "certified": 1}
     rows: list[tuple[str, str, dict[str, Any]]] = [
@@ -174,14 +174,14 @@ def test_letters_are_explained_where_they_occur() -> None:
 
 
 def test_a_view_is_turned_until_the_point_is_seen() -> None:
-    """From the front, the tetrahedron hides a point on its far face, so the view must turn."""
+    """From the front, the tetrahedron hides the point, so the view must turn."""
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     solid = shapes.Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
     front = mesh_picture.view((1.0, 0.2, 1.0))
     assert mesh_picture.showing(solid, front, np.array([0.3, 0.3, 0.4])) is front
     behind = np.array([0.0, 0.3, 0.3])
     turned = mesh_picture.showing(solid, front, behind)
-    assert turned is not front and turned.axes[2][0] < 0  # the viewer now looks from the side x < 0
+    assert turned is not front and turned.axes[2][0] < 0  # seen from the side x < 0
     np.testing.assert_allclose(turned.axes @ turned.axes.T, np.eye(3), atol=1e-12)
     from_below = mesh_picture.showing(solid, front, np.array([0.3, 0.0, 0.3]))
     assert from_below.axes[2][1] < -0.3  # not edge-on

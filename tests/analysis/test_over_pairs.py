@@ -48,7 +48,7 @@ def test_mean_at_least(ratios: Sequence[float], outcome: str) -> None:
 
 
 def errors(mean: Any, pairs: int, deviation: float, trials: int = 250) -> int:
-    """Counts wrong verdicts: the ratios are lognormal and their true mean equals the claimed one, so every verdict but OPEN is an error."""
+    """Counts wrong verdicts: the lognormal ratios' true mean equals the claimed one, so only OPEN is right."""
     rng = np.random.default_rng(pairs)
     bar = math.exp(deviation**2 / 2) if mean is arithmetic_mean else 1.0
     return sum(mean_at_least("x", mean(np.exp(deviation * rng.standard_normal(pairs))), bar, "mean").outcome != OPEN for _ in range(trials))
@@ -56,7 +56,7 @@ def errors(mean: Any, pairs: int, deviation: float, trials: int = 250) -> int:
 
 @pytest.mark.parametrize("mean", [arithmetic_mean, geometric_mean])
 def test_mean_at_least_errs_as_seldom_as_it_promises(mean: Any) -> None:
-    """At most 5 % of 1,500 verdicts may be errors; at that rate, more than 101 have a probability of 0.1 %."""
+    """5 % of 1,500 verdicts may be errors; more than 101 are then improbable (0.1 %)."""
     found = {(pairs, deviation): errors(mean, pairs, deviation) for pairs in (5, 10, 30) for deviation in (0.8, 1.5)}
     assert sum(found.values()) <= 101, found
     assert max(found.values()) <= 25, found  # of 250 trials
@@ -71,10 +71,10 @@ def test_share_near(count: int, of: int, outcome: str) -> None:
 @pytest.mark.parametrize(("ahead", "behind", "outcome"), [
     (["wwwwwwww"], ["........"], HOLDS), (["........"], ["wwwwwwww"], FAILS), (["wwww...."], ["....wwww"], OPEN),
     (["wwwwwwww"], ["wwwwwwww"], OPEN),
-    # Each letter is a pair, w if won. Five wins have p = 1/32 by chance; five in one of two comparisons, 2/32.
+    # Each letter is a pair, w if won. By chance, five wins have p = 1/32; in one of two comparisons, 2/32.
     (["wwwww"], ["....."], HOLDS), (["....."], ["wwwww"], FAILS), ([".....", "....."], ["wwwww"], FAILS),
     (["....."], ["wwwww", "wwwww", "....."], OPEN), (["wwww"], ["...."], OPEN),
-    (["wwwwwwww", "wwww...."], ["........", "....wwww"], OPEN),  # one of the four comparisons is not separated
+    (["wwwwwwww", "wwww...."], ["........", "....wwww"], OPEN),  # one of four comparisons is not separated
     ([], ["w"], UNTESTED), (["w"], [], UNTESTED), ([""], [""], UNTESTED)])
 def test_wins_more(ahead: list[str], behind: list[str], outcome: str) -> None:
     verdict = wins_more("x", {f"a{i}": wins(x) for i, x in enumerate(ahead)}, {f"b{i}": wins(x) for i, x in enumerate(behind)})
@@ -92,8 +92,8 @@ def test_wins_are_shared_within_five_percent_of_the_least() -> None:
 
 
 def fig2(ratios: Sequence[float], work: Sequence[float], late: str = "") -> ResultFile:
-    """`ratios` and `work` are Zheng's time and counted work on each pair, relative to Sacht's. `late` has a letter per pair:
-    z if Zheng timed out, s if Sacht did, 2 if both did.
+    """`ratios` and `work` are Zheng's time and work on each pair, relative to Sacht's. `late` has a letter per pair: z if
+    Zheng timed out, s if Sacht did, 2 if both.
     """
     file = ResultFile("sacht2024_fig2", cpu=1.0)
     for i, (ratio, counted) in enumerate(zip(ratios, work)):
@@ -168,7 +168,7 @@ def test_fig2_is_drawn_with_hardly_a_ratio(make: Make, late: str) -> None:
 
 
 def fig10(costs: Mapping[str, Sequence[float]], unsolved: int = 0) -> ResultFile:
-    """`costs` has the time and work of each order on each pair; NaN means that it reached its budget. On `unsolved` more pairs, every order does."""
+    """`costs` has each order's time and work on each pair; NaN: the budget was spent. On `unsolved` more pairs, all orders spend it."""
     file = ResultFile("sacht2024_fig10", cpu=1.0)
     for i in range(len(next(iter(costs.values()))) + unsolved):
         for order, of in costs.items():
@@ -217,7 +217,7 @@ def test_fig10_verdicts(tmp_path: Path, costs: dict[str, list[float]], unsolved:
 @pytest.mark.parametrize(("best", "others", "single", "expected"), [
     (GOOD, SLOW, SLOW, (HOLDS, HOLDS)), (SLOW, GOOD, SLOW, (FAILS, OPEN)), (SLOW, SLOW, GOOD, (FAILS, FAILS)), (NEVER, NEVER, NEVER, (UNTESTED, UNTESTED))])
 def test_fig10_looks_at_the_ten_best_and_at_cascades(tmp_path: Path, best: list[float], others: list[float], single: list[float], expected: tuple[str, ...]) -> None:
-    """The costs are `single` for single bounds, `best` for the paper's ten best orders, and `others` for two more orders."""
+    """`single` are the costs of single bounds, `best` of the paper's ten best orders, `others` of two more orders."""
     costs = {**dict.fromkeys(sacht2024_fig10.SINGLE, 2 * single), **dict.fromkeys(sacht2024_fig10.TEN_BEST, 2 * best), "21": 2 * others, "4321": 2 * others}
     found = verdicts_of(fig10(costs), tmp_path)[4:]
     assert tuple(verdict.outcome for verdict in found) == expected, [v.evidence for v in found]

@@ -1,4 +1,4 @@
-"""Tests the figures and tables of Sacht and Jacobson 2024 on files with known numbers; every verdict occurs with each outcome."""
+"""Figures and tables of Sacht and Jacobson 2024, on files with known numbers; verdicts in each of their outcomes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ WAYS: list[tuple[Ratio, str, str]] = [(2.0, " it holds (", "distances it holds (
 
 @pytest.mark.parametrize("kang,outcome,counted", WAYS)
 def test_table2_compares_the_pairs_near_zero(make: Make, kang: Ratio, outcome: str, counted: str) -> None:
-    """Zheng over Kang has the same ratio as Kang over Sacht, because zheng takes the square of kang's factor."""
+    """Zheng over Kang equals Kang over Sacht, because zheng takes kang's factor squared."""
     zheng: Ratio = TIE if isinstance(kang, Tie) else kang * kang
     _, _, text = make(synthetic_sacht.table2(kang=kang, zheng=zheng))
     found = claim(text, "near zero, Sacht takes less time than Kang")
@@ -64,7 +64,7 @@ def test_table2_cells(make: Make) -> None:
     assert paper[:2] == ["paper", "19,826 / 178,802"] and paper[header.index("Sacht 2024")] == "410"
     assert paper[header.index("Zheng 2022 / Sacht 2024")] == "2.24"
     assert "hand, noisy" in rows and "paper" not in [cells[0] for cells in rows["hand, noisy"]]
-    # The derived pairs are judged separately, not by the paper's table, in which Sacht is the fastest.
+    # The derived pairs are judged separately, and not by the paper's table.
     assert claim(text, "nearer than 0.1 %, Kang takes less time than Zheng on average").startswith(" it holds (geometric mean 1.50")
     assert "nearer than 0.1 %, Sacht" not in text
     assert "crown: stands in for crown." in text and "Test CPU" in text and "MacBook Air M2" in text
@@ -85,7 +85,7 @@ def test_table2_waits_for_tang(make: Make, tang: Ratio | None, outcome: str, quo
 
 @pytest.mark.parametrize("tang,outcome", [(None, ": not tested ("), (6.0, " it holds ("), (0.5, " it does not hold ("), (TIE, ": not separated (")])
 def test_table2_compares_sacht_with_tang(make: Make, tang: Ratio | None, outcome: str) -> None:
-    """Tang over Sacht is `tang` on every pair: on the derived ones kang, and so sacht, takes the base time."""
+    """Tang over Sacht is `tang`, also on the derived pairs, because kang takes as long as sacht."""
     assert claim(make(synthetic_sacht.table2(kang=1.0, tang=tang))[2], "Sacht takes less time than Tang on average").startswith(outcome)
 
 
@@ -93,7 +93,7 @@ def test_table2_compares_sacht_with_tang(make: Make, tang: Ratio | None, outcome
 def test_table3_compares_the_pairs_far_apart(make: Make, sacht: float, kang: float, outcome: str) -> None:
     _, _, text = make(synthetic_sacht.table3(sacht=sacht, kang=kang))
     assert claim(text, "far apart, Zheng takes less time than Kang").startswith(outcome)
-    found = claim(text, "Sacht is faster than Kang and Zheng in most cases")  # three of four pairs are enough
+    found = claim(text, "Sacht is faster than Kang and Zheng in most cases")
     assert found.startswith(outcome) and "of 4 pairs" in found
 
 
@@ -118,7 +118,7 @@ def test_fig13_compares_at_each_tolerance(make: Make, kang: Ratio, outcome: str,
 
 @pytest.mark.parametrize("ratio,stopped,outcome", [(2000.0, 0.0, " it holds (ratio 2000"), (200.0, 0.0, " it does not hold (ratio 200"),
                                                    (Tie(1000.0), 0.0, ": not separated (ratio 1000"),
-                                                   # The bound on the ratio uses the upper end of sacht's interval, 15 ms.
+                                                   # The ratio's bound uses the upper end of sacht's interval, 15 ms.
                                                    (2000.0, 30.0, " it holds (ratio above 2000, because the slower was stopped"),
                                                    (20.0, 3.0, ": not separated (ratio above 200, because the slower was stopped")])
 def test_fig14_knows_of_stopped_solvers(make: Make, ratio: Ratio, stopped: float, outcome: str) -> None:
@@ -234,7 +234,7 @@ def test_a_mesh_is_closed_or_open_and_a_manifold_or_not() -> None:
     assert not opened.closed and opened.manifold
     fin = Mesh(np.vstack([TETRAHEDRON.corners, [[1, 1, 1]]]), np.vstack([TETRAHEDRON.triangles, [[0, 1, 4]]]))
     assert not fin.closed and not fin.manifold
-    # Each triangle has its own copies of its corners, as in STL. By position it is the same mesh.
+    # As in STL, each triangle has its own corners; by position it is the same mesh.
     soup = Mesh(TETRAHEDRON.corners[TETRAHEDRON.triangles].reshape(-1, 3), np.arange(12).reshape(4, 3))
     assert soup.closed and soup.manifold
 
@@ -300,7 +300,7 @@ def test_pictures_need_fields(stem: str, tmp_path: Path, capsys: pytest.CaptureF
 def test_a_section_is_where_triangles_meet_the_plane() -> None:
     (first, second, third) = sacht2024_fig1.section(TETRAHEDRON.corners, TETRAHEDRON, 0.25)
     ends = {tuple(np.round(end, 12)) for piece in (first, second, third) for end in piece}
-    assert ends == {(0.0, 0.0), (0.75, 0.0), (0.0, 0.75)}  # the tetrahedron's face, scaled by 3/4
+    assert ends == {(0.0, 0.0), (0.75, 0.0), (0.0, 0.75)}
     assert sacht2024_fig1.section(TETRAHEDRON.corners, TETRAHEDRON, 2.0) == []
 
 

@@ -1,4 +1,4 @@
-"""For each made-up result file, checks the cells of its table and the files of its figures."""
+"""For each made-up result file, checks its table's cells and its figures' files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tests the figures and tables of Tang et al. 2009 on files with known numbers; every verdict occurs with each outcome."""
+"""Figures and tables of Tang et al. 2009, on files with known numbers; verdicts in each of their outcomes."""
 
 from __future__ import annotations
 
@@ -116,10 +116,10 @@ def test_bounds_are_within_the_tolerance(make: Make, changed: dict[str, Any], ou
 
 
 @pytest.mark.parametrize(("left", "count", "deepest", "outcome"), [
-    (0.005, 1000, 5, " it holds"),  # culling leaves 0.5 % of the triangles, so no more can be subdivided
+    (0.005, 1000, 5, " it holds"),  # only 0.5 % of the triangles are left to subdivide
     (0.5, 20, 5, " it holds"), (0.5, 300, 1, " it does not hold"), (0.5, 300, 5, ": not separated"), (None, 20, 5, ": not tested")])
 def test_few_triangles_are_subdivided(make: Make, left: float | None, count: int, deepest: int, outcome: str) -> None:
-    """A has 1,000 triangles and B 2,000. At depth 1, 300 subdivisions cut 300 triangles; at depth 5, they may all be inside one."""
+    """A has 1,000 triangles. At depth 1, 300 subdivisions cut 300 triangles; at depth 5, perhaps a single one."""
     file = motion("tang2009_table2", PAIRS, ALL)
     for case in file.cases:
         if case["label"] == "tang":
@@ -163,7 +163,7 @@ def test_fig10_an_order_of_magnitude(make: Make, tang: float, rounds: int, tenth
     _, rows, text = make(synthetic_tang.fig10(tang, rounds=rounds))
     assert claim(text, "less than a tenth").startswith(tenth)
     assert claim(text, "takes less time than Guthe's on average there").startswith(less)
-    assert "over 2 pairs" in claim(text, "less than a tenth")  # the pair with a large distance is not counted
+    assert "over 2 pairs" in claim(text, "less than a tenth")  # the distant pair is not counted
     assert rows["near"][0][1] == "2.00"
 
 
@@ -244,7 +244,7 @@ def test_every_stem_has_a_file() -> None:
 @pytest.mark.usefixtures("tetrahedra")
 def test_pictures(make: Make) -> None:
     records, rows, _ = make(synthetic_tang.pictures("tang2009_fig7", ("cover",)))
-    assert rows["Bird1"][0] == ["Bird1/Bird2/A", "4", "2.2K", "200.00 to 200.00"]  # a distance of 1.5 is 200 % of the longest side, 0.75
+    assert rows["Bird1"][0] == ["Bird1/Bird2/A", "4", "2.2K", "200.00 to 200.00"]  # 1.5 is 200 % of the longest side, 0.75
     assert rows["Lion"][0][2:] == ["1.3M", ""] and len(records) == 4
     records, rows, _ = make(synthetic_tang.pictures("tang2009_fig8"))
     assert rows["Bird1/Bird2"][0] == ["Tang 2009", "200.0000", "200.0000", "B to A"] and len(records) == 4
@@ -327,7 +327,7 @@ def test_nearest_finds_the_same(make: Make, tmp_path: Path, wrong: tuple[int, ..
 def test_nearest_with_two_that_are_too_close_to_tell(make: Make, tmp_path: Path) -> None:
     matrix = synthetic_tang.similarity()
     near = next(row for row in matrix.cases if row["source"] == "king_centred" and row["target"] == "bunny_cgal_centred")
-    near.update(lower=0.0095, upper=0.0105)  # overlaps with the queen's interval, 0.01 to 0.011
+    near.update(lower=0.0095, upper=0.0105)  # overlaps the queen's interval, 0.01 to 0.011
     matrix.write(tmp_path)
     _, rows, text = make(synthetic_tang.nearest())
     assert claim(text, SAME).startswith(": not separated (not so for 0 of 11 shapes out of 12)")
@@ -389,7 +389,7 @@ def test_time_of_measuring_depths(make: Make, cover: float, frames: int, domino:
 @pytest.mark.parametrize(("cover", "frames", "outcome"), [
     (2e-3, 30, " it holds"), (2.381e-3, 30, ": not separated"), (3e-3, 30, " it does not hold"), (2e-3, 15, ": not judged")])
 def test_measuring_takes_a_few_milliseconds(make: Make, cover: float, frames: int, outcome: str) -> None:
-    """Tang takes twice as long per pair as `cover` says. A frame has two pairs, and odd frames take a tenth more."""
+    """Tang takes twice `cover` per pair. A frame has two pairs, and odd frames take a tenth more."""
     text = make(synthetic_tang.depths(cover=cover, frames=frames))[2]
     for scene in ("Alphabet Domino", "Falling Bunnies"):
         assert claim(text, f"{scene}: Measuring the depths of a frame takes less than 10 ms").startswith(outcome)

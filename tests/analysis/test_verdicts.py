@@ -1,4 +1,4 @@
-"""Each verdict can have each of its outcomes, and is wrong no more often than it promises."""
+"""Each verdict has each of its outcomes, and errs no more often than it claims."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, NOT_REFUTED, OPEN
 
 
 def ratio(factor: float, rounds: int = 10, odd: int = 0) -> Estimate:
-    """Returns the estimate from `rounds` ratios equal to `factor`, of which `odd` are replaced with 1 / factor."""
+    """Returns an estimate from `rounds` ratios of `factor`, `odd` of them inverted."""
     return paired_ratio([factor] * (rounds - odd) + [1 / factor] * odd, [1.0] * rounds)
 
 
@@ -25,7 +25,7 @@ FASTER, SLOWER, LEVEL, FEW = ratio(2.0), ratio(0.5), ratio(1.1, odd=4), ratio(2.
     ([FASTER, FASTER], HOLDS), ([FASTER, LEVEL], OPEN), ([FASTER, LEVEL, SLOWER], FAILS), ([FASTER, NO_DATA], OPEN),
     ([NO_DATA], UNTESTED), ([], UNTESTED), ([FEW, FEW], NOT_JUDGED), ([FEW, LEVEL], OPEN), ([FEW, SLOWER], FAILS),
     ([exact(2.0), exact(1.5)], HOLDS), ([exact(2.0), exact(1.0)], OPEN), ([exact(2.0), exact(0.5)], FAILS),
-    # With six rounds, one of six ratios below 1 may be chance: 6 * 1/64 > 5 %. Two are not: 6/2 * 1/64 < 5 %.
+    # With six rounds, one ratio of six below 1 may be chance: 6 * 1/64 > 5 %. Two are not: 6/2 * 1/64 < 5 %.
     ([ratio(2.0, 6)] * 5 + [ratio(0.5, 6)], OPEN), ([ratio(2.0, 6)] * 4 + [ratio(0.5, 6)] * 2, FAILS)])
 def test_everywhere(ratios: list[Estimate], outcome: str) -> None:
     assert verdicts.everywhere("x", ratios).outcome == outcome
@@ -35,14 +35,14 @@ def test_everywhere(ratios: list[Estimate], outcome: str) -> None:
     ([FASTER] * 3 + [SLOWER], HOLDS), ([FASTER] * 2 + [SLOWER] * 2, FAILS), ([FASTER, SLOWER, SLOWER, SLOWER], FAILS),
     ([FASTER] * 2 + [LEVEL] * 2, OPEN), ([FASTER] * 3 + [NO_DATA], HOLDS), ([FASTER] * 2 + [NO_DATA] * 2, OPEN), ([NO_DATA], UNTESTED), ([], UNTESTED),
     ([FEW] * 4, NOT_JUDGED), ([FEW] * 3 + [FASTER], NOT_JUDGED), ([FEW] + [FASTER, LEVEL] * 2, OPEN), ([exact(2.0), exact(2.0), exact(0.5)], HOLDS), ([exact(2.0), exact(0.5), exact(0.5)], FAILS),
-    # Each clear ratio has p = 1/64. "Most of four" needs three; any two of them may be chance, so the test is 2/64 < 5 %.
+    # Each clear ratio has p = 1/64. "Most of four" means three, of which two may be chance: 2/64 < 5 %.
     ([ratio(2.0, 6)] * 3 + [SLOWER], HOLDS), ([ratio(2.0, 6, odd=1)] * 3 + [SLOWER], OPEN)])
 def test_most_of(ratios: list[Estimate], outcome: str) -> None:
     assert verdicts.most_of("x", ratios).outcome == outcome
 
 
 def test_most_of_errs_seldom() -> None:
-    """Half of the ratios are 2 and the others 1, so "most are above" is wrong. It may result in 5 % of trials, plus 3.5 % of chance in 150 trials."""
+    """Half of the ratios are 2, the others 1, so "most are above" is wrong. It may occur in 5 % of trials, plus 3.5 % by chance in 150 trials."""
     found = rate(HOLDS, lambda rng: verdicts.most_of("x", [noisy(rng, truth, 8) for truth in (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)]))
     assert found <= 0.085
 
@@ -61,7 +61,7 @@ def test_everywhere_says_what_its_rounds_cannot_refute() -> None:
     assert evidence(6, 15, 1).endswith("n = 6 refutes it only if at least 5 of 15 pairs are below 1")
     assert evidence(4, 3).endswith("n = 4 cannot refute it for 3 pairs")
     assert "refute" not in evidence(10, 15) and "refute" not in evidence(6, 3)
-    assert "refute" not in verdicts.everywhere("x", [FASTER] * 2 + [ratio(2.0, 6)] * 13).evidence  # nothing to refute: the claim holds
+    assert "refute" not in verdicts.everywhere("x", [FASTER] * 2 + [ratio(2.0, 6)] * 13).evidence  # the claim holds
     assert verdicts.everywhere("x", [one_draw(2.0)] * 5).outcome == NOT_JUDGED
     assert verdicts.everywhere("x", [one_draw(2.0)] * 5).evidence.endswith("n = 1 cannot refute it for 5 pairs")
 
@@ -77,9 +77,8 @@ def noisy(rng: np.random.Generator, truth: float, rounds: int) -> Estimate:
 
 @pytest.mark.parametrize(("pairs", "rounds"), [(6, 6), (15, 10)])
 def test_everywhere_errs_seldom(pairs: int, rounds: int) -> None:
-    """If all ratios are 1, "one is below" is wrong. It may result in 5 % of trials, plus 1.7 % of chance in 150 trials, and
-    less often than with a separate test for each ratio. The same limit holds for "all are above" if one ratio is 1 and the
-    others are 2.
+    """If all ratios are 1, "one is below" may occur in 5 % of trials (plus 1.7 % by chance in 150 trials), and less often
+    than with a test for each. If one is 1 and the others 2, the same holds for "all are above".
     """
     def level(rng: np.random.Generator) -> list[Estimate]:
         return [noisy(rng, 1.0, rounds) for _ in range(pairs)]
@@ -105,7 +104,7 @@ def test_above_one() -> None:
 def test_never_is_never_proven() -> None:
     assert [verdicts.never("x", wrong, of, "cases").outcome for wrong, of in ((0, 28), (0, 29), (1, 10**6), (0, 0))] == \
         [OPEN, NOT_REFUTED, FAILS, UNTESTED]
-    # 1 - 0.05^(1/150) = 2.0 % for 150 independent trials, and 26 % for ten.
+    # 1 - 0.05^(1/150) = 2.0 %; for ten independent trials, 26 %.
     assert verdicts.never("x", 0, 150, "answers are wrong").evidence == "0 of 150 answers are wrong; the rate is below 2.0 % at 95 %"
     few = verdicts.never("x", 0, 150, "answers are wrong", 10)
     assert few.outcome == OPEN and few.evidence.endswith("below 26 % at 95 %, from 10 independent trials")
@@ -113,7 +112,7 @@ def test_never_is_never_proven() -> None:
 
 
 def test_never_against_the_rate_of_a_variant() -> None:
-    """With thirty trials and no error, rates up to 1 - 0.05^(1/30) = 9.5 % remain possible."""
+    """Thirty trials without an error allow rates up to 1 - 0.05^(1/30) = 9.5 %."""
     def of(bar: float) -> verdicts.Verdict:
         return verdicts.never("x", 0, 6000, "answers are wrong", 30, bar, "of variants")
     assert of(0.1).outcome == NOT_REFUTED and of(0.09).outcome == OPEN and of(0.0038).outcome == OPEN
@@ -137,7 +136,7 @@ def test_rising() -> None:
     assert verdicts.rising("x", up, up).outcome == HOLDS and verdicts.rising("x", up, up[::-1]).outcome == FAILS
     assert verdicts.rising("x", up, [2.0, 1, 4, 3, 6, 5]).outcome == OPEN  # p = 0.056 for 3 inversions
     assert verdicts.rising("x", [1.0], [1.0]).outcome == UNTESTED and verdicts.rising("x", up, [1.0] * 6).outcome == OPEN
-    # A tie counts for neither order; counted as rising, it would give p = 0.0167.
+    # A tie does not count as rising; otherwise p would be 0.0167.
     assert verdicts.rising("x", up[:5], [1.0, 1, 2, 3, 4]).evidence == "Kendall's tau 0.95 over 5, p = 0.023"
 
 
@@ -161,8 +160,8 @@ def test_constant() -> None:
 
 
 def test_constant_errs_seldom() -> None:
-    """Twenty places share one constant with 10 % of noise. Their greatest and least values usually differ by more than the
-    factor, which must not refute the constant.
+    """Twenty places share one constant with 10 % of noise. Their extremes usually differ by more than the factor, which must
+    not refute the constant.
     """
     def noise(rng: np.random.Generator) -> verdicts.Verdict:
         return verdicts.constant("x", np.exp(0.1 * rng.standard_normal((20, 10))).tolist(), 1.05)
@@ -174,9 +173,9 @@ def test_greatest() -> None:
         return verdicts.greatest("x", ratios, rival, "").outcome
     assert of([FASTER, FASTER], FASTER) == HOLDS and of([FASTER, LEVEL], LEVEL) == OPEN
     assert of([FASTER, SLOWER], SLOWER) == FAILS and of([], NO_DATA) == UNTESTED
-    assert of([FASTER, NO_DATA], NO_DATA) == OPEN  # one place has no data
+    assert of([FASTER, NO_DATA], NO_DATA) == OPEN
     assert verdicts.greatest("x", [one_draw(2.0)], one_draw(2.0), "at 0") == verdicts.Verdict("x", NOT_JUDGED, "n = 1; at 0")
-    assert of([FASTER, SLOWER], FASTER) == OPEN  # the ratio to the rival was chosen by its time, so it proves nothing
+    assert of([FASTER, SLOWER], FASTER) == OPEN  # chosen by the times themselves, so no proof
 
 
 def test_least_among() -> None:
@@ -185,13 +184,13 @@ def test_least_among() -> None:
     assert of((FASTER, SLOWER), (FASTER, LEVEL)) == HOLDS
     assert of((FASTER, LEVEL), (LEVEL, FASTER)) == OPEN  # neither setting beats both rivals
     assert of((SLOWER, SLOWER), (FASTER, FASTER)) == FAILS and of((SLOWER, FASTER)) == HOLDS and of() == UNTESTED
-    # One-sided p = 2^-6; times four rivals, it exceeds 5 %.
+    # One-sided 2^-6, times four rivals, exceeds 5 %.
     six = [(ratio(0.5, 6),)] + [(ratio(2.0, 6),)] * 3
     assert of(*six[:3], among=1) == FAILS and of(*six, among=1) == OPEN
 
 
 def test_least_among_tells_level_from_less() -> None:
-    """With eight rivals, one that is faster in all of six rounds may be chance, 8 / 2^6 > 5 %; in all of ten rounds, 8 / 2^10, it is not."""
+    """One of eight rivals may win all of six rounds by chance, 8 / 2^6 > 5 %, but not all of ten."""
     def evidence(rounds: int, odd: int = 0) -> str:
         first = (ratio(0.5, rounds, odd),)
         return verdicts.least_among("x", [("a", first), *[(c, (ratio(1.1, 10, odd=4),)) for c in "bcdefg"], ("h", (FASTER,))],

@@ -1,4 +1,4 @@
-"""Tests the figures, tables and verdicts of Zhang et al. 2017 on files with known numbers."""
+"""Figures, tables and verdicts of Zhang et al. 2017, on files with known numbers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_table1_gives_both_variants_the_same_preparation(make: Make) -> None:
     header = rows["pair"][0]
     first = rows["1"][0]
     assert first[1:4] == ["35.89", "22.47", "1.60"]  # the paper's values, in ms
-    # Both variants get the same preparation, 1 ms: the 0.5 s that one took by accident do not count.
+    # Preparation counts as 1 ms for both variants, not as the 0.5 s that one took by accident.
     assert first[header.index("here: ratio")] == "1.50 [1.50, 1.50]" and first[header.index("distances: ratio")] == "2.00"
     assert first[header.index("distances, bounds and nodes: ratio")] == "2.00"
     assert first[header.index("here: with")] == "3.06 [3.00, 3.12]"
@@ -54,7 +54,7 @@ def test_table2_says_what_was_culled_and_what_was_wrong(make: Make) -> None:
 
 
 def test_table2_pairs_seeds(make: Make) -> None:
-    """Without culling, each of ten seeds takes twice the time and three times the distances. A single seed is only one draw."""
+    """Without culling, each of ten seeds takes twice the time and three times the distances. A single seed is one draw."""
     for seeds, ratio in ((10, "3.00 [3.00, 3.00]"), (1, "3.00 (not judged, n = 1)")):
         file = ResultFile("zhang2017_table2", cpu=1.0)
         for seed in range(1, seeds + 1):
@@ -65,7 +65,7 @@ def test_table2_pairs_seeds(make: Make) -> None:
         _, rows, text = make(file)
         header, first = rows["pair"][0], rows["1"][0]
         assert first[header.index("here: ratio")] == "2.00 [2.00, 2.00]" and first[header.index("distances: ratio")] == ratio
-        assert "Counted in distances it is not judged (n = 1; geometric mean 3.00 over 1 pairs)" in text  # one pair is not enough for an average
+        assert "Counted in distances it is not judged (n = 1; geometric mean 3.00 over 1 pairs)" in text  # one pair is no average
         assert ("paired by seeds" in text) == (seeds > 1)
 
 
@@ -84,7 +84,7 @@ def test_fig8_finds_the_best_depth(make: Make) -> None:
 def test_fig9_pools_seeds(make: Make) -> None:
     _, rows, text = make(synthetic_zhang.fig9())
     assert [row[0] for row in rows["4K"]] == ["1/400", "1/100", "1/80", "1/2"]
-    assert rows["4K"][3][-1] == "40.0"  # culled points, in %
+    assert rows["4K"][3][-1] == "40.0"  # culled, in %
     assert "lambda = 1/80. Here: not separated (least at 1/100; not separated from it: 1/400, 1/100)" in text
     assert "a much larger lambda makes OHD, mended, slower (1/2 against 1/80). Here it holds" in text and "n = 7" in text
     assert "OHD, mended, is fastest at lambda = 1/100. Here: not separated (least at 1/100" in text
@@ -137,14 +137,14 @@ def test_time_rises_as_the_distance_falls(power: float, rounds: int, outcome: st
     times = [[(10.0 - abs(i - 3))**power] * rounds for i in range(7)]
     work = [int(100 * time[0]) for time in times]
     found = motion_of(times, tmp_path, work).nearer("earlybreak")
-    assert f"it {found.outcome}".endswith(outcome) and {one.outcome for one in found.counted.values()} == {"not judged"}  # one seed is only one draw
+    assert f"it {found.outcome}".endswith(outcome) and {one.outcome for one in found.counted.values()} == {"not judged"}  # one seed is one draw
 
 
 @pytest.mark.parametrize(("touching", "overlapping", "seeds", "few", "many"), [
     (100, 900, 6, "it holds", "it holds"), (900, 100, 6, "it does not hold", "it does not hold"), (500, 500, 6, "not separated", "not separated"),
     (100, 900, 1, "not judged", "not judged"), (None, None, 6, "not tested", "not tested")])
 def test_motion_says_what_is_culled(touching: int | None, overlapping: int | None, seeds: int, few: str, many: str, make: Make) -> None:
-    """The counts are culled points, of A's 1,000; a seed changes them by up to 30."""
+    """Culled points, of A's 1,000; a seed changes them by up to 30."""
     file = synthetic_zhang.fig10()
     for case in [case for case in file.cases if case["solver"] == "ohd"]:
         culled = touching if abs(case["pose"][9]) > 0.35 else overlapping
@@ -161,7 +161,7 @@ def test_motion_says_what_is_culled(touching: int | None, overlapping: int | Non
 
 @pytest.mark.parametrize(("counted", "outcome"), [(2_000_000, "it holds (not so for 0 of 1"), (1_999_999, "it does not hold (not so for 1 of 1"), (None, "not tested")])
 def test_the_worst_case_of_early_breaking(counted: int | None, outcome: str, make: Make) -> None:
-    """At distance 0, EARLYBREAK may have to compute all 1,000 * 2,000 distances. Without such a pose there is no verdict."""
+    """At distance 0, EARLYBREAK may compute all 1,000 * 2,000 distances. Without such a pose there is no verdict."""
     file = synthetic_zhang.fig10()
     for case in file.cases:
         changed: dict[str, Any] = {"counter_point_distances": counted} if counted else {"status": "timeout", "lower": float("nan"), "upper": float("nan")}
@@ -174,7 +174,7 @@ def test_the_worst_case_of_early_breaking(counted: int | None, outcome: str, mak
 
 @pytest.mark.parametrize(("power", "n", "outcome"), [(1.0, 10, "it holds"), (0.0, 10, "it does not hold"), (1.0, 6, "not separated"), (None, 10, "not tested")])
 def test_fig8_divides_the_time_to_build_by_the_depth(power: float | None, n: int, outcome: str, make: Make) -> None:
-    """Building to a depth takes depth^power ms."""
+    """Building takes depth^power ms."""
     file = ResultFile("zhang2017_fig8", cpu=1.0)
     for depth in (1, 2, 5, 6, 9):
         prepare = spread(0.001 * depth**power, n, 0.02) if power is not None else [0.0] * n
@@ -234,9 +234,8 @@ def test_counted_work_of_one_seed_is_one_draw(make: Make) -> None:
 
 
 def test_counted_work_of_several_seeds_has_an_interval(make: Make) -> None:
-    """Counts of seeds 2 to 7 differ by up to 6 %, and have no times. At x = 0.9, EARLYBREAK's first seed has the largest
-    count of all poses, and its other seeds the smallest. The first seed chooses the pose to test, so it must not count as
-    evidence.
+    """Counts of seeds 2 to 7 differ by up to 6 %. At x = 0.9, EARLYBREAK's first seed has the largest count of all poses, the
+    others the smallest. As the first seed chooses the pose to test, it must not count as evidence.
     """
     file = synthetic_zhang.fig10()
     for case in [case for case in file.cases if case["solver"] != "nohd"]:
@@ -251,7 +250,7 @@ def test_counted_work_of_several_seeds_has_an_interval(make: Make) -> None:
             file.cases.append(again)
     _, rows, text = make(file)
     header, apart = rows["models"][0], rows["ring, boxes apart"][0]
-    assert apart[header.index("EARLYBREAK / NOHD")] == "2.00 [2.00, 2.00]"  # the other seeds change no time
+    assert apart[header.index("EARLYBREAK / NOHD")] == "2.00 [2.00, 2.00]"  # the other seeds have no times
     assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.4 [10.0, 10.7]"
     claim = next(line for line in text.splitlines() if "boxes are apart, NOHD takes less" in line)
     assert "Counted in distances it holds (median of EARLYBREAK / NOHD 10.4 [10.0, 10.7])" in claim
@@ -286,14 +285,13 @@ def test_steps_expected_and_counted(make: Make, shapes_of_a_and_b: None) -> None
     _, rows, text = make(synthetic_zhang.steps())
     assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", "5.00", "1.20", "3.00", "2.00"]
     assert rows["4"][4][2] == "3.00 [3.00, 3.00]"
-    # c is expected over counted steps: 5/6 at four poses and 5/3 at the last. All eight seeds agree, so the factor has no width.
+    # c = expected / counted steps is 5/6 at four poses and 5/3 at the last, and all seeds agree.
     assert "4: c of Eq. 7 is a constant. Here it does not hold (from 0.833 to 1.67, a factor of 2.00 [2.00, 2.00]" in text
 
 
 def test_expectations_where_no_point_is_near() -> None:
     a, b = np.array([[0.0, 0, 0], [9.0, 0, 0]]), np.array([[1.0, 0, 0], [1.0, 0, 0], [3.0, 0, 0]])
-    # Two of three points are within reach of the first point, none of the second. So 1/p is 3, and the mean by points
-    # (4/3 + 3) / 2.
+    # Two of three points are within reach of A's first point, none of its second: 1/p = 3, and by points (4/3 + 3) / 2.
     expected, by_point = zhang2017_steps.expectations(a, b, 2.0)
     assert expected == pytest.approx(3.0) and by_point == pytest.approx((4 / 3 + 3) / 2)
 
@@ -335,7 +333,7 @@ def test_as_printed_counts_wrong_answers(make: Make) -> None:
     records, rows, text = make(synthetic_zhang.as_printed())
     of = {row[0]: row[1:] for row in rows["clouds"]}
     assert of["OHD as printed"][:5] == ["3", "3", "8", "1", "12.5"] and of["OHD as printed"][-1] == "0.9000"
-    # Three of three blocks of poses are wrong: the interval begins at 0.025^(1/3) = 29 %.
+    # All of three blocks of poses are wrong: at least 0.025^(1/3) = 29 %.
     assert of["NOHD as printed"][2:6] == ["3", "3", "100", "29 to 100"] and of["NOHD as printed"][-1] == "1.500"
     assert of["OHD"][3] == "0" and of["OHD"][-1] == "—" and of["OHD"][5] == "0 to 71"
     assert "OHD as printed computes the exact distance. Here it does not hold (1 of 8 answers are wrong)" in text
@@ -348,9 +346,8 @@ def test_as_printed_counts_wrong_answers(make: Make) -> None:
 @pytest.mark.parametrize(("seeds", "bad_blocks", "outcome"), [
     (4, 20, "not refuted"), (4, 2, "not separated"), (1, 20, "not separated"), (4, 0, "not refuted")])
 def test_what_is_mended_is_held_against_what_is_printed(seeds: int, bad_blocks: int, outcome: str, make: Make) -> None:
-    """OHD as printed is wrong with seed 3 in `bad_blocks` of 40 blocks of poses. Corrected OHD makes no error in 40 blocks,
-    which bounds its rate by 7.2 %. With seed 1 alone it has only 10 blocks (26 %), and never meets a case in which the
-    printed one is wrong.
+    """As printed, OHD is wrong with seed 3 in `bad_blocks` of 40 blocks of poses. Corrected OHD makes no error in 40 blocks,
+    so its rate is below 7.2 %; with seed 1 alone, it has 10 blocks (26 %), and none in which the printed one is wrong.
     """
     file = ResultFile("zhang2017_as_printed")
     for pose in range(0, 200, 5):
@@ -367,7 +364,7 @@ def test_what_is_mended_is_held_against_what_is_printed(seeds: int, bad_blocks: 
 
 
 def test_as_printed_says_no_more_than_the_data(make: Make) -> None:
-    """No answer is wrong, no solver is certified, and there is only one block of poses: nothing may be inferred."""
+    """No wrong answer, no certified solver, and a single block of poses: nothing follows."""
     file = ResultFile("zhang2017_as_printed")
     for solver in ("ohd_as_printed", "nohd_as_printed"):
         file.case(solver, "clouds", [0.1], lower=2.0, upper=2.0, certified=0)
@@ -378,7 +375,7 @@ def test_as_printed_says_no_more_than_the_data(make: Make) -> None:
 
 
 def test_shares_are_of_blocks_of_poses(tmp_path: Path) -> None:
-    """Twenty answers at five neighbouring poses are one trial, because neighbouring poses are alike."""
+    """Twenty answers at five neighbouring poses count as one trial, because such poses are alike."""
     file = ResultFile("zhang2017_as_printed")
     for pose in range(50):
         for seed in range(4):
@@ -389,11 +386,11 @@ def test_shares_are_of_blocks_of_poses(tmp_path: Path) -> None:
     rows = list(range(200))
     assert [len(block) for block in zhang2017_as_printed.blocks(results, rows)] == [20] * 10
     low, high = zhang2017_as_printed.share_interval(results, rows)
-    assert low == 0 and 0.2 <= high <= 0.4  # one of ten blocks; counted as 200 answers, the interval would be 0.06 to 0.15
+    assert low == 0 and 0.2 <= high <= 0.4  # one of ten blocks; for 200 answers it would be 0.06 to 0.15
 
 
 def test_preparation_widens_the_interval(tmp_path: Path) -> None:
-    """Solving takes the same time in every round, but preparing does not, and the interval is of their sum."""
+    """Solving takes the same time in every round, but preparing does not."""
     file = ResultFile("spread", cpu=1.0)
     file.case("kdtree", "x", [x for x in [1.0] * 6 for _ in range(3)], rounds=6, prepare=[0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
               lower=1.0, upper=1.0)
@@ -421,7 +418,7 @@ def test_clocks_are_named(tmp_path: Path) -> None:
 
 
 def motion_of(times: list[list[float]], folder: Path, work: list[int] | None = None) -> Motion:
-    """Returns EARLYBREAK's motion from x = -1 to 1, with a row of `times` per pose and a column per round. The distance is least in the middle."""
+    """Returns EARLYBREAK's motion from x = -1 to 1: a row of `times` per pose, a column per round; the distance is least in the middle."""
     file, half = ResultFile("zhang2017_fig10", cpu=1.0), len(times) // 2
     for i, seconds in enumerate(times):
         x = (i - half) / half
@@ -440,7 +437,7 @@ def test_a_peak_can_come_out_three_ways(level: list[int], rounds: int, outcome: 
 
 
 def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
-    """Noise alone seldom gives a verdict about a peak, in the middle or elsewhere, however many poses there are."""
+    """Noise alone seldom gives a verdict about a peak, however many poses there are."""
     rng, outcomes = np.random.default_rng(4), []
     for _ in range(15):
         outcomes.append(motion_of(np.exp(0.01 * rng.standard_normal((21, 6))).tolist(), tmp_path).peak("earlybreak").outcome)
@@ -448,9 +445,7 @@ def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
 
 
 def test_who_refutes_a_peak_is_not_chosen_by_its_times(tmp_path: Path) -> None:
-    """The first pose is slowest in every round, but one of many poses may be so by chance. The pose compared with the middle
-    is the one with the most work.
-    """
+    """The first pose is the slowest in every round, as one of many may be by chance. The rival of the middle pose is chosen by its work instead."""
     times = [[y] * 6 for y in (2.1, 1.0, 1.0, 2.0, 1.0, 1.0, 1.0)]
     assert motion_of(times, tmp_path, [10, 10, 10, 20, 10, 10, 15]).peak("earlybreak").outcome == "not separated"
     assert motion_of(times, tmp_path, [15, 10, 10, 20, 10, 10, 10]).peak("earlybreak").outcome == "does not hold"
@@ -484,7 +479,7 @@ def test_memory_grows(make: Make) -> None:
 
 @pytest.mark.parametrize(("status", "tree", "limit", "outcome", "evidence"), [
     ("out_of_memory", 80.0, 200, "it does not hold", "next k-d tree (nanoflann) 80.0 MiB, scan (ours) out of memory at 200 MiB"),
-    ("out_of_memory", 80.0, 100, ": not separated", "scan (ours) out of memory at 100 MiB"),  # the limit is as much as INC took
+    ("out_of_memory", 80.0, 100, ": not separated", "scan (ours) out of memory at 100 MiB"),  # as much as INC took
     ("out_of_memory", None, 200, "it does not hold", "INC 100 MiB, scan (ours) out of memory at 200 MiB"),
     ("timeout", 80.0, 200, ": not separated", "next k-d tree (nanoflann) 80.0 MiB, scan (ours) timeout"),
     ("timeout", None, 200, ": not separated", "INC 100 MiB, scan (ours) timeout"),

@@ -67,8 +67,7 @@ def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) ->
             if a < b and i not in (a, b) and product(along, minus(at[i], at[a])) == (0, 0, 0):
                 assert not 0 <= dot(along, minus(at[i], at[a])) <= dot(along, along), "a vertex lies on an edge that is not its own"
 
-    # No two edges of a cap cross. As its triangles also have the same orientation, the cap covers the region once, and
-    # the walls do not meet.
+    # No two edges of a cap cross. As its triangles have one orientation, the cap covers the region once, and walls do not meet.
     flat = [(at[a], at[b]) for a, b in directed if a < b and vertices[a][2] == vertices[b][2] == 0]
     for i, (p, q) in enumerate(flat):
         assert not any(side(p, q, r) * side(p, q, s) < 0 and side(r, s, p) * side(r, s, q) < 0 for r, s in flat[:i])
@@ -91,11 +90,11 @@ def contour(*points: tuple[int, int, bool]) -> list[tuple[Fraction, Fraction, bo
 SQUARE = ring((0, 0), (0, 8), (8, 8), (8, 0))  # clockwise, like the outer contours of TrueType
 HOLE = ring((2, 2), (4, 2), (4, 4), (2, 4))
 NOTCH = ring((5, 3), (7, 3), (6, 4), (7, 6), (5, 5))
-# The notch's tip is inside the ear (a triangle to cut off) that has the shortest cut, or on this cut.
+# The notch's tip is inside the ear (a corner to cut off) with the shortest cut, or on the cut.
 NEEDLES = [ring((0, 0), (10, 0), (20, 0), (20, 18), (tip, tip), (18, 20), (0, 20), (0, 10)) for tip in (2, 5)]
-# Two holes are nearest to the same point of the outer ring, but only one may be joined to it.
+# A point of the outer ring is nearest to two holes, but only one may be joined to it.
 SPIKE = [ring((0, 0), (0, 8), (8, 8), (8, 0), (5, 0), (4, 4), (3, 0)), ring((3, 4), (2, 5), (2, 3)), ring((5, 4), (6, 5), (6, 3))]
-# The nearest points of the outer ring and the small hole are on opposite sides of the long hole.
+# The small hole and the nearest point of the outer ring are on opposite sides of the long hole.
 BAR = [ring((0, 0), (0, 16), (6, 16), (8, 14), (10, 16), (16, 16), (16, 0)), ring((2, 12), (14, 12), (14, 13), (2, 13)),
        ring((8, 11), (9, 10), (7, 10))]
 
@@ -112,7 +111,7 @@ def test_solids_of_rings_with_holes(rings: list[letters.Ring], area: Fraction, h
 
 
 def test_a_curved_outline_with_a_hole() -> None:
-    """A disc of four curves without points on the curve, as TrueType allows, and a hole with one curved side."""
+    """A disc of four curves given by control points alone, as in TrueType, and a hole with one curved side."""
     disc = letters.flatten(contour((0, 0, False), (0, 8, False), (8, 8, False), (8, 0, False)), 2)
     assert len(disc) == 8 and (Fraction(1), Fraction(1)) in disc and (Fraction(0), Fraction(4)) in disc
     hole = letters.flatten(contour((3, 3, True), (5, 3, True), (5, 5, False), (3, 5, True)), 4)
@@ -127,7 +126,7 @@ def test_a_curved_outline_with_a_hole() -> None:
 
 @pytest.mark.parametrize("rings", [
     [SQUARE, ring((7, 2), (9, 2), (9, 4))],  # the contours cross
-    [SQUARE, ring((8, 2), (10, 2), (9, 4))],  # a point of one contour is on the other
+    [SQUARE, ring((8, 2), (10, 2), (9, 4))],  # a point of one is on the other
     [SQUARE, ring((20, 2), (22, 2), (21, 4))],  # two separate pieces
     [SQUARE, ring((1, 1), (1, 7), (7, 7), (7, 1)), HOLE],  # a piece inside a hole
     [ring((0, 0), (4, 4), (4, 0), (0, 4))]])

@@ -1,9 +1,9 @@
-"""A small external solver for tests: slow, and right only if a vertex of A is the farthest point.
+"""An external solver for tests: slow, and right only if a vertex of A is farthest from B.
 
     external_peer.py A B TOLERANCE [deed]
 
-Prints `lower`, the largest distance from a vertex of A to B, and `upper`, as tests/outside_plugin/vertex_only.cpp does: for
-each triangle of A, the triangle of B with the smallest maximum of the corners' distances. A `deed` is a way to misbehave.
+Prints `lower`, the largest distance from a vertex of A to B, and `upper`, from the best triangle of B for each triangle of A.
+A `deed` is a way to misbehave.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Warm chains start each pose from the previous answer. Every timed pass covers the chain from its first pose, however it ends."""
+"""Warm chains start each pose from the previous answer. Every pass begins at the first pose, however it ends."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_warm_chain_is_right_and_saves_work(hausbench: Program, chains: Path, 
 def test_each_repeat_and_the_trace_are_whole_passes(hausbench: Program, chains: Path, tmp_path: Path) -> None:
     chains.write_text(CHAIN.format(trace="true"))
     file = run(hausbench, chains, tmp_path)
-    assert set(texts(file, "cases/status")) == {"ok"}  # a trace whose last bounds differ from the answer gives `failed`
+    assert set(texts(file, "cases/status")) == {"ok"}  # `failed` if a trace ended with other bounds
     begin, end = numbers(file, "cases/trace_begin"), numbers(file, "cases/trace_end")
     lower, upper = numbers(file, "trace/lower"), numbers(file, "trace/upper")
     for i in labelled(file, "warm"):

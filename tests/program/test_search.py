@@ -1,4 +1,4 @@
-"""`search = "nearest"` finds the same nearest target of each source as the complete matrix; searches of farther targets end early."""
+"""`search = "nearest"` finds the same nearest target as the complete matrix, and ends early for farther ones."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ COUNTERS = ("point_triangle_distances", "node_visits")
 
 @pytest.fixture
 def shapes(tmp_path: Path) -> list[str]:
-    """Grids with random heights, some larger than others, so that the order of targets matters."""
+    """Grids of random heights, some rougher than others, so that the order of targets matters."""
     paths = []
     for i, name in enumerate(MODELS):
         flat, rough = bumpy(0, 0).splitlines(), bumpy(i + 1, 0).splitlines()
@@ -141,7 +141,7 @@ def test_the_experiments_own_cutoff_and_floor_count(hausbench: Program, shapes: 
 
 
 def test_a_copy_at_distance_0_does_not_hang_the_rest(hausbench: Program, shapes: list[str], tmp_path: Path) -> None:
-    """A copy of the source has distance 0, so its cutoff is raised a little: with 0, a solver would have to prove a distance to be exactly 0."""
+    """After a copy of the source, the cutoff stays slightly above 0: whether a second copy is above 0 cannot be decided."""
     for name in ("copy", "again"):
         (tmp_path / f"{name}.off").write_text((tmp_path / shapes[0]).read_text())
     file = write(tmp_path / "copies.toml", [shapes[0]], 'targets = ["copy.off", "again.off", "m1.off"]\nsearch = "nearest"')
@@ -237,7 +237,7 @@ def test_kill_resume_shards_and_nothing_left_out(hausbench: Program, shapes: lis
     merged = tmp_path / "merged.h5"
     assert hausbench("merge", merged, *sorted((tmp_path / "parts").glob("*.h5"))).returncode == 0
     same_rows(rows_of(merged), whole)
-    # If some rows of a search are lost, the whole search is run again.
+    # If a row is lost, its source's whole search is run again.
     journal = tmp_path / "whole" / "slow.journal"
     lines = journal.read_bytes().splitlines(True)
     identity = next(row["identity"] for row in whole.values() if row["label"] == "H" and row["target"] == shapes[5])
@@ -252,7 +252,7 @@ def test_kill_resume_shards_and_nothing_left_out(hausbench: Program, shapes: lis
 
 
 def test_far_scales_stay_one_search(hausbench: Program, tmp_path: Path) -> None:
-    """Shapes of very different scale get no worker of their own in a search; each pair has the same bits as with the same cutoff alone."""
+    """In a search, shapes of very different scale share a worker; each pair has the same bits as with the same cutoff alone."""
     root = tmp_path / "root"
     (root / "datasets").mkdir(parents=True)
     manifest = ""
