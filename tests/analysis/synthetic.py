@@ -206,8 +206,8 @@ def points_hostile() -> ResultFile:
 
 
 def sacht2024_fig13() -> ResultFile:
-    """After 20 ms of preparation, sacht narrows its bounds tenfold every 10 ms; these times are multiplied by 1, 2, 3, 4 on
-    the four pairs. zheng reaches only 1e-6 on ramesses. cgal has no trace, but one case per tolerance.
+    """After 20 ms of preparation, sacht narrows its bounds tenfold every 10 ms, times 1, 2, 3, 4 on the four pairs. zheng
+    reaches only 1e-6 on ramesses. cgal has one case per tolerance, and no trace.
     """
     file = ResultFile("sacht2024_fig13")
     for k, scene in enumerate(("crown", "monster", "bust", "ramesses")):

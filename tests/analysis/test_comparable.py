@@ -1,4 +1,4 @@
-"""Times that are not comparable give no ratio and no verdict, however large the difference; and every table names its clock."""
+"""Times that are not comparable give no ratio and no verdict, whatever they are; and every table names its clock."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ JUDGED_BY_TIME = {"zhang2017_table3", "points_hostile", "zhang2017_table1", "zha
 
 
 def slower(file: ResultFile) -> ResultFile:
-    """Multiplies the times of each row by a factor from 1 to e^8 that depends on the case, so that an order by time changes completely."""
+    """Multiplies each row's times by a factor from 1 to e^8 that depends on the case, so that the order by time is arbitrary."""
     def factor(row: int) -> float:
         case = file.cases[row]
         return float(math.exp(zlib.crc32(f"{case['label']} {case['options']} {case['scene']} {case['pose']} {case['tolerance']}".encode()) % 9))

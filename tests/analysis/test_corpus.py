@@ -21,7 +21,7 @@ def make(tmp_path: Path) -> Make:
 
 
 def corpus(meshes: int = 8, **columns: Any) -> ResultFile:
-    """Gives each mesh an answer of cover and of cgal. The last two meshes cannot be read, and cgal times out on the one before them."""
+    """Each mesh has an answer of cover and of cgal, but the last two cannot be read, and cgal times out on the one before."""
     file = ResultFile("corpus_decimation", meta={"title": "Every mesh", "profile": "corpus"})
     for i in range(meshes):
         scene, last = f"mesh{i}", i == meshes - 3

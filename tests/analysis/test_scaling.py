@@ -1,4 +1,4 @@
-"""Cost against size: exponents, forecasts, and the split of large inputs into shards, on results with known answers."""
+"""Cost against size: exponents, forecasts and shards, on results with known answers."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_few_or_small_costs_tell_nothing() -> None:
     assert math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).exponent().value) and math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).at(1e9).high)
     told = growth([1e3, 1e4, 1e5, 1e6, 1e7], [1e-6, math.nan, 1e-3, 1e-2, 1e-1], 1e-4)
     assert told.sizes == (1e5, 1e6, 1e7) and told.exponent().value == pytest.approx(1)
-    assert growth([1e3, 1e4, 1e5, 1e6, 1e7], [1.0, 20.0, 5.0, 30.0, 300.0], 0).sizes == (1e6, 1e7)  # the largest range of sizes without a gap
+    assert growth([1e3, 1e4, 1e5, 1e6, 1e7], [1.0, 20.0, 5.0, 30.0, 300.0], 0).sizes == (1e6, 1e7)  # the longest range without a gap
     assert growth([1e3, 1e4, 1e5], [3.0, 2.0, 1.0], 0, 0).known  # a falling series is used as a whole
 
 
@@ -204,7 +204,7 @@ def test_shards_are_sized_by_the_upper_ends(make: Make, tmp_path: Path) -> None:
         return points * 48 + (at.high if upper else at.value)
 
     assert needed(tasks, upper=True) <= memory < needed(tasks - max(1, tasks // 20), upper=True)
-    assert needed(round(0.8 * tasks), upper=False) <= memory  # without the upper ends, fewer tasks would seem enough
+    assert needed(round(0.8 * tasks), upper=False) <= memory  # the fitted values alone would allow fewer tasks
 
 
 def test_a_forecast_without_a_line_has_no_picture(make: Make, tmp_path: Path) -> None:

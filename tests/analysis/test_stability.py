@@ -1,4 +1,4 @@
-"""Tests the three scripts of the stability suite: every outcome of a row, the cells and the claims; all three read one result file."""
+"""The three scripts of the stability suite, which read one result file: every outcome of a row, the cells and the claims."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ def written(sweeps: Sweeps, folder: Path, monkeypatch: pytest.MonkeyPatch, shape
     (BOUNDS | {"lower": math.inf, "upper": math.inf, "truth": Interval(math.nan, math.nan)}, Outcome.WRONG),
     (BOUNDS | {"status": "unsound"}, Outcome.WRONG),
     (BOUNDS | {"unsound": True}, Outcome.WRONG),
-    (BOUNDS | {"upper": math.nan}, Outcome.WRONG),  # reported as converged, but without an upper bound
-    (WIDE, Outcome.WRONG),  # certified and reported as converged, but too wide
+    (BOUNDS | {"upper": math.nan}, Outcome.WRONG),  # reported as converged, without an upper bound
+    (WIDE, Outcome.WRONG),  # certified and converged, but too wide
     (WIDE | {"certified": False}, Outcome.LOOSE),
     (WIDE | {"upper": math.inf, "certified": False}, Outcome.LOOSE),
     (WIDE | STALLED, Outcome.LOOSE),
@@ -101,7 +101,7 @@ def test_outcomes_are_told_apart_in_grey() -> None:
         return 116 * float(np.cbrt(0.2126 * red + 0.7152 * green + 0.0722 * blue)) - 16
 
     letters = [outcome.letter for outcome in Outcome if outcome.letter] + [letter for letter, _ in STOPS.values()]
-    assert len({letter.lower() for letter in letters}) == len(letters) - 1  # only R (refused) and r (rightly refused) differ by case alone
+    assert len({letter.lower() for letter in letters}) == len(letters) - 1  # only R (refused) and r (rightly refused) share a letter
     assert {status: letter for status, (letter, _) in STOPS.items()} == {status: style.STATUS_LETTERS[status] for status in STOPS}
     shades = sorted(light(outcome) for outcome in {outcome.colour: outcome for outcome in Outcome}.values())
     assert all(above - below > 7 for below, above in zip(shades, shades[1:]))
@@ -151,7 +151,7 @@ def test_certified_rows_get_no_slack(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_certified_rows_that_contradict_each_other_are_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without a stated distance, either of two contradicting rows may be wrong, so both count as wrong; an interval that contains both does not."""
+    """Without a stated distance, either of two contradicting rows may be wrong: both count as wrong, but an interval that contains both does not."""
     sweeps = Sweeps()
     answers = {"guthe": (0.5, 0.5), "cover": (0.75, 0.75), "sampling": (0.25, 1.0)}
     sweeps.family("offset", "mesh", [10.0], {label: [{"lower": low, "upper": high, "exact": np.nan, "status": "ok" if low == high else "budget"}]
@@ -375,7 +375,7 @@ def test_time_table_and_timeouts_at_the_limit(tmp_path: Path, monkeypatch: pytes
     at_limit = [line for line in times.lines if len(line.get_xdata()) == 1 and line.get_ydata()[0] == 2.0]
     assert len(at_limit) == 2 and all(line.get_markerfacecolor() == "white" for line in at_limit)
     assert [text.get_text() for text in times.texts] == ["C"] and sorted(text.get_text() for text in work.texts) == ["C", "H"]
-    assert times.get_xlim()[0] > times.get_xlim()[1]  # the axis is reversed: the most severe value, here the smallest, is on the right
+    assert times.get_xlim()[0] > times.get_xlim()[1]  # the most severe value, here the smallest, is on the right
     plt.close(figure)
 
 

@@ -91,8 +91,8 @@ def test_infinite_outliers_do_not_move_the_median() -> None:
 
 
 def test_ratio_of_separate_times() -> None:
-    # Each side gets 97.5 %, so 1.25 % per tail. For n = 9, rank 2 has the tail P(Binomial(9, 1/2) <= 1) = 10/512 = 1.95
-    # %, so rank 1 is used.
+    # Each side gets 97.5 %, so 1.25 % per tail. For n = 9, rank 2 has a tail of P(Binomial(9, 1/2) <= 1) = 10/512 >
+    # 1.25 %; hence rank 1.
     assert order_statistic_rank(9, 0.975) == 1
     x = ratio_of_medians(range(11, 20), range(1, 10))
     assert (x.value, x.low, x.high) == (15 / 5, 11 / 9, 19 / 1)
@@ -133,7 +133,7 @@ def test_separated_takes_six_rounds() -> None:
     for n in range(1, 10):
         x = ratio_by_round(dict.fromkeys(range(n), 2.0), dict.fromkeys(range(n), 1.0))
         assert x.value == 2 and x.separated == (n >= 6), n
-        # Times measured separately need seven rounds, because each side gets half of the allowed error.
+        # Separate times need seven rounds, because each side gets half of the allowed error.
         assert ratio_of_medians([2.0] * n, [1.0] * n).separated == (n >= 7), n
     assert not Estimate(2.0, 1.5, 2.5, 5, 0.94).separated and Estimate(2.0, 1.5, 2.5, 5, 0.95).separated
 
@@ -151,8 +151,8 @@ def test_equal_distributions_are_seldom_separated(n: int) -> None:
 
 @pytest.mark.parametrize("rounds", [6, 8, 10, 12])
 def test_intervals_cover_where_processes_differ(rounds: int) -> None:
-    """Processes differ by 1 %, repeats within a process by 0.3 %. With one value per process (round), the interval covers the
-    median; with one per repeat, it misses the median far too often.
+    """Processes differ by 1 %, repeats in one by 0.3 %. With a value per process (round), the interval covers the median;
+    with one per repeat, it misses far too often.
     """
     rng, repeats, trials = np.random.default_rng(rounds), 5, 600
     covered = {"rounds": 0, "repeats": 0}
@@ -173,7 +173,7 @@ def test_chances_are_those_of_sign_tests() -> None:
     x = paired_ratio([2.0] * 7 + [0.5, 1.0], [1.0] * 9)
     assert x.p_above == pytest.approx(scipy.stats.binomtest(7, 9, alternative="greater").pvalue)
     assert x.p_below == pytest.approx(scipy.stats.binomtest(1, 9, alternative="greater").pvalue)
-    # Times measured separately: the intervals just stop overlapping, each with a tail of 1/2^7.
+    # For separate times, p is the level at which the intervals part: 1/2^7 on either side.
     y = ratio_of_medians([2.0 + i for i in range(7)], [0.1 * i for i in range(1, 8)])
     assert y.p_above == pytest.approx(2 * 2.0**-7) and y.p_below == 1
 
@@ -194,7 +194,7 @@ def test_counts_are_exact_but_for_seeds() -> None:
 def test_one_seed_is_one_draw(seeded: tuple[bool, bool]) -> None:
     x = ratio_of_counts({1: 30.0}, {1: 20.0}, seeded)
     assert x.value == pytest.approx(1.5) and x.n == 1 and not x.has_interval and not x.separated
-    # A solver with one seed stays a single draw, even if the other solver has several seeds.
+    # One seed stays a single draw, even beside several seeds of the other solver.
     several = {seed: 10.0 + seed for seed in range(6)}
     y = ratio_of_counts({1: 60.0}, several, (True, True))
     assert y.n == 1 and not y.separated and y.value == pytest.approx(60 / 11)

@@ -45,7 +45,7 @@ def test_table3_cells(make: Make) -> None:
     claim = next(line for line in text.splitlines() if "less time than NAIVEHDD" in line)
     assert "Counted in distances it is not separated (geometric mean 10.0" in claim and "over 5 pairs, no ratio for 1" in claim and "bounds and nodes it is not separated" in claim
     claim = next(line for line in text.splitlines() if "less time than INC" in line)
-    assert "Counted in distances it is not separated (geometric mean 0.500" in claim  # two of the six pairs have no ratio
+    assert "Counted in distances it is not separated (geometric mean 0.500" in claim  # two of six pairs have no ratio
     assert "In the paper a pair of points costs NAIVEHDD 409 to 538 ns, here 600 to 5000 ns." in text
     assert "NAIVEHDD computes 10 times as many distances as the framework, 5.0 times as many distances, bounds" in text
     assert "INC computes 0.50 times as many distances as the framework, 5.2 times as many" in text
@@ -77,7 +77,7 @@ def test_table3_takes_milliseconds_where_times_are_short(make: Make) -> None:
 
 def test_table3_pairs_rounds_where_there_are_enough(make: Make) -> None:
     file = ResultFile("zhang2017_table3", wall=1.25, cpu=1.0)
-    slow = [2.0 * (i + 1) for i in range(8)]  # each round is slower, so only pairing by round separates the solvers
+    slow = [2.0 * (i + 1) for i in range(8)]  # rounds become slower: only pairing them separates the solvers
     file.case("naive", "a_pears", slow, rounds=8, lower=1.0, upper=1.0)
     file.case("earlybreak", "a_pears", [x / 1.25 for x in slow], rounds=8, lower=1.0, upper=1.0)
     _, rows, _ = make(file)
@@ -101,7 +101,7 @@ def test_points_speed_takes_the_best_of_the_others(make: Make) -> None:
     assert outlier[header.index("scan (ours)")] == "2.00 [1.93, 2.08]"
     assert outlier[-1] == "5.00 [4.82, 5.19]"  # EARLYBREAK's 10 ms, not the tree's 60 ms, over our 2 ms; paired by round
     assert near[header.index("EARLYBREAK")] == "timeout" and near[-1].startswith("4.00")
-    # 80 ms by its own clock; the wall time, 700 ms, includes the start of Python.
+    # 80 ms by its own clock; the 700 ms of wall time include Python's start.
     assert near[header.index("SciPy cKDTree")] == "80.0"
     assert rows["geometric mean"][0][-1] == "4.47" and "least 4.00, over 2 of 2" in text
     assert rows[""][0][header.index("scan (ours)")] == "8.00"
@@ -120,7 +120,7 @@ def test_points_hostile_finds_where_scan_is_slower(make: Make) -> None:
 
 def test_fig13_means_over_all_pairs_only(make: Make) -> None:
     records, rows, text = make(synthetic.sacht2024_fig13())
-    # On pair k, preparing takes 20 k ms and each decade 10 k ms, so the mean over k = 1 to 4 is 2.5 (20 + 10 j) at 10^-j.
+    # On pair k, preparing takes 20 k ms and each decade 10 k ms: on average 2.5 (20 + 10 j) at 10^-j.
     assert rows["Sacht 2024"][0] == ["75.0", "100", "125", "150", "175", "200", "225", "250", "242"]
     # Each tolerance is a case of its own, whose seven rounds are up to 5 % off the middle.
     assert rows["CGAL"][0][:2] == ["113 [107, 118]", "158 [150, 165]"] and rows["CGAL"][0][7:] == ["428 [406, 449]", "—"]

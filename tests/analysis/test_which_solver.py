@@ -1,4 +1,4 @@
-"""Tests the picture of the fastest certified solvers: which solvers take part, which wins, and whether its lead is separated."""
+"""The picture of the fastest certified solvers: which take part, which wins, and whether its lead is separated."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from synthetic import ResultFile
 
 
 def peers(rounds: int = 7, rival: float = 2.0) -> ResultFile:
-    """On scene near, cover takes 1 s and tang `rival` s. sacht takes 0.5 s but misses the tolerance; cgal takes 0.1 s but is not certified."""
+    """cover takes 1 s and tang `rival` s; sacht takes 0.5 s but misses the tolerance, and cgal takes 0.1 s but is not certified."""
     file = ResultFile("mesh_peers")
     for solver, seconds, status, certified in (("cover", 1.0, "ok", 1), ("tang", rival, "ok", 1), ("sacht", 0.5, "budget", 1), ("cgal", 0.1, "ok", 0)):
         file.case(solver, "near", [seconds * (1 + 0.01 * k) for k in range(rounds)], lower=0.5, upper=0.5, status=status, certified=certified,

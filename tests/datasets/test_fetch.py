@@ -526,7 +526,7 @@ def ends_in_points(name: str) -> bool:
 def test_the_point_sets_of_zhang_2017_have_the_papers_sizes(pair: tuple[str, str], sizes: tuple[int, int]) -> None:
     for name, size in zip(pair, sizes):
         assert ends_in_points(f"zhang_{name}") and ends_in_points(f"zhang_{name}_tenth")
-        if name != "cow":  # cow is a mesh; the other models are its points
+        if name != "cow":  # cow has no count: it takes all vertices of the mesh
             assert DERIVED[f"zhang_{name}"]["count"] == size
         assert DERIVED[f"zhang_{name}_tenth"]["count"] == round(size / 10)
     a, b = (DERIVED[f"zhang_{name}"] for name in pair)

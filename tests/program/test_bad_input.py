@@ -72,7 +72,7 @@ BAD_EXPERIMENTS = {
     "[profile.quick]\nscene = 5": ("tiny.toml:15", "[[scene]]"),
     "[profile.quick.scene]\nname = 'x'": ("tiny.toml:14", "[[scene]]"),
     "[profile.paper]\nrepaets = 1": ("unknown key 'repaets'", "repeats"),
-    "[profile.quick]\ntolerances = [nan]": ("tiny.toml:15", "'tolerances'"),  # an error in a key that a profile overrides still names its own line
+    "[profile.quick]\ntolerances = [nan]": ("tiny.toml:15", "'tolerances'"),  # names the line in the profile, not the overridden one
     "[[claim]]\nsolver = 'guthe'\nfaster_than = 'guthe'": ("names the solver itself", "tiny.toml:16"),
     "[[solver]]\nname = 'external'\nparameters = { command = 5 }": ("'command'", "5 is not a text; give a text"),
     "[[solver]]\nname = 'external'": ("'command'", "tiny.toml:14"),

@@ -100,7 +100,7 @@ def test_both_directions(hausbench: Program, plugin: Path, tetrahedron: Path, tm
 
 
 def test_a_proof_written_by_hand(hausbench: Program, proof: Path, tmp_path: Path) -> None:
-    """The face of A at z = 0 is 0.25 below B's, and each other face is at most 0.25 from one face of B."""
+    """B is A raised by 0.25, so each face of A is within 0.25 of a face of B."""
     header, rest = read(proof)
     certificate = header["certificates"][0]
     leaves = [one(k) for k in range(4)]

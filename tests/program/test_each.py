@@ -60,7 +60,7 @@ def test_each_is_the_same_as_scenes_written_out(hausbench: Program, root: Path, 
 
 
 def test_the_whole_corpus_has_more(hausbench: Program, root: Path, tmp_path: Path) -> None:
-    """The corpus also has tables of its own, and leaves out a model of the manifest; halving and remeshing apply to all of its models."""
+    """`whole_corpus` adds models that `corpus` leaves out: one of the manifest, and one with a table of its own."""
     file = root / "datasets" / "corpus.toml"
     text = file.read_text()
     file.write_text('whole_manifest = ["other"]\n' + text + '[whole.plain]\nsource = "generated"\nrecipe = "cube"\nsubdivisions = 3\n')

@@ -99,7 +99,7 @@ z = 0.0
 
 @needs_two_cores
 def workers(folder: Path) -> list[int]:
-    """Returns the workers (process ids) that have files of the folder open."""
+    """Returns the process ids of workers whose command line names the folder."""
     found = []
     for process in Path("/proc").iterdir():
         try:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from conftest import ROOT
 
-# A fake program that ends with the exit code that the experiment file contains.
+# A fake program; its exit code is the content of the experiment file.
 PROGRAM = """#!/bin/bash
 echo "ran $2"
 exit "$(cat "$2")"

@@ -88,7 +88,7 @@ def test_each_shape_is_prepared_once_and_the_ledger_says_so(hausbench: Program, 
     assert done.returncode == 0, done.stderr
     result = tmp_path / "ten.h5"
     assert texts(result, "cases/status") == ["ok"] * 200
-    # each pair needs both octrees, in both rows
+    # Each pair uses two octrees: as source and as target.
     assert ledger(result, "structures for each pair") == [("guthe on ten", "octree: built over 10 shapes and used 200 times by 100 pairs", 190)]
     shown = run_in(hausbench, root, "explain", file)
     assert "each of 10 shapes is loaded and prepared once for all 100 pairs" in shown.stdout

@@ -146,7 +146,7 @@ def test_the_part_of_the_witness(hausbench: Program, tmp_path: Path) -> None:
 
 
 def test_warnings_stand_in_the_table(hausbench: Program, tmp_path: Path) -> None:
-    """One pair has files in different units, and one has a file that ends after its vertices."""
+    """One pair has a file that is cut off after its first triangle; the other pair's files differ in unit."""
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
     whole = "".join(f"v {x} {x * x} 0\n" for x in range(9)) + "f 1 2 3\nf 4 5 6\nf 7 8 9\n"

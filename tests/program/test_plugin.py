@@ -236,7 +236,7 @@ def test_the_layout_of_a_structure_counts_where_its_header_is_included(
     ask = ("measure", tetrahedron, raised, "--json", "--plugin")
     done = hausbench(*ask, outside / "libwith_octree.so", "--solver", "with_octree")
     assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(0.25), done.stderr
-    # A later hausbench whose octree has one more member, so the plug-in must be rebuilt.
+    # A hausbench whose octree has another layout: only the plug-in that uses it must be rebuilt.
     installed = tmp_path / "installed"
     shutil.copytree(outside.parent / "installed", installed)
     header = installed / "include" / "hausbench" / "structures" / "octree.h"

@@ -270,7 +270,7 @@ def test_merge_names_the_shards_that_are_missing(hausbench: Program, experiment:
     scene = '[[scene]]\nname = "{0} to {1}"\nsource = "sphere{0}"\ntarget = "sphere{1}"\n'
     experiment.write_text(experiment.read_text() + "".join(scene.format(*pair) for pair in ((2, 1), (1, 1), (2, 2))))
     parts = []
-    for i in (2, 1, 3):  # the second has two cases
+    for i in (2, 1, 3):  # shard 2 has two of the four cases
         assert hausbench("run", experiment, "--results", tmp_path, "--shard", f"{i}/3").returncode == 0
         parts.append(tmp_path / f"tiny.shard-{i}-of-3.h5")
     twice = hausbench("merge", tmp_path / "twice.h5", parts[0], parts[0])

@@ -248,7 +248,7 @@ def test_an_instruction_that_valgrind_does_not_know_is_the_reason(tmp_path: Path
 
 
 def test_counts_of_all_processes_are_added_up_over_one_repeat(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Fakes valgrind and the program: two processes leave counts, which are added and divided by the experiment's repeats."""
+    """Fakes valgrind and the program: the processes' counts, 0, 700 and 20, are added. The experiment asks for 3 repeats, but one is run."""
     asked = []
 
     def run(command: list[str], folder: Path, good: tuple[int, ...], limit: float) -> str:

@@ -193,7 +193,7 @@ def test_small_steps_of_the_time_are_left_out_and_those_of_instructions_less_so(
 
 
 def test_values_without_intervals_have_noise_all_the_same() -> None:
-    assert found_in([1.0, 1.03, 1.07, 1.03, 1.0, 1.0]) == []  # fewer noise would give two steps of 5 %
+    assert found_in([1.0, 1.03, 1.07, 1.03, 1.0, 1.0]) == []  # without noise, these would be two steps of 5 %
 
 
 def test_words_of_a_step() -> None:

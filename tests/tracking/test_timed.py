@@ -120,7 +120,7 @@ def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
 
 
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
-    """The second run is independent of the first and has one case, so it needs narrower confidence."""
+    """Each of 60 cases needs a confidence of 1 - 0.05/60; the second run has one case, which needs 95 %."""
     names = tuple(f"case {i}" for i in range(60))
 
     def side(which: str, _: Sequence[str]) -> dict[str, float]:
