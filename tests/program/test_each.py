@@ -77,7 +77,7 @@ def test_the_whole_corpus_has_more(hausbench: Program, root: Path, tmp_path: Pat
 def test_a_damaged_mesh_costs_its_own_rows_alone(hausbench: Program, root: Path, tmp_path: Path) -> None:
     datasets = root / "datasets"
     (datasets / "bad.off").write_text(TETRAHEDRON.replace("1 0 0", "1 nan 0"))
-    (datasets / "soup.off").write_text(TETRAHEDRON)  # four separate triangles cannot be halved by edge collapse
+    (datasets / "soup.off").write_text(TETRAHEDRON)  # edge collapse cannot halve four triangles
     with (datasets / "corpus.toml").open("a") as out:
         out.write("".join(f'[model.{name}]\nsource = "file"\npath = "{name}.off"\n' for name in ("bad", "soup")))
         out.write(f'[model.gone]\nsource = "debian"\npackage = "p"\nversion = "1"\npath = "gone.off"\nsha256 = "{"a" * 64}"\n')

@@ -158,7 +158,7 @@ def test_a_default_tolerance_takes_every_input(hausbench: Program, tmp_path: Pat
     assert measured(hausbench, other, point)["tolerance_of"] == "diagonal"
     for extreme in (huge, tiny):
         assert measured(hausbench, extreme, extreme)["lower"] == 0
-    # Points have no diagonal for a relative tolerance.
+    # A point has no extent to which a tolerance could be relative.
     for given in (("--tolerance", "1e-6"), ("--of", "diagonal"), ("--of", "longest")):
         assert "its box has no" in hausbench.fails("measure", point, other, *given)
     # If the product leaves the range of doubles, the tolerance is the nearest finite positive number.

@@ -288,7 +288,7 @@ def test_ctrl_c_keeps_the_rows_of_earlier_runs(hausbench: Program, slow: Path, t
 
 
 def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """They are columns, in units of length, and part of the identity only if given."""
+    """All three are columns, and part of the identity only if given. Floor and cutoff are lengths."""
     plain = run(hausbench, experiment, tmp_path / "plain")
     h, diagonal = numbers(plain, "cases/lower")[0], numbers(plain, "cases/source_diagonal")[0]
     text = experiment.read_text()

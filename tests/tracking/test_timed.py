@@ -53,7 +53,7 @@ def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
 
 
 def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
-    """Paths have equal length on both sides: otherwise memory layout could favour one side in every pair."""
+    """Each pair moves to a new place, where both sides have equally long paths, so differences between places cancel."""
     calls: Calls = []
     one = subject("a", calls)
     screen([question(Subject("a", ("a",), one.blocks, move=lambda: calls.append(("a", "move"))), ("a",))], 4)
