@@ -102,7 +102,7 @@ def fig14(thousands: Ratio = 2000.0, stopped: float = 0.0, twentieth: Ratio = 1 
 
 
 def fig15(fine: Ratio = 2.0, seconds: float = 0.1, kang: Ratio = 0.5, stopped: float = 1.5) -> ResultFile:
-    """sacht takes `fine` times as long at 1e-8 as at 1e-6, where it takes `seconds` / `fine`. zheng is stopped by its time limit, and cgal is killed."""
+    """sacht takes `fine` times as long at 1e-8 as at 1e-6. zheng is stopped by its time limit, and cgal is killed."""
     file = ResultFile("sacht2024_fig15", cpu=1.0)
     for scene in ("fandisk", "hand"):
         common: dict[str, Any] = {"lower": 8.7e-8, "prepare_seconds": 0.0}

@@ -37,7 +37,7 @@ def test_equal_rows_are_counted(folder: Path, capsys: pytest.CaptureFixture[str]
     text = (folder / "counts" / "sweep.csv").read_text()
     (folder / "counts" / "sweep.csv").write_text(text.replace("\n", "\n0"))  # other identities, as if limits had changed
     assert run(folder, sweep()) == 0 and "equal the reference: 3 of 3 rows" in capsys.readouterr().out
-    # The shape of x may have changed, so other bounds are no failure.
+    # The shape of x may have changed, so other bounds do not fail.
     assert run(folder, sweep(lower=0.75)) == 0 and "2 of 2 rows" in capsys.readouterr().out
     (folder / "counts" / "sweep.csv").write_text(text.replace("\n", "\n0").replace("guthe", "tang"))  # none of these cases was run
     assert run(folder, sweep()) == 1 and "none of the" in capsys.readouterr().out

@@ -96,7 +96,7 @@ def test_peers_claim_is_open_where_the_solver_alone_has_no_answer(make: Make) ->
 
 @pytest.mark.parametrize("of", ["zheng", "cgal"])
 def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> None:
-    """One solver has only 6 of 14 rounds. The missing rounds are no timeouts."""
+    """One solver has only 6 of 14 rounds. The missing rounds must not count as timeouts."""
     file = peers(rounds=14)
     few = {row for row, case in enumerate(file.cases) if case["solver"] == of and case["status"] == "ok"}
     file.answers = [answer for answer in file.answers if answer["case"] not in few or answer["round"] < 6]

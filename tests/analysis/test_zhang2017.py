@@ -65,7 +65,7 @@ def test_table2_pairs_seeds(make: Make) -> None:
         _, rows, text = make(file)
         header, first = rows["pair"][0], rows["1"][0]
         assert first[header.index("here: ratio")] == "2.00 [2.00, 2.00]" and first[header.index("distances: ratio")] == ratio
-        assert "Counted in distances it is not judged (n = 1; geometric mean 3.00 over 1 pairs)" in text  # one pair is no average
+        assert "Counted in distances it is not judged (n = 1; geometric mean 3.00 over 1 pairs)" in text  # one pair is not an average
         assert ("paired by seeds" in text) == (seeds > 1)
 
 

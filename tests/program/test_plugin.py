@@ -504,7 +504,7 @@ def test_wrong_answers_end_the_run_with_exit_code_1(hausbench: Program, plugin: 
     experiment.write_text('expected_unsound = ["liar"]\n' + body)
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0 and "1 unsound" in done.stdout and "as expected" in done.stdout and "unsound" not in done.stderr
-    # An expected error that does not occur is no failure; an unknown label is an error.
+    # An expected error that does not occur is accepted; an unknown label is an error.
     experiment.write_text('expected_unsound = ["guthe"]\n' + head())
     assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
     experiment.write_text('expected_unsound = ["lair"]\n' + body)
