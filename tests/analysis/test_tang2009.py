@@ -42,7 +42,7 @@ def test_table2_cells(make: Make) -> None:
     assert tang[3].startswith(f"{mean:.2f} [") and tang[4:6] == ["0.476", "10.0"]
     assert tang[6:] == ["99.00", "98.00", "5", "954.5"]  # culled on A and on B, depth, and the median number of queries over all poses but the first
     others = {row[0]: row for row in rows[""]}
-    assert others["paper"][3:] == ["84.31", "0.04", "670.6", "98.03", "99.99", "—", "—"]  # the paper's values for its last pair
+    assert others["paper"][3:] == ["84.31", "0.04", "670.6", "98.03", "99.99", "—", "—"]  # the paper's values for Dog/Lion
     assert others["cover, warm"][6:9] == ["—"] * 3
     assert len(records) == 3 * 4 * 21 and "two stand in" in text
 
