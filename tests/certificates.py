@@ -39,7 +39,7 @@ def run(*command: str, allowed: tuple[int, ...] = (0,)) -> subprocess.CompletedP
 
 
 def false_claims(proof: Path, lower: float) -> Iterator[tuple[str, Path]]:
-    """Yields two copies of the proof that claim less than the lower bound, which the witness attains: one changes only the number, one also cuts the proof short."""
+    """Yields two copies of the proof that claim slightly less than the true distance, so must be refused. The second is also a byte too short."""
     header, body = proof.read_bytes().rsplit(b"\nsha256 ", 1)[0].split(b"\n", 1)
     for name, content in (("number", body), ("end", body[:-1])):
         claim = json.loads(header)
@@ -52,7 +52,7 @@ def false_claims(proof: Path, lower: float) -> Iterator[tuple[str, Path]]:
 
 
 def check(program: str, solver: str, source: str, target: str, folder: Path) -> str:
-    """Returns one line about a pair. Raises Refused if the proof is refused or a false claim is accepted."""
+    """Checks the proof of a pair and returns a line about it. Raises Refused if the proof is refused or a false claim is accepted."""
     files = [folder / f"{number}.off" for number in range(2)]
     for model, file in zip((source, target), files):
         run(program, "export", model, str(file))

@@ -1,4 +1,4 @@
-"""Skips a test that lacks an optional tool, with the reason. With `--insist`, for a target that promises the tool, the skip is a failure."""
+"""Skips tests whose optional tool is missing. With `--insist`, used by targets that promise the tool, such a skip is a failure."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Mutant:
 
     @property
     def targets(self) -> list[str]:
-        """The targets to build; none if the test needs only Python."""
+        """The targets to build. Empty if the test needs only Python."""
         if not self.is_pytest:
             return [self.test]
         program = self.file.endswith((".cpp", ".h")) or self.test.startswith("pytest tests/program")
@@ -68,7 +68,7 @@ def read(root: Path) -> list[Mutant]:
 
 
 def place(mutant: Mutant, source: str) -> tuple[int, int]:
-    """Returns the span of the mutant's text in the source. Any white space matches any other, so that reformatting keeps the entries valid."""
+    """Returns the span of the mutant's text in the source. Any white space matches any other, so reformatting does no harm."""
     found = [m.span() for m in re.finditer(r"\s+".join(map(re.escape, mutant.text.split())), source)]
     if len(found) != 1:
         times = f"found {len(found)} times, and must be unique" if found else "not found"
@@ -77,7 +77,7 @@ def place(mutant: Mutant, source: str) -> tuple[int, int]:
 
 
 def planted(mutant: Mutant, root: Path) -> str:
-    """Returns the text of the mutant's file with the mutant planted."""
+    """Returns the source file's text with the mutant in place."""
     path = root / mutant.file
     if not path.is_file():
         raise BadEntry(f"{LIST}: {mutant.name}: there is no file {mutant.file}")
@@ -90,7 +90,7 @@ def planted(mutant: Mutant, root: Path) -> str:
 
 
 def not_plantable(root: Path, mutants: list[Mutant]) -> list[str]:
-    """Returns a line for each mutant whose text does not occur exactly once, or whose test does not exist."""
+    """Returns an error for each mutant whose text does not occur exactly once or whose test does not exist."""
     tests = re.findall(r"^hausbench_test\((?:\w+/)*(\w+)", (root / "tests/CMakeLists.txt").read_text(), re.M)
     wrong = []
     for mutant in mutants:
@@ -104,7 +104,7 @@ def not_plantable(root: Path, mutants: list[Mutant]) -> list[str]:
 
 
 def copy_tree(root: Path, copy: Path) -> None:
-    """Copies all files that git tracks or would add. Unchanged files are left alone, so that little is rebuilt."""
+    """Copies all files that git tracks or would add, except unchanged ones, so that little is rebuilt."""
     listed = subprocess.run(["git", "-C", root, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
                             check=True, capture_output=True, text=True).stdout
     files = {name for name in listed.split("\0") if name and (root / name).is_file()}
@@ -137,12 +137,13 @@ class Tree:
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
 
     def build(self, targets: list[str]) -> str:
-        """Builds the targets; returns the output if that failed, else an empty string."""
+        """Builds the targets. Returns the output of a failed build, else an empty string."""
         if not targets:
             return ""
         if not (self.build_folder / "build.ninja").is_file():
             launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-            configured = self.run(["cmake", "--preset", "release", "-DCMAKE_UNITY_BUILD=OFF", *launcher])  # so that a mutant recompiles a single file
+            # without unity builds, a mutant recompiles a single file
+            configured = self.run(["cmake", "--preset", "release", "-DCMAKE_UNITY_BUILD=OFF", *launcher])
             if configured.returncode != 0:
                 return configured.stdout
         built = self.run(["cmake", "--build", "--preset", "release", "-j", str(self.jobs), "--target", *targets])
@@ -189,7 +190,7 @@ def try_one(tree: Tree, mutant: Mutant) -> tuple[str, str]:
             return "broken", f"it does not build, which is no catch\n{last_lines(wrong)}"
         verdict, output = tree.test(mutant)
     finally:
-        path.write_text(original)  # with a new time stamp, so that it is rebuilt
+        path.write_text(original)  # the new time stamp makes the next build restore it
     if verdict == "none":
         return "broken", f"no test ran, which is no catch\n{last_lines(output)}"
     return ("caught", "") if verdict == "red" else ("survived", f"{mutant.test} {mutant.filter} stays green")
@@ -209,7 +210,7 @@ def run(root: Path, mutants: list[Mutant], jobs: int) -> int:
     check_unmutated(tree, mutants)
     counts = {"caught": 0, "survived": 0, "broken": 0}
     begin = time.monotonic()
-    # Mutants of the same file are run in a row, so that the file is built once from one to the next, not twice.
+    # Mutants of a file follow each other, so that the file is compiled once per mutant, not twice.
     for i, mutant in enumerate(sorted(mutants, key=lambda m: (m.file, m.test))):
         verdict, remark = try_one(tree, mutant)
         counts[verdict] += 1

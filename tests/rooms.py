@@ -1,4 +1,4 @@
-"""The rooms of the C++ code, their includes, and a picture of both: `python3 tests/rooms.py` writes docs/rooms.svg."""
+"""The folders ("rooms") of the C++ code, their includes, and a picture of both: `python3 tests/rooms.py` writes docs/rooms.svg."""
 
 import re
 from collections import defaultdict
@@ -7,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 
-# From the top step to the bottom. A room may include any room on a lower step, but none on its own step.
+# From top to bottom. A room may include rooms on lower steps, but not others on its own step.
 STAIRCASE = [
     ["main"],
     ["commands"],
@@ -50,7 +50,7 @@ SOLVERS = ("points", "meshes", "surfaces", "peers")
 
 
 def room_of(path: Path) -> str:
-    """Returns the room of a source file: its folder in harness/ or algorithms/, else the top folder."""
+    """Returns a source file's room: its folder in harness/ or algorithms/, else its top-level folder."""
     parts = path.relative_to(ROOT).parts
     if parts[0] == "algorithms":
         if len(parts) == 2:
@@ -62,13 +62,13 @@ def room_of(path: Path) -> str:
 
 
 def sources() -> list[Path]:
-    """Returns all C++ files of the rooms."""
+    """Returns the C++ files of all rooms."""
     folders = ("algorithms", "process", "datasets", "harness")
     return sorted(p for f in folders for p in (ROOT / f).rglob("*") if p.suffix in (".h", ".cpp") and "recorder" not in p.parts)
 
 
 def includes(files: list[Path]) -> dict[Path, set[Path]]:
-    """Returns the project's files that each file includes; include paths start at the root."""
+    """Returns the project files that each file includes, resolved from the root."""
     known = set(files)
     return {file: {ROOT / name for name in INCLUDE.findall(file.read_text())} & known for file in files}
 
@@ -84,13 +84,13 @@ def between_rooms(graph: dict[Path, set[Path]]) -> dict[tuple[str, str], list[st
 
 
 def steps_up(arrows: dict[tuple[str, str], list[str]]) -> list[str]:
-    """Returns the includes that do not go down the staircase."""
+    """Returns the includes that do not lead to a lower step."""
     step = {room: number for number, rooms in enumerate(STAIRCASE) for room in rooms}
     return [line for (above, below), lines in arrows.items() if step[above] >= step[below] for line in lines]
 
 
 def circle(graph: dict[Path, set[Path]]) -> list[Path]:
-    """Returns some files that include each other in a circle, or an empty list."""
+    """Returns files that form an include cycle, or an empty list."""
     done: set[Path] = set()
 
     def look(file: Path, way: list[Path]) -> list[Path]:
@@ -111,7 +111,7 @@ WIDTH, HEIGHT, GAP, LEFT, TOP = 640, 34, 22, 190, 14
 
 
 def place_of(room: str) -> tuple[int, int, int]:
-    """Returns the left edge, top edge and width of a room's box; rooms of one step are side by side."""
+    """Returns left edge, top edge and width of a room's box. Rooms on the same step are side by side."""
     step = next(number for number, rooms in enumerate(STAIRCASE) if room in rooms)
     beside = STAIRCASE[step]
     width = (WIDTH - GAP * (len(beside) - 1)) // len(beside)
@@ -119,7 +119,7 @@ def place_of(room: str) -> tuple[int, int, int]:
 
 
 def picture(arrows: dict[tuple[str, str], list[str]]) -> str:
-    """Returns the staircase as SVG. Arrows to the next step are straight; longer ones bend around on the left or right."""
+    """Returns the staircase as SVG. Arrows to the next step are straight; longer ones bend around the boxes."""
     height = TOP * 2 + len(STAIRCASE) * (HEIGHT + GAP) - GAP
     lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {2 * LEFT + WIDTH} {height}" font-family="sans-serif" font-size="13">',
              "<title>Which room includes which: every arrow goes down</title>",

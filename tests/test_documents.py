@@ -1,4 +1,4 @@
-"""The documents: links resolve, README is short, and docs/index.md lists every page and explains the words of tables and options."""
+"""Links in documents resolve, README is short, and docs/index.md lists every page and explains the words of tables and options."""
 
 import re
 import subprocess
@@ -12,7 +12,7 @@ LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
 def headings(page: Path) -> set[str]:
-    """Returns the anchors of a page, as web sites for repositories make them."""
+    """Returns the anchors of a page's headings, as GitHub makes them."""
     titles = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
 

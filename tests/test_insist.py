@@ -1,4 +1,4 @@
-"""Tests the option that turns a skip into a failure."""
+"""Tests `--insist`, which turns a skip into a failure."""
 
 from __future__ import annotations
 

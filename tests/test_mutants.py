@@ -1,4 +1,4 @@
-"""The list of mutants fits the tree; and tests of the script that plants them, on a toy tree of one function and two tests."""
+"""Every mutant can be planted in the tree. The script that plants them is tested on a toy tree of one function and two tests."""
 
 from __future__ import annotations
 

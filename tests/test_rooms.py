@@ -1,4 +1,4 @@
-"""The house: no room includes one above it, no file includes itself indirectly, and files and functions are short enough to grasp."""
+"""No room includes one above it, no file includes itself indirectly, and files and functions are short."""
 
 import json
 import subprocess
@@ -37,14 +37,14 @@ def test_the_picture_shows_the_rooms_of_today() -> None:
 
 
 def declared_in(file: Path) -> Path:
-    """Returns the header of a source: the one with its name, else the first of its folder that it includes. For a header, returns itself."""
+    """Returns a source file's header: the one with the same name, or the first include from its folder. A header is its own."""
     beside = [Path(rooms.ROOT, name) for name in rooms.INCLUDE.findall(file.read_text()) if Path(rooms.ROOT, name).parent == file.parent]
     named = file.with_suffix(".h")
     return file if file.suffix == ".h" else named if named in GRAPH or not beside else beside[0]
 
 
 def users(shared: Path) -> set[str]:
-    """Returns the users of a file in a shared folder, direct or indirect: solvers, each a folder or a file, and the rooms above them."""
+    """Returns the direct and indirect users of a shared file: solvers, each a folder or a file, and the rooms above them."""
     asked_by: dict[Path, set[Path]] = {}
     for file, others in GRAPH.items():
         for other in others:
@@ -71,7 +71,7 @@ def test_a_file_with_one_user_is_found() -> None:
 
 
 def functions() -> list[tuple[int, str]]:
-    """Returns the number of lines of each function, and its place, as universal-ctags reads them."""
+    """Returns each function's number of lines and its place, as found by universal-ctags."""
     command = ["ctags", "--output-format=json", "--languages=C++", "--kinds-C++=f", "--fields=+ne", "-f", "-", *map(str, rooms.sources())]
     tags = [json.loads(line) for line in subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()]
     return [(t["end"] - t["line"] + 1, f"{Path(t['path']).relative_to(rooms.ROOT)}:{t['line']} {t['name']}") for t in tags if "end" in t]

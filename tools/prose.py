@@ -45,7 +45,7 @@ class Paragraph(NamedTuple):
 
 
 def joined(lines: list[tuple[int, str]]) -> Iterator[Paragraph]:
-    """Joins lines that follow each other without a blank one, so that a sentence is counted whole."""
+    """Joins consecutive non-blank lines into paragraphs, so that a sentence is counted whole."""
     start, last = 0, 0
     words: list[str] = []
     for number, text in [*lines, (-1, "")]:
@@ -59,7 +59,7 @@ def joined(lines: list[tuple[int, str]]) -> Iterator[Paragraph]:
 
 
 def after_mark(text: str, mark: str) -> list[tuple[int, str]]:
-    """Returns the comments that start with a mark, with their line numbers; a mark inside a string or a URL does not count."""
+    """Returns the comments that start with a mark, with their line numbers. A mark inside a string or a URL does not count."""
     found = []
     for number, line in enumerate(text.splitlines(), 1):
         hit = re.search(rf"(?:^|\s){mark}+!?(?:\s+|$)(.*)", re.sub(r'"(?:\\.|[^"\\])*"', lambda quoted: "_" * len(quoted[0]), line))

@@ -1,4 +1,4 @@
-"""Lets the tests import `analysis` and the generator of result files wherever pytest is started, and holds shared fixtures."""
+"""Makes `analysis` and tests/analysis/synthetic.py importable from any working directory, and holds shared fixtures."""
 
 import sys
 from pathlib import Path

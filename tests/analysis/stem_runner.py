@@ -1,4 +1,4 @@
-"""Runs the stem of a file and reads back its outputs."""
+"""Runs the analysis script of a result file and reads back the table it writes."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from analysis.shared.shapes import Mesh
 Made = tuple[list[dict[str, str]], dict[str, list[list[str]]], str]
 Make = Callable[[ResultFile], Made]
 
-# Stems with a synthetic file. test_stems.py renders their figures.
 STEMS = {"zhang2017_table3": synthetic.zhang2017_table3, "sacht2024_fig13": synthetic.sacht2024_fig13,
          "error_vs_time": synthetic.error_vs_time, "points_speed": synthetic.points_speed, "cliffs": synthetic.cliffs,
          "points_hostile": synthetic.points_hostile, **synthetic_zhang.STEMS, **synthetic_sacht.STEMS, **synthetic_tang.STEMS}
 
 MAGIC = {".pdf": b"%PDF", ".png": b"\x89PNG"}
-_rendered = set(STEMS)  # and stems rendered in this process
+_rendered = set(STEMS)  # stems whose figure this process has already rendered
 TETRAHEDRON = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
 
 
 def stem_runner(folder: Path) -> Make:
-    """Returns a function that runs a file and returns the CSV, the Markdown rows by their first cell, and the whole Markdown.
+    """Returns a function that analyses a result file and returns the CSV records, the Markdown rows by first cell, and the
+    whole Markdown text.
 
-    Every call makes the figure of the stem, but it is rendered at most once, because rendering takes most of the time.
+    The figure of each stem is rendered only once, because rendering takes most of the time.
     """
     def run(file: ResultFile) -> Made:
         file.write(folder)

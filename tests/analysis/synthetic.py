@@ -1,7 +1,7 @@
-"""Writes result files as results/README.md describes them, with numbers that a test knows beforehand.
+"""Writes result files with made-up numbers, so that tests know what the analysis must compute.
 
-Written from that description, not from analysis/shared/load.py, so that the two check each other.
-`python3 tests/analysis/synthetic.py DIR` writes one file for each stem, to look at the figures.
+The format follows results/README.md, not analysis/shared/load.py, so that the two check each other.
+`python3 tests/analysis/synthetic.py DIR` writes one file per stem, to look at the figures.
 """
 
 from __future__ import annotations
@@ -69,17 +69,16 @@ class ResultFile:
     fields: list[dict[str, Any]] = field(default_factory=list)
     field_values: list[float] = field(default_factory=list)
     ledger: list[dict[str, Any]] = field(default_factory=list)
-    wall: float = 1.0  # factor for the seconds given to case()
+    wall: float = 1.0  # scales the seconds given to case() to wall time; `cpu` scales them to CPU time
     cpu: float = 0.9
 
     def case(self, solver: str, scene: str, seconds: Sequence[float] = (),
              trace: Sequence[tuple[float, float, float]] = (), options: dict[str, Any] | None = None,
              counters: dict[str, int] | None = None, rounds: int = 0, prepare: Sequence[float] = (), first: Sequence[float] = (), **columns: Any) -> int:
-        """Adds a case with its repeats (one per round, or spread over `rounds` rounds), its trace and its models; returns its
-        row.
+        """Adds a case with its repeats, trace and models; returns its row number.
 
-        `prepare` holds the seconds of preparing by round, and `first` the seconds of the first answers, by default the median of the
-        round's repeats.
+        Without `rounds`, each repeat is a round of its own. `prepare` holds each round's seconds of preparation, and `first`
+        the seconds of each round's first answer (default: the median of the round's repeats).
         """
         row, rounds = len(self.cases), rounds or max(1, len(seconds))
         if len(prepare):
@@ -140,7 +139,7 @@ def _array(values: list[Any], example: Any) -> Any:
 
 
 def spread(middle: float, n: int, width: float = 0.1) -> list[float]:
-    """Returns n times with the median `middle`, from middle (1 - width/2) to middle (1 + width/2)."""
+    """Returns n times with median `middle`, evenly spaced from middle * (1 - width/2) to middle * (1 + width/2)."""
     return [middle * (1 + width * (i / (n - 1) - 0.5)) if n > 1 else middle for i in range(n)]
 
 
@@ -149,7 +148,7 @@ def without_bounds(status: str, reason: str, columns: dict[str, Any]) -> dict[st
 
 
 def zhang2017_table3() -> ResultFile:
-    """Known: a_pears: naive 2.0 s, earlybreak 0.5 s (10 seeds); b_cow_hippo: one of ten seeds timed out; c_rabbits: inc crashed."""
+    """On a_pears, naive takes 2.0 s and earlybreak 0.5 s for each of 10 seeds; on b_cow_hippo, seed 7 times out; on c_rabbits, inc crashes."""
     file = ResultFile("zhang2017_table3", wall=1.25, cpu=1.0)
     scenes = {"a_pears": ("neverball orange_sculpted.obj, resampled to size", 1.0),
               "b_cow_hippo": ("CGAL cow.off, hippo1.ply", 0.8), "c_rabbits": ("glmark2 bunny, @pmndrs bunny", 2.5),
@@ -177,7 +176,7 @@ def zhang2017_table3() -> ResultFile:
 
 
 def points_speed() -> ResultFile:
-    """Known: if an outlier decides, early breaking is the best other solver (5 times ours); near zero, the tree is (4 times)."""
+    """The fastest other solver is earlybreak on overlapping_100K (5 times our time), and kdtree on noisy_100K (4 times)."""
     file = ResultFile("points_speed", cpu=1.0)
     for scene, ours, early, tree in (("overlapping_100K", 0.002, 0.010, 0.060), ("noisy_100K", 0.012, 0.0, 0.048)):
         common: dict[str, Any] = {"scene_note": "clouds", "lower": 0.25, "upper": 0.25, "peak_bytes": 8 * 2**20}
@@ -193,7 +192,7 @@ def points_speed() -> ResultFile:
 
 
 def points_hostile() -> ResultFile:
-    """Known: ours is 4 times as fast on the line and 0.5 times on the shell; on the sheet, the tree did not end."""
+    """Our solver is 4 times as fast as kdtree on the line and half as fast on the shell; kdtree times out on the sheet."""
     file = ResultFile("points_hostile")
     for scene, ours, tree in (("line_20K", 0.005, 0.020), ("shell_20K", 0.010, 0.005), ("sheet_20K", 0.010, 0.0)):
         common: dict[str, Any] = {"scene_note": "two samples", "lower": 0.25, "upper": 0.25, "source_elements": 20000}
@@ -207,8 +206,8 @@ def points_hostile() -> ResultFile:
 
 
 def sacht2024_fig13() -> ResultFile:
-    """Known: sacht closes a decade every 10 ms after 20 ms of preparation, times 1, 2, 3, 4 on the four pairs; zheng does not get
-    below 1e-6 on ramesses; cgal has no trace, and one case per tolerance.
+    """After 20 ms of preparation, sacht narrows its bounds tenfold every 10 ms, times 1, 2, 3, 4 on the four pairs. zheng
+    reaches only 1e-6 on ramesses. cgal has one case per tolerance, and no trace.
     """
     file = ResultFile("sacht2024_fig13")
     for k, scene in enumerate(("crown", "monster", "bust", "ramesses")):
@@ -218,7 +217,7 @@ def sacht2024_fig13() -> ResultFile:
                                       ("tang", 0.051, 0.020), ("cover", 0.004, 0.012), ("guthe", 0.12, 0.02)):
             stuck = {("zheng", "ramesses"): 6, ("guthe", "ramesses"): 4, ("guthe", "bust"): 4, ("tang", "bust"): 7}
             last = stuck.get((solver, scene), 8)
-            # The gap after j steps is 0.9 times the j-th tolerance.
+            # After j steps, upper - lower is 0.9 times the tolerance 10^-j.
             samples = [(pace * slow * j, 0.004 * diagonal, (0.004 + 0.9 * 10.0**-j) * diagonal)
                        for j in range(last + 1)]
             if last == 8:
@@ -234,7 +233,7 @@ def sacht2024_fig13() -> ResultFile:
 
 
 def error_vs_time() -> ResultFile:
-    """Three pairs of meshes, three of point sets; exact zeros, failures of every kind, steps of ten tolerances."""
+    """Three pairs of meshes and three of point sets, with distances of 0, every kind of failure, and tolerances down to 1e-8."""
     file = ResultFile("error_vs_time")
     rng = np.random.default_rng(1)
     meshes = (("guthe", 0.30), ("tang", 0.10), ("kang", 0.05), ("zheng", 0.06), ("sacht", 0.03), ("cover", 0.012))
@@ -281,8 +280,8 @@ def error_vs_time() -> ResultFile:
 
 
 def cliffs() -> ResultFile:
-    """Known: scan's work is 1000 everywhere except 3000 in two clusters at 1e6; guthe's grows tenfold per step of 1e6 with a
-    stray triangle in B, and guthe times out at 1e12 with A moved away; cgal counts nothing.
+    """scan's work is 1000, but 3000 in two clusters at 1e6. guthe's work grows tenfold per factor 1e6 with a stray triangle
+    in B; with A moved away, guthe times out at 1e12. cgal counts nothing.
     """
     file = ResultFile("cliffs")
     ratios = {"1e00": 1.0, "1e06": 1e6, "1e12": 1e12}

@@ -1,4 +1,4 @@
-"""Result files of the stems of Sacht and Jacobson 2024, with numbers known to the tests."""
+"""Made-up result files for the figures and tables of Sacht and Jacobson 2024."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FAR = ("crown_monster", "monster_crown", "bust_ramesses", "ramesses_bust")
 
 @dataclass(frozen=True)
 class Tie:
-    """A ratio that is alternately above and below a number."""
+    """A ratio alternately above and below a number, so that a test cannot tell on which side it is."""
 
     to: float = 1.0
 
@@ -30,12 +30,12 @@ def size_of(factor: Ratio) -> float:
 
 
 def rounds_of(base: float, factor: Ratio) -> list[float]:
-    """Returns six rounds that become slower, so that only pairs can separate solvers."""
+    """Returns six rounds, each slower than the one before, so that only pairing times by round can separate solvers."""
     return [base * (1 + 0.1 * i) * size_of(factor) * ((1.25 if i % 2 else 0.8) if isinstance(factor, Tie) else 1) for i in range(ROUNDS)]
 
 
 def add_pairs(file: ResultFile, scenes: Sequence[str], factors: Mapping[str, Ratio], **columns: Any) -> None:
-    """On each scene, each solver takes `factor` times 10 ms, and `factor` times 1000 distances, 2000 bounds and 3000 nodes."""
+    """Adds a case of each solver on each scene: `factor` times 10 ms, 1000 distances, 2000 bounds and 3000 nodes."""
     for scene in scenes:
         common: dict[str, Any] = {"tolerance": 1e-8, "lower": 0.004, "upper": 0.004, "scene_note": f"stands in for {scene}", **columns}
         for label, factor in factors.items():
@@ -47,7 +47,7 @@ def add_pairs(file: ResultFile, scenes: Sequence[str], factors: Mapping[str, Rat
 
 
 def table2(kang: Ratio = 2.0, zheng: Ratio = 3.0, sacht: Ratio = 1.0, tang: Ratio | None = None) -> ResultFile:
-    """Known: sacht takes 10 ms to 15 ms by round, kang twice as long, zheng three times; on the derived pairs sacht is as slow as kang."""
+    """The arguments multiply times of 10 ms to 15 ms, depending on the round. On the derived pairs, sacht is as slow as kang."""
     file = ResultFile("sacht2024_table2", cpu=1.0)
     labels: dict[str, Ratio] = {"kang": kang, "zheng": zheng, "sacht": sacht, "cgal": 8.0}
     if tang is not None:
@@ -58,7 +58,7 @@ def table2(kang: Ratio = 2.0, zheng: Ratio = 3.0, sacht: Ratio = 1.0, tang: Rati
 
 
 def table3(kang: Ratio = 3.0, zheng: Ratio = 2.0, sacht: Ratio = 1.0, lost: Ratio = 4.0) -> ResultFile:
-    """Known: zheng takes twice and kang three times as long as sacht, except on (Ramesses, Bust), where sacht takes four times 10 ms."""
+    """The arguments multiply times of 10 ms to 15 ms; on the last pair, (Ramesses, Bust), `lost` is the factor of sacht."""
     file = ResultFile("sacht2024_table3", cpu=1.0)
     add_pairs(file, FAR[:3], {"kang": kang, "zheng": zheng, "sacht": sacht})
     add_pairs(file, FAR[3:], {"kang": kang, "zheng": zheng, "sacht": lost})
@@ -66,8 +66,8 @@ def table3(kang: Ratio = 3.0, zheng: Ratio = 2.0, sacht: Ratio = 1.0, lost: Rati
 
 
 def fig13(kang: Ratio = 2.0, zheng: Ratio = 3.0) -> ResultFile:
-    """Known: at 10^-k each solver takes k times its factor times 10 ms to 15 ms by round; cgal was only measured at 1e-8, and ran
-    out of time on one pair.
+    """At tolerance 10^-k, each solver takes k times its factor times 10 ms to 15 ms, depending on the round. cgal was
+    measured only at 1e-8, and timed out on one pair.
     """
     file = ResultFile("sacht2024_fig13", cpu=1.0)
     for k in (1, 4, 8):
@@ -87,7 +87,7 @@ def fig13(kang: Ratio = 2.0, zheng: Ratio = 3.0) -> ResultFile:
 
 
 def fig14(thousands: Ratio = 2000.0, stopped: float = 0.0, twentieth: Ratio = 1 / 30, fast: float = 0.01) -> ResultFile:
-    """Known: zheng over sacht is `thousands` on the square (or zheng was stopped after `stopped` seconds), and `twentieth` on the cube."""
+    """On the square, zheng takes `thousands` times sacht's time, or is stopped after `stopped` seconds; on the cube, `twentieth` times."""
     file = ResultFile("sacht2024_fig14", cpu=1.0)
     common: dict[str, Any] = {"tolerance": 1e-8, "lower": 0.1, "upper": 0.1, "prepare_seconds": 0.0}
     for scene, ratio, base in (("square, cut the other way", thousands, 0.01), ("cube, finer", twentieth, fast)):
@@ -102,7 +102,7 @@ def fig14(thousands: Ratio = 2000.0, stopped: float = 0.0, twentieth: Ratio = 1 
 
 
 def fig15(fine: Ratio = 2.0, seconds: float = 0.1, kang: Ratio = 0.5, stopped: float = 1.5) -> ResultFile:
-    """Known: at 1e-8 sacht takes `fine` times as long as at 1e-6, at least `seconds`; zheng was stopped, and cgal killed."""
+    """sacht takes `fine` times as long at 1e-8 as at 1e-6. zheng is stopped by its time limit, and cgal is killed."""
     file = ResultFile("sacht2024_fig15", cpu=1.0)
     for scene in ("fandisk", "hand"):
         common: dict[str, Any] = {"lower": 8.7e-8, "prepare_seconds": 0.0}
@@ -120,8 +120,8 @@ def fig15(fine: Ratio = 2.0, seconds: float = 0.1, kang: Ratio = 0.5, stopped: f
 
 
 def section52(**wrong: Any) -> ResultFile:
-    """Known: one certified solver converges on a scene with the answer 0.25, one reaches its precision floor, and cgal gives no
-    bounds; sacht with few pieces ends at 1e-5. `wrong` replaces columns of the first row.
+    """On a scene with distance 0.25, sacht converges, zheng stops at its precision floor, and cgal is killed without bounds.
+    On another, sacht limited to few pieces reaches only 1e-5. `wrong` replaces columns of the first row.
     """
     file = ResultFile("sacht2024_section52")
     columns: dict[str, Any] = {"tolerance": 1e-8, "lower": 0.25, "upper": 0.25 + 1e-9, "exact": 0.25, **wrong}
@@ -134,7 +134,7 @@ def section52(**wrong: Any) -> ResultFile:
 
 
 def table1() -> ResultFile:
-    """Known: h is 0.4 % and H 0.5 % of the diagonal, which is 10."""
+    """h is 0.4 % and H 0.5 % of the diagonal, which is 10 long."""
     file = ResultFile("sacht2024_table1")
     for scene in (*NEAR, *DERIVED):
         for label, quantity, distance in (("sacht", "directed", 0.04), ("symmetric", "symmetric", 0.05)):
@@ -149,7 +149,7 @@ STEMS: dict[str, Callable[[], ResultFile]] = {
 
 
 def with_fields(stem: str, scenes: Sequence[str], last: Sequence[int] = (0, 1, 2, 3), **columns: Any) -> ResultFile:
-    """A is a tetrahedron. Known: its vertices are 0, 0.1, 0.2 and 0.3 from B, and `last` holds the bounds of its four triangles."""
+    """A is a tetrahedron whose vertices are 0, 0.1, 0.2 and 0.3 away from B. `last` holds the bounds of its four triangles."""
     file = ResultFile(stem)
     for scene in scenes:
         row = file.case("sacht", scene, [0.1], source=f"{scene} A", target=f"{scene} B", lower=0.35, upper=0.35, source_diagonal=2.0,

@@ -1,6 +1,6 @@
-"""Result files of the stability suite, with outcomes known to the tests, and the shapes behind them.
+"""Made-up result files of the stability suite with known outcomes, and the shapes behind them.
 
-`python3 tests/analysis/synthetic_stability.py DIR` writes a file of the suite's size, to look at the figures:
+`python3 tests/analysis/synthetic_stability.py DIR` writes a file of the suite's size. To look at its figures, run
 `HAUSBENCH_CACHE=DIR python3 -m analysis stability_matrix --results DIR --out DIR`.
 """
 
@@ -24,7 +24,7 @@ TAKES_NO = {"points": "takes no points as source", "mesh": "takes no mesh as sou
 
 
 def write_shapes(file: ResultFile, cache: Path, largest: dict[str, float]) -> None:
-    """Writes for each model a shape whose largest coordinate is the given one, or 1."""
+    """Writes a shape for each model. Its largest coordinate is the value in `largest`, or else 1."""
     (cache / "shapes").mkdir(parents=True, exist_ok=True)
     for model in file.models:
         if model.get("kind") == "surface":
@@ -35,7 +35,7 @@ def write_shapes(file: ResultFile, cache: Path, largest: dict[str, float]) -> No
 
 
 class Sweeps:
-    """Adds families: rows of all solvers; solvers for another kind of shape are not applicable."""
+    """Adds families of scenes. Every solver gets a row; it is "not applicable" if the solver takes another kind of shape."""
 
     def __init__(self) -> None:
         self.file = ResultFile("stability_matrix", cpu=1.0)
@@ -43,7 +43,7 @@ class Sweeps:
 
     def family(self, name: str, kind: str, severities: list[float], ends: dict[str, list[dict[str, Any]]] | None = None,
                largest: list[float] | None = None, tolerances: tuple[float, ...] = (1e-6,), **columns: Any) -> None:
-        """`ends` gives columns of a solver by severity, if it does not answer within its tolerance."""
+        """Without an entry in `ends`, a solver answers within the tolerance; an entry lists, by severity, the columns that differ."""
         for k, severity in enumerate(severities):
             scene = f"{kind} {name} {severity:g}" if severity == severity else name
             common: dict[str, Any] = {"scene": scene, "family": name if severity == severity else "", "severity": severity, "exact": 0.5,
@@ -94,7 +94,7 @@ MISSING = killed("skipped", "its origin 'hand' is missing: run datasets/fetch.py
 
 
 def small() -> Sweeps:
-    """Known: every outcome. 4 of 22 answers of certified solvers are ill; without sampling, 8 of the 13 with a reachable gap are tight."""
+    """Every outcome occurs. 4 of 22 answers of certified solvers are bad; 8 of the 13 with a reachable tolerance are tight, sampling left out."""
     made = Sweeps()
     made.family("offset", "points", [1e4, 1e8, 1e12], {"nohd_as_printed": [GOOD, WRONG, WRONG], "naive": [GOOD, GOOD, HUNG]},
                 largest=[1.0, 1.0, 1e12])
@@ -108,7 +108,7 @@ def small() -> Sweeps:
 
 
 def large() -> Sweeps:
-    """Makes as many families and solvers as the suite has, at random."""
+    """Makes as many families and solvers as the real suite has, with random outcomes."""
     global KINDS
     before = KINDS
     KINDS = {"points": ("naive", "earlybreak", "inc", "nohd", "nohd_as_printed", "ohd", "ohd_as_printed", "adaptive", "scan", "kdtree"),

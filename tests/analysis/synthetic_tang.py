@@ -1,4 +1,4 @@
-"""Result files of the stems of Tang et al. 2009, with numbers known to the tests."""
+"""Made-up result files for the figures and tables of Tang et al. 2009."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ STAGES = ("cull on A", "cull on B", "subdivide")
 
 
 def told(culled_a: float, culled_b: float, depth: float, seconds: Sequence[float] = ()) -> str:
-    """Returns the extras of a row, the same in both directions."""
+    """Returns a row's `extras` column as JSON, with the same values for both directions."""
     extras = {"culled on A": culled_a, "culled on B": culled_b, "depth": depth,
               **{f"seconds: {stage}": value for stage, value in zip(STAGES, seconds)}}
     return json.dumps({**extras, **{f"{name} (B to A)": value for name, value in extras.items()}})
@@ -23,9 +23,9 @@ def told(culled_a: float, culled_b: float, depth: float, seconds: Sequence[float
 
 def motion(stem: str, scenes: Sequence[str], labels: Sequence[str], left: float = 0.01, deepest: int = 5, slower: float = 1.0, queries: float = 0.5,
            rounds: int = 7) -> ResultFile:
-    """Known: H is 2.1 longest sides at the first pose and 0.1 at the last; the time of `tang` is 1 / H ms to the power `slower`;
-    the part of A that is left is `left`, of B twice that; one of the poses has depth `deepest`, the others 3; a warm pose
-    takes `queries` times the queries of a cold one.
+    """With L the longest side, H falls from 2.1 L at the first pose to 0.1 L at the last; `tang` takes (L / H)^slower ms. A
+    fraction `left` of A remains after culling, and twice that of B. One pose has depth `deepest`, the others 3. A
+    warm-started pose needs `queries` times the queries of a cold one.
     """
     file = ResultFile(stem, wall=1.25, cpu=1.0)
     for k, scene in enumerate(scenes):
@@ -52,9 +52,9 @@ def fig9() -> ResultFile:
 
 
 def fig10(tang: float = 0.005, far: bool = False, rounds: int = 7, work: int = 50, cuts: int = 5) -> ResultFile:
-    """Known: Guthe takes 100 ms, 1,000 distances and 10 subdivisions, Tang `tang` seconds, `work` distances and `cuts`
-    subdivisions, cover 1 ms; H is 2 % of the longest side, but 30 % on the last pair, where Guthe takes 1 ms; if `far`, there
-    is one more pair, on which Tang timed out.
+    """Guthe takes 100 ms, 1,000 distances and 10 subdivisions; Tang takes `tang` seconds, `work` distances and `cuts`
+    subdivisions. H is at most 2 % of the longest side, but 30 % on the last pair, where Guthe takes 1 ms. With `far`, Tang
+    times out on one pair.
     """
     file = ResultFile("tang2009_fig10", wall=1.25, cpu=1.0)
     for scene, distance, guthe in (("near", 0.02, 0.1), ("nearer", 0.001, 0.1), ("apart", 0.3, 0.001)):
@@ -69,9 +69,9 @@ def fig10(tang: float = 0.005, far: bool = False, rounds: int = 7, work: int = 5
 
 
 def ablation(midpoint: float = 2.0, rounds: int = 7, coarse: int = 1) -> ResultFile:
-    """Known: each of five poses takes 1 ms; with midpoints it takes `midpoint` times as long and as many more subdivisions;
-    corners alone take twice as long on the first scene, half as long on the second; the warm one timed out. The depth is 2
-    subdivisions, `coarse` at 1e-3.
+    """Each of five poses takes 1 ms. Cutting at midpoints multiplies time and subdivisions by `midpoint`. Corners alone take
+    twice as long on the first scene and half as long on the second. One warm pose times out. The depth is 2, but `coarse` at
+    tolerance 1e-3.
     """
     file = ResultFile("tang2009_ablation", wall=1.25, cpu=1.0)
     for scene in ("Puma1/Puma2", "bear, half"):
@@ -95,9 +95,7 @@ STEMS: dict[str, Callable[[], ResultFile]] = {
 
 
 def pictures(stem: str, labels: Sequence[str] = ("tang", "cover")) -> ResultFile:
-    """Known: the witness of the first pair goes from (0.25, 0.25, 0) on A to (3, 0.25, 0) on B, the witness of the second is
-    unknown; A is moved by 2 along x.
-    """
+    """The first pair's witness goes from (0.25, 0.25, 0) on A to (3, 0.25, 0) on B; the second pair's is unknown. A is moved by 2 along x."""
     file = ResultFile(stem)
     for i, scene in enumerate(("Bird1/Bird2", "Dog/Lion")):
         for label in labels:
@@ -108,9 +106,8 @@ def pictures(stem: str, labels: Sequence[str] = ("tang", "cover")) -> ResultFile
 
 
 def similarity(groups: Sequence[int] = (2, 2, 2, 2, 2, 2), alike: int = 6, skew: float = 0.0, far: float = 0.0) -> ResultFile:
-    """Known: families of `groups` shapes; within the first `alike` families the distance is 0.01, else 0.2, and between families
-    0.1 to 0.16. The two orders of one pair differ by `skew`, and the distance from the first to the last shape is longer by
-    `far`. All intervals have width 1e-3. Each pair takes 1,000 distances and 500 nodes.
+    """Family k has `groups[k]` shapes. Distances are 0.01 within the first `alike` families, 0.2 within the others, and 0.1
+    to 0.16 between families. `skew` is added to one order of one pair, `far` to the pair of first and last shape.
     """
     file = ResultFile("tang2009_similarity")
     titles = list(FAMILIES.values())
@@ -129,9 +126,9 @@ STEMS["tang2009_similarity"] = similarity
 
 
 def nearest(work: int = 100, slow: Sequence[int] = (), wrong: Sequence[int] = ()) -> ResultFile:
-    """The search over the shapes of `similarity`, in its order. Known: a pair that is cut off takes `work` distances and no
-    nodes, all others 1,000 and 500; for the shapes in `slow`, every pair takes 3,000 distances; the shapes in `wrong` miss the
-    nearest one.
+    """Searches the shapes of `similarity` in its order. A pair above the cutoff takes `work` distances and no nodes, any
+    other 1,000 and 500. For sources in `slow` every other pair takes 3,000; the search for sources in `wrong` misses the
+    nearest shape.
     """
     matrix, file = similarity(), ResultFile("tang2009_nearest")
     least: dict[str, float] = {}
@@ -154,9 +151,9 @@ STEMS["tang2009_nearest"] = nearest
 
 
 def depths(cover: float = 1e-4, frames: int = 30, tang_lower: float = 0.01, failed: int = 0) -> ResultFile:
-    """Known: in each frame of two scenes two pairs overlap, with depth 1 % of the longest side (`tang_lower` by Tang) and one
-    part; cutting a pair takes 5 ms, measuring it takes `cover`, by Tang twice that, and a tenth more in every other frame.
-    `failed` pairs of `cover` have no answer. Fig. 11 has two parts.
+    """In each frame of two scenes, two pairs overlap by 1 % of the longest side (Tang's lower bound: `tang_lower`). Cutting a
+    pair takes 5 ms and measuring it `cover` seconds, twice that for Tang, a tenth more in odd frames. The first `failed`
+    pairs have no answer.
     """
     file = ResultFile("tang2009_pd")
     for scene in ("Alphabet Domino", "Falling Bunnies"):
@@ -180,7 +177,7 @@ def depths(cover: float = 1e-4, frames: int = 30, tang_lower: float = 0.01, fail
 
 
 def fig1() -> ResultFile:
-    """Known: a pair with H of 1.5, and a frame with two pairs that are 0.1 and 0.2 deep and one without an answer."""
+    """One pair has H = 1.5. One frame has pairs that overlap by 0.1 and 0.2, and a pair without an answer."""
     file = ResultFile("tang2009_fig1")
     where: dict[str, Any] = {"source": "one", "target": "other", "source_longest": 2.0}
     for label in ("tang", "cover"):

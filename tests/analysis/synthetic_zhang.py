@@ -1,4 +1,4 @@
-"""Result files of the stems of Zhang et al. 2017, with numbers known to the tests."""
+"""Made-up result files for the figures and tables of Zhang et al. 2017."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from synthetic import ResultFile, spread, without_bounds
 
 
 def pairs(stem: str, without: str, options: dict[str, Any], solver: str) -> ResultFile:
-    """Known: without the part, the solver takes 1.5, 2, 2 and 0.9 to 1.1 times as long on pairs 1 to 4; pair 5 timed out; the
-    preparation of one of the two variants was slow by accident.
+    """Without the tested feature, pairs 1 to 4 take 1.5, 2, 2 and 0.9 to 1.1 times as long, and pair 5 times out. One
+    variant's preparation is slow by accident, which must not count.
     """
     file = ResultFile(stem, wall=1.25, cpu=1.0)
     for k, ratio in enumerate((1.5, 2.0, 2.0, 1.0, 2.0), start=1):
         common: dict[str, Any] = {"source_elements": 1000 * k, "target_elements": 2000 * k, "lower": 0.5, "upper": 0.5,
                                   "peak_bytes": 2**20}
-        bases = [0.002 * k * (1 + 0.01 * i) for i in range(7)]  # ever slower: only pairs separate the two
+        bases = [0.002 * k * (1 + 0.01 * i) for i in range(7)]  # rounds become slower: only pairing them separates the solvers
         work = {"bound_tests": 3000 * k, "point_distances": 1000 * k}
         if k == 5:
             file.case(solver, f"pair {k}", label=without, options=options, **without_bounds("timeout", "10 s", common))
@@ -43,7 +43,7 @@ def table2() -> ResultFile:
 
 
 def fig8() -> ResultFile:
-    """Known: on '3K' depth 5 takes 1 ms, any other 2 ms; on '9K' depth 2 takes half as long, and depth 9 timed out."""
+    """At 3K points, depth 5 takes 1 ms and any other 2 ms. At 9K, depth 2 takes half a millisecond, and depth 9 times out."""
     file = ResultFile("zhang2017_fig8", wall=1.25, cpu=1.0)
     for scene in ("3K", "9K"):
         for depth in (1, 2, 5, 6, 9):
@@ -59,7 +59,7 @@ def fig8() -> ResultFile:
 
 
 def fig9() -> ResultFile:
-    """Known: no lambda is separated from 1/80 except 1/2, which takes twice as long; seven seeds each."""
+    """Seven seeds each. Times with lambda = 1/80 are separated only from those with 1/2, which are twice as long."""
     file = ResultFile("zhang2017_fig9", wall=1.25, cpu=1.0)
     for value, factor in ((0.0025, 1.0), (0.01, 0.99), (0.0125, 1.0), (0.5, 2.0)):
         for seed in range(1, 8):
@@ -71,8 +71,8 @@ def fig9() -> ResultFile:
 
 
 def motion(stem: str) -> ResultFile:
-    """Known: 21 poses; apart (|x| > 0.7) NOHD takes half of EARLYBREAK's time, touching OHD takes twice EARLYBREAK's time,
-    overlapping (|x| < 0.4) half of it; both peak at x = 0. NOHD timed out at pose 10.
+    """A moves along x. NOHD takes half of EARLYBREAK's time if the shapes are apart (|x| > 0.7); OHD takes twice as much if
+    they touch, and half if they overlap (|x| < 0.4). Times peak at x = 0, where NOHD times out.
     """
     file = ResultFile(stem, wall=1.25, cpu=1.0)
     for index in range(21):
@@ -82,7 +82,7 @@ def motion(stem: str) -> ResultFile:
         times = {"earlybreak": early, "nohd": 0.5 * early, "ohd": early * (2.0 if alpha < 0.33 else 0.5),
                  "adaptive": 0.5 * early if alpha < 0 else early}
         for solver, time in times.items():
-            # EARLYBREAK computes ten times the distances of NOHD and OHD, which make up for it in bounds.
+            # EARLYBREAK computes more distances, but no bounds and nodes: the total work is nearly equal.
             few = int(1e7 * early)
             work = ({"point_distances": 10 * few} if solver in ("earlybreak", "adaptive") else
                     {"point_distances": few, "bound_tests": 8 * few, "node_visits": 2 * few})
@@ -108,7 +108,7 @@ def fig11() -> ResultFile:
 
 
 def fig12() -> ResultFile:
-    """Known: pears of the paper's size, for which OHD was chosen; the cow timed out."""
+    """Pears of the paper's size, for which the adaptive solver chose OHD; the cow timed out."""
     file = ResultFile("zhang2017_fig12", wall=1.25, cpu=1.0)
     file.case("adaptive", "a_pears", [0.1], source="A", target="B", source_elements=10754, target_elements=10754,
               lower=0.25,
@@ -120,8 +120,8 @@ def fig12() -> ResultFile:
 
 
 def steps() -> ResultFile:
-    """Known: five poses; each of the four points of A is 0.5 from one point of B and 2 from four more, and h = 1: 1/p is 5, the
-    mean by points 3; 6 steps per point were counted, 3 at the last pose.
+    """At five poses, each of A's four points is 0.5 from one of B's points and 2 from four others; h = 1. So 1/p = 5, and the
+    mean by points is 3. Counted are 6 distances per point, but 3 at the last pose.
     """
     file = ResultFile("zhang2017_steps", wall=1.25, cpu=1.0)
     for pose in range(5):
@@ -133,7 +133,7 @@ def steps() -> ResultFile:
 
 
 def as_printed() -> ResultFile:
-    """Known: OHD as printed is wrong in 1 of 8 answers (0.9 of h) and timed out once; NOHD as printed is wrong in all 3."""
+    """OHD as printed gives one wrong answer in 8 (0.9 h) and times out once; NOHD as printed is wrong in all 3."""
     file = ResultFile("zhang2017_as_printed", wall=1.25, cpu=1.0)
     for pose in range(3):
         common: dict[str, Any] = {"pose_index": 5 * pose, "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0.5 * pose, 0, 0],
@@ -154,7 +154,7 @@ def as_printed() -> ResultFile:
 
 
 def memory() -> ResultFile:
-    """Known: INC's memory grows as n^1.5 from 2 MiB at 10K points each; a k-d tree needs 8 MiB at 1M; scan crashed."""
+    """INC's memory grows as n^1.5 from 2 MiB at 10K points; kdtree needs 8 MiB at 1M; scan crashes."""
     file = ResultFile("zhang2017_memory", wall=1.25, cpu=1.0)
     for size, n, peak in (("10K", 10_000, 2 * 2**20), ("1M", 1_000_000, 2000 * 2**20)):
         common: dict[str, Any] = {"source_elements": n, "target_elements": n, "scene_note": "samples", "lower": 0.5,

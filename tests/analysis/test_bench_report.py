@@ -1,4 +1,4 @@
-"""The table of the kernels' comparisons."""
+"""Tests the table that compares kernels."""
 
 import pytest
 

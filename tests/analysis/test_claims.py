@@ -1,4 +1,4 @@
-"""Claims are read only from their files, and their verdicts are data for every program that shows claims."""
+"""Claims are read only from their files, and every program that shows claims reads their verdicts as data."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_every_paper_has_a_file() -> None:
 
 @pytest.mark.parametrize("entry", EVERY, ids=lambda entry: f"{entry.paper}-{entry.id}")
 def test_a_claim_is_asked_for_and_quotes_its_sentence(entry: claims.Entry) -> None:
-    """A script of analysis names its id, unless the claim is untested; a claim of a paper quotes one or two sentences and the section."""
+    """A script in analysis/ names the claim's id, unless it is untested. A paper's claim quotes one or two sentences and names the section."""
     prefix = entry.id.rpartition("_")[0]  # ids such as framework_inc are composed from parts
     scripts = [path.read_text(encoding="utf-8") for path in stems.ANALYSIS.rglob("*.py")]
     assert all(stems.module_of(stem) for stem in entry.stems)

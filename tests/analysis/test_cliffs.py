@@ -1,4 +1,4 @@
-"""The stem `cliffs`, from a file with known work and from its experiment."""
+"""Tests the table `cliffs` on a file with known work, and its experiment file."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def make(tmp_path: Path) -> Make:
 def test_work_is_relative_to_ratio_1(make: Make) -> None:
     records, rows, _ = make(synthetic.cliffs())
     guthe = {row[0]: row[1:] for row in rows["mesh, stray triangle in B"]}
-    # Queue pushes do not count as work: 2000, 20,000, 200,000 distances.
+    # Counts 2000, 20,000 and 200,000 distances: queue pushes are not work.
     assert guthe["Guthe 2005"] == ["2,000", "100", "1e12", "100", "1e12", ""]
     assert guthe["CGAL"][:2] == ["—", "—"] and guthe["CGAL"][3] == "1.00"
     assert rows["points, two clusters"][0][1:4] == ["1,000", "3.00", "1e6"]
@@ -52,7 +52,7 @@ def test_verdicts_come_from_the_data(make: Make) -> None:
 
 
 def away(work: list[int], nodes: list[int], solver: str = "ohd") -> synthetic.ResultFile:
-    """Returns a file with A moved away, with the total work and its share of nodes."""
+    """A is moved away step by step; `work` and `nodes` are each step's total work and node visits."""
     file = synthetic.cliffs()
     for k, (all_work, visited) in enumerate(zip(work, nodes)):
         file.case(solver, "points_away", [0.01], lower=0.5, upper=0.5, pose_index=k, options={"seed": 1},
@@ -68,11 +68,11 @@ def test_growth_that_ends_is_told_with_its_reason(make: Make) -> None:
 
 
 @pytest.mark.parametrize(("work", "nodes", "solver", "flat", "why"), [
-    ([1000, 11_000, 11_000, 11_000], [100, 0, 0, 10], "ohd", True, False),  # it visits nodes there
-    ([1000, 11_000, 11_000, 11_000], [0, 0, 0, 0], "ohd", True, False),  # it visited none before either
+    ([1000, 11_000, 11_000, 11_000], [100, 0, 0, 10], "ohd", True, False),  # visits nodes at the last step
+    ([1000, 11_000, 11_000, 11_000], [0, 0, 0, 0], "ohd", True, False),  # never visited nodes
     ([1000, 11_000, 11_000, 11_000], [100, 0, 0, 0], "nohd", True, False),
-    ([1000, 11_000, 12_000, 13_000], [100, 0, 0, 0], "ohd", False, False),  # it keeps growing
-    ([1000, 3900, 3900, 3900], [100, 0, 0, 0], "ohd", False, False)])  # no cliff
+    ([1000, 11_000, 12_000, 13_000], [100, 0, 0, 0], "ohd", False, False),
+    ([1000, 3900, 3900, 3900], [100, 0, 0, 0], "ohd", False, False)])  # grows too little for a cliff
 def test_growth_is_worked_out(work: list[int], nodes: list[int], solver: str, flat: bool, why: bool, make: Make) -> None:
     _, _, text = make(away(work, nodes, solver))
     assert ("and is flat from ratio 100 on." in text) == flat and ("visits no node" in text) == why
@@ -137,7 +137,7 @@ def test_experiment_has_every_family_at_every_ratio() -> None:
             assert scenes[key]["motion"]["file"] == "cliffs_away.txt"
         elif not key.startswith("surface"):
             assert {name for name in scenes if name.startswith(key + "_")} == {f"{key}_{ratio}" for ratio in ratios}
-            for ratio in ratios:  # a model of another ratio would put the point in the wrong place
+            for ratio in ratios:
                 names = [scenes[f"{key}_{ratio}"][side] for side in ("source", "target")]
                 moved = [models[name] for name in names if name.endswith(ratio)]
                 assert moved and all(float(model.get("distance", model.get("ratio"))) == float(ratio) for model in moved)

@@ -39,7 +39,7 @@ JUDGED_BY_TIME = {"zhang2017_table3", "points_hostile", "zhang2017_table1", "zha
 
 
 def slower(file: ResultFile) -> ResultFile:
-    """Multiplies every time of a row by a factor that depends on solver and place and varies by up to ten thousand times."""
+    """Multiplies each row's times by a factor from 1 to e^8 that depends on the case, so that the order by time is arbitrary."""
     def factor(row: int) -> float:
         case = file.cases[row]
         return float(math.exp(zlib.crc32(f"{case['label']} {case['options']} {case['scene']} {case['pose']} {case['tolerance']}".encode()) % 9))
@@ -92,7 +92,7 @@ def test_no_verdict_on_times_of_rows_run_beside_others(stem: str, tmp_path: Path
 @pytest.mark.parametrize("stem", ["zhang2017_table3", "mesh_peers", "sacht2024_table2", "points_hostile"])
 @pytest.mark.parametrize("column,why", [("build", "of different builds"), ("machine", "of different machines"), ("clock", "by different clocks")])
 def test_no_verdict_across_builds_machines_and_clocks(stem: str, column: str, why: str, tmp_path: Path) -> None:
-    """Every second label has another value."""
+    """All but four solvers get another build, machine or clock."""
     def mixed(file: ResultFile) -> ResultFile:
         labels = sorted({case["label"] for case in file.cases} - {"cgal", "adaptive", "sacht", "scan"})
         for case in file.cases:
@@ -108,7 +108,7 @@ def test_no_verdict_across_builds_machines_and_clocks(stem: str, column: str, wh
 
 
 def test_a_plugin_of_one_run_is_of_its_build(tmp_path: Path) -> None:
-    """A plug-in's build is written as by the program: the SHA-256 of the program's build and of the plug-in's, each after its length."""
+    """The build of a plug-in's row is the SHA-256 of the program's build and the plug-in's hash, each preceded by its length."""
     program, plugin = "ab" * 32, "cd" * 32
     told = b"".join(len(text).to_bytes(8, "little") + text.encode() for text in (program, plugin))
     file = ResultFile("points_hostile", meta={"build": program, "plugins": json.dumps([{"file": "libmine.so", "sha256": plugin, "solvers": ["mine"]}])})
@@ -129,7 +129,7 @@ def test_pareto_is_open_where_times_do_not_compare(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("column", "other", "why"), [("side_by_side", 1, "run beside others"), ("machine", "m2", "of different machines"), ("build", "b2", "of different builds")])
 def test_no_winner_among_times_that_do_not_compare(column: str, other: object, why: str, tmp_path: Path) -> None:
-    """Different clocks do not prevent a race, because outside programs have their own clock."""
+    """Different clocks do not prevent a winner, because external programs have their own clock."""
     def raced(changed: bool) -> winners.Race:
         file = ResultFile("points_speed")
         for solver, middle, clock in (("scan", 1.0, "cpu"), ("kdtree", 2.0, "wall")):

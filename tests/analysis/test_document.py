@@ -1,4 +1,4 @@
-"""Tables fit a page, their notes are short, and the documents of the papers compile."""
+"""Tables fit on a page, their notes are short, and the papers' documents compile."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def table_of(columns: int, rows: int, cell: str = "12.3 [11.2, 13.4]", notes: in
 
 
 def words_below(text: str) -> int:
-    """Counts the words of the notes inside a float, or right below a table of several pages."""
+    """Counts the words of the notes in floats, and of those directly below tables that span pages."""
     found = re.search(r"\\parbox\{\\linewidth\}\{\\footnotesize (.*)\}$|^\\noindent\{\\footnotesize (.*)\\par\}$", text, re.MULTILINE)
     return len((found[1] or found[2]).split()) if found else 0
 
@@ -70,7 +70,7 @@ def test_an_accent_stands_over_its_letter(text: str, escaped: str) -> None:
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Draws every table, but no figures."""
+    """Writes every table but no figures, because rendering takes most of the time."""
     folder = tmp_path_factory.mktemp("drawn")
     for make in ALL.values():
         results = load(make().write(folder))

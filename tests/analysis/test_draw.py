@@ -1,4 +1,4 @@
-"""`hausbench draw` on results of any experiment, from files with known numbers."""
+"""Tests `hausbench draw` on made-up result files."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def looks_as_before() -> Iterator[None]:
 
 
 def sweep(speed: float = 2.0, poses: int = 1, scenes: tuple[str, ...] = ("x", "y"), **columns: Any) -> ResultFile:
-    """`mine`, a plug-in's solver, is `speed` times as fast as guthe at each of three tolerances."""
+    """`mine`, a plug-in's solver, is `speed` times as fast as guthe."""
     file = ResultFile("own", meta={"title": "Mine against Guthe", "experiment_toml": CLAIMS,
                                    "plugins": json.dumps([{"file": "libmine.so", "sha256": "0", "solvers": ["mine"]}]),
                                    "titles": json.dumps({"mine": "My solver", "tang_again": "Tang again"})})
@@ -98,7 +98,7 @@ def test_a_claim_about_a_solver_that_was_run_with_several_parameters_says_so(tmp
 
 
 def test_terminal_and_table_have_one_verdict(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """They agree even if profile `paper` of the experiment has more cases than were measured."""
+    """The verdicts agree even if profile `paper` of the experiment has more cases than were measured."""
     file = sweep()
     file.meta["experiment_toml"] += '[[solver]]\nname = "guthe"\n[[solver]]\nname = "mine"\n[[solver]]\nname = "cgal"\nprofiles = ["paper"]\n'
     assert run(file, tmp_path, "--as", "table") == 0
@@ -133,7 +133,7 @@ def test_a_profile_counts_cases_within_a_factor(tmp_path: Path) -> None:
     assert run(file, tmp_path, "--as", "performance-profile") == 0
     text = (tmp_path / "tables" / "own_performance_profile.md").read_text(encoding="utf-8")
     cells = {line.split(" | ")[0].strip("| "): line.strip("| ").split(" | ")[1:] for line in text.splitlines() if line.startswith("| ")}
-    assert cells["My solver"] == ["7", "86 %", "86 %", "86 %", "86 %"]  # 6 of 7: the fastest, or nothing
+    assert cells["My solver"] == ["7", "86 %", "86 %", "86 %", "86 %"]  # fastest in 6 of 7 cases, and no answer in the other
     assert cells["Guthe 2005"] == ["7", "14 %", "100 %", "100 %", "100 %"]
 
 
@@ -150,7 +150,7 @@ HOSTILE = ("_a$x_1$", "中文 $\\frac", "ä^2 & 100 % of \\alpha", "$", "*[ε")
 
 
 def test_names_are_drawn_as_they_are(tmp_path: Path) -> None:
-    """Neither mathtext nor LaTeX interprets them, no legend entry is lost, and no letter vanishes."""
+    """Solver names with special characters are neither interpreted by mathtext or LaTeX nor lost."""
     file = ResultFile("own", meta={"title": HOSTILE[1]})
     for scene in HOSTILE:
         for pose in range(2):
@@ -174,7 +174,7 @@ def test_legends_have_names_with_an_underscore_in_front() -> None:
     formula, name = ax.text(1, 1, "$x^2$"), ax.text(1, 2, "$x^2$")
     as_formula(formula)
     make_drawable(figure)
-    make_drawable(figure)  # a second call changes nothing
+    make_drawable(figure)  # must not escape the text again
     assert formula.get_text() == "$x^2$" and name.get_text() == r"\$x^2\$"
     figure.draw_without_rendering()
     texts = {text.get_text().strip() for legend in (ax.get_legend(), figure.legends[0]) for text in legend.get_texts()}
@@ -230,7 +230,7 @@ def test_a_time_of_0_is_no_factor(tmp_path: Path) -> None:
     assert "the share of the 2 cases" in text and "1 case is left out: a time is 0, too short for the clock." in text
 
 
-# "not checked" adds a footnote.
+# "not checked" adds a footnote, which must not widen the figure.
 @pytest.mark.parametrize(("width", "inches", "check"), [("single", 3.5, "holds"), ("double", 7.16, "not checked (no witness)"), ("5.5", 5.5, "not checked (no witness)")])
 def test_figures_are_as_wide_as_asked(tmp_path: Path, width: str, inches: float, check: str) -> None:
     file = sweep(poses=3, scenes=("x", "y", "z", "u", "v"), lower_check=check)
@@ -283,7 +283,7 @@ def test_what_a_result_does_not_hold_is_said(tmp_path: Path, capsys: pytest.Capt
 
 def test_solvers_without_a_chosen_look_have_titles_and_colours_of_their_own(tmp_path: Path) -> None:
     file = sweep()
-    file.case("tang_again", "x", spread(0.1, 6))  # compiled into the program
+    file.case("tang_again", "x", spread(0.1, 6))  # a built-in solver without a look in style.py
     file.case("external", "x", spread(0.1, 6), label="metro")
     file.case("external", "x", spread(0.1, 6), label="cloudcompare")
     assert run(file, tmp_path, "--as", "table", "--highlight", "mine") == 0

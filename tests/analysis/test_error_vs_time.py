@@ -1,4 +1,4 @@
-"""Report error against run time: one clock, true errors, bands, stairs and the cost of tracing; the table, the figure and the nine scenes."""
+"""Plots of error against run time: one clock, true errors, and the cost of tracing."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def read(file: ResultFile, folder: Path) -> Results:
 
 
 def traced(file: ResultFile, solver: str, prepare: float, runs: list[float], **columns: Any) -> int:
-    """A run to 1e-6 whose trace took 4 s: gap 1 after 1 s, 0.01 after 2 s; and the row at 1e-2 that was read off it."""
+    """Adds a run to tolerance 1e-6, whose trace has gap 1 after 1 s and 0.01 after 2 of 4 s, and the row at 1e-2 that is read off it."""
     samples = [(1.0, 0.0, 1.0), (2.0, 0.495, 0.505), (4.0, 0.5, 0.5)]
     fine = file.case(solver, "x", runs, samples, tolerance=1e-6, lower=0.5, upper=0.5, prepare=[prepare] * len(runs), **columns)
     file.case(solver, "x", (), tolerance=1e-2, lower=0.495, upper=0.505, from_trace=1, prepare_seconds=prepare, **columns)
@@ -48,7 +48,7 @@ def test_read_off_answers_are_on_the_clock_of_the_timed_runs(tmp_path: Path) -> 
     file = ResultFile("error_vs_time", cpu=0.5)
     fine = traced(file, "kang", 0.25, [10.0, 12.0])
     results = read(file, tmp_path)
-    # Half of the trace had passed: half of 5 and 6 s of CPU time, plus the preparation.
+    # Tolerance 1e-2 is reached halfway: half of 5 and 6 s of CPU time, plus preparation.
     assert error_curves.total_by_round(results, fine + 1) == {0: 2.75, 1: 3.25}
     assert error_curves.total_by_round(results, fine) == {0: 5.25, 1: 6.25}
     curve = error_curves.curve_of(results, fine)
@@ -66,7 +66,7 @@ def test_a_row_that_repeats_a_finer_answer_is_not_read_off(tmp_path: Path) -> No
     results = read(file, tmp_path)
     assert error_curves.total_by_round(results, 1) == results.total_by_round(1)
     answers = error_curves.answers_of(results, [0, 1])
-    assert [(answer.case, answer.read_off) for answer in answers] == [(0, False)]  # equal answers share a marker
+    assert [(answer.case, answer.read_off) for answer in answers] == [(0, False)]
 
 
 def test_seeds_are_one_series_and_resolutions_one_line(tmp_path: Path) -> None:
@@ -80,7 +80,7 @@ def test_seeds_are_one_series_and_resolutions_one_line(tmp_path: Path) -> None:
     answers = error_curves.answers_of(results, range(len(results.cases)))
     assert [(answer.series, answer.resolution) for answer in answers] == [
         (("earlybreak", "earlybreak"), ""), (("sampling", "sampling"), "step=0.5"), (("sampling", "sampling"), "step=0.25"), (("nohd", "nohd(depth=4)"), "")]
-    assert answers[0].time.value == pytest.approx(0.9 * 2.0)  # the median seed
+    assert answers[0].time.value == pytest.approx(0.9 * 2.0)  # the median seed, in CPU time
     curves = error_curves.curves_of(results, range(len(results.cases)))
     assert {series: len(runs) for series, runs in curves.items()} == {("earlybreak", "earlybreak"): 3}
     lines = [error_vs_time.line_title(results, rows) for rows in error_vs_time.lines(results, list(range(len(results.cases))))]
@@ -122,8 +122,8 @@ def test_stairs_are_of_certified_answers_alone(tmp_path: Path) -> None:
 
 def test_cost_of_tracing(tmp_path: Path, make: Make) -> None:
     file = ResultFile("error_vs_time", wall=1.0)
-    file.case("kang", "x", [1.0, 2.0], [(0.5, 0.0, 1.0), (1.25, 0.5, 0.5)], rounds=2, lower=0.5, upper=0.5)  # the trace belongs to round 0
-    file.case("scan", "x", [0.001], [(0.002, 0.5, 0.5)], lower=0.5, upper=0.5)  # too short to tell
+    file.case("kang", "x", [1.0, 2.0], [(0.5, 0.0, 1.0), (1.25, 0.5, 0.5)], rounds=2, lower=0.5, upper=0.5)  # round 0 was traced
+    file.case("scan", "x", [0.001], [(0.002, 0.5, 0.5)], lower=0.5, upper=0.5)  # too short to measure
     file.case("naive", "x", [1.0], lower=0.5, upper=0.5)
     results = read(file, tmp_path)
     assert [error_curves.tracing_cost(results, case) for case in (0, 1)] == [0.25, 1.0] and np.isnan(error_curves.tracing_cost(results, 2))
@@ -136,8 +136,8 @@ def test_cost_of_tracing(tmp_path: Path, make: Make) -> None:
 def test_table(make: Make) -> None:
     records, rows, text = make(synthetic.error_vs_time())
     cells = {row[0]: row[1:] for row in rows["gauss overlap"]}
-    assert cells["NAIVEHDD"][2:5] == ["0", "0", "0"] and cells["NAIVEHDD"][6] == "4,000,000"  # exact zeros stay
-    # The reference is 0.5 with width 0; INC's bounds are 4 half-widths of 2e-16 from it, and its gap is twice that.
+    assert cells["NAIVEHDD"][2:5] == ["0", "0", "0"] and cells["NAIVEHDD"][6] == "4,000,000"
+    # The reference is 0.5. INC's bounds are 0.5 -+ 4 * 2e-16, so its gap is twice 8e-16.
     assert cells["INC"][2:5] == ["1.6e-15", "0", "7.8e-16"]
     assert cells["k-d tree (nanoflann)"][6:] == ["20,000", ""]
     failed = {row[0]: row[8] for row in rows["armadillo scan"]}
@@ -169,7 +169,7 @@ def test_where_nothing_was_run(make: Make) -> None:
 
 
 def nine_scenes() -> ResultFile:
-    """Three scenes for each kind of shape; tang fails at one of two tolerances, and naive at its only one."""
+    """Three scenes per kind of shape. On the hard ones, tang fails at its finer tolerance, and naive at its only one."""
     file = ResultFile("error_vs_time")
     of = {"mesh": ("guthe", "tang", "kang", "zheng", "sacht", "cover", "cgal"),
           "points": ("naive", "earlybreak", "inc", "nohd", "ohd", "adaptive", "scan", "kdtree", "cgal_kdtree"),
@@ -198,7 +198,7 @@ def drawn(results: Results) -> Any:
 
 def test_figure_has_a_row_for_each_kind_of_shapes(tmp_path: Path) -> None:
     figure = drawn(read(nine_scenes(), tmp_path))
-    assert figure.get_figwidth() == style.DOUBLE_COLUMN and figure.get_figheight() <= 8.75  # a line about unchecked bounds is added below
+    assert figure.get_figwidth() == style.DOUBLE_COLUMN and figure.get_figheight() <= 8.75  # leaves room for a line about unchecked bounds
     assert len(figure.axes) == 18
     places = {ax.get_title(): ax.get_position() for ax in figure.axes if ax.get_title()}
     for kind in ("mesh", "points", "surface"):
@@ -206,7 +206,7 @@ def test_figure_has_a_row_for_each_kind_of_shapes(tmp_path: Path) -> None:
         assert len({round(at.y0, 6) for at in row}) == 1 and row[0].x1 < row[1].x0 < row[1].x1 < row[2].x0
     for legend, count in zip(figure.legends, (7, 9, 3), strict=True):
         looks = [(line.get_color(), line.get_marker()) for line in legend.get_lines()]
-        assert len(set(looks)) == len(looks) == count  # no two solvers look the same within a row
+        assert len(set(looks)) == len(looks) == count
     assert [text.get_text() for text in figure.texts[:3]] == ["Meshes", "Point sets", "Surfaces"]
     lost = {ax.get_title(): sorted(text.get_text() for text in ax.texts) for ax in figure.axes if ax.get_title() and ax.texts}
     assert lost == {"hard: mesh": ["T1"], "hard: points": ["T"]}
@@ -230,7 +230,7 @@ def test_figure_draws_the_error_of_the_lower_bound_while_there_is_no_upper_one(t
     below = figure.axes[figure.axes.index(above) - 1]
     colour = style.look("earlybreak").colour
     steps = {ax: [line for line in ax.lines if line.get_color() == colour and len(line.get_xdata()) > 2] for ax in (above, below)}
-    assert not steps[above] and len(steps[below]) == 1  # no gap is known before the end
+    assert not steps[above] and len(steps[below]) == 1  # without an upper bound there is no gap
     assert steps[below][0].get_ydata()[:5] == pytest.approx([0.25 * 10.0**-j for j in range(5)])
     plt.close(figure)
 
@@ -246,7 +246,7 @@ def test_figure_shows_the_front_the_tolerances_and_what_the_reference_cannot_tel
     assert front.get_xdata().tolist() == [2.0, 4.0, 4.0] and front.get_ydata() == pytest.approx([1e-2, 1e-4, 1e-4])
     across = {float(line.get_ydata()[0]) for line in above.lines if list(line.get_xdata()) == [0, 0.022]}
     assert across == {1e-2, 1e-4}
-    assert [text.get_text() for text in below.texts] == ["reference"]  # its half-width is 5e-5
+    assert [text.get_text() for text in below.texts] == ["reference"]  # half-width 5e-5; smaller errors mean nothing
     plt.close(figure)
 
 
@@ -258,7 +258,7 @@ def test_figure_draws_zeros_failures_and_no_unsound_point(tmp_path: Path) -> Non
     assert sorted(text.get_text() for text in gap_of["armadillo scan"].texts) == ["F", "M1", "P1", "T2", "U1"]
     assert sorted(text.get_text() for text in gap_of["grid noise"].texts) == ["T", "U"]
     points = [line for line in gap_of["grid noise"].lines if line.get_marker() not in ("None", "", None) and line.get_clip_on()]
-    assert len(points) == 7  # eight solvers and a variant, minus the timeout and the unsound row
+    assert len(points) == 7  # nine series minus a timeout and an unsound row
     plt.close(figure)
 
 
@@ -287,8 +287,7 @@ def test_experiment_has_nine_scenes_and_every_solver(profile: str) -> None:
     assert all(set(solver["scenes"]) in (set(names[:3]), set(names[3:6]), set(names[6:])) for solver in asked["solver"])
     assert {solver["name"] for solver in asked["solver"]} == set(style.LOOKS) - {"external"}
     assert (experiment | experiment["profile"].get(profile, {}))["rounds"] >= (6 if profile == "paper" else 2) and experiment["trace"]
-    # Solvers drawn as one line are run at a tolerance that every resolution reaches, so that all
-    # of their rounds are timed.
+    # Solvers with a resolution are drawn as one line, at a tolerance that all resolutions reach, so that all rounds are timed.
     assert {solver["name"] for solver in asked["solver"] if "tolerances" in solver} == set(error_curves.RESOLUTION)
 
 
@@ -296,7 +295,8 @@ def test_domains(tmp_path: Path) -> None:
     results = read(nine_scenes(), tmp_path)
     panels = [(scene, 0) for scene in results.scenes]
     assert [(domain, len(band)) for domain, band in error_picture.bands_of(results, panels)] == [("Meshes", 3), ("Point sets", 3), ("Surfaces", 3)]
-    assert [len(band) for _, band in error_picture.bands_of(results, [*panels[:3], panels[0], panels[3]])] == [3, 1, 1]  # a fourth begins a row
+    # A fourth scene starts a new row.
+    assert [len(band) for _, band in error_picture.bands_of(results, [*panels[:3], panels[0], panels[3]])] == [3, 1, 1]
 
 
 def test_only_certified_solvers_are_first(make: Make) -> None:

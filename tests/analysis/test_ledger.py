@@ -1,4 +1,4 @@
-"""The picture of omissions adds up the ledgers."""
+"""Tests the summary of the ledgers, which record the work that runs left out."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_entries_are_added_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     stems = ledger.stems_in(tmp_path)
     assert [stem.name for stem in stems] == ["a", "b"]
     assert stems[0].seconds_saved == 3.0 and stems[1].seconds_saved == 0.0 and stems[0].run == pytest.approx(stems[1].run + 0.25)
-    assert stems[1].run >= 12.0  # three first answers and three repeats of two seconds
+    assert stems[1].run >= 12.0  # three first answers and three repeats of 2 s each
     assert ledger.line(stems).startswith("left out: 4 entries in the ledgers of 2 results, 3 s saved, ")
     rows = {row[0]: row[1:] for row in ledger.table(stems).rows}
     assert rows["structures that the scene does not need"] == ["not needed", "2", "not measured"]

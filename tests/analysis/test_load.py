@@ -1,4 +1,4 @@
-"""Reading result files: the schema, groupings, the reference, and unusable files."""
+"""Reading result files: columns, groupings, the reference interval, and unusable files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from analysis.shared.results import ResultError, Results
 
 
 def test_columns_follow_from_the_program() -> None:
-    """analysis/shared/columns.py, the tables of results/README.md and of docs/experiments.md and the generator of these tests agree with the program."""
+    """analysis/shared/columns.py, the tables of results/README.md and docs/experiments.md, and these tests' generator list the program's columns."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     groups = schema.columns()
@@ -34,7 +34,7 @@ def test_columns_follow_from_the_program() -> None:
 
 
 def test_titles_follow_from_the_program() -> None:
-    """A solver has one title: the looks in style.py use the program's titles."""
+    """analysis/shared/style.py uses the program's title for each solver."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     titles = {solver["name"]: solver["title"] for solver in schema.listed("--json")["solvers"]}
@@ -90,7 +90,7 @@ def test_rows_and_order(small: Results) -> None:
 
 
 def test_each_round_gives_one_number(tmp_path: Path) -> None:
-    file = ResultFile("rounds")  # CPU time is 0.9 of the wall time
+    file = ResultFile("rounds")  # CPU time is 0.9 of wall time
     file.case("naive", "x", [1.0, 3.0, 2.0, 7.0, 9.0, 8.0], rounds=2, prepare=[0.5, 0.25], lower=1.0, upper=1.0)
     file.case("naive", "y", [10.0, 30.0], rounds=1, clock="wall", lower=1.0, upper=1.0)
     results = load.load(file.write(tmp_path))
@@ -98,14 +98,14 @@ def test_each_round_gives_one_number(tmp_path: Path) -> None:
     assert results.solve_by_round(0, "wall") == {0: 2.0, 1: 8.0} and results.wall_seconds(0).tolist() == [2.0, 8.0]
     assert results.prepare_by_round(0) == {0: 0.5, 1: 0.25} and results.prepare_by_round(1) == {}
     assert results.total_by_round(0) == pytest.approx({0: 2.3, 1: 7.45})
-    assert results.total_seconds(1).tolist() == [20.0]  # several threads: wall time
+    assert results.total_seconds(1).tolist() == [20.0]  # this row names the wall clock
 
 
 def test_an_outside_program_that_waits_is_timed_by_the_wall(tmp_path: Path) -> None:
     file = ResultFile("waits", wall=1.0, cpu=0.15)
     for solver in ("external", "naive"):
         file.case(solver, "x", [1.0, 2.0], lower=1.0, upper=1.0)
-    file.answers[1]["cpu_seconds"] = 0.5  # one deviating round does not decide
+    file.answers[1]["cpu_seconds"] = 0.5  # one deviating round must not change the clock
     results = load.load(file.write(tmp_path))
     assert [results.clock_of(case) for case in range(2)] == ["wall", "cpu"]
     assert results.first_by_round(0) == {0: 1.0, 1: 2.0} and results.first_by_round(1) == pytest.approx({0: 0.15, 1: 0.3})
@@ -114,13 +114,13 @@ def test_an_outside_program_that_waits_is_timed_by_the_wall(tmp_path: Path) -> N
 
 
 def test_clock(tmp_path: Path) -> None:
-    """CPU time is used only if the result says so and has it."""
+    """CPU time is used only if the row names the CPU clock and has CPU times."""
     file = ResultFile("clocks")
     for clock in ("cpu", "wall", "", "cpu", "cpu"):
         file.case("naive", "x", [1.0], clock=clock, lower=1.0, upper=1.0)
     file.repeats[3]["cpu_seconds"] = np.nan
     file.repeats = [row for row in file.repeats if row["case"] != 4]
-    file.answers = [row for row in file.answers if row["case"] != 4]  # as in a row that was read off a trace
+    file.answers = [row for row in file.answers if row["case"] != 4]  # like a row that was read off a trace
     results = load.load(file.write(tmp_path))
     assert [results.clock_of(case) for case in range(5)] == ["cpu", "wall", "wall", "wall", "wall"]
     assert [results.solve_by_round(case)[0] for case in range(5)] == [0.9, 1.0, 1.0, 1.0, 1.0]
@@ -131,12 +131,12 @@ def test_structures_of_a_round_are_added(tmp_path: Path) -> None:
     file.case("naive", "x", [1.0, 1.0], prepare_seconds=0.5, lower=1.0, upper=1.0)
     file.preparation = [{"case": 0, "round": 1, "name": name, "seconds": 0.25} for name in ("tree", "grid", "order")]
     results = load.load(file.write(tmp_path))
-    # Round 0 has no rows, so the median over the rounds stands in.
+    # Round 0 has no preparation rows, so the median over the rounds, 0.5 s, is used.
     assert results.total_by_round(0, "wall") == {0: 1.5, 1: 1.75}
 
 
 def test_preparing_counts_with_the_first_answer_of_a_process(tmp_path: Path) -> None:
-    """A solver that builds something on the way answers quickly the second time, but a single query has to wait for it."""
+    """A solver that builds structures during its first answer is faster afterwards, but a single query has to wait for them."""
     file = ResultFile("first", cpu=1.0)
     file.case("scan", "x", [1.0, 2.0], rounds=2, prepare=[0.5, 0.25], first=[4.0, 8.0], lower=1.0, upper=1.0)
     results = load.load(file.write(tmp_path))
@@ -157,7 +157,7 @@ def test_trace(small: Results) -> None:
 
 
 def test_reference_is_the_tightest_of_all_rows_with_bounds(small: Results) -> None:
-    assert small.reference("x") == (1.0, 1.0)  # neither the timeout without bounds nor the unsound row counts
+    assert small.reference("x") == (1.0, 1.0)  # the timeout has no bounds, and the unsound row does not count
     assert small.reference("y") == (0.625, 0.75)
     assert small.reference("y", 1) == (5.0, 6.0)
     assert np.isnan(small.reference("z")).all() and np.isnan(small.reference("nowhere")).all()
@@ -186,7 +186,7 @@ def test_a_reference_is_of_one_quantity_in_one_pose_of_both_shapes(tmp_path: Pat
 def test_error_and_gap(small: Results) -> None:
     assert small.error(0) == 0 and small.gap(0) == 0
     assert small.error(1) == pytest.approx(0.1) and small.gap(1) == pytest.approx(0.35)
-    assert small.error(4) == 0.25  # 0.5, while the truth is in [0.625, 0.75]
+    assert small.error(4) == 0.25  # the answer is 0.5, the reference [0.625, 0.75]
     assert small.error(1, lower=0.25) == 0.75
 
 
@@ -225,7 +225,7 @@ def test_newer_schema(tmp_path: Path) -> None:
 
 
 def test_an_older_file_lacks_columns(tmp_path: Path) -> None:
-    """The file comes from a program without first answers, clock or rounds of preparation, so it only has wall times."""
+    """The file of an older program lacks first answers, clocks and preparation by round, so only wall times are available."""
     file = ResultFile("older", meta={"schema_version": 1})
     file.case("naive", "x", [3.0], prepare_seconds=0.5, lower=1.0, upper=1.0, solve_seconds=4.0)
     path = file.write(tmp_path)
@@ -319,7 +319,7 @@ def test_no_remedy_is_to_remove_a_file_that_is_no_result(tmp_path: Path) -> None
 def test_the_remedy_is_make_only_in_a_clone(tmp_path: Path) -> None:
     assert remedy.measure("zhang2017_table3") == "'make zhang2017_table3'" and remedy.measure("mine", "/a/mine.toml") == "'hausbench run /a/mine.toml'"
     assert remedy.measure("zhang2017_table3", root=tmp_path) == "'hausbench run zhang2017_table3.toml'"
-    (tmp_path / "experiments").mkdir()  # as in an installed program
+    (tmp_path / "experiments").mkdir()  # an installed program has this folder
     (tmp_path / "experiments" / "zhang2017_table3.toml").touch()
     assert remedy.measure("zhang2017_table3", "/a/zhang2017_table3.toml", tmp_path) == "'hausbench run zhang2017_table3'"
 
@@ -354,7 +354,7 @@ def test_rows_are_those_of_one_profile(tmp_path: Path) -> None:
     file.case("ohd", "x", [6.0], [(0.0, 0.0, np.inf), (6.0, 1.0, 1.0)], lower=1.0, upper=1.0, profile="paper", variant="seed=1")
     file.ledger += [{"kind": "not_run", "subject": "a", "profile": "quick"}, {"kind": "not_run", "subject": "b", "profile": "paper"}]
     path = file.write(tmp_path)
-    latest = load.load(path)  # the profile of the latest run
+    latest = load.load(path)  # the latest run had another profile
     assert list(latest.cases.label) == ["scan", "ohd"] and list(latest.names) == ["scan", "ohd(seed=1)"]
     assert list(latest.wall_seconds(0)) == list(load.load(path, "quick").wall_seconds(1)) and len(latest.repeats_of(0)) == 3
     assert latest.trace_of(1).seconds.tolist() == [0.0, 6.0]
@@ -366,7 +366,7 @@ def test_rows_are_those_of_one_profile(tmp_path: Path) -> None:
 
 
 def every_dataset(path: Path) -> dict[str, int]:
-    """Returns the start of the bytes of each dataset that has a fixed place in the file, by name."""
+    """Returns the file offset of each dataset that is stored contiguously, by name."""
     found: dict[str, int] = {}
     with h5py.File(path, "r") as file:
         file.visititems(lambda name, item: found.update({name: item.id.get_offset()})
@@ -385,13 +385,13 @@ def test_a_flipped_bit_in_any_dataset_is_found(tmp_path: Path) -> None:
         with pytest.raises(ResultError, match=r"flipped\.h5: damaged: its bytes .* move it away and measure again with 'hausbench run flipped\.toml'"):
             load.load(path)
             pytest.fail(f"{name} was read")
-    path.write_bytes(whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:])  # changes a digit of the seal
+    path.write_bytes(whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:])  # changes the last digit of the hash
     with pytest.raises(ResultError, match="damaged"):
         load.load(path)
 
 
 def test_a_file_without_a_seal_is_read(tmp_path: Path) -> None:
-    """HDF5 cuts the seal off when another program changes the file."""
+    """If another program changes a sealed file, HDF5 drops the seal, which follows the data."""
     file = ResultFile("changed")
     file.case("naive", "x", [1.0], lower=0.25, upper=0.25)
     path = file.write(tmp_path)
@@ -407,7 +407,7 @@ def test_what_follows_the_data_is_their_seal_or_nothing(tmp_path: Path) -> None:
     content = path.read_bytes()[:-73]
     path.write_bytes(content)
     seal = b"\nsha256 " + hashlib.sha256(content).hexdigest().encode() + b"\n"
-    load.load(path)  # like after a change by another program
+    load.load(path)  # another program's change removes the seal
     for tail in (seal + b"\n", seal[:-1], seal.replace(b"sha", b"shb"), b"x" * 73):
         path.write_bytes(content + tail)
         with pytest.raises(ResultError, match="damaged"):

@@ -1,4 +1,4 @@
-"""The stems of mesh solvers beside CGAL and on traps, from files with known numbers."""
+"""Tables of mesh solvers beside CGAL and on hard inputs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def make(tmp_path: Path) -> Make:
 
 def peers(sacht: float = 0.010, zheng: float = 0.050, rounds: int = 6, stopped: bool = True, cover: float = NAN,
           elements: int = 2000) -> ResultFile:
-    """Known: two pairs on which CGAL takes 100 and 25 ms, one on which it is killed at 5 s (`stopped`), and identical shapes."""
+    """CGAL takes 100 and 25 ms on two pairs, is killed after 5 s on a third (if `stopped`), and takes 0.1 ms on a mesh and itself."""
     file = ResultFile("mesh_peers", cpu=1.0)
     for scene, peer, factor in (("near", 0.1, 1.0), ("far", 0.025, 0.25), ("hard", NAN, 10.0), ("itself", 0.0001, 1.0)):
         if scene == "hard" and not stopped:
@@ -51,9 +51,9 @@ def test_peers_ratios_and_means(make: Make) -> None:
     records, rows, text = make(peers())
     near = rows["near"][0]
     assert near[:2] == ["2,000 → 1,000", "0.125"] and near[3].startswith("50.0 [") and near[-1].startswith("100 [")
-    hard = next(row for row in rows[""] if "≥ 50.0" in row[4])  # 5 s over 0.1 s
+    hard = next(row for row in rows[""] if "≥ 50.0" in row[4])  # CGAL's 5 s over Sacht's 0.1 s
     assert hard[3].startswith("≥ 10.0")
-    # Ratios of 10, 10 and at least 50: identical shapes do not count.
+    # The ratios are 10, 10 and at least 50 for Sacht; a mesh and itself do not count.
     assert rows["geometric mean"][0][4].startswith("17.1") and rows["geometric mean"][0][3].startswith("3.42")
     assert "Here it holds (17.1 [" in claim(text, "Sacht") and "over 3 pairs, interval over rounds, for these pairs" in claim(text, "Sacht")
     assert "Its interval is over rounds, for these pairs" in text
@@ -66,20 +66,20 @@ def test_peers_ratios_and_means(make: Make) -> None:
                                                     (0.010, 2, ": not judged (n = 2; ")])
 def test_peers_claim_comes_out_three_ways(make: Make, seconds: float, rounds: int, outcome: str) -> None:
     file = peers(sacht=seconds, rounds=rounds, stopped=outcome != "it does not hold")
-    if seconds == 0.057:  # exactly the required speed, up to noise: the least of the three is a bound
+    if seconds == 0.057:  # noise around exactly the required mean; one of the three ratios is a lower bound
         for answer in file.answers[::2]:
             answer["cpu_seconds"] *= 1.4
     assert f"Here{'' if outcome[0] == ':' else ' '}{outcome}" in claim(make(file)[2], "Sacht")
 
 
 def test_peers_claim_that_is_missed_is_open_where_cgal_was_stopped(make: Make) -> None:
-    """The ratio of the pair on which CGAL was killed is at least 3, so no mean is an upper bound."""
+    """CGAL was killed on one pair, so its ratio is only known to be at least 3, and the mean has no upper bound."""
     line = claim(make(peers(sacht=0.150))[2], "Sacht")
     assert "Here: not separated" in line and "over 3 pairs, interval over rounds, for these pairs, at least: CGAL did not end on 1" in line
 
 
 def test_peers_mean_leaves_out_what_cgal_had_no_memory_for(make: Make) -> None:
-    """Its time limit does not stand for the time that it would have taken."""
+    """CGAL ran out of memory, so its time limit says nothing about the time it would have needed."""
     file = peers()
     file.cases[8] |= {"status": "out_of_memory"}
     _, rows, text = make(file)
@@ -96,9 +96,7 @@ def test_peers_claim_is_open_where_the_solver_alone_has_no_answer(make: Make) ->
 
 @pytest.mark.parametrize("of", ["zheng", "cgal"])
 def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> None:
-    """CGAL answers in the first rounds, and the run was stopped or one solver had more rounds: the limit of 5 s stands for none
-    of the others.
-    """
+    """One solver has only 6 of 14 rounds. The missing rounds must not count as timeouts."""
     file = peers(rounds=14)
     few = {row for row, case in enumerate(file.cases) if case["solver"] == of and case["status"] == "ok"}
     file.answers = [answer for answer in file.answers if answer["case"] not in few or answer["round"] < 6]
@@ -112,9 +110,9 @@ def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> No
                                                       (0.0025, 6, ": not separated", "it holds"), (0.020, 6, "it does not hold", ": not separated"),
                                                       (0.001, 2, ": not judged (n = 2; ", ": not judged (n = 2; ")])
 def test_peers_cover_has_two_aims(make: Make, seconds: float, rounds: int, mean: str, each: str) -> None:
-    """CGAL takes 100 ms on near and 25 ms on far, where cover takes a quarter of `seconds`; the aims are 40 and 5 times."""
+    """CGAL takes 100 ms on near and 25 ms on far, cover `seconds` and a quarter of it; the aims are 40 times on average and 5 times everywhere."""
     file = peers(cover=seconds, rounds=rounds, stopped=False, elements=30_000)
-    if seconds in (0.0025, 0.020):  # exactly the required speed, up to noise
+    if seconds in (0.0025, 0.020):  # noise around exactly the required factor
         for answer in file.answers[::2]:
             answer["cpu_seconds"] *= 1.4
     text = make(file)[2]
@@ -130,7 +128,7 @@ def test_peers_small_pairs_do_not_count_for_the_mean_of_cover(make: Make) -> Non
 
 
 def traps(**wrong: Any) -> ResultFile:
-    """Known: guthe converges on the first pair and stops with bounds on the second; CGAL is unsound and killed."""
+    """guthe converges on one pair and stops early with bounds on the other; CGAL is wrong on one and killed on the other."""
     file = ResultFile("mesh_traps", cpu=1.0)
     common: dict[str, Any] = {"tolerance": 1e-6, "exact": 0.0, "case_seconds_limit": 2.0, "scene_note": "a note", "certified": 1}
     rows: list[tuple[str, str, dict[str, Any]]] = [
@@ -176,14 +174,14 @@ def test_letters_are_explained_where_they_occur() -> None:
 
 
 def test_a_view_is_turned_until_the_point_is_seen() -> None:
-    """A tetrahedron is seen from one side; a point on its far face is seen better from another side."""
+    """From the front, the tetrahedron hides the point, so the view must turn."""
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     solid = shapes.Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
     front = mesh_picture.view((1.0, 0.2, 1.0))
     assert mesh_picture.showing(solid, front, np.array([0.3, 0.3, 0.4])) is front
     behind = np.array([0.0, 0.3, 0.3])
     turned = mesh_picture.showing(solid, front, behind)
-    assert turned is not front and turned.axes[2][0] < 0  # towards the eye, from the side x < 0
+    assert turned is not front and turned.axes[2][0] < 0  # seen from the side x < 0
     np.testing.assert_allclose(turned.axes @ turned.axes.T, np.eye(3), atol=1e-12)
     from_below = mesh_picture.showing(solid, front, np.array([0.3, 0.0, 0.3]))
-    assert from_below.axes[2][1] < -0.3  # and not edge-on
+    assert from_below.axes[2][1] < -0.3  # not edge-on

@@ -1,4 +1,4 @@
-"""analysis/ has the same folders as experiments/, so that a stem's experiment leads to its script."""
+"""analysis/ has the same folders as experiments/, so that each experiment's script is easy to find."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def test_scripts_lie_where_their_experiments_do() -> None:
     experiments = {file.stem: file.parent.relative_to(EXPERIMENTS) for file in EXPERIMENTS.rglob("*.toml")}
     scripts = {stem: script_of(stem).parent.relative_to(ANALYSIS) for stem in experiments if has_script(stem)}
     assert scripts == {stem: experiments[stem] for stem in scripts}
-    assert set(experiments) - set(scripts) == {"smoke", "tracking"}  # smoke is not drawn, and bench/tracking draws tracking itself
+    assert set(experiments) - set(scripts) == {"smoke", "tracking"}  # smoke has no figure, and bench/tracking draws tracking
 
 
 def test_no_two_scripts_have_one_name() -> None:
@@ -26,7 +26,7 @@ def test_no_two_scripts_have_one_name() -> None:
 
 
 def test_walk_knows_the_stems_that_share_a_script() -> None:
-    """Runs the line of tools/walk alone for each experiment."""
+    """Runs only this line of tools/walk for each experiment."""
     line = next(line for line in (ANALYSIS.parent / "tools" / "walk").read_text(encoding="utf-8").splitlines() if line.startswith("has_script()"))
     stems = sorted(file.stem for file in EXPERIMENTS.rglob("*.toml"))
     asked = "\n".join([line, *[f"has_script {stem} && echo {stem}" for stem in stems], "true"])
@@ -42,15 +42,15 @@ def test_module_of_a_stem() -> None:
 
 
 def test_shared_code_knows_no_stem() -> None:
-    """Shared code imports nothing from a stem's folder."""
+    """Shared code imports nothing from the folder of a single experiment."""
     for file in (ANALYSIS / "shared").glob("*.py"):
         imports = [line for line in file.read_text(encoding="utf-8").splitlines() if line.startswith(("from analysis", "import analysis"))]
         assert all(line.startswith("from analysis.shared") for line in imports), file.name
 
 
 def test_no_stem_starts_a_program() -> None:
-    """Figures follow from result files and the cache of shapes alone. Only the command that copies the program's tables runs the
-    program, and documents run pdflatex.
+    """Figures depend only on result files and the cache of shapes. Only the command that copies the program's tables runs the
+    program; documents run pdflatex.
     """
     starts = re.compile(r"\b(subprocess|HAUSBENCH_PROGRAM|os\.(system|exec\w*|spawn\w*|popen))\b")
     assert [file.name for file in sorted(ANALYSIS.rglob("*.py")) if starts.search(file.read_text())] == ["document.py", "schema.py"]

@@ -1,4 +1,4 @@
-"""Means and wins over pairs, and the two stems of Sacht 2024 that use them, from rows with known numbers."""
+"""Means and wins over pairs, and the two figures of Sacht 2024 that use them, on rows with known numbers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def wins(text: str) -> over_pairs.Wins:
 def test_means() -> None:
     assert geometric_mean([2.0, 8.0]).value == pytest.approx(4) and arithmetic_mean([2.0, 8.0]).value == 5
     mean = arithmetic_mean([1.0, 2.0, 3.0, 4.0])
-    # t(0.975, 3) = 3.18245, times a standard error of sqrt(5/3) / 2.
+    # t(0.975, 3) = 3.18245 times the standard error sqrt(5/3) / 2.
     assert mean.low == pytest.approx(2.5 - 3.18245 * math.sqrt(5 / 3) / 2, rel=1e-5)
     turned = geometric_mean([1 / 3, 1 / 5, 2.0])
     straight = geometric_mean([3.0, 5.0, 0.5])
@@ -48,7 +48,7 @@ def test_mean_at_least(ratios: Sequence[float], outcome: str) -> None:
 
 
 def errors(mean: Any, pairs: int, deviation: float, trials: int = 250) -> int:
-    """Counts verdicts on lognormal ratios whose mean is exactly the claimed one."""
+    """Counts wrong verdicts: the lognormal ratios' true mean equals the claimed one, so only OPEN is right."""
     rng = np.random.default_rng(pairs)
     bar = math.exp(deviation**2 / 2) if mean is arithmetic_mean else 1.0
     return sum(mean_at_least("x", mean(np.exp(deviation * rng.standard_normal(pairs))), bar, "mean").outcome != OPEN for _ in range(trials))
@@ -56,10 +56,10 @@ def errors(mean: Any, pairs: int, deviation: float, trials: int = 250) -> int:
 
 @pytest.mark.parametrize("mean", [arithmetic_mean, geometric_mean])
 def test_mean_at_least_errs_as_seldom_as_it_promises(mean: Any) -> None:
-    """5 % of 1,500 verdicts may err: more than 101 have a chance of 0.1 %."""
+    """5 % of 1,500 verdicts may be errors; more than 101 are then improbable (0.1 %)."""
     found = {(pairs, deviation): errors(mean, pairs, deviation) for pairs in (5, 10, 30) for deviation in (0.8, 1.5)}
     assert sum(found.values()) <= 101, found
-    assert max(found.values()) <= 25, found  # of 250
+    assert max(found.values()) <= 25, found  # of 250 trials
 
 
 @pytest.mark.parametrize(("count", "of", "outcome"), [(750, 1000, HOLDS), (500, 1000, FAILS), (990, 1000, FAILS), (7, 10, OPEN),
@@ -71,14 +71,14 @@ def test_share_near(count: int, of: int, outcome: str) -> None:
 @pytest.mark.parametrize(("ahead", "behind", "outcome"), [
     (["wwwwwwww"], ["........"], HOLDS), (["........"], ["wwwwwwww"], FAILS), (["wwww...."], ["....wwww"], OPEN),
     (["wwwwwwww"], ["wwwwwwww"], OPEN),
-    # Five tosses of a coin: 1/32 for one comparison, and 2/32 for one of two dependent comparisons.
+    # Each letter is a pair, w if won. By chance, five wins have p = 1/32; in one of two comparisons, 2/32.
     (["wwwww"], ["....."], HOLDS), (["....."], ["wwwww"], FAILS), ([".....", "....."], ["wwwww"], FAILS),
     (["....."], ["wwwww", "wwwww", "....."], OPEN), (["wwww"], ["...."], OPEN),
-    (["wwwwwwww", "wwww...."], ["........", "....wwww"], OPEN),  # one of the four is not separated
+    (["wwwwwwww", "wwww...."], ["........", "....wwww"], OPEN),  # one of four comparisons is not separated
     ([], ["w"], UNTESTED), (["w"], [], UNTESTED), ([""], [""], UNTESTED)])
 def test_wins_more(ahead: list[str], behind: list[str], outcome: str) -> None:
     verdict = wins_more("x", {f"a{i}": wins(x) for i, x in enumerate(ahead)}, {f"b{i}": wins(x) for i, x in enumerate(behind)})
-    if ahead == [".....", "....."]:  # 2 / 32 is above 5 %
+    if ahead == [".....", "....."]:  # 2/32 is above 5 %
         outcome = OPEN
     assert verdict.outcome == outcome, verdict
 
@@ -89,12 +89,11 @@ def test_wins_are_shared_within_five_percent_of_the_least() -> None:
         "a": [True, False, False, False], "b": [True, False, True, False], "c": [False, True, True, False]}
 
 
-# ---- Fig. 2
 
 
 def fig2(ratios: Sequence[float], work: Sequence[float], late: str = "") -> ResultFile:
-    """Takes the time and the counted work of Zheng for each pair, relative to Sacht; `late` has z or s for a pair that this
-    solver did not end.
+    """`ratios` and `work` are Zheng's time and work on each pair, relative to Sacht's. `late` has a letter per pair: z if
+    Zheng timed out, s if Sacht did, 2 if both.
     """
     file = ResultFile("sacht2024_fig2", cpu=1.0)
     for i, (ratio, counted) in enumerate(zip(ratios, work)):
@@ -148,7 +147,7 @@ def test_fig2_verdicts(tmp_path: Path, ratios: list[float], work: list[float], l
 
 @pytest.mark.parametrize(("subdivisions", "outcome"), [((80, 70, 60, 50, 40, 30), HOLDS), ((30, 40, 50, 60, 70, 80), FAILS), ((50, 40, 60, 30, 70, 50), OPEN), ((), UNTESTED)])
 def test_fig2_counts_what_near_pairs_take(tmp_path: Path, subdivisions: Sequence[int], outcome: str) -> None:
-    """The distance grows from pair to pair, from 1 % of the diagonal; `subdivisions` are counts per triangle of A."""
+    """The distance of pair i is i % of the diagonal; `subdivisions` are counts per triangle of A."""
     file = fig2([2.0] * max(1, len(subdivisions)), [2.0] * max(1, len(subdivisions)))
     for i, count in enumerate(subdivisions):
         for case in file.cases[2 * i:2 * i + 2]:
@@ -166,11 +165,10 @@ def test_fig2_is_drawn_with_hardly_a_ratio(make: Make, late: str) -> None:
     make(fig2([2.0, 2.0], [2.0, 2.0], late))
 
 
-# ---- Fig. 10
 
 
 def fig10(costs: Mapping[str, Sequence[float]], unsolved: int = 0) -> ResultFile:
-    """Takes the time, and work, of each order on each pair; NaN: it spent m. On `unsolved` more pairs every order did."""
+    """`costs` has each order's time and work on each pair; NaN: the budget was spent. On `unsolved` more pairs, all orders spend it."""
     file = ResultFile("sacht2024_fig10", cpu=1.0)
     for i in range(len(next(iter(costs.values()))) + unsolved):
         for order, of in costs.items():
@@ -219,7 +217,7 @@ def test_fig10_verdicts(tmp_path: Path, costs: dict[str, list[float]], unsolved:
 @pytest.mark.parametrize(("best", "others", "single", "expected"), [
     (GOOD, SLOW, SLOW, (HOLDS, HOLDS)), (SLOW, GOOD, SLOW, (FAILS, OPEN)), (SLOW, SLOW, GOOD, (FAILS, FAILS)), (NEVER, NEVER, NEVER, (UNTESTED, UNTESTED))])
 def test_fig10_looks_at_the_ten_best_and_at_cascades(tmp_path: Path, best: list[float], others: list[float], single: list[float], expected: tuple[str, ...]) -> None:
-    """The single bounds take `single`, the paper's ten best orders `best`, and two more orders `others`."""
+    """`single` are the costs of single bounds, `best` of the paper's ten best orders, `others` of two more orders."""
     costs = {**dict.fromkeys(sacht2024_fig10.SINGLE, 2 * single), **dict.fromkeys(sacht2024_fig10.TEN_BEST, 2 * best), "21": 2 * others, "4321": 2 * others}
     found = verdicts_of(fig10(costs), tmp_path)[4:]
     assert tuple(verdict.outcome for verdict in found) == expected, [v.evidence for v in found]

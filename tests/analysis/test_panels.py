@@ -1,4 +1,4 @@
-"""Letters of panels, and figures of several parts."""
+"""Tests the letters of panels, and figures with several parts."""
 
 from __future__ import annotations
 

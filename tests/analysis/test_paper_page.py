@@ -1,4 +1,4 @@
-"""The page of a paper has a line for every claim, and the picture shows measured values over claimed ones."""
+"""A paper's page has a line for every claim, and its picture shows measured values over claimed ones."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_counted_work_says_whether_it_is_the_machine() -> None:
 
 
 def test_a_reason_for_a_difference_stands_alone() -> None:
-    """Counted work that fails like time would rule out the machine as the reason, and the claims file already gives the reason."""
+    """If counted work fails like time, the machine is not the reason; and the claims file already gives one."""
     claim = claims.of("tang2009", "outperforms")
     assert claim.entry.differs
     judged = claims.record(Verdict(claim, FAILS, "ratio 0.5", counted={"distances": Verdict(claim, FAILS, "ratio 0.4")}), "tang2009_fig10", "paper")

@@ -1,4 +1,4 @@
-"""The file that keeps the tables of a run at the paper's sizes."""
+"""Tests the file that keeps the tables of a run at the paper's sizes."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_keeps_what_was_written_by_hand(tmp_path: Path) -> None:
 
 
 def test_a_group_is_measured_in_parts(tmp_path: Path) -> None:
-    """A stem without a result keeps its table, its row and its machine; a stem that was measured again is replaced."""
+    """A table whose result is missing here keeps its text and its machine; a table measured again is replaced."""
     arguments = ["zhang2017", "--results", str(tmp_path), "--out", str(tmp_path)]
     first, second = synthetic_zhang.table1(), synthetic_zhang.fig8()
     for file, cpu in ((first, "Old CPU"), (second, "Other CPU")):

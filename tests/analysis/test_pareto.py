@@ -1,4 +1,4 @@
-"""The cells that a solver keeps, loses, or leaves open on the Pareto front."""
+"""In which cells (scene and tolerance) a solver is on the Pareto front of gap against time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from analysis.shared import load
 
 
 def cell(file: ResultFile, scene: str, own: tuple[float, float], rival: tuple[float, float], spread: float = 0.01, certified: int = 1) -> None:
-    """Adds six rounds of both solvers: (seconds, gap)."""
+    """Adds six rounds of both solvers; `own` and `rival` are (seconds, gap)."""
     for solver, (seconds, gap), known in (("cover", own, 1), ("guthe", rival, certified)):
         file.case(solver, scene, [seconds * (1 + spread * (i - 2)) for i in range(6)], rounds=6, lower=1.0, upper=1.0 + gap, tolerance=1e-3, certified=known)
 

@@ -1,4 +1,4 @@
-"""Text from result files controls no terminal and no reader, wherever analysis/ prints it; a full disk gives an error of one line."""
+"""Control characters in result files never reach a terminal or a viewer. A full disk gives an error of one line."""
 
 from __future__ import annotations
 

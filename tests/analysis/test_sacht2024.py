@@ -1,4 +1,4 @@
-"""The stems of Sacht and Jacobson 2024, from files with known numbers; every verdict in each of its outcomes."""
+"""Figures and tables of Sacht and Jacobson 2024, on files with known numbers; verdicts in each of their outcomes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def make(tmp_path: Path) -> Make:
 
 
 def claim(text: str, part: str) -> str:
-    """Returns the outcome of the one claim whose text has this part."""
+    """Returns the outcome of the only claim whose text contains `part`."""
     lines = [line for line in text.splitlines() if line.startswith("- Claim: ") and part in line.split(". Here")[0]]
     assert len(lines) == 1, (part, lines)
     return lines[0].split(". Here", 1)[1]
@@ -42,7 +42,7 @@ WAYS: list[tuple[Ratio, str, str]] = [(2.0, " it holds (", "distances it holds (
 
 @pytest.mark.parametrize("kang,outcome,counted", WAYS)
 def test_table2_compares_the_pairs_near_zero(make: Make, kang: Ratio, outcome: str, counted: str) -> None:
-    """Kang over Sacht is `kang`; so is Zheng over Kang, because zheng takes kang's factor squared."""
+    """Zheng over Kang equals Kang over Sacht, because zheng takes kang's factor squared."""
     zheng: Ratio = TIE if isinstance(kang, Tie) else kang * kang
     _, _, text = make(synthetic_sacht.table2(kang=kang, zheng=zheng))
     found = claim(text, "near zero, Sacht takes less time than Kang")
@@ -56,7 +56,7 @@ def test_table2_cells(make: Make) -> None:
     records, rows, text = make(synthetic_sacht.table2())
     header, crown = rows["pair"][0], rows["elephant (for Crown)"][0]
     assert crown[:3] == ["here", "5,000 / 9,000", "0.400"]
-    assert crown[header.index("Sacht 2024")] == "12.5 [10.0, 15.0]"  # 10 ms to 15 ms, six rounds
+    assert crown[header.index("Sacht 2024")] == "12.5 [10.0, 15.0]"  # six rounds of 10 to 15 ms
     assert crown[header.index("Zheng 2022 / Sacht 2024")] == "3.00 [3.00, 3.00]" and crown[header.index("CGAL / Sacht 2024")].startswith("8.00")
     distances, work, paper = rows[""][:3]
     assert distances[header.index("Kang 2018")] == "2,000" and work[header.index("Zheng 2022")] == "18,000"
@@ -64,7 +64,7 @@ def test_table2_cells(make: Make) -> None:
     assert paper[:2] == ["paper", "19,826 / 178,802"] and paper[header.index("Sacht 2024")] == "410"
     assert paper[header.index("Zheng 2022 / Sacht 2024")] == "2.24"
     assert "hand, noisy" in rows and "paper" not in [cells[0] for cells in rows["hand, noisy"]]
-    # The derived pairs are judged separately, and not by the paper's table, in which its method is the fastest.
+    # The derived pairs are judged separately, and not by the paper's table.
     assert claim(text, "nearer than 0.1 %, Kang takes less time than Zheng on average").startswith(" it holds (geometric mean 1.50")
     assert "nearer than 0.1 %, Sacht" not in text
     assert "crown: stands in for crown." in text and "Test CPU" in text and "MacBook Air M2" in text
@@ -76,7 +76,7 @@ def test_table2_cells(make: Make) -> None:
                                                  (30.0, " it holds (", " it holds ("), (1.5, " it does not hold (", " it does not hold ("),
                                                  (TIE, " it does not hold (", " it does not hold (")])
 def test_table2_waits_for_tang(make: Make, tang: Ratio | None, outcome: str, quoted: str) -> None:
-    """Tang over Zheng is a third of `tang`."""
+    """zheng takes 3 times the base time, so Tang over Zheng is a third of `tang`."""
     _, rows, text = make(synthetic_sacht.table2(tang=tang))
     assert claim(text, "Zheng takes less time than Tang on average").startswith(outcome)
     assert claim(text, "Zheng is 4.38 times as fast as Tang on average").startswith(quoted)
@@ -93,7 +93,7 @@ def test_table2_compares_sacht_with_tang(make: Make, tang: Ratio | None, outcome
 def test_table3_compares_the_pairs_far_apart(make: Make, sacht: float, kang: float, outcome: str) -> None:
     _, _, text = make(synthetic_sacht.table3(sacht=sacht, kang=kang))
     assert claim(text, "far apart, Zheng takes less time than Kang").startswith(outcome)
-    found = claim(text, "Sacht is faster than Kang and Zheng in most cases")  # three of four are enough
+    found = claim(text, "Sacht is faster than Kang and Zheng in most cases")
     assert found.startswith(outcome) and "of 4 pairs" in found
 
 
@@ -118,7 +118,7 @@ def test_fig13_compares_at_each_tolerance(make: Make, kang: Ratio, outcome: str,
 
 @pytest.mark.parametrize("ratio,stopped,outcome", [(2000.0, 0.0, " it holds (ratio 2000"), (200.0, 0.0, " it does not hold (ratio 200"),
                                                    (Tie(1000.0), 0.0, ": not separated (ratio 1000"),
-                                                   # The upper end of sacht's interval is 15 ms.
+                                                   # The ratio's bound uses the upper end of sacht's interval, 15 ms.
                                                    (2000.0, 30.0, " it holds (ratio above 2000, because the slower was stopped"),
                                                    (20.0, 3.0, ": not separated (ratio above 200, because the slower was stopped")])
 def test_fig14_knows_of_stopped_solvers(make: Make, ratio: Ratio, stopped: float, outcome: str) -> None:
@@ -188,7 +188,7 @@ def test_section52_finds_each_failure(make: Make, wrong: dict[str, object], foun
     header, cells = rows["scene"][0], rows["unreferenced vertex"][0]
     assert cells[header.index("Sacht 2024")] == found and cells[header.index("Zheng 2022")] == "precision floor, gap 1.0e-7"
     assert cells[header.index("CGAL")] == "no bounds (timeout)" and cells[0].startswith("the vertex counts towards l")
-    # The row of cgal, which is not certified, does not count.
+    # cgal is not certified, so its row does not count.
     outcome = " it holds (not so for 0 of 2 rows)" if not wrong else " it does not hold (not so for 1 of 2 rows)"
     assert claim(text, "unreferenced vertex: the bounds").startswith(outcome)
     assert claim(text, "Sacht ends at 1e-5 and not at 1e-8") == " it holds (1e-05: ok, 1e-08: budget spent)."
@@ -234,7 +234,7 @@ def test_a_mesh_is_closed_or_open_and_a_manifold_or_not() -> None:
     assert not opened.closed and opened.manifold
     fin = Mesh(np.vstack([TETRAHEDRON.corners, [[1, 1, 1]]]), np.vstack([TETRAHEDRON.triangles, [[0, 1, 4]]]))
     assert not fin.closed and not fin.manifold
-    # Each triangle has its own corners, as in STL; by position it is the same mesh.
+    # As in STL, each triangle has its own corners; by position it is the same mesh.
     soup = Mesh(TETRAHEDRON.corners[TETRAHEDRON.triangles].reshape(-1, 3), np.arange(12).reshape(4, 3))
     assert soup.closed and soup.manifold
 
@@ -255,7 +255,7 @@ def test_fig11_looks_at_u2_and_u3(last: tuple[int, ...], outcome: str) -> None:
 
 @pytest.mark.parametrize("height,away,last,outcome", [
     (0.05, 0.2, (4,), "holds"), (0.05, 0.2, (3,), "does not hold"), (0.05, 0.2, (3, 4), "not separated"), (0.2, 0.9, (4,), "not tested"),
-    (0.05, 0.05, (3,), "not tested"),  # nearer to B than its height: it does not disappear
+    (0.05, 0.05, (3,), "not tested"),  # nearer to B than its height, so it does not disappear
     (0.05, math.nan, (4,), "not tested")])
 def test_fig11_looks_at_thin_triangles_that_disappear(height: float, away: float, last: tuple[int, ...], outcome: str) -> None:
     shape = Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [1, 2 * height, 0]]), np.array([[0, 1, 2]] * len(last)))
@@ -300,7 +300,7 @@ def test_pictures_need_fields(stem: str, tmp_path: Path, capsys: pytest.CaptureF
 def test_a_section_is_where_triangles_meet_the_plane() -> None:
     (first, second, third) = sacht2024_fig1.section(TETRAHEDRON.corners, TETRAHEDRON, 0.25)
     ends = {tuple(np.round(end, 12)) for piece in (first, second, third) for end in piece}
-    assert ends == {(0.0, 0.0), (0.75, 0.0), (0.0, 0.75)}  # a triangle, three quarters as large
+    assert ends == {(0.0, 0.0), (0.75, 0.0), (0.0, 0.75)}
     assert sacht2024_fig1.section(TETRAHEDRON.corners, TETRAHEDRON, 2.0) == []
 
 

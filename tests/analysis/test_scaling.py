@@ -1,4 +1,4 @@
-"""Cost against size: exponents, forecasts, and the plan in shards, on results with known answers."""
+"""Cost against size: exponents, forecasts and shards, on results with known answers."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def test_few_or_small_costs_tell_nothing() -> None:
     assert math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).exponent().value) and math.isnan(growth([1e3, 1e4], [1.0, 2.0], 0).at(1e9).high)
     told = growth([1e3, 1e4, 1e5, 1e6, 1e7], [1e-6, math.nan, 1e-3, 1e-2, 1e-1], 1e-4)
     assert told.sizes == (1e5, 1e6, 1e7) and told.exponent().value == pytest.approx(1)
-    assert growth([1e3, 1e4, 1e5, 1e6, 1e7], [1.0, 20.0, 5.0, 30.0, 300.0], 0).sizes == (1e6, 1e7)  # without holes
-    assert growth([1e3, 1e4, 1e5], [3.0, 2.0, 1.0], 0, 0).known  # a falling series is taken as a whole
+    assert growth([1e3, 1e4, 1e5, 1e6, 1e7], [1.0, 20.0, 5.0, 30.0, 300.0], 0).sizes == (1e6, 1e7)  # the longest range without a gap
+    assert growth([1e3, 1e4, 1e5], [3.0, 2.0, 1.0], 0, 0).known  # a falling series is used as a whole
 
 
 def test_a_fixed_part_does_not_flatten_the_line() -> None:
@@ -95,7 +95,7 @@ def test_shards_fit_and_are_the_fewest() -> None:
 
 
 def widths(points: Floats, cells: int) -> list[Floats]:
-    """Returns the cells of a k-d tree, with equally many points each."""
+    """Splits the points into the cells of a k-d tree, with nearly equal numbers of points."""
     if cells == 1:
         return [points]
     axis = int(np.ptp(points, axis=0).argmax())
@@ -120,7 +120,7 @@ def test_a_margin_takes_in_no_more_points_than_the_plan_says(surface: bool) -> N
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_plan_of_shards_is_exact(seed: int) -> None:
-    """Holds whatever the margin: too narrow, right, or wide."""
+    """Shards give the exact distance even if the margin was estimated too narrow or too wide."""
     random = np.random.default_rng(seed)
     a, b = random.standard_normal((3000, 3)), random.standard_normal((2500, 3)) + [0.3 * seed, 0, 0]
     exact = float(cKDTree(b).query(a)[0].max())
@@ -142,8 +142,8 @@ def test_the_plan_of_shards_is_exact(seed: int) -> None:
 
 
 def file_of(stem: str, solvers: dict[str, tuple[float, float]], **columns: Any) -> ResultFile:
-    """A result in regime 'near', with n elements in A and B together: solving takes c n^p in the middle of three rounds,
-    preparing 1e-8 n^1.1, and peaks are 100 n bytes, three times as large for the rival. h falls as n^-1/2; the diagonal is 2.
+    """With n points in A and B together, solving takes c n^p (the middle of three rounds), preparing 1e-8 n^1.1. Peaks are
+    100 n bytes, three times that for the rival. h falls as n^-1/2; the diagonal is 2.
     """
     file = ResultFile(stem, meta={"memory_bytes": 24 * 2**30})
     for n in SIZES:
@@ -180,11 +180,11 @@ def test_a_thousand_million_points(make: Make, tmp_path: Path) -> None:
     tasks = int(cells[6])
     assert 2e9 / tasks * (48 + 100) <= 12 * 2**30 and 2e9 / (tasks - 1) * 148 * 1.01 > 12 * 2**30
     assert "never run" in text
-    assert "144 GB, 4.8 min" in text  # 48 GB, three times: read and written to split them, read by the tasks
+    assert "144 GB, 4.8 min" in text  # 48 GB are read and written to split them, then read by the tasks
 
 
 def test_shards_are_sized_by_the_upper_ends(make: Make, tmp_path: Path) -> None:
-    """The upper ends of memory and of the distance count, because both scatter about their lines."""
+    """Memory and distance scatter about their fitted lines, so shards must be sized by the upper ends of both intervals."""
     file = file_of("scaling_points", {"scan": (1e-8, 1.0)})
     for i, case in enumerate(file.cases):
         case["peak_bytes"] = round(case["peak_bytes"] * (1.3, 1 / 1.3)[i % 2])
@@ -204,7 +204,7 @@ def test_shards_are_sized_by_the_upper_ends(make: Make, tmp_path: Path) -> None:
         return points * 48 + (at.high if upper else at.value)
 
     assert needed(tasks, upper=True) <= memory < needed(tasks - max(1, tasks // 20), upper=True)
-    assert needed(round(0.8 * tasks), upper=False) <= memory  # the values alone would give fewer
+    assert needed(round(0.8 * tasks), upper=False) <= memory  # the fitted values alone would allow fewer tasks
 
 
 def test_a_forecast_without_a_line_has_no_picture(make: Make, tmp_path: Path) -> None:
@@ -221,7 +221,7 @@ def test_a_forecast_without_a_line_has_no_picture(make: Make, tmp_path: Path) ->
 def test_a_margin_that_takes_in_too_much_is_said(make: Make, tmp_path: Path) -> None:
     file = file_of("scaling_points", {"scan": (1e-8, 1.0)})
     for case in file.cases:
-        case["lower"] = case["upper"] = 0.06  # the cells would fit, but each takes thirteen times its points
+        case["lower"] = case["upper"] = 0.06  # a cell would fit, but its margin takes in thirteen times as many points
     make(file)
     text = (tmp_path / "tables" / "scaling_billion.md").read_text(encoding="utf-8")
     cells = [cell.strip() for cell in next(line for line in text.splitlines() if line.startswith("| near | scan")).split("|")[1:-1]]

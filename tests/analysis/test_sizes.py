@@ -1,4 +1,4 @@
-"""A paper's claim gets a verdict only from results at the paper's sizes; for smaller sizes, the outcome at the paper's sizes is named."""
+"""A paper's claim gets a verdict only at the paper's sizes. At smaller sizes, the outcome at the paper's sizes is quoted."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_a_verdict_of_smaller_sizes_names_the_kept_one(tmp_path: Path, monkeypat
     greater, own = Verdict(claims.of("zhang2017", "depth_greater"), FAILS, "x"), Verdict(claims.of("hausbench", "traps"), FAILS, "x")
     small = results_of(tmp_path, TOML.replace("{}", "small"))
     never, ours = sizes.tested([greater, own], small, "zhang2017_fig8")
-    assert ours == own  # not a paper's claim
+    assert ours == own  # our own claim, not a paper's
     assert never.outcome == UNTESTED and "not been measured at the paper's sizes" in never.evidence
     record = claims.record(replace(greater, outcome=HOLDS), "zhang2017_fig8", "paper")
     tables.save_json([record], tmp_path / "reference" / f"kept{claims.SUFFIX}")

@@ -1,4 +1,4 @@
-"""The three stems of the stability suite: every outcome of a row, the cells, the claims, and that one result file suffices for all."""
+"""The three scripts of the stability suite, which read one result file: every outcome of a row, the cells and the claims."""
 
 from __future__ import annotations
 
@@ -47,21 +47,21 @@ def written(sweeps: Sweeps, folder: Path, monkeypatch: pytest.MonkeyPatch, shape
 @pytest.mark.parametrize(("columns", "outcome"), [
     (BOUNDS, Outcome.TIGHT),
     (BOUNDS | {"upper": 0.6}, Outcome.TIGHT),
-    (BOUNDS | {"status": "floor"}, Outcome.TIGHT),  # within its tolerance, whatever the solver reports
-    (BOUNDS | {"status": "timeout"}, Outcome.TIGHT),  # it answered, and was stopped while timed
+    (BOUNDS | {"status": "floor"}, Outcome.TIGHT),  # the bounds are within the tolerance, whatever the solver reports
+    (BOUNDS | {"status": "timeout"}, Outcome.TIGHT),  # it answered, and was stopped during the timed repeats
     (BOUNDS | {"lower": KNOWN.upper, "upper": KNOWN.upper}, Outcome.TIGHT),  # one ulp is allowed
     (BOUNDS | {"lower": np.nextafter(KNOWN.upper, 1), "upper": 0.6}, Outcome.WRONG),
     (BOUNDS | {"lower": 0.45, "upper": np.nextafter(KNOWN.lower, 0)}, Outcome.WRONG),
     (BOUNDS | {"lower": 0.5 + 1e-9, "upper": 0.6, "certified": False, "slack": 1e-8}, Outcome.TIGHT),
     (BOUNDS | {"lower": 0.5 + 1e-7, "upper": 0.6, "certified": False, "slack": 1e-8}, Outcome.WRONG),
-    (BOUNDS | {"lower": 0.7, "upper": 0.75, "certified": False, "slack": math.nan}, Outcome.TIGHT),  # an unknown slack shows nothing
-    (BOUNDS | {"lower": 0.7, "upper": 0.7, "truth": Interval(math.nan, math.nan)}, Outcome.TIGHT),  # nothing is known
+    (BOUNDS | {"lower": 0.7, "upper": 0.75, "certified": False, "slack": math.nan}, Outcome.TIGHT),  # without a known slack, nothing is refuted
+    (BOUNDS | {"lower": 0.7, "upper": 0.7, "truth": Interval(math.nan, math.nan)}, Outcome.TIGHT),  # the true distance is unknown
     (BOUNDS | {"lower": 0.5, "upper": 0.5 - 1e-9, "truth": Interval(0.4, 0.6)}, Outcome.WRONG),  # the bounds cross
     (BOUNDS | {"lower": math.inf, "upper": math.inf, "truth": Interval(math.nan, math.nan)}, Outcome.WRONG),
     (BOUNDS | {"status": "unsound"}, Outcome.WRONG),
     (BOUNDS | {"unsound": True}, Outcome.WRONG),
-    (BOUNDS | {"upper": math.nan}, Outcome.WRONG),  # it did answer
-    (WIDE, Outcome.WRONG),  # certified, and reported as converged
+    (BOUNDS | {"upper": math.nan}, Outcome.WRONG),  # reported as converged, without an upper bound
+    (WIDE, Outcome.WRONG),  # certified and converged, but too wide
     (WIDE | {"certified": False}, Outcome.LOOSE),
     (WIDE | {"upper": math.inf, "certified": False}, Outcome.LOOSE),
     (WIDE | STALLED, Outcome.LOOSE),
@@ -73,7 +73,7 @@ def written(sweeps: Sweeps, folder: Path, monkeypatch: pytest.MonkeyPatch, shape
     (WIDE | {"status": "floor", "upper": math.inf}, Outcome.STOPPED),
     ({"status": "timeout", "reason": "killed"}, Outcome.HUNG),
     ({"status": "failed", "reason": "no finite coordinates"}, Outcome.REFUSED),
-    ({"status": "failed"}, Outcome.CRASHED),  # without a reason
+    ({"status": "failed"}, Outcome.CRASHED),  # gives no reason
     ({"status": "signal", "reason": "SIGSEGV"}, Outcome.CRASHED),
     (BOUNDS | {"status": "out_of_memory"}, Outcome.CRASHED),
     ({"status": "skipped", "reason": "solver 'guthe' takes no points as source"}, Outcome.NOT_APPLICABLE),
@@ -94,14 +94,14 @@ def test_what_is_not_legal_is_to_be_refused(columns: dict[str, Any], outcome: Ou
 
 
 def test_outcomes_are_told_apart_in_grey() -> None:
-    """Any two colours differ by more than 7 of 100 in CIE lightness. The ill ones are dark and have letters."""
+    """Any two colours differ by more than 7 of 100 in CIE lightness. Bad outcomes are dark and have letters."""
     def light(outcome: Outcome) -> float:
         parts = [int(outcome.colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
         red, green, blue = (x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055)**2.4 for x in parts)
         return 116 * float(np.cbrt(0.2126 * red + 0.7152 * green + 0.0722 * blue)) - 16
 
     letters = [outcome.letter for outcome in Outcome if outcome.letter] + [letter for letter, _ in STOPS.values()]
-    assert len({letter.lower() for letter in letters}) == len(letters) - 1  # r and R: rightly refused, and refused
+    assert len({letter.lower() for letter in letters}) == len(letters) - 1  # only R (refused) and r (rightly refused) share a letter
     assert {status: letter for status, (letter, _) in STOPS.items()} == {status: style.STATUS_LETTERS[status] for status in STOPS}
     shades = sorted(light(outcome) for outcome in {outcome.colour: outcome for outcome in Outcome}.values())
     assert all(above - below > 7 for below, above in zip(shades, shades[1:]))
@@ -124,7 +124,7 @@ def test_the_letter_of_a_stop_says_at_what(tmp_path: Path, monkeypatch: pytest.M
 
 def test_largest_coordinates_decide_what_can_be_met(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sweeps = small()
-    turned = sweeps.file.cases[0]  # A is moved by 7, so its largest coordinate is at most 8
+    turned = sweeps.file.cases[0]  # A is moved by 7, so the largest coordinate is at most 8
     turned["pose"] = [0.0, 1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 7]
     suite = written(sweeps, tmp_path, monkeypatch)
     found = Judge(suite.results)
@@ -142,7 +142,7 @@ def test_largest_coordinates_decide_what_can_be_met(tmp_path: Path, monkeypatch:
 @pytest.mark.parametrize(("off", "certified", "peer"), [(1e-16, Outcome.TIGHT, Outcome.TIGHT), (4e-15, Outcome.WRONG, Outcome.TIGHT),
                                                         (2e-14, Outcome.WRONG, Outcome.WRONG)])
 def test_certified_rows_get_no_slack(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, off: float, certified: Outcome, peer: Outcome) -> None:
-    """Other rows get 84 u M, which is 9.3e-15 here."""
+    """Uncertified rows get a slack of 84 u M = 9.3e-15, where u = 2^-53 and M = 1 is the largest coordinate."""
     sweeps = Sweeps()
     sweeps.family("offset", "mesh", [10.0], {label: [{"lower": 0.5 + off, "upper": 0.5 + off}] for label in ("guthe", "cgal")})
     suite = written(sweeps, tmp_path, monkeypatch)
@@ -151,7 +151,7 @@ def test_certified_rows_get_no_slack(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_certified_rows_that_contradict_each_other_are_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """If no distance is stated, either may be the wrong one: both count as wrong, but an interval that holds both does not."""
+    """Without a stated distance, either of two contradicting rows may be wrong: both count as wrong, but an interval that contains both does not."""
     sweeps = Sweeps()
     answers = {"guthe": (0.5, 0.5), "cover": (0.75, 0.75), "sampling": (0.25, 1.0)}
     sweeps.family("offset", "mesh", [10.0], {label: [{"lower": low, "upper": high, "exact": np.nan, "status": "ok" if low == high else "budget"}]
@@ -251,10 +251,10 @@ def test_matrix_draws_every_strip(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     points, meshes, surfaces = (figure.axes[0] for figure in stability_picture.draw(suite).values())
     assert [label.get_text() for label in meshes.get_yticklabels()] == ["needle", "not numbers", "missing"]
     assert [label.get_text() for label in surfaces.get_xticklabels()] == ["below floor", "surface enclosure (ours)"]
-    # A strip per severity: 3 of 5 solvers, and the strips of the first column.
+    # Each severity is a strip in each column: 3 of 5 solvers take points; the first column shows the severity.
     assert len(points.patches) == 3 * (5 + 1) and len(meshes.patches) == (2 + 1 + 1) * (6 + 1)
     dark = [patch for patch in points.patches if patch.get_x() < 0 and patch.get_facecolor()[0] < 0.5]
-    assert len(dark) == 1  # M is 1e12 at the last severity
+    assert len(dark) == 1  # the last severity, where coordinates reach 1e12
     assert {text.get_text() for text in meshes.texts} == {"", "~", "T", "B", "P", "X", "C", "R", "r"} | {"10 to 1e6", "1"}
     styles = {label.get_text(): label.get_style() for label in meshes.get_xticklabels()}
     assert styles["CGAL"] == "italic" and styles["Guthe 2005"] == "normal"
@@ -284,7 +284,6 @@ def test_severities_as_text() -> None:
     assert [severity_text(x) for x in (NAN, 0.0, 12.0, 0.25, 1e4, 1e-15, 2.5e6, 1000.0)] == ["", "0", "12", "0.25", "1e4", "1e-15", "2.5e6", "1000"]
 
 
-# --- the other two stems ------------------------------------------------------------------------------------------------------------
 
 
 def test_three_stems_come_from_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -307,7 +306,7 @@ def test_three_stems_come_from_one_file(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def sweep_of_errors() -> Sweeps:
-    """Known: guthe's bounds are 1e-9 below and 2e-9 above; CGAL's answer is its lower bound; the textbook kernel is wrong by 0.1 at 1e4."""
+    """guthe's bounds are 1e-9 too low and 2e-9 too high. CGAL answers its lower bound. guthe's textbook kernel is off by 0.1 at severity 1e4."""
     sweeps = Sweeps()
     near: dict[str, Any] = {"lower": 0.5 - 1e-9, "upper": 0.5 + 2e-9}
     sweeps.family("offset", "mesh", [10.0, 1e4], {"guthe": [near], "cgal": [{"lower": 0.5, "upper": 0.5 + 1e-6}],
@@ -325,7 +324,7 @@ def test_error_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     report = stability_error.make(suite.results)
     assert report.table is not None
     cells = {row[1]: row[2:] for row in report.table.rows}
-    assert {row[0] for row in report.table.rows} == {"offset"}  # the others have no severities or no exact distance
+    assert {row[0] for row in report.table.rows} == {"offset"}  # the other families have no severities or no exact distance
     assert cells["Guthe 2005"] == ["1.0e-9", "10", "1.5e-9", "2.2e-15", "", ""]
     assert cells["CGAL"][:3] == ["0", "10", "5.0e-7"] and cells["cover (ours)"][:3] == ["0", "10", "0"]
     assert cells["guthe, textbook kernel"][:2] == ["0.050", "1e4"] and cells["guthe, textbook kernel"][4] == "1 of 2"
@@ -376,7 +375,7 @@ def test_time_table_and_timeouts_at_the_limit(tmp_path: Path, monkeypatch: pytes
     at_limit = [line for line in times.lines if len(line.get_xdata()) == 1 and line.get_ydata()[0] == 2.0]
     assert len(at_limit) == 2 and all(line.get_markerfacecolor() == "white" for line in at_limit)
     assert [text.get_text() for text in times.texts] == ["C"] and sorted(text.get_text() for text in work.texts) == ["C", "H"]
-    assert times.get_xlim()[0] > times.get_xlim()[1]  # the most severe value, which is the smallest, is on the right
+    assert times.get_xlim()[0] > times.get_xlim()[1]  # the most severe value, here the smallest, is on the right
     plt.close(figure)
 
 

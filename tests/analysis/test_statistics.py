@@ -1,4 +1,4 @@
-"""Compared with values computed by hand from the binomial distribution, and with the program's own statistics."""
+"""Compares statistics with values computed by hand from the binomial distribution, and with those of the program."""
 
 import json
 import math
@@ -50,7 +50,7 @@ def test_median_of_an_even_number() -> None:
 
 
 def test_the_program_gives_the_same_intervals(tmp_path: Path) -> None:
-    """Compares with harness/record/statistics.cpp, which `hausbench show` uses."""
+    """`hausbench show` computes its intervals in harness/record/statistics.cpp."""
     if not schema.program().is_file():
         pytest.skip("the program is not built")
     rng, file = np.random.default_rng(20), ResultFile("intervals")
@@ -91,7 +91,8 @@ def test_infinite_outliers_do_not_move_the_median() -> None:
 
 
 def test_ratio_of_separate_times() -> None:
-    # 97.5 % for n = 9: rank 2 has P(Binomial(9, 1/2) <= 1) = 10/512 = 0.0195 > 0.0125, so rank 1.
+    # Each side gets 97.5 %, so 1.25 % per tail. For n = 9, rank 2 has a tail of P(Binomial(9, 1/2) <= 1) = 10/512 >
+    # 1.25 %; hence rank 1.
     assert order_statistic_rank(9, 0.975) == 1
     x = ratio_of_medians(range(11, 20), range(1, 10))
     assert (x.value, x.low, x.high) == (15 / 5, 11 / 9, 19 / 1)
@@ -114,7 +115,7 @@ def test_ratio_without_data() -> None:
 
 
 def test_pairing_takes_out_what_both_share() -> None:
-    slow = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0]  # a disturbance that slows down both
+    slow = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0]  # a disturbance that slows down both sides
     a = [1.1 * x for x in slow]
     assert not ratio_of_medians(a, slow).separated
     paired = paired_ratio(a, slow)
@@ -132,26 +133,26 @@ def test_separated_takes_six_rounds() -> None:
     for n in range(1, 10):
         x = ratio_by_round(dict.fromkeys(range(n), 2.0), dict.fromkeys(range(n), 1.0))
         assert x.value == 2 and x.separated == (n >= 6), n
-        # Times measured separately need seven on either side, because each side gets half of the error.
+        # Separate times need seven rounds, because each side gets half of the allowed error.
         assert ratio_of_medians([2.0] * n, [1.0] * n).separated == (n >= 7), n
     assert not Estimate(2.0, 1.5, 2.5, 5, 0.94).separated and Estimate(2.0, 1.5, 2.5, 5, 0.95).separated
 
 
 @pytest.mark.parametrize("n", range(2, 13))
 def test_equal_distributions_are_seldom_separated(n: int) -> None:
-    """At most 5 %, as far as 400 trials tell; without the check of coverage it would be a half at n = 2 and a quarter at 3."""
+    """At most 5 % of 400 trials, plus chance. Without the check of coverage, it would be a half at n = 2 and a quarter at n = 3."""
     rng = np.random.default_rng(n)
     found = [(paired_ratio(a, b).separated, ratio_of_medians(a, b).separated)
              for a, b in np.exp(0.01 * rng.standard_normal((400, 2, n)))]
     assert sum(x for x, _ in found) <= 30 and sum(x for _, x in found) <= 30
-    if n in (6, 9):  # and not because nothing ever separates
+    if n in (6, 9):  # the test would also pass if nothing were ever separated
         assert sum(paired_ratio(a, b).separated for a, b in np.exp(0.01 * rng.standard_normal((400, 2, n)))) > 2
 
 
 @pytest.mark.parametrize("rounds", [6, 8, 10, 12])
 def test_intervals_cover_where_processes_differ(rounds: int) -> None:
-    """Processes differ by 1 %, repeats in one process by 0.3 %. With the round as the unit, the interval covers the median; with
-    every repeat as a unit, it misses it far too often.
+    """Processes differ by 1 %, repeats in one by 0.3 %. With a value per process (round), the interval covers the median;
+    with one per repeat, it misses far too often.
     """
     rng, repeats, trials = np.random.default_rng(rounds), 5, 600
     covered = {"rounds": 0, "repeats": 0}
@@ -172,7 +173,7 @@ def test_chances_are_those_of_sign_tests() -> None:
     x = paired_ratio([2.0] * 7 + [0.5, 1.0], [1.0] * 9)
     assert x.p_above == pytest.approx(scipy.stats.binomtest(7, 9, alternative="greater").pvalue)
     assert x.p_below == pytest.approx(scipy.stats.binomtest(1, 9, alternative="greater").pvalue)
-    # Separate times: as soon as the intervals part, with tails of 1/2^7 on either side.
+    # For separate times, p is the level at which the intervals part: 1/2^7 on either side.
     y = ratio_of_medians([2.0 + i for i in range(7)], [0.1 * i for i in range(1, 8)])
     assert y.p_above == pytest.approx(2 * 2.0**-7) and y.p_below == 1
 
@@ -193,7 +194,7 @@ def test_counts_are_exact_but_for_seeds() -> None:
 def test_one_seed_is_one_draw(seeded: tuple[bool, bool]) -> None:
     x = ratio_of_counts({1: 30.0}, {1: 20.0}, seeded)
     assert x.value == pytest.approx(1.5) and x.n == 1 and not x.has_interval and not x.separated
-    # One seed does not become exact beside several seeds of the other solver.
+    # One seed stays a single draw, even beside several seeds of the other solver.
     several = {seed: 10.0 + seed for seed in range(6)}
     y = ratio_of_counts({1: 60.0}, several, (True, True))
     assert y.n == 1 and not y.separated and y.value == pytest.approx(60 / 11)

@@ -1,4 +1,4 @@
-"""Each stem, from a file with known numbers to its table's cells and its figures."""
+"""For each made-up result file, checks its table's cells and its figures' files."""
 
 from __future__ import annotations
 
@@ -25,26 +25,27 @@ def make(tmp_path: Path) -> Make:
 def test_table3_cells(make: Make) -> None:
     records, rows, text = make(synthetic.zhang2017_table3())
     header, pears = rows["scene"][0], rows["(a) pears"][0]
-    # Nine times, 1.9 to 2.1 in steps of 0.025: the interval runs from the second to the eighth.
+    # The times are 1.9 to 2.1 in nine steps of 0.025; the interval is from the second to the eighth.
     assert pears[header.index("NAIVEHDD")] == "2.00 [1.93, 2.08]"
-    # Ten seeds, whose medians are all 0.5.
+    # Each of the ten seeds has the median 0.5.
     assert pears[header.index("EARLYBREAK")] == "0.500 [0.500, 0.500]"
     assert pears[header.index("NAIVEHDD / EARLYBREAK")] == "4.00 [3.80, 4.20]"
-    assert pears[header.index("INC")] == "0.130 [0.126, 0.134]"  # 0.11 plus 0.02 of preparation
+    assert pears[header.index("INC")] == "0.130 [0.126, 0.134]"  # 0.11 s plus 0.02 s of preparation
     assert pears[1] == "1,075 / 1,076"
     distances, work, each, paper = rows[""][:4]
     assert distances[0] == "distances" and work[0] == "distances, bounds and nodes" and each[0] == "ns per distance"
-    # 1M and 0.2M distances (the median of ten seeds); 0.1M and 0.05M bounds and nodes.
+    # naive counts 1M distances, earlybreak 0.2M distances and 0.05M bounds, the framework 0.1M distances and 0.1M
+    # bounds and nodes.
     assert distances[2] == "1,000,000" and distances[header.index("NAIVEHDD / EARLYBREAK")] == "5.00 [5.00, 5.00]"
     assert work[header.index("EARLYBREAK / framework")] == "1.25 [1.25, 1.25]"
-    assert each[2] == "2000"  # 2 s for 1M
+    assert each[2] == "2000"  # 2 s for 1M distances
     assert paper[:6] == ["paper", "10,754 / 10,754", "47.282", "3.107", "0.226", "0.225"]
     assert paper[header.index("NAIVEHDD / EARLYBREAK") - 1:] == ["—", "209", "210", "13.8", "1.00"]
     assert "Claim: the framework takes less time than INC on average. Here: not separated (geometric mean" in text and "over 4 pairs, no ratio for 2)" in text
     claim = next(line for line in text.splitlines() if "less time than NAIVEHDD" in line)
     assert "Counted in distances it is not separated (geometric mean 10.0" in claim and "over 5 pairs, no ratio for 1" in claim and "bounds and nodes it is not separated" in claim
     claim = next(line for line in text.splitlines() if "less time than INC" in line)
-    assert "Counted in distances it is not separated (geometric mean 0.500" in claim  # two pairs are not known
+    assert "Counted in distances it is not separated (geometric mean 0.500" in claim  # two of six pairs have no ratio
     assert "In the paper a pair of points costs NAIVEHDD 409 to 538 ns, here 600 to 5000 ns." in text
     assert "NAIVEHDD computes 10 times as many distances as the framework, 5.0 times as many distances, bounds" in text
     assert "INC computes 0.50 times as many distances as the framework, 5.2 times as many" in text
@@ -76,7 +77,7 @@ def test_table3_takes_milliseconds_where_times_are_short(make: Make) -> None:
 
 def test_table3_pairs_rounds_where_there_are_enough(make: Make) -> None:
     file = ResultFile("zhang2017_table3", wall=1.25, cpu=1.0)
-    slow = [2.0 * (i + 1) for i in range(8)]  # ever slower: only pairs separate the two
+    slow = [2.0 * (i + 1) for i in range(8)]  # rounds become slower: only pairing them separates the solvers
     file.case("naive", "a_pears", slow, rounds=8, lower=1.0, upper=1.0)
     file.case("earlybreak", "a_pears", [x / 1.25 for x in slow], rounds=8, lower=1.0, upper=1.0)
     _, rows, _ = make(file)
@@ -98,9 +99,9 @@ def test_points_speed_takes_the_best_of_the_others(make: Make) -> None:
     header, outlier, near = rows["workload"][0], rows["overlapping 100K"][0], rows["noisy 100K"][0]
     assert "Times are process CPU time, children included, but wall time for SciPy cKDTree" not in text
     assert outlier[header.index("scan (ours)")] == "2.00 [1.93, 2.08]"
-    assert outlier[-1] == "5.00 [4.82, 5.19]"  # EARLYBREAK's 10 ms, not the 60 ms of the tree; paired by round
+    assert outlier[-1] == "5.00 [4.82, 5.19]"  # EARLYBREAK's 10 ms, not the tree's 60 ms, over our 2 ms; paired by round
     assert near[header.index("EARLYBREAK")] == "timeout" and near[-1].startswith("4.00")
-    # 80 ms by its own clock; its repeats, which include the start of Python, are ignored.
+    # 80 ms by its own clock; the 700 ms of wall time include Python's start.
     assert near[header.index("SciPy cKDTree")] == "80.0"
     assert rows["geometric mean"][0][-1] == "4.47" and "least 4.00, over 2 of 2" in text
     assert rows[""][0][header.index("scan (ours)")] == "8.00"
@@ -119,9 +120,9 @@ def test_points_hostile_finds_where_scan_is_slower(make: Make) -> None:
 
 def test_fig13_means_over_all_pairs_only(make: Make) -> None:
     records, rows, text = make(synthetic.sacht2024_fig13())
-    # Preparation takes 20 ms and a decade 10 ms, times 1, 2, 3, 4: the mean is 2.5 (20 + 10 j).
+    # On pair k, preparing takes 20 k ms and each decade 10 k ms: on average 2.5 (20 + 10 j) at 10^-j.
     assert rows["Sacht 2024"][0] == ["75.0", "100", "125", "150", "175", "200", "225", "250", "242"]
-    # One case per tolerance, with seven rounds 5 % around the middle.
+    # Each tolerance is a case of its own, whose seven rounds are up to 5 % off the middle.
     assert rows["CGAL"][0][:2] == ["113 [107, 118]", "158 [150, 165]"] and rows["CGAL"][0][7:] == ["428 [406, 449]", "—"]
     assert rows["Zheng 2022"][0][5:] == ["532", "3 of 4", "3 of 4", "1288"]
     assert rows["Kang 2018"][0][-1] == "762"
@@ -147,7 +148,7 @@ def test_fig13_never_reads_an_unsound_row(make: Make) -> None:
 
 
 def test_command_line(tmp_path: Path) -> None:
-    """As make calls it."""
+    """Calls the script as make does."""
     stem = "zhang2017_table3"
     arguments = [sys.executable, "-m", "analysis", stem, "--results", str(tmp_path), "--out", str(tmp_path / "out")]
     done = subprocess.run(arguments, cwd=ROOT, capture_output=True, text=True)
@@ -160,7 +161,7 @@ def test_command_line(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("stem", STEMS)
 def test_files_and_words_of_each_stem(stem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Results are opened read-only. Other tests of these stems render no figure, because that takes most of the time."""
+    """Result files stay unchanged. Other tests of these scripts render no figures, because that takes most of the time."""
     path = STEMS[stem]().write(tmp_path)
     before = path.read_bytes()
     path.chmod(0o444)
@@ -168,13 +169,13 @@ def test_files_and_words_of_each_stem(stem: str, tmp_path: Path, capsys: pytest.
     done = capsys.readouterr()
     assert done.err == ""
     lines = done.out.splitlines()
-    said = [line for line in lines if line.startswith("Claim: ")]  # after the files
+    said = [line for line in lines if line.startswith("Claim: ")]  # printed after the file names
     written = [Path(line) for line in lines if line not in said]
     suffixes = [output.suffix for output in written]
     assert [suffix for suffix in suffixes if suffix not in (".json", ".txt")] == [".csv", ".md", ".tex", ".pdf", ".png"]
-    assert suffixes.count(".txt") == (suffixes[-1] == ".txt")  # the caption of a figure with its own caption
+    assert suffixes.count(".txt") == (suffixes[-1] == ".txt")  # a figure with a caption of its own
     text = written[1].read_text(encoding="utf-8")
-    assert suffixes.count(".json") == bool(said) == ("- Claim: " in text)  # the verdicts of a stem that has some
+    assert suffixes.count(".json") == bool(said) == ("- Claim: " in text)  # verdicts are written as JSON, too
     assert all(f"- {line}" in text for line in said)
     assert all(output.stat().st_size for output in written)
     for output in written:

@@ -1,4 +1,4 @@
-"""Colours and markers, zeros on logarithmic axes, and figures that are the same bytes each time."""
+"""Colours and markers, zeros on logarithmic axes, and figures whose bytes are reproducible."""
 
 import time
 import tomllib

@@ -1,4 +1,4 @@
-"""The stems of algebraic surfaces, from files with known numbers."""
+"""Tests the tables of algebraic surfaces on files with known numbers."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_example_joins_both_directions(tmp_path: Path) -> None:
     assert main([file.stem, "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
     first, second = records(tmp_path, file.stem)
     assert (float(first["lower"]), float(first["upper"])) == (0.73, 0.90)
-    assert first["paper_seconds"] == ""  # a number that may have been misread
+    assert first["paper_seconds"] == ""  # a digit of the paper's number is doubtful, so no ratio is given
     assert first["box_distances"] == "10000" and float(first["subdivision_seconds"]) == 1.0
     assert float(first["distance_seconds"]) == pytest.approx(3.6) and second["box_distances"] == "10"
     text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
@@ -82,7 +82,7 @@ def test_convergence_is_judged_by_exact_widths() -> None:
 @pytest.mark.parametrize(("lower", "upper", "status", "outcome"), [
     (0.7288689868557, 0.8970437559005, "ok", HOLDS), (0.7288689868557, 0.8970437561, "ok", FAILS), (0.7288689868557, 0.8970437559005, "timeout", UNTESTED), (None, None, "", UNTESTED)])
 def test_the_example_gives_the_printed_interval(lower: float | None, upper: float | None, status: str, outcome: str) -> None:
-    """The paper cuts off the digits after the tenth."""
+    """The paper's interval is truncated, not rounded, after the tenth digit."""
     here = Joined(lower, upper, 1.0, 1.0, 1, 1, status) if lower is not None and upper is not None else None
     assert shou2014_example.printed_interval(paper_numbers("shou2014_example")["row"][0], here).outcome == outcome
 
@@ -119,4 +119,4 @@ def test_kept_voxels_cover_the_surface() -> None:
     points = np.stack([0.5 + np.sqrt(0.5) * np.cos(angles[:, 0]), np.sin(angles[:, 0]) * np.cos(angles[:, 1]),
                        np.sin(angles[:, 0]) * np.sin(angles[:, 1])])
     assert kept[tuple(np.floor((points + 2) * 4).astype(int))].all()
-    assert not kept[0, 0, 0] and not kept[10, 8, 8]  # a corner, and the middle of the body
+    assert not kept[0, 0, 0] and not kept[10, 8, 8]  # a corner of the grid, and the inside of the body

@@ -1,4 +1,4 @@
-"""Printed numbers and the three forms of a table."""
+"""Tests how numbers are printed, and the CSV, Markdown and LaTeX forms of a table."""
 
 import csv
 import math

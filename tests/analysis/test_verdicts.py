@@ -14,7 +14,7 @@ from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, NOT_REFUTED, OPEN
 
 
 def ratio(factor: float, rounds: int = 10, odd: int = 0) -> Estimate:
-    """Returns the ratio over `rounds` rounds with the value `factor`, except `odd` ones with 1 / factor."""
+    """Returns an estimate from `rounds` ratios of `factor`, `odd` of them inverted."""
     return paired_ratio([factor] * (rounds - odd) + [1 / factor] * odd, [1.0] * rounds)
 
 
@@ -25,7 +25,7 @@ FASTER, SLOWER, LEVEL, FEW = ratio(2.0), ratio(0.5), ratio(1.1, odd=4), ratio(2.
     ([FASTER, FASTER], HOLDS), ([FASTER, LEVEL], OPEN), ([FASTER, LEVEL, SLOWER], FAILS), ([FASTER, NO_DATA], OPEN),
     ([NO_DATA], UNTESTED), ([], UNTESTED), ([FEW, FEW], NOT_JUDGED), ([FEW, LEVEL], OPEN), ([FEW, SLOWER], FAILS),
     ([exact(2.0), exact(1.5)], HOLDS), ([exact(2.0), exact(1.0)], OPEN), ([exact(2.0), exact(0.5)], FAILS),
-    # Six rounds: one ratio of six below 1 may be chance, two are not (2 tails of 1/64, 6 / 2 of them).
+    # With six rounds, one ratio of six below 1 may be chance: 6 * 1/64 > 5 %. Two are not: 6/2 * 1/64 < 5 %.
     ([ratio(2.0, 6)] * 5 + [ratio(0.5, 6)], OPEN), ([ratio(2.0, 6)] * 4 + [ratio(0.5, 6)] * 2, FAILS)])
 def test_everywhere(ratios: list[Estimate], outcome: str) -> None:
     assert verdicts.everywhere("x", ratios).outcome == outcome
@@ -35,14 +35,14 @@ def test_everywhere(ratios: list[Estimate], outcome: str) -> None:
     ([FASTER] * 3 + [SLOWER], HOLDS), ([FASTER] * 2 + [SLOWER] * 2, FAILS), ([FASTER, SLOWER, SLOWER, SLOWER], FAILS),
     ([FASTER] * 2 + [LEVEL] * 2, OPEN), ([FASTER] * 3 + [NO_DATA], HOLDS), ([FASTER] * 2 + [NO_DATA] * 2, OPEN), ([NO_DATA], UNTESTED), ([], UNTESTED),
     ([FEW] * 4, NOT_JUDGED), ([FEW] * 3 + [FASTER], NOT_JUDGED), ([FEW] + [FASTER, LEVEL] * 2, OPEN), ([exact(2.0), exact(2.0), exact(0.5)], HOLDS), ([exact(2.0), exact(0.5), exact(0.5)], FAILS),
-    # Six rounds: each of four alone is 1/64, and the clearest of the two remaining may be chance; 2/64 is not.
+    # Each clear ratio has p = 1/64. "Most of four" means three, of which two may be chance: 2/64 < 5 %.
     ([ratio(2.0, 6)] * 3 + [SLOWER], HOLDS), ([ratio(2.0, 6, odd=1)] * 3 + [SLOWER], OPEN)])
 def test_most_of(ratios: list[Estimate], outcome: str) -> None:
     assert verdicts.most_of("x", ratios).outcome == outcome
 
 
 def test_most_of_errs_seldom() -> None:
-    """If half of the ratios are 2 and the others 1, "most are above" results in 5 % of cases at most (and 3.5 % more for 150 trials)."""
+    """Half of the ratios are 2, the others 1, so "most are above" is wrong. It may occur in 5 % of trials, plus 3.5 % by chance in 150 trials."""
     found = rate(HOLDS, lambda rng: verdicts.most_of("x", [noisy(rng, truth, 8) for truth in (2.0, 2.0, 2.0, 1.0, 1.0, 1.0)]))
     assert found <= 0.085
 
@@ -57,7 +57,7 @@ def test_least_of() -> None:
 def test_everywhere_says_what_its_rounds_cannot_refute() -> None:
     def evidence(rounds: int, pairs: int, below: int = 0) -> str:
         return verdicts.everywhere("x", [ratio(1.1, rounds, odd=2)] * (pairs - below) + [ratio(0.5, rounds)] * below).evidence
-    # 15 / 2^6 = 0.23, and 15 / 2^6 / 5 = 0.047; 3 / 2^4 / 3 = 0.0625: four rounds are never enough.
+    # 15 / 2^6 = 0.23 > 5 %, but 15 / 2^6 / 5 = 0.047. Four rounds are never enough: 3 / 2^4 / 3 = 0.0625.
     assert evidence(6, 15, 1).endswith("n = 6 refutes it only if at least 5 of 15 pairs are below 1")
     assert evidence(4, 3).endswith("n = 4 cannot refute it for 3 pairs")
     assert "refute" not in evidence(10, 15) and "refute" not in evidence(6, 3)
@@ -77,8 +77,8 @@ def noisy(rng: np.random.Generator, truth: float, rounds: int) -> Estimate:
 
 @pytest.mark.parametrize(("pairs", "rounds"), [(6, 6), (15, 10)])
 def test_everywhere_errs_seldom(pairs: int, rounds: int) -> None:
-    """If all ratios are 1, "one is below" results in 5 % of cases at most (and 1.7 % more for 150 trials), and less often than
-    with a separate test for each. If one of them is 1 and the others 2, the same is true for "all are above".
+    """If all ratios are 1, "one is below" may occur in 5 % of trials (plus 1.7 % by chance in 150 trials), and less often
+    than with a test for each. If one is 1 and the others 2, the same holds for "all are above".
     """
     def level(rng: np.random.Generator) -> list[Estimate]:
         return [noisy(rng, 1.0, rounds) for _ in range(pairs)]
@@ -87,7 +87,7 @@ def test_everywhere_errs_seldom(pairs: int, rounds: int) -> None:
                                                     ""))
     assert each > 0.08
     assert rate(HOLDS, lambda rng: verdicts.everywhere("x", [noisy(rng, 1.0, rounds)] + [noisy(rng, 2.0, rounds)] * 5)) <= 0.067
-    # And it detects true differences.
+    # True differences are always detected.
     assert rate(FAILS, lambda rng: verdicts.everywhere("x", level(rng)[2:] + [noisy(rng, 0.5, rounds)] * 2)) == 1
     assert rate(HOLDS, lambda rng: verdicts.everywhere("x", [noisy(rng, 2.0, rounds) for _ in range(pairs)]), 20) == 1
 
@@ -112,7 +112,7 @@ def test_never_is_never_proven() -> None:
 
 
 def test_never_against_the_rate_of_a_variant() -> None:
-    """Thirty trials allow 9.5 %."""
+    """Thirty trials without an error allow rates up to 1 - 0.05^(1/30) = 9.5 %."""
     def of(bar: float) -> verdicts.Verdict:
         return verdicts.never("x", 0, 6000, "answers are wrong", 30, bar, "of variants")
     assert of(0.1).outcome == NOT_REFUTED and of(0.09).outcome == OPEN and of(0.0038).outcome == OPEN
@@ -136,7 +136,7 @@ def test_rising() -> None:
     assert verdicts.rising("x", up, up).outcome == HOLDS and verdicts.rising("x", up, up[::-1]).outcome == FAILS
     assert verdicts.rising("x", up, [2.0, 1, 4, 3, 6, 5]).outcome == OPEN  # p = 0.056 for 3 inversions
     assert verdicts.rising("x", [1.0], [1.0]).outcome == UNTESTED and verdicts.rising("x", up, [1.0] * 6).outcome == OPEN
-    # A tie does not count as a pair in order; otherwise p would be 0.0167.
+    # A tie does not count as rising; otherwise p would be 0.0167.
     assert verdicts.rising("x", up[:5], [1.0, 1, 2, 3, 4]).evidence == "Kendall's tau 0.95 over 5, p = 0.023"
 
 
@@ -146,7 +146,7 @@ def test_rising_by_run() -> None:
     assert verdicts.rising_by_run("x", [(x, x[::-1])] * 6).outcome == FAILS
     assert verdicts.rising_by_run("x", [(x, x)] * 5 + [(x, x[::-1])]).outcome == OPEN
     assert verdicts.rising_by_run("x", [(x, x)] * 5).outcome == NOT_JUDGED and verdicts.rising_by_run("x", []).outcome == UNTESTED
-    # One smooth run is one trial, however many neighbours it visits.
+    # A smooth run is one trial, however many neighbouring poses it has.
     long = [float(i) for i in range(100)]
     assert verdicts.rising_by_run("x", [(long, long)]).outcome == NOT_JUDGED
 
@@ -160,8 +160,8 @@ def test_constant() -> None:
 
 
 def test_constant_errs_seldom() -> None:
-    """Twenty places share one constant with 10 % of noise: the greatest and the least differ by more than the factor in most
-    trials, and that must not refute it.
+    """Twenty places share one constant with 10 % of noise. Their extremes usually differ by more than the factor, which must
+    not refute the constant.
     """
     def noise(rng: np.random.Generator) -> verdicts.Verdict:
         return verdicts.constant("x", np.exp(0.1 * rng.standard_normal((20, 10))).tolist(), 1.05)
@@ -173,24 +173,24 @@ def test_greatest() -> None:
         return verdicts.greatest("x", ratios, rival, "").outcome
     assert of([FASTER, FASTER], FASTER) == HOLDS and of([FASTER, LEVEL], LEVEL) == OPEN
     assert of([FASTER, SLOWER], SLOWER) == FAILS and of([], NO_DATA) == UNTESTED
-    assert of([FASTER, NO_DATA], NO_DATA) == OPEN  # nothing is known about one place
+    assert of([FASTER, NO_DATA], NO_DATA) == OPEN
     assert verdicts.greatest("x", [one_draw(2.0)], one_draw(2.0), "at 0") == verdicts.Verdict("x", NOT_JUDGED, "n = 1; at 0")
-    assert of([FASTER, SLOWER], FASTER) == OPEN  # chosen by the times themselves, so not a proof
+    assert of([FASTER, SLOWER], FASTER) == OPEN  # chosen by the times themselves, so no proof
 
 
 def test_least_among() -> None:
     def of(*rivals: tuple[Estimate, ...], among: int = 2) -> str:
         return verdicts.least_among("x", [(str(i), r) for i, r in enumerate(rivals)], "5", ["5", "6", "7"][:among]).outcome
     assert of((FASTER, SLOWER), (FASTER, LEVEL)) == HOLDS
-    assert of((FASTER, LEVEL), (LEVEL, FASTER)) == OPEN  # no single setting beats both
+    assert of((FASTER, LEVEL), (LEVEL, FASTER)) == OPEN  # neither setting beats both rivals
     assert of((SLOWER, SLOWER), (FASTER, FASTER)) == FAILS and of((SLOWER, FASTER)) == HOLDS and of() == UNTESTED
-    # One-sided 2^-6 times four rivals is above 5 %.
+    # One-sided 2^-6, times four rivals, exceeds 5 %.
     six = [(ratio(0.5, 6),)] + [(ratio(2.0, 6),)] * 3
     assert of(*six[:3], among=1) == FAILS and of(*six, among=1) == OPEN
 
 
 def test_least_among_tells_level_from_less() -> None:
-    """Eight rivals: being below 1 in all of six rounds has the chance 8 / 2^6; being below in all of ten is enough."""
+    """One of eight rivals may win all of six rounds by chance, 8 / 2^6 > 5 %, but not all of ten."""
     def evidence(rounds: int, odd: int = 0) -> str:
         first = (ratio(0.5, rounds, odd),)
         return verdicts.least_among("x", [("a", first), *[(c, (ratio(1.1, 10, odd=4),)) for c in "bcdefg"], ("h", (FASTER,))],
@@ -200,11 +200,11 @@ def test_least_among_tells_level_from_less() -> None:
     assert "faster than 5: a" in evidence(10) and "not separated from it: a, b" in evidence(10, 3)
     few = verdicts.least_among("x", [(c, (ratio(0.5, 6),)) for c in "abcdefgh"], "a", ["5"])
     assert few.outcome == OPEN and few.evidence.endswith("n = 6 cannot refute it for 8 rivals")
-    assert "refute" not in evidence(6)  # seven of them have ten rounds
+    assert "refute" not in evidence(6)  # seven of the rivals have ten rounds
 
 
 def test_least_among_errs_seldom() -> None:
-    """Nine rivals that take as long as the setting, all compared with the same times of the setting."""
+    """Nine rivals are truly as fast as the setting; all are compared with the same times of the setting."""
     def level(rng: np.random.Generator) -> verdicts.Verdict:
         own, others = np.exp(0.02 * rng.standard_normal(10)), np.exp(0.02 * rng.standard_normal((9, 10)))
         return verdicts.least_among("x", [(str(i), [paired_ratio(x, own)]) for i, x in enumerate(others)], "", ["5"])

@@ -1,4 +1,4 @@
-"""The picture of the fastest certified solvers: the participants, the winners, and whether a win is separated."""
+"""The picture of the fastest certified solvers: which take part, which wins, and whether its lead is separated."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from synthetic import ResultFile
 
 
 def peers(rounds: int = 7, rival: float = 2.0) -> ResultFile:
-    """Known: on scene near, cover takes 1 s, tang `rival` s, sacht half a second but not to the tolerance, cgal (not certified) a tenth."""
+    """cover takes 1 s and tang `rival` s; sacht takes 0.5 s but misses the tolerance, and cgal takes 0.1 s but is not certified."""
     file = ResultFile("mesh_peers")
     for solver, seconds, status, certified in (("cover", 1.0, "ok", 1), ("tang", rival, "ok", 1), ("sacht", 0.5, "budget", 1), ("cgal", 0.1, "ok", 0)):
         file.case(solver, "near", [seconds * (1 + 0.01 * k) for k in range(rounds)], lower=0.5, upper=0.5, status=status, certified=certified,
@@ -37,7 +37,7 @@ def test_what_is_not_separated(tmp_path: Path, rounds: int, rival: float) -> Non
 
 
 def test_a_tolerance_that_was_read_off_a_trace_has_no_cell(tmp_path: Path) -> None:
-    """The fastest solver at that tolerance is not known."""
+    """tang was not timed at that tolerance, so the fastest solver is unknown."""
     file = peers()
     for case in file.cases:
         if case["label"] == "tang":
@@ -53,7 +53,7 @@ def test_a_solver_alone(tmp_path: Path) -> None:
 
 
 def test_the_fastest_is_ahead_by_the_ratio_that_is_shown(tmp_path: Path) -> None:
-    """Tang has the lower median, cover the lower time in most rounds."""
+    """tang has the lower median, but cover is faster in most rounds and by the ratio that is printed."""
     file = ResultFile("mesh_peers")
     for solver, seconds in (("cover", [1.0, 1, 1, 9, 9, 9, 9]), ("tang", [8.0, 8, 8, 8, 9.5, 9.5, 9.5])):
         file.case(solver, "near", seconds, lower=0.5, upper=0.5, certified=1, tolerance=1e-6, tolerance_of="diagonal", prepare_seconds=0.0)
@@ -62,7 +62,7 @@ def test_the_fastest_is_ahead_by_the_ratio_that_is_shown(tmp_path: Path) -> None
 
 
 def test_sweeps(tmp_path: Path) -> None:
-    """The first seed stands for the solver; a sweep over another parameter takes no part."""
+    """The first seed represents a solver; variants with other parameters take no part."""
     file = peers()
     for seed, seconds in ((1, 0.7), (2, 0.2)):
         file.case("kang", "near", [seconds] * 7, lower=0.5, upper=0.5, certified=1, tolerance=1e-6, tolerance_of="diagonal", prepare_seconds=0.0,

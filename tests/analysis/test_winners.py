@@ -1,4 +1,4 @@
-"""README's table of winners is made of the kept times, which agree with the kept tables."""
+"""README's table of winners follows from the times kept in results/reference, which agree with the tables kept there."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analysis.shared import style, tables
 from analysis.shared.load import REFERENCE
 from analysis.shared.statistics import Estimate
 
-# Milliseconds on three scenes; an empty list is a timeout.
+# Milliseconds on three scenes: the median and its interval. An empty list is a timeout.
 TIMES: dict[str, dict[str, list[float]]] = {
     "a_pears": {"earlybreak": [8.0, 7.0, 9.0], "scan": [2.0, 1.5, 2.5], "kdtree": [4.0, 3.0, 5.0]},
     "b_cow": {"earlybreak": [1.0, 0.9, 1.1], "scan": [], "kdtree": [3.0, 2.9, 3.1]},
@@ -22,7 +22,7 @@ TIMES: dict[str, dict[str, list[float]]] = {
 
 def kept(folder: Path, stem: str = "zhang2017_table3", times: dict[str, dict[str, list[float]]] = TIMES, rounds: int = 10, apart: str = "",
          **changed: list[float]) -> Path:
-    """Writes files of times; the files of the other stems are empty. `changed` gives times on the first scene."""
+    """Writes one file of times per stem, empty except for `stem`. `changed` replaces times on the first scene."""
     first = next(iter(times))
     found: list[tables.Record] = [
         {"stem": stem, "scene": scene, "solver": solver, "label": solver, "title": style.title(solver), "seconds": seconds,
@@ -40,14 +40,14 @@ def test_readme_is_what_the_kept_times_give() -> None:
 
 
 def rows_of(stem: str, text: str) -> list[list[str]]:
-    """Returns the cells of the table of a stem, the header first."""
+    """Returns the cells of a stem's table, with the header first."""
     section = text.partition(f"\n## {stem}\n")[2].partition("\n## ")[0]
     return [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in section.splitlines() if line.startswith("| ")]
 
 
 @pytest.mark.parametrize("stem", winners.RACES)
 def test_the_kept_times_are_those_of_the_kept_table(stem: str) -> None:
-    """Every time is printed in the row of its scene and the column of its solver, and no number of such a row is missing."""
+    """Each kept time equals the printed cell of its scene and solver, and no printed time is missing."""
     file = winners.RACES[stem][0]
     header, *rows = rows_of(stem, (REFERENCE / file).read_text(encoding="utf-8"))
     found = [one for one in winners.read(file) if one.stem == stem]
@@ -65,9 +65,7 @@ def test_the_kept_times_are_those_of_the_kept_table(stem: str) -> None:
 
 
 def test_a_winner_is_separated_from_all_others(tmp_path: Path) -> None:
-    """scan wins the first scene, two times ahead of the tree; EARLYBREAK wins the second, where scan timed out; on the third, the
-    two are level.
-    """
+    """scan wins the first scene by a factor of 2, and earlybreak the second, where scan timed out. On the third, the two are level."""
     lines = winners.table(kept(tmp_path)).splitlines()
     assert "| `scan` | 1 of the 3 pairs of Table 3, 2.0 times as fast as the next best |" in lines
     assert "| `earlybreak` | 1 of the 3 pairs of Table 3, 3.0 times as fast as the next best |" in lines
@@ -75,7 +73,7 @@ def test_a_winner_is_separated_from_all_others(tmp_path: Path) -> None:
 
 
 def test_a_single_time_neither_wins_nor_loses(tmp_path: Path) -> None:
-    """On the first scene the tree has a single time, above or below all intervals; the other scenes are unchanged."""
+    """A single time has no interval, so nothing is decided on the first scene, whether it is above or below all intervals."""
     for time, least in ((4.0, "; the interval of `scan` lies below all intervals and single times in 1 of them"), (0.1, "")):
         text = winners.table(kept(tmp_path, kdtree=[time]))
         assert "`scan` |" not in text and "`kdtree` |" not in text
@@ -93,7 +91,7 @@ def test_nobody_wins_by_intervals_of_less_than_95_percent(rounds: int, tmp_path:
 
 
 def test_the_stated_sources_are_those_that_are_read(tmp_path: Path) -> None:
-    """Without any of them there is no table, and no other kept file is needed."""
+    """Each file named as a source is needed, and no other file is."""
     stated = re.findall(r"\(results/reference/([^)]*)\)", winners.table(kept(tmp_path)))
     files = [Path(name).with_suffix(winners.SUFFIX).name for name in stated]
     assert stated == list(winners.SOURCES) and set(files) == {path.name for path in tmp_path.iterdir()}
@@ -105,7 +103,7 @@ def test_the_stated_sources_are_those_that_are_read(tmp_path: Path) -> None:
 
 
 def test_times_are_kept_with_their_table(tmp_path: Path) -> None:
-    """Like the paper profile: the times of a stem without a result here stay; outside programs have their titles."""
+    """Kept times stay if this run has no result for them. Outside programs appear under their titles."""
     for file in (synthetic.points_speed(), synthetic.zhang2017_table3()):
         file.meta["profile"] = "paper"
         file.write(tmp_path)

@@ -1,4 +1,4 @@
-"""The stems of Zhang et al. 2017, from files with known numbers; and their verdicts."""
+"""Figures, tables and verdicts of Zhang et al. 2017, on files with known numbers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_table1_gives_both_variants_the_same_preparation(make: Make) -> None:
     header = rows["pair"][0]
     first = rows["1"][0]
     assert first[1:4] == ["35.89", "22.47", "1.60"]  # the paper's values, in ms
-    # Ratios of (solve + 1 ms); the 0.5 s that one preparation took by accident does not count.
+    # Preparation counts as 1 ms for both variants, not as the 0.5 s that one took by accident.
     assert first[header.index("here: ratio")] == "1.50 [1.50, 1.50]" and first[header.index("distances: ratio")] == "2.00"
     assert first[header.index("distances, bounds and nodes: ratio")] == "2.00"
     assert first[header.index("here: with")] == "3.06 [3.00, 3.12]"
@@ -54,7 +54,7 @@ def test_table2_says_what_was_culled_and_what_was_wrong(make: Make) -> None:
 
 
 def test_table2_pairs_seeds(make: Make) -> None:
-    """Ten seeds take twice as long and three times the work without culling; a single seed is only one draw."""
+    """Without culling, each of ten seeds takes twice the time and three times the distances. A single seed is one draw."""
     for seeds, ratio in ((10, "3.00 [3.00, 3.00]"), (1, "3.00 (not judged, n = 1)")):
         file = ResultFile("zhang2017_table2", cpu=1.0)
         for seed in range(1, seeds + 1):
@@ -114,14 +114,14 @@ def test_motion_is_read_by_overlap(file: ResultFile, make: Make) -> None:
 
 
 def outcome_of(text: str, part: str) -> str:
-    """Returns the outcome of the one claim whose text has this part, with its evidence."""
+    """Returns the outcome and evidence of the only claim whose text contains `part`."""
     (line,) = [line for line in text.splitlines() if line.startswith("- Claim: ") and part in line.split(". Here")[0]]
     return line.split(". Here", 1)[1].removeprefix(":").strip()
 
 
 @pytest.mark.parametrize(("nohd", "outcome"), [(2.0, "it holds"), (0.2, "it does not hold"), (None, "not tested")])
 def test_nohd_is_compared_with_ohd_where_models_overlap(nohd: float | None, outcome: str, make: Make) -> None:
-    """OHD takes half of EARLYBREAK's time, NOHD `nohd` times it."""
+    """OHD takes 0.5 times EARLYBREAK's time, and NOHD `nohd` times."""
     file = synthetic_zhang.fig10()
     for row in file.repeats:
         if file.cases[row["case"]]["solver"] == "nohd" and nohd:
@@ -144,7 +144,7 @@ def test_time_rises_as_the_distance_falls(power: float, rounds: int, outcome: st
     (100, 900, 6, "it holds", "it holds"), (900, 100, 6, "it does not hold", "it does not hold"), (500, 500, 6, "not separated", "not separated"),
     (100, 900, 1, "not judged", "not judged"), (None, None, 6, "not tested", "not tested")])
 def test_motion_says_what_is_culled(touching: int | None, overlapping: int | None, seeds: int, few: str, many: str, make: Make) -> None:
-    """Culled points, out of the 1,000 points of A; seeds cull up to 30 points more or fewer."""
+    """Culled points, of A's 1,000; a seed changes them by up to 30."""
     file = synthetic_zhang.fig10()
     for case in [case for case in file.cases if case["solver"] == "ohd"]:
         culled = touching if abs(case["pose"][9]) > 0.35 else overlapping
@@ -161,7 +161,7 @@ def test_motion_says_what_is_culled(touching: int | None, overlapping: int | Non
 
 @pytest.mark.parametrize(("counted", "outcome"), [(2_000_000, "it holds (not so for 0 of 1"), (1_999_999, "it does not hold (not so for 1 of 1"), (None, "not tested")])
 def test_the_worst_case_of_early_breaking(counted: int | None, outcome: str, make: Make) -> None:
-    """At the pose with distance 0; A has 1,000 points, B 2,000. Without such a pose there is no verdict."""
+    """At distance 0, EARLYBREAK may compute all 1,000 * 2,000 distances. Without such a pose there is no verdict."""
     file = synthetic_zhang.fig10()
     for case in file.cases:
         changed: dict[str, Any] = {"counter_point_distances": counted} if counted else {"status": "timeout", "lower": float("nan"), "upper": float("nan")}
@@ -234,8 +234,8 @@ def test_counted_work_of_one_seed_is_one_draw(make: Make) -> None:
 
 
 def test_counted_work_of_several_seeds_has_an_interval(make: Make) -> None:
-    """Seeds 2 to 7 differ by up to 6 % in their counts, and take no part in the times. At the pose x = 0.9, EARLYBREAK's first
-    seed counts the most of all, and its other seeds the least: the first seed chooses, and refutes nothing.
+    """Counts of seeds 2 to 7 differ by up to 6 %. At x = 0.9, EARLYBREAK's first seed has the largest count of all poses, the
+    others the smallest. As the first seed chooses the pose to test, it must not count as evidence.
     """
     file = synthetic_zhang.fig10()
     for case in [case for case in file.cases if case["solver"] != "nohd"]:
@@ -250,7 +250,7 @@ def test_counted_work_of_several_seeds_has_an_interval(make: Make) -> None:
             file.cases.append(again)
     _, rows, text = make(file)
     header, apart = rows["models"][0], rows["ring, boxes apart"][0]
-    assert apart[header.index("EARLYBREAK / NOHD")] == "2.00 [2.00, 2.00]"  # times as before
+    assert apart[header.index("EARLYBREAK / NOHD")] == "2.00 [2.00, 2.00]"  # the other seeds have no times
     assert apart[header.index("EARLYBREAK / NOHD, distances")] == "10.4 [10.0, 10.7]"
     claim = next(line for line in text.splitlines() if "boxes are apart, NOHD takes less" in line)
     assert "Counted in distances it holds (median of EARLYBREAK / NOHD 10.4 [10.0, 10.7])" in claim
@@ -272,7 +272,7 @@ POINTS = {"A": [[0.0, 0.0, 0.0]] * 4, "B": [[0.5, 0.0, 0.0]] + [[2.0, 0.0, 0.0]]
 
 @pytest.fixture()
 def shapes_of_a_and_b(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Makes a cache that holds the shapes, as datasets/shape_file.cpp writes them."""
+    """Makes a cache with the shapes of A and B, in the format of datasets/shape_file.cpp."""
     (tmp_path / "shapes").mkdir()
     for name, points in POINTS.items():
         with h5py.File(tmp_path / "shapes" / f"made_of_{name}.h5", "w") as file:
@@ -285,13 +285,13 @@ def test_steps_expected_and_counted(make: Make, shapes_of_a_and_b: None) -> None
     _, rows, text = make(synthetic_zhang.steps())
     assert rows["4"][0][2:] == ["6.00 [6.00, 6.00]", "5.00", "1.20", "3.00", "2.00"]
     assert rows["4"][4][2] == "3.00 [3.00, 3.00]"
-    # All eight seeds agree: from 5/6 to 5/3.
+    # c = expected / counted steps is 5/6 at four poses and 5/3 at the last, and all seeds agree.
     assert "4: c of Eq. 7 is a constant. Here it does not hold (from 0.833 to 1.67, a factor of 2.00 [2.00, 2.00]" in text
 
 
 def test_expectations_where_no_point_is_near() -> None:
     a, b = np.array([[0.0, 0, 0], [9.0, 0, 0]]), np.array([[1.0, 0, 0], [1.0, 0, 0], [3.0, 0, 0]])
-    # The first point has two of three points within reach, the second none: 1/p = 3, and (4/3 + 3) / 2.
+    # Two of three points are within reach of A's first point, none of its second: 1/p = 3, and by points (4/3 + 3) / 2.
     expected, by_point = zhang2017_steps.expectations(a, b, 2.0)
     assert expected == pytest.approx(3.0) and by_point == pytest.approx((4 / 3 + 3) / 2)
 
@@ -333,7 +333,7 @@ def test_as_printed_counts_wrong_answers(make: Make) -> None:
     records, rows, text = make(synthetic_zhang.as_printed())
     of = {row[0]: row[1:] for row in rows["clouds"]}
     assert of["OHD as printed"][:5] == ["3", "3", "8", "1", "12.5"] and of["OHD as printed"][-1] == "0.9000"
-    # Three blocks of poses, all wrong: 0.025^(1/3).
+    # All of three blocks of poses are wrong: at least 0.025^(1/3) = 29 %.
     assert of["NOHD as printed"][2:6] == ["3", "3", "100", "29 to 100"] and of["NOHD as printed"][-1] == "1.500"
     assert of["OHD"][3] == "0" and of["OHD"][-1] == "—" and of["OHD"][5] == "0 to 71"
     assert "OHD as printed computes the exact distance. Here it does not hold (1 of 8 answers are wrong)" in text
@@ -346,8 +346,8 @@ def test_as_printed_counts_wrong_answers(make: Make) -> None:
 @pytest.mark.parametrize(("seeds", "bad_blocks", "outcome"), [
     (4, 20, "not refuted"), (4, 2, "not separated"), (1, 20, "not separated"), (4, 0, "not refuted")])
 def test_what_is_mended_is_held_against_what_is_printed(seeds: int, bad_blocks: int, outcome: str, make: Make) -> None:
-    """As printed, seed 3 is wrong in `bad_blocks` of 40 blocks of poses; 40 blocks without an error allow a rate of 7.2 %. The
-    mended solver with seed 1 alone is never run where the printed one is wrong, and has 10 blocks, which allow 26 %.
+    """As printed, OHD is wrong with seed 3 in `bad_blocks` of 40 blocks of poses. Corrected OHD makes no error in 40 blocks,
+    so its rate is below 7.2 %; with seed 1 alone, it has 10 blocks (26 %), and none in which the printed one is wrong.
     """
     file = ResultFile("zhang2017_as_printed")
     for pose in range(0, 200, 5):
@@ -364,7 +364,7 @@ def test_what_is_mended_is_held_against_what_is_printed(seeds: int, bad_blocks: 
 
 
 def test_as_printed_says_no_more_than_the_data(make: Make) -> None:
-    """No answer is wrong, there is no certified solver, and one block of poses is not a sample."""
+    """No wrong answer, no certified solver, and a single block of poses: nothing follows."""
     file = ResultFile("zhang2017_as_printed")
     for solver in ("ohd_as_printed", "nohd_as_printed"):
         file.case(solver, "clouds", [0.1], lower=2.0, upper=2.0, certified=0)
@@ -375,7 +375,7 @@ def test_as_printed_says_no_more_than_the_data(make: Make) -> None:
 
 
 def test_shares_are_of_blocks_of_poses(tmp_path: Path) -> None:
-    """Twenty answers at five neighbouring poses are one trial, not twenty."""
+    """Twenty answers at five neighbouring poses count as one trial, because such poses are alike."""
     file = ResultFile("zhang2017_as_printed")
     for pose in range(50):
         for seed in range(4):
@@ -386,7 +386,7 @@ def test_shares_are_of_blocks_of_poses(tmp_path: Path) -> None:
     rows = list(range(200))
     assert [len(block) for block in zhang2017_as_printed.blocks(results, rows)] == [20] * 10
     low, high = zhang2017_as_printed.share_interval(results, rows)
-    assert low == 0 and 0.2 <= high <= 0.4  # one of ten blocks; as 200 answers it would be 0.06 to 0.15
+    assert low == 0 and 0.2 <= high <= 0.4  # one of ten blocks; for 200 answers it would be 0.06 to 0.15
 
 
 def test_preparation_widens_the_interval(tmp_path: Path) -> None:
@@ -418,7 +418,7 @@ def test_clocks_are_named(tmp_path: Path) -> None:
 
 
 def motion_of(times: list[list[float]], folder: Path, work: list[int] | None = None) -> Motion:
-    """Returns EARLYBREAK's motion: rows are poses from x = -1 to 1, columns are rounds; the least distance is in the middle."""
+    """Returns EARLYBREAK's motion from x = -1 to 1: a row of `times` per pose, a column per round; the distance is least in the middle."""
     file, half = ResultFile("zhang2017_fig10", cpu=1.0), len(times) // 2
     for i, seconds in enumerate(times):
         x = (i - half) / half
@@ -437,7 +437,7 @@ def test_a_peak_can_come_out_three_ways(level: list[int], rounds: int, outcome: 
 
 
 def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
-    """Noise alone seldom makes a peak in the middle or elsewhere, however many poses there are."""
+    """Noise alone seldom gives a verdict about a peak, however many poses there are."""
     rng, outcomes = np.random.default_rng(4), []
     for _ in range(15):
         outcomes.append(motion_of(np.exp(0.01 * rng.standard_normal((21, 6))).tolist(), tmp_path).peak("earlybreak").outcome)
@@ -445,14 +445,14 @@ def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
 
 
 def test_who_refutes_a_peak_is_not_chosen_by_its_times(tmp_path: Path) -> None:
-    """The first pose is the slowest in every round, which happens by chance for one of many poses; the pose with the most work is not slower."""
+    """The first pose is the slowest in every round, as one of many may be by chance. The rival of the middle pose is chosen by its work instead."""
     times = [[y] * 6 for y in (2.1, 1.0, 1.0, 2.0, 1.0, 1.0, 1.0)]
     assert motion_of(times, tmp_path, [10, 10, 10, 20, 10, 10, 15]).peak("earlybreak").outcome == "not separated"
     assert motion_of(times, tmp_path, [15, 10, 10, 20, 10, 10, 10]).peak("earlybreak").outcome == "does not hold"
 
 
 def test_poses_are_no_independent_trials(tmp_path: Path) -> None:
-    """One slow process makes every pose slow: a sign test over poses would separate equal solvers."""
+    """One slow process slows down all of its poses: a sign test over poses would separate equal solvers."""
     file, rng = ResultFile("zhang2017_fig10", cpu=1.0), np.random.default_rng(8)
     process = {label: np.exp(0.01 * rng.standard_normal(3)) for label in ("earlybreak", "nohd")}
     for i in range(40):

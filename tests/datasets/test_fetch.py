@@ -1,4 +1,4 @@
-"""datasets/fetch.py without a network, and the manifest itself."""
+"""Tests datasets/fetch.py without a network, and the manifest itself."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ target = { points = [[0, 0, 0]] }
     assert fetch.asked_by(file, "quick", catalogue) == ["man1", "bunny", "man2"]
 
 
-# Stand-ins for the programs: packages are plain tar archives in the folder `shelf`, and every call is recorded.
+# Fake programs: packages are tar archives in the folder `shelf`, and every call is recorded.
 APT = """#!/bin/sh
 echo "apt-get $*" >> "$CALLS"
 [ "$1" = update ] && { touch "$LISTS/x_Packages"; exit 0; }
@@ -80,7 +80,7 @@ def tar(files: dict[str, bytes], mode: str = "w") -> bytes:
 
 
 class World:
-    """A folder with stand-in programs, packages, a manifest and a cache."""
+    """A folder with fake programs, packages, a manifest and a cache."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         self.folder, self.manifest, self.cache = folder, folder / "manifest.toml", folder / "cache"
@@ -231,7 +231,7 @@ def test_scripts_become_obj_files(world: World) -> None:
 
 
 def small_font() -> bytes:
-    """Returns a font of 64 units with an H, which is a square, and an O, a square with a square hole."""
+    """Returns a font of 64 units per em with a square H and an O that is a square with a square hole."""
     pytest.importorskip("fontTools")
     from fontTools.fontBuilder import FontBuilder
     from fontTools.pens.ttGlyphPen import TTGlyphPen
@@ -341,11 +341,10 @@ def test_the_command_line(world: World, monkeypatch: pytest.MonkeyPatch, capsys:
     assert fetch.main(["--manifest", str(world.manifest), "--cache", str(world.folder / "file")]) == 2
 
 
-# ---- the corpus
 
 
 def with_corpus(world: World) -> None:
-    """Puts a into the manifest, and a, b and c into the corpus."""
+    """Lists model a in the manifest, and a, b and c in the corpus."""
     (world.shelf / "pack=1.0.deb").write_bytes(tar({f"{name}.obj": name.encode() for name in "abc"}))
     world.model("a", "debian", "a.obj", sha(b"a"))
     manifest, world.manifest = world.manifest, world.folder / "corpus.toml"
@@ -362,7 +361,7 @@ def kept_of(world: World) -> str:
 def test_the_corpus_is_fetched_only_where_it_is_asked_for(world: World) -> None:
     with_corpus(world)
     assert world.fetch() == 0 and kept_of(world) == "a"
-    assert world.fetch("b_half") == 0 and kept_of(world) == "ab"  # by rule
+    assert world.fetch("b_half") == 0 and kept_of(world) == "ab"  # b comes from the corpus, because b_half is made from it
     assert fetch.fetch(world.manifest, world.cache, [], packages.Apt(world.lists, False), fetch.Asked(corpus=True)) == 0
     assert kept_of(world) == "abc"
     with pytest.raises(fetch.ManifestError, match="no model d"):
@@ -427,7 +426,7 @@ def test_the_corpus_of_the_project() -> None:
         assert all(isinstance(table[key], str) and table[key].strip() for key in REAL_KEYS - {"note"}), name
         assert not table["path"].startswith("/") and ".." not in table["path"].split("/"), name
         assert 200 <= table["triangles"] <= 120_000, name
-    # A file is listed once: if the manifest has it, it is in `manifest`.
+    # Each file is listed once, either in the manifest or in the corpus.
     hashes = [table["sha256"] for table in [*REAL.values(), *own.values()]]
     assert len(set(hashes)) == len(hashes)
     assert all(catalogue.models[name]["source"] in ("debian", "npm") for name in catalogue.corpus)
@@ -457,7 +456,6 @@ def test_the_sweeps_over_the_corpus(stem: str, quick: int, paper: int) -> None:
         assert profile == "paper" or most <= (5000 if quick == 20 else 500)
 
 
-# ---- the manifest
 
 MODELS: dict[str, dict[str, Any]] = tomllib.loads((DATASETS / "manifest.toml").read_text())["model"]
 REAL = {name: table for name, table in MODELS.items() if table["source"] in ("debian", "npm")}
@@ -507,7 +505,7 @@ def test_operations_and_recipes_have_just_their_parameters() -> None:
 
 def test_derivations_end_at_a_model_that_is_not_derived() -> None:
     for name in DERIVED:
-        chain = fetch.origins(MODELS, [name])  # raises for an origin that does not exist and for a cycle
+        chain = fetch.origins(MODELS, [name])  # raises for a missing origin and for a cycle
         assert MODELS[chain[-1]]["source"] != "derived"
 
 
@@ -528,7 +526,7 @@ def ends_in_points(name: str) -> bool:
 def test_the_point_sets_of_zhang_2017_have_the_papers_sizes(pair: tuple[str, str], sizes: tuple[int, int]) -> None:
     for name, size in zip(pair, sizes):
         assert ends_in_points(f"zhang_{name}") and ends_in_points(f"zhang_{name}_tenth")
-        if name != "cow":  # its points are the distinct vertices of the mesh
+        if name != "cow":  # cow has no count: it takes all vertices of the mesh
             assert DERIVED[f"zhang_{name}"]["count"] == size
         assert DERIVED[f"zhang_{name}_tenth"]["count"] == round(size / 10)
     a, b = (DERIVED[f"zhang_{name}"] for name in pair)

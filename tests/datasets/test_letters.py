@@ -1,4 +1,4 @@
-"""datasets/letters.py: every solid is closed, faces outwards, does not intersect itself and has no degenerate triangle."""
+"""datasets/letters.py makes closed solids that face outwards, do not intersect themselves and have no degenerate triangle."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ def dot(a: Vector, b: Vector) -> int:
 
 
 def side(a: Vector, b: Vector, c: Vector) -> int:
-    """Returns the side of c from ab, seen from above: 1, 0 or -1."""
+    """Returns 1, -1 or 0 if c is left of, right of or on the line from a to b, seen from above."""
     value = product(minus(b, a), minus(c, a))[2]
     return (value > 0) - (value < 0)
 
 
 def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) -> int:
-    """Checks a solid, in integers, and returns its number of holes."""
+    """Checks a solid in exact arithmetic, and returns its number of holes."""
     vertices, faces = mesh
     unit = lcm(*(c.denominator for vertex in vertices for c in vertex))
     at: list[Vector] = [(int(x * unit), int(y * unit), int(z * unit)) for x, y, z in vertices]
@@ -67,8 +67,7 @@ def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) ->
             if a < b and i not in (a, b) and product(along, minus(at[i], at[a])) == (0, 0, 0):
                 assert not 0 <= dot(along, minus(at[i], at[a])) <= dot(along, along), "a vertex lies on an edge that is not its own"
 
-    # No two edges of a cap cross. Together with the orientation of its triangles: the cap covers
-    # the region once, and the walls stand apart.
+    # No two edges of a cap cross. As its triangles have one orientation, the cap covers the region once, and walls do not meet.
     flat = [(at[a], at[b]) for a, b in directed if a < b and vertices[a][2] == vertices[b][2] == 0]
     for i, (p, q) in enumerate(flat):
         assert not any(side(p, q, r) * side(p, q, s) < 0 and side(r, s, p) * side(r, s, q) < 0 for r, s in flat[:i])
@@ -76,7 +75,7 @@ def check(mesh: letters.Solid, depth: Fraction, area: Fraction | None = None) ->
     n = len(at) // 2
     holes = (len(faces) + 4 - 4 * n) // 4
     assert len(faces) == 4 * n - 4 + 4 * holes
-    assert len(at) - len(directed) // 2 + len(faces) == 2 - 2 * holes  # Euler
+    assert len(at) - len(directed) // 2 + len(faces) == 2 - 2 * holes  # Euler's formula
     return holes
 
 
@@ -91,11 +90,11 @@ def contour(*points: tuple[int, int, bool]) -> list[tuple[Fraction, Fraction, bo
 SQUARE = ring((0, 0), (0, 8), (8, 8), (8, 0))  # clockwise, like the outer contours of TrueType
 HOLE = ring((2, 2), (4, 2), (4, 4), (2, 4))
 NOTCH = ring((5, 3), (7, 3), (6, 4), (7, 6), (5, 5))
-# A needle points into the ear with the shortest cut, or ends on the cut.
+# The notch's tip is inside the ear (a corner to cut off) with the shortest cut, or on the cut.
 NEEDLES = [ring((0, 0), (10, 0), (20, 0), (20, 18), (tip, tip), (18, 20), (0, 20), (0, 10)) for tip in (2, 5)]
-# A point of the outer ring is next to two holes; only one bridge may begin there.
+# A point of the outer ring is nearest to two holes, but only one may be joined to it.
 SPIKE = [ring((0, 0), (0, 8), (8, 8), (8, 0), (5, 0), (4, 4), (3, 0)), ring((3, 4), (2, 5), (2, 3)), ring((5, 4), (6, 5), (6, 3))]
-# The nearest points are on opposite sides of a long hole.
+# The small hole and the nearest point of the outer ring are on opposite sides of the long hole.
 BAR = [ring((0, 0), (0, 16), (6, 16), (8, 14), (10, 16), (16, 16), (16, 0)), ring((2, 12), (14, 12), (14, 13), (2, 13)),
        ring((8, 11), (9, 10), (7, 10))]
 
@@ -112,7 +111,7 @@ def test_solids_of_rings_with_holes(rings: list[letters.Ring], area: Fraction, h
 
 
 def test_a_curved_outline_with_a_hole() -> None:
-    """A disc of four curves, with points between two control points left out as in TrueType, and a hole with one curved side."""
+    """A disc of four curves given by control points alone, as in TrueType, and a hole with one curved side."""
     disc = letters.flatten(contour((0, 0, False), (0, 8, False), (8, 8, False), (8, 0, False)), 2)
     assert len(disc) == 8 and (Fraction(1), Fraction(1)) in disc and (Fraction(0), Fraction(4)) in disc
     hole = letters.flatten(contour((3, 3, True), (5, 3, True), (5, 5, False), (3, 5, True)), 4)
@@ -126,10 +125,10 @@ def test_a_curved_outline_with_a_hole() -> None:
 
 
 @pytest.mark.parametrize("rings", [
-    [SQUARE, ring((7, 2), (9, 2), (9, 4))],  # one crosses the other
-    [SQUARE, ring((8, 2), (10, 2), (9, 4))],  # a point of one lies on the other
-    [SQUARE, ring((20, 2), (22, 2), (21, 4))],  # two pieces
-    [SQUARE, ring((1, 1), (1, 7), (7, 7), (7, 1)), HOLE],  # an island in a hole
+    [SQUARE, ring((7, 2), (9, 2), (9, 4))],  # the contours cross
+    [SQUARE, ring((8, 2), (10, 2), (9, 4))],  # a point of one is on the other
+    [SQUARE, ring((20, 2), (22, 2), (21, 4))],  # two separate pieces
+    [SQUARE, ring((1, 1), (1, 7), (7, 7), (7, 1)), HOLE],  # a piece inside a hole
     [ring((0, 0), (4, 4), (4, 0), (0, 4))]])
 def test_outlines_that_are_no_ring_with_holes_are_refused(rings: list[letters.Ring]) -> None:
     with pytest.raises(ValueError, match="contours overlap|not one ring with holes"):
@@ -153,7 +152,7 @@ def test_letters_of_the_font(name: str) -> None:
     pytest.importorskip("fontTools")
     letter = MODELS[name]["path"].rpartition("/")[2][0]
     mesh = letters.letter_solid(FONT.read_bytes(), letter)
-    height = Fraction(1493, 2048)  # height of the H
+    height = Fraction(1493, 2048)  # the height of the letter H
     assert check(mesh, height / 4) == {"A": 1, "B": 2, "D": 1, "O": 1, "R": 1}.get(letter, 0)
     assert len(mesh[1]) == MODELS[name]["triangles"] and 200 <= len(mesh[1]) <= 204
     assert hashlib.sha256(letters.obj_text(mesh)).hexdigest() == MODELS[name]["sha256"]

@@ -1,4 +1,4 @@
-"""The recorded scenes of experiments/tang2009: the guarantees for a reader of the format."""
+"""Tests what readers of the recorded scenes of experiments/tang2009 may rely on."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def test_recordings(stem: str, objects: list[str]) -> None:
         keys.append((frame, first, second))
         assert 0 <= frame < int(frames) and 0 <= first < second < len(objects)
         for body, numbers in ((first, words[3:10]), (second, words[10:])):
-            assert poses.setdefault((frame, body), numbers) == numbers  # one pose per body and frame
+            assert poses.setdefault((frame, body), numbers) == numbers  # a body has one pose in each frame
             assert all(f"{float(number):.9g}" == number for number in numbers)
             assert sum(float(number) ** 2 for number in numbers[:4]) == pytest.approx(1, abs=1e-8)
     assert keys == sorted(set(keys)) and 1000 <= len(keys) <= 2000
-    # In the end, most bodies overlap another one; some bunnies roll away where contacts are rigid.
+    # In the last frame, most bodies overlap another; a few bunnies roll away if contacts are rigid.
     assert len({body for frame, *pair in keys if frame == int(frames) - 1 for body in pair}) >= 0.8 * len(objects)

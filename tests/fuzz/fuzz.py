@@ -27,13 +27,13 @@ ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "tests" / "fuzz"
 BUILD = ROOT / "build" / "fuzz"
 TARGETS = ["certificates", "differential", "experiments", "journals", "kernels", "polynomials", "readers", "results"]
-# Longest inputs, in bytes, that a target can use.
+# The longest input that a target can use, in bytes.
 LENGTHS = {"differential": 600, "kernels": 256, "polynomials": 220, "certificates": 2000, "results": 600}
-# Executions of a short run: less than ten seconds on an idle machine.
+# Executions of a short run, which take less than ten seconds on an idle machine.
 SHORT = {"certificates": 3000, "differential": 300, "experiments": 2000, "journals": 2000, "kernels": 5000,
          "polynomials": 2000, "readers": 20000, "results": 300}
 SHORT_SECONDS = 10
-KEPT_BYTES = 22_000  # for the corpus of each target
+KEPT_BYTES = 22_000  # limit for each target's corpus
 
 
 def program(target: str) -> Path:
@@ -41,8 +41,8 @@ def program(target: str) -> Path:
 
 
 def options(target: str) -> list[str]:
-    """Returns the options of a target. One solve of `differential` may take 5 s; 100 s allows for all of them, and for the 60 s
-    of a results reader.
+    """Returns libFuzzer's options for a target. Its timeout of 100 s allows for all solves of `differential`, up to 5 s each,
+    and for 60 s of a results reader.
     """
     failures = BUILD / "failures"
     failures.mkdir(parents=True, exist_ok=True)
@@ -78,7 +78,7 @@ def replay(target: str) -> bool:
 
 
 def number(pattern: str, text: str) -> int:
-    """Returns the last number that the pattern finds, or 0."""
+    """Returns the number in the last match of the pattern, or 0."""
     found = re.findall(pattern, text)
     return int(found[-1]) if found else 0
 
@@ -121,7 +121,7 @@ def long(targets: list[str], seconds: int, seed: int) -> bool:
 
 
 def keep(targets: list[str]) -> bool:
-    """Keeps new files that reach more, the smallest first, while there is room. Files kept before stay."""
+    """Adds new inputs that reach more code to the kept corpus, smallest first, while there is room. Kept inputs stay."""
     for target in targets:
         folder = KEPT / "corpus" / target
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,8 @@
-"""Prints the totals of all runs of the fuzz targets as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`.
+"""Prints the totals of all fuzzing runs as a table in Markdown: `python3 tests/fuzz/report.py [TOTALS ...]`.
 
-Corpus, edges and features are the values after the last run of each target. By default it reads results/reference/fuzzing.jsonl,
-the kept runs, and build/fuzz/totals.jsonl, the runs since; append these to the former (>>) when they are done. A line may sum up
-several `runs`.
+Corpus, edges and features are the values after each target's last run. The default TOTALS are
+results/reference/fuzzing.jsonl, the kept runs, and build/fuzz/totals.jsonl, the runs since; append the latter to the former
+after a campaign. A line may sum up several `runs`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def table(records: list[dict[str, str | int | float]]) -> list[str]:
             return sum(float(record[key]) for record in of)
 
         def last(key: str) -> int:
-            """Returns the latest value, because earlier versions of the target had other edges."""
+            """Returns the latest value, because earlier builds of the target had other edges."""
             return int(of[-1][key])
 
         runs = sum(int(record.get("runs", 1)) for record in of)

@@ -1,7 +1,7 @@
-"""Real files that break programs that read meshes: each one loads or is refused with a reason, and none crashes the harness.
+"""Real files that break mesh readers: each is loaded or refused with a reason, and none crashes the program.
 
-`make test` uses only files of packages that datasets/manifest.toml needs anyway; `make hostile` sets HAUSBENCH_HOSTILE=all and uses all
-of them. Unavailable packages are skipped, and so are other versions of a package that have different files under the same names.
+`make test` uses only packages that datasets/manifest.toml needs anyway; `make hostile` sets HAUSBENCH_HOSTILE=all and uses
+all. Unavailable packages are skipped, and so are versions whose files differ.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ APT = packages.Apt()
 
 SOLVE_SECONDS = 5.0
 WALL_SECONDS = 60.0  # two processes read the file before the solver starts
-TOLERANCE = 0.5  # of the diagonal; loose, because only reading is tested
+TOLERANCE = 0.5  # a fraction of the diagonal; loose, because only reading is tested
 
 
 def mesh_of(entry: dict[str, Any]) -> fetch.Mesh:
@@ -46,7 +46,7 @@ def name_of(entry: dict[str, Any]) -> str:
 
 @functools.cache
 def fetch_all_of(package: str) -> tuple[str, list[str]]:
-    """Fetches the missing files of the package, once. Returns the reason if it is not available, else an empty string, and the problems with its files."""
+    """Fetches the package's missing files, once. Returns the reason if the package is unavailable (else ""), and the problems with its files."""
     meshes = [mesh for mesh in map(mesh_of, FILES) if mesh.package == package and not mesh.place(CACHE).exists()]
     try:
         return "", fetch.fetch_package(meshes, CACHE, APT) if meshes else []
@@ -77,7 +77,7 @@ def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def check_bounds(done: subprocess.CompletedProcess[str]) -> None:
-    """Checks that the bounds contain 0, the distance of the file to itself."""
+    """Checks that the bounds contain 0, because the file is compared with itself."""
     assert done.stderr == ""
     result = json.loads(done.stdout)
     assert result["status"] == "converged" and result["solve_seconds"] <= SOLVE_SECONDS, result

@@ -1,4 +1,4 @@
-"""The program as its users start it: every test here runs the built executable and checks its output and files."""
+"""Fixtures that run the built executable as users do, and check its output and files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# A shell that starts the tests in the background ignores SIGINT, and so would every program that they start.
+# A background shell ignores SIGINT, and its children would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -36,7 +36,7 @@ class Program:
         return {**os.environ, "HAUSBENCH_ROOT": str(ROOT)}
 
     def fails(self, *arguments: str | Path) -> str:
-        """Runs the program on bad input; returns its one line. Expects exit code 2 and an empty standard output."""
+        """Runs the program on bad input, and returns its one line of error. Expects exit code 2 and an empty standard output."""
         done = self(*arguments)
         assert done.returncode == 2, (done.returncode, done.stdout, done.stderr)
         assert done.stdout == ""
@@ -70,7 +70,7 @@ def tetrahedron(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def raised(tmp_path: Path) -> Path:
-    """The tetrahedron, raised by a quarter."""
+    """The tetrahedron, raised by 0.25."""
     file = tmp_path / "raised.off"
     file.write_text("OFF\n4 4 0\n0 0 0.25\n1 0 0.25\n0 1 0.25\n0 0 1.25\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
     return file
@@ -99,7 +99,6 @@ def experiment(tmp_path: Path) -> Path:
     return file
 
 
-# --- solvers from outside the tree ------------------------------------------------------------------------------------
 
 SOURCES = ROOT / "tests" / "outside_plugin"
 RECIPE = ["cmake", "-S", "sources", "-B", "build", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
@@ -113,11 +112,9 @@ def built(command: list[str | Path], folder: Path) -> str:
 
 @pytest.fixture(scope="session")
 def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Returns the folder with the built plug-ins, made only from the files that `cmake --install` installs. Tests that run side
-    by side share one.
-    """
+    """Returns the folder of the plug-ins, built once per test run against the files that `cmake --install` installs."""
     shared = tmp_path_factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:  # then the folder above is shared by all workers of this run
+    if "PYTEST_XDIST_WORKER" in os.environ:  # workers of a parallel run share one folder
         shared = shared.parent
     folder = shared / "outside"
     with open(shared / "outside.lock", "w") as lock:
@@ -156,5 +153,5 @@ name = "guthe"
 
 
 def head(case_seconds: float = 60) -> str:
-    """Returns the head of an experiment with limits so long that only a hanging solver meets them, however busy the machine is."""
+    """Returns the start of an experiment whose limits are so long that only a hanging solver reaches them, even on a busy machine."""
     return HEAD.replace("CASE_SECONDS", str(case_seconds))

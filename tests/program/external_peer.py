@@ -1,9 +1,9 @@
-"""Stands in for an author's own program: vertex distances with numpy, slow, but right if a vertex decides.
+"""An external solver for tests: slow, and right only if a vertex of A is farthest from B.
 
     external_peer.py A B TOLERANCE [deed]
 
-Prints `lower` (the largest distance from a vertex of A to B) and `upper` (for each triangle of A, the best triangle of B), as
-tests/outside_plugin/vertex_only.cpp does.
+Prints `lower`, the largest distance from a vertex of A to B, and `upper`, from the best triangle of B for each triangle of A.
+A `deed` is a way to misbehave.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Floats = npt.NDArray[np.float64]
 
 
 def read(path: Path) -> tuple[Floats, npt.NDArray[np.int64]]:
-    """Returns vertices, and the corners of triangles (a point counts as a triangle whose corners coincide)."""
+    """Returns vertices and triangles. A point becomes a triangle with three equal corners."""
     lines = path.read_text().splitlines()
     if path.suffix == ".obj":
         points = [line.split()[1:] for line in lines if line.startswith("v ")]
@@ -42,7 +42,7 @@ def to_segments(p: Floats, a: Floats, b: Floats) -> Floats:
 
 
 def to_triangles(p: Floats, corners: Floats) -> Floats:
-    """Returns the distances from one point to every triangle (m x 3 x 3)."""
+    """Returns the distances from a point to the triangles, an m x 3 x 3 array."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     best = np.minimum(to_segments(p, a, b), np.minimum(to_segments(p, b, c), to_segments(p, c, a)))
     normal = np.cross(b - a, c - a)

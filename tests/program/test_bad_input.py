@@ -1,4 +1,4 @@
-"""Bad input ends with exit code 2 and one line that names the file, the place and the remedy; nothing is written or lost."""
+"""Bad input ends with exit code 2 and one line that names the file, the place and the remedy. No file is written or lost."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ BAD_EXPERIMENTS = {
     "[profile.quick]\nscene = 5": ("tiny.toml:15", "[[scene]]"),
     "[profile.quick.scene]\nname = 'x'": ("tiny.toml:14", "[[scene]]"),
     "[profile.paper]\nrepaets = 1": ("unknown key 'repaets'", "repeats"),
-    "[profile.quick]\ntolerances = [nan]": ("tiny.toml:15", "'tolerances'"),  # a key that a profile replaces keeps its line
+    "[profile.quick]\ntolerances = [nan]": ("tiny.toml:15", "'tolerances'"),  # names the line in the profile, not the overridden one
     "[[claim]]\nsolver = 'guthe'\nfaster_than = 'guthe'": ("names the solver itself", "tiny.toml:16"),
     "[[solver]]\nname = 'external'\nparameters = { command = 5 }": ("'command'", "5 is not a text; give a text"),
     "[[solver]]\nname = 'external'": ("'command'", "tiny.toml:14"),
@@ -119,7 +119,7 @@ def test_unknown_profile_scene_solver(hausbench: Program, experiment: Path, tmp_
     assert "quick" in hausbench.fails("run", experiment, "--profile", "quikc", "--results", tmp_path)
     assert "spheres" in hausbench.fails("run", experiment, "--scene", "sphere", "--results", tmp_path)
     assert "guthe" in hausbench.fails("run", experiment, "--solver", "cgall", "--results", tmp_path)
-    # An option takes one value; the next word is still the experiment.
+    # --solver takes one value; the next word is the experiment.
     for verb in ("run", "explain"):
         assert "no solver 'cgall'" in hausbench.fails(verb, "--solver", "cgall", experiment)
     assert "absent.toml" in hausbench.fails("run", tmp_path / "absent.toml")
@@ -130,7 +130,7 @@ def test_a_profile_with_nothing_in_it(hausbench: Program, experiment: Path, tmp_
     assert "no [[scene]] is left in profile 'quick'" in hausbench.fails("run", experiment, "--results", tmp_path)
     experiment.write_text(EXPERIMENT + 'profiles = ["paper"]\n')
     assert "no [[solver]] is left" in hausbench.fails("run", experiment, "--results", tmp_path)
-    # A solver for a scene that this profile leaves out is left out, too, and does not run on the others.
+    # A solver whose only scene is not in this profile is left out: it does not run on the other scenes.
     experiment.write_text(EXPERIMENT.replace("[[solver]]", """[[scene]]
 name = "large"
 source = "sphere3"
@@ -165,7 +165,7 @@ def test_a_remedy_that_exists(hausbench: Program, tetrahedron: Path, tmp_path: P
     points.write_text("v 0 0 0\nv 0 0 1\n")
     refused = hausbench.fails("measure", tetrahedron, points, "--solver", "cgal")
     assert "takes no points as target" in refused and "--solver: guthe" in refused
-    # Points and meshes can be mixed: a point is a degenerate triangle.
+    # Points and meshes can be combined, because a point is a degenerate triangle.
     for source, target, answer in ((tetrahedron, points, 1.0), (points, tetrahedron, 0.0)):
         done = hausbench("measure", source, target, "--json")
         assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(answer), done.stderr

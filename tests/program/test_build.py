@@ -1,4 +1,4 @@
-"""How the program is compiled: directed rounding for code whose bounds depend on it, and every flag in the result."""
+"""Compiler flags: code with proven bounds is compiled for directed rounding, and results record every flag."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LIBRARIES = ("kernel", "algorithms", "datasets", "harness")
 
 
 def library_of(command: dict[str, str]) -> str:
-    """Returns the library of the program that a compile command belongs to, or ""."""
+    """Returns the library that a compile command belongs to, or an empty string."""
     target = re.search(r" -o \S*CMakeFiles/hausbench_([a-z]+)\.dir/", command["command"])
     return target[1] if target and target[1] in LIBRARIES else ""
 
@@ -43,7 +43,7 @@ def test_libraries_with_directed_rounding_are_compiled_for_it(program_file: str)
 
 
 def test_the_program_does_not_load_libhwy(program_file: str) -> None:
-    """The initialiser of libhwy measures a timer that some virtual machines hide; valgrind then ends the program before main()."""
+    """libhwy's initialiser measures a timer that some virtual machines hide; under valgrind the program then ends before main()."""
     done = subprocess.run(["readelf", "--dynamic", program_file], capture_output=True, text=True, check=True)
     assert "(NEEDED)" in done.stdout and "libhwy" not in done.stdout
 

@@ -1,6 +1,6 @@
-"""`measure --certificate` and `verify --certificate`: a proof of the upper bound, from the solver to a sceptical reader.
+"""`measure --certificate` writes a proof of the upper bound, and `verify --certificate` checks it.
 
-Files that no solver writes are written here from docs/certificate.md alone.
+Malformed proofs are written here, following docs/certificate.md alone.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def one(k: int) -> bytes:
 
 
 def cut(edge: int, t: float, corner: int) -> bytes:
-    """Returns a cut from a point on an edge to a corner."""
+    """Returns a cut from the point at parameter t of an edge to a corner."""
     return number((edge << 2 | (corner << 2 | 1) << 8) << 2) + struct.pack("<d", t)
 
 
@@ -72,7 +72,7 @@ def test_a_proof_is_written_and_accepted(hausbench: Program, proof: Path, tetrah
     assert header["source"]["file"] == str(tetrahedron) and header["quantity"] == "directed"
     assert 0.25 <= header["certificates"][0]["proven"] <= 0.25 + 1e-13
 
-    # The file is moved elsewhere, and named.
+    # The file of A was moved, so verify must be given both names.
     moved = tetrahedron.rename(tetrahedron.with_name("moved.off"))
     assert "moved.off" not in (line := hausbench.fails("verify", "--certificate", proof)) and "name A and B" in line
     assert hausbench("verify", "--certificate", proof, moved, raised).returncode == 0
@@ -93,14 +93,14 @@ def test_both_directions(hausbench: Program, plugin: Path, tetrahedron: Path, tm
         done = hausbench("verify", "--certificate", file)
         assert done.returncode == 0, done.stdout
         assert "\nh(A,B) " in done.stdout and "\nh(B,A) " in done.stdout
-        # One direction does not prove H.
+        # A proof of one direction does not prove H.
         header["certificates"].pop()
         done = hausbench("verify", "--certificate", write(tmp_path / "half", (header, read(file)[1][: header["certificates"][0]["bytes"]])))
         assert done.returncode == 1 and "refused    H(A,B) takes" in done.stdout
 
 
 def test_a_proof_written_by_hand(hausbench: Program, proof: Path, tmp_path: Path) -> None:
-    """The face of A at z = 0 is a quarter below B's; the other faces have a quarter of B's beside them."""
+    """B is A raised by 0.25, so each face of A is within 0.25 of a face of B."""
     header, rest = read(proof)
     certificate = header["certificates"][0]
     leaves = [one(k) for k in range(4)]
@@ -117,7 +117,7 @@ def test_a_proof_written_by_hand(hausbench: Program, proof: Path, tmp_path: Path
     halves = [cut(0, 0.5, 2) + leaves[0] + leaves[0], *leaves[1:]]
     code, said = answer(halves)
     assert code == 0 and "1 cuts, 5 leaves" in said
-    # False claims are refused, and so are incomplete ones.
+    # False claims and incomplete proofs are refused.
     code, said = answer([leaves[1], *leaves[1:]])
     assert code == 1 and "refused    triangle 0: its leaves show 1" in said
     assert answer(leaves, proven=0.2499)[0] == 1
@@ -127,7 +127,7 @@ def test_a_proof_written_by_hand(hausbench: Program, proof: Path, tmp_path: Path
     assert "triangle 2, node 0: a leaf names triangle 4 of 4 in the target" in answer([*leaves[:2], one(4), leaves[3]])[1]
     assert "a cut is not between the ends of its edge" in answer([cut(0, float("nan"), 2), leaves[0], *leaves])[1]
     assert "its format is not" in answer(leaves, format="another")[1]
-    # The proof may fall short of the answer, but only by rounding.
+    # The proof may be below the answer, but only by a rounding error.
     code, said = answer(leaves, format="hausbench cover 1", proven=0.26)
     assert code == 1 and "above the upper bound 0.25" in said
 
@@ -196,7 +196,7 @@ def test_mistakes(hausbench: Program, plugin: Path, proof: Path, tetrahedron: Pa
     assert "writes no certificates" in line and "vertex_only" in line
     at = tmp_path / "no folder" / "x"
     assert "folder" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "vertex_only", "--plugin", plugin, "--certificate", at)
-    # A missing proof that was requested is reported, and is not a success.
+    # If a requested proof cannot be written, the program says so and does not succeed.
     out = tmp_path / "none"
     done = hausbench("measure", tetrahedron, tetrahedron, "--solver", "vertex_only",
                      "--plugin", plugin, "--time-limit", "0", "--certificate", out)
@@ -239,7 +239,7 @@ def test_bounds_that_prove_nothing_are_said(hausbench: Program, tetrahedron: Pat
 
 
 def shape_sha256(kind: str, vertices: list[tuple[float, ...]], triangles: list[tuple[int, ...]]) -> str:
-    """Computes the hash as docs/certificate.md describes it: without the program and its readers."""
+    """Computes the hash as described in docs/certificate.md, without the program's code."""
     content = struct.pack("<Q", len(kind)) + kind.encode() + struct.pack("<Q", len(vertices))
     content += b"".join(struct.pack("<3d", *vertex) for vertex in vertices)
     if kind == "mesh":
@@ -248,7 +248,7 @@ def shape_sha256(kind: str, vertices: list[tuple[float, ...]], triangles: list[t
 
 
 def test_the_document_says_how_the_sha256_of_a_shape_is_taken(hausbench: Program, tmp_path: Path) -> None:
-    # A vertex that no face uses, a -0, a convex polygon, and a value that single precision cannot hold.
+    # An unused vertex, a -0, a polygon, and a value that single precision cannot hold.
     mesh, points, proof = tmp_path / "a.off", tmp_path / "b.xyz", tmp_path / "proof"
     mesh.write_text("OFF\n6 2 0\n0 0 -0.0\n9 9 9\n1 0 0.1\n1 1 0\n0 1 0\n0 0 1\n4 0 2 3 4\n3 5 2 0\n")
     points.write_text("0 0 0\n1e-320 -2.5 1e300\n")

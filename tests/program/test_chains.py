@@ -1,4 +1,4 @@
-"""Warm chains of poses: complete passes from the head, whatever ends them."""
+"""Warm chains start each pose from the previous answer. Every pass begins at the first pose, however it ends."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_a_warm_chain_is_right_and_saves_work(hausbench: Program, chains: Path, 
     assert (lower[fine] <= upper[cold]).all() and (lower[cold] <= upper[fine]).all()
     work = numbers(file, "cases/counter_closest_point_queries")
     assert work[fine][0] == work[cold][0] and sum(work[fine]) < sum(work[cold])
-    # Each pose is timed as often as requested, and names the pose before it.
+    # Each pose of a warm chain has all its repeats, and names its predecessor.
     case, chain, identity = numbers(file, "repeats/case"), texts(file, "cases/chain"), texts(file, "cases/identity")
     assert all((case == i).sum() == 3 for i in warm)
     assert chain[fine[0]] == "" and [chain[i] for i in fine[1:]] == [identity[i] for i in fine[:-1]]
@@ -65,7 +65,7 @@ def test_a_warm_chain_is_right_and_saves_work(hausbench: Program, chains: Path, 
 def test_each_repeat_and_the_trace_are_whole_passes(hausbench: Program, chains: Path, tmp_path: Path) -> None:
     chains.write_text(CHAIN.format(trace="true"))
     file = run(hausbench, chains, tmp_path)
-    assert set(texts(file, "cases/status")) == {"ok"}  # a trace that ended with other bounds would be `failed`
+    assert set(texts(file, "cases/status")) == {"ok"}  # `failed` if a trace ended with other bounds
     begin, end = numbers(file, "cases/trace_begin"), numbers(file, "cases/trace_end")
     lower, upper = numbers(file, "trace/lower"), numbers(file, "trace/upper")
     for i in labelled(file, "warm"):
@@ -74,7 +74,7 @@ def test_each_repeat_and_the_trace_are_whole_passes(hausbench: Program, chains: 
 
 
 def test_kill_inside_a_chain_starts_it_at_its_head(hausbench: Program, chains: Path, tmp_path: Path) -> None:
-    """A state cannot be stored, so the journal has a complete chain or none of it."""
+    """The state between poses cannot be stored, so the journal has all of a chain or none of it."""
     begin = time.monotonic()
     whole = run(hausbench, chains, tmp_path / "whole")
     seconds = time.monotonic() - begin
@@ -101,7 +101,7 @@ def test_a_chain_with_a_pose_lost_is_run_again_as_a_whole(hausbench: Program, ch
     journal.write_bytes(b"".join(line for line in lines if identity.encode() not in line))
     again = run(hausbench, chains, folder)
     same_answers(again, whole)
-    assert len(journal.read_bytes().splitlines()) == len(lines) - 1 + 12  # the header, the rest, and this chain once more
+    assert len(journal.read_bytes().splitlines()) == len(lines) - 1 + 12  # the header, the other rows, and this chain again
 
 
 def test_a_trace_that_is_asked_for_later_is_made(hausbench: Program, chains: Path, tmp_path: Path) -> None:
@@ -113,7 +113,7 @@ def test_a_trace_that_is_asked_for_later_is_made(hausbench: Program, chains: Pat
 
 
 def test_a_pose_that_is_refused_is_passed_over(hausbench: Program, chains: Path, tmp_path: Path) -> None:
-    """The session refuses it before the solver runs, so the state is unchanged."""
+    """The harness refuses the pose before the solver sees it, so the solver's state is unchanged."""
     poses = ["1 0 0  0 1 0  0 0 1  0 0 0", "1e307 0 0  0 1e307 0  0 0 1e307  1.79e308 1.79e308 0", "1 0 0  0 1 0  0 0 1  0.1 0 0"]
     (tmp_path / "poses.txt").write_text("\n".join(poses) + "\n")
     chains.write_text(chains.read_text().replace('{ kind = "rotation", axis = [0, 1, 3], degrees = 40, steps = 12 }', '{ kind = "poses", file = "poses.txt" }'))

@@ -1,4 +1,4 @@
-"""Choosing rows: `show --where`, `--meta` and `--ledger`, `compare --scene`, `run --again` and `--strict`, and experiments by their stem."""
+"""Options that choose rows: `show --where`, `--meta` and `--ledger`, `compare --scene`, `run --again` and `--strict`; and experiments by name."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_chosen_cases_are_run_again(hausbench: Program, seen: Path, result: Path
 
 
 def test_how_many_cases_are_run_again_is_said(hausbench: Program, seen: Path, result: Path, tmp_path: Path) -> None:
-    """Cases that are read off a finer answer are not counted."""
+    """Cases that are read off a finer run are not counted."""
     assert "2 finished cases are run again" in hausbench("run", seen, "--results", tmp_path, "--again", "tolerance=0.01").stderr
     assert "0 finished cases are run again" in hausbench("run", seen, "--results", tmp_path, "--again", "tolerance=7").stderr
 

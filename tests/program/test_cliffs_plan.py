@@ -1,4 +1,4 @@
-"""The experiment `cliffs`: its models are made, and its plan lists the solvers of each scene."""
+"""The models of experiment `cliffs` can be made, and its plan lists the solvers of each scene."""
 
 from __future__ import annotations
 
@@ -18,6 +18,6 @@ def test_explain_makes_the_models_and_plans_every_pose(hausbench: Program, tmp_p
     assert models["cliffs_mesh_stray_1e12"] == "4097 triangles, diagonal 1e+12"
     assert models["cliffs_points_two_1e06"] == "8000 points, diagonal 1e+06"
     assert models["cliffs_needle_1e12"] == "1 triangles, diagonal 1"
-    # Eleven solvers on four scenes, one of them in seven poses, and one variant on the needle; the
-    # two solvers of surfaces are for other scenes.
+    # Eleven solvers on four scenes, one of which has seven poses, plus a variant on one scene. The two solvers of
+    # surfaces run on other scenes.
     assert "111 cases asked for" in done.stdout

@@ -1,4 +1,4 @@
-"""`hausbench draw` leads from a plug-in and an experiment with its own claims, without a script, to a figure and a verdict."""
+"""`hausbench draw` makes a figure and a verdict from a plug-in and an experiment with claims, without a script."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from conftest import ROOT, Program, head
 
 @pytest.fixture
 def own(plugin: Path, tmp_path: Path) -> Path:
-    """An experiment that names its plug-in by a path relative to its folder."""
+    """An experiment that names its plug-in by a path relative to the experiment's folder."""
     (tmp_path / "libmine.so").symlink_to(plugin)
     file = tmp_path / "own.toml"
     text = head().replace("repeats = 1", "repeats = 1\nrounds = 6")
@@ -46,7 +46,7 @@ def test_what_claims_and_plugins_name_is_checked(hausbench: Program, own: Path, 
     line = hausbench.fails("explain", own)
     assert "own.toml:1" in line and "libyours.so" in line
     own.write_text(good)
-    assert hausbench("explain", own, "--plugin", tmp_path / "libmine.so").returncode == 0  # named twice, loaded once
+    assert hausbench("explain", own, "--plugin", tmp_path / "libmine.so").returncode == 0
 
 
 def test_width_and_format_of_figures(hausbench: Program, experiment: Path, tmp_path: Path) -> None:

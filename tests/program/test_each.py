@@ -1,4 +1,4 @@
-"""Scenes with `each`: one for every model of a list or of the corpus, whose halves and remeshed copies need no table."""
+"""Scenes with `each`: one scene per model of a list or of the corpus. Halved and remeshed copies need no entry in the manifest."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NAMES = ["ball", "cube", "torus"]
 
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
-    """One model of the corpus is in the manifest, two are not."""
+    """The corpus has three models, one of which is in the manifest."""
     folder = tmp_path / "root"
     (folder / "datasets").mkdir(parents=True)
     (folder / "datasets" / "manifest.toml").write_text(
@@ -60,7 +60,7 @@ def test_each_is_the_same_as_scenes_written_out(hausbench: Program, root: Path, 
 
 
 def test_the_whole_corpus_has_more(hausbench: Program, root: Path, tmp_path: Path) -> None:
-    """It also has tables and models of the manifest that the corpus leaves out, and the rules apply to them."""
+    """`whole_corpus` adds models that `corpus` leaves out: one of the manifest, and one with a table of its own."""
     file = root / "datasets" / "corpus.toml"
     text = file.read_text()
     file.write_text('whole_manifest = ["other"]\n' + text + '[whole.plain]\nsource = "generated"\nrecipe = "cube"\nsubdivisions = 3\n')
@@ -77,7 +77,7 @@ def test_the_whole_corpus_has_more(hausbench: Program, root: Path, tmp_path: Pat
 def test_a_damaged_mesh_costs_its_own_rows_alone(hausbench: Program, root: Path, tmp_path: Path) -> None:
     datasets = root / "datasets"
     (datasets / "bad.off").write_text(TETRAHEDRON.replace("1 0 0", "1 nan 0"))
-    (datasets / "soup.off").write_text(TETRAHEDRON)  # four triangles: edge collapse stops above half of them
+    (datasets / "soup.off").write_text(TETRAHEDRON)  # edge collapse cannot halve four triangles
     with (datasets / "corpus.toml").open("a") as out:
         out.write("".join(f'[model.{name}]\nsource = "file"\npath = "{name}.off"\n' for name in ("bad", "soup")))
         out.write(f'[model.gone]\nsource = "debian"\npackage = "p"\nversion = "1"\npath = "gone.off"\nsha256 = "{"a" * 64}"\n')

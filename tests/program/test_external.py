@@ -1,4 +1,4 @@
-"""`external`, any program as a peer, with a small Python script as the program; and `export`, which gives models to programs."""
+"""Solver `external` runs any program, here a Python script; `export` writes the models that it reads."""
 
 from __future__ import annotations
 
@@ -65,7 +65,9 @@ class Sweep:
         return self.file
 
     def __call__(self, code: int = 0, **changes: Any) -> dict[str, list[Any]]:
-        """Runs the sweep and returns the rows of the outside program; the others are under "good". `code` is the exit code of the run."""
+        """Runs the experiment. Returns the external program's columns by name, and the built-in solver's as "good ...".
+        `code` is the expected exit code.
+        """
         done = self.hausbench("run", self.write(**changes), "--results", self.folder, "--fresh")
         assert done.returncode == code, done.stderr
         with h5py.File(self.folder / "outside.h5") as f:
@@ -96,17 +98,17 @@ def test_meshes(sweep: Sweep, tmp_path: Path, format: str) -> None:
     assert rows["status"] == ["ok", "ok"], rows["reason"]
     for lower, upper, low, high in zip(rows["lower"], rows["upper"], rows["good lower"], rows["good upper"]):
         assert 0 < lower <= high and low <= upper
-    # The program's own seconds are part of the time of a complete answer.
+    # The program's own seconds are part of the time to a complete answer.
     for own, whole in zip(rows["reported_seconds"], rows["solve_seconds"]):
         assert 0 < own < whole
     assert rows["certified"] == [0, 0] and rows["lower_check"] == ["no witness"] * 2
     assert all(value != value for value in rows["good reported_seconds"])
-    assert all(peak > 10e6 for peak in rows["peak_bytes"])  # the Python interpreter's, not the worker's
+    assert all(peak > 10e6 for peak in rows["peak_bytes"])  # the Python interpreter's peak, not the worker's
     assert nothing_left(tmp_path)
 
 
 def test_a_program_that_leaves_its_work_to_others_is_timed_by_wall(sweep: Sweep) -> None:
-    """Like a client of a daemon or of a GPU, it sleeps much longer than it computes."""
+    """Like a client of a daemon or a GPU, the script sleeps much longer than it computes."""
     rows = sweep(deed="; sleep 3", limit=60)
     assert rows["status"] == ["ok", "ok"] and rows["clock"] == ["wall", "wall"], rows["reason"]
     assert rows["good clock"] == ["cpu", "cpu"]
@@ -115,7 +117,7 @@ def test_a_program_that_leaves_its_work_to_others_is_timed_by_wall(sweep: Sweep)
 def test_points(sweep: Sweep) -> None:
     rows = sweep(source="gaussian_1k_a", target="gaussian_1k_b", other="naive")
     assert rows["status"] == ["ok", "ok"], rows["reason"]
-    assert rows["lower"] == pytest.approx(rows["good lower"], rel=1e-12)  # 17 digits were passed on
+    assert rows["lower"] == pytest.approx(rows["good lower"], rel=1e-12)  # the input files have 17 digits
     assert rows["upper"] == pytest.approx(rows["good upper"], rel=1e-12)
 
 
@@ -124,7 +126,7 @@ def test_what_is_not_told_stays_open(sweep: Sweep) -> None:
     assert rows["status"] == ["floor", "floor"] and "no upper bound" in rows["reason"][0]
     assert rows["upper"] == [float("inf")] * 2 and rows["lower"][1] > 0
     rows = sweep(lower="")
-    assert rows["status"] == ["ok", "ok"] and rows["lower"] == [0.0, 0.0]  # [0, upper] is within the tolerance
+    assert rows["status"] == ["ok", "ok"] and rows["lower"] == [0.0, 0.0]  # without a lower bound, [0, upper] is within the tolerance
 
 
 def test_a_program_that_fails(sweep: Sweep) -> None:
@@ -140,12 +142,12 @@ def test_a_program_that_is_missing_is_found_before_anything_runs(sweep: Sweep, h
     for python, said in (("no_such_program", "'no_such_program' is not in PATH"), ("./absent", "'./absent' does not exist")):
         rows = sweep(python=python)
         assert rows["status"] == ["skipped", "skipped"] and said in rows["reason"][0], rows["reason"]
-        assert rows["good status"] == ["ok", "ok"]  # as with a missing model
+        assert rows["good status"] == ["ok", "ok"]  # the other solver runs
         assert said in hausbench("explain", sweep.file).stdout
 
 
 def test_a_program_that_changed_is_measured_again(sweep: Sweep, hausbench: Program, tmp_path: Path) -> None:
-    """The script's path is relative to the experiment, wherever that is and wherever the program is called."""
+    """The script's path is relative to the experiment, so the same bytes elsewhere are the same program."""
     home, elsewhere = tmp_path / "home", tmp_path / "elsewhere"
     (home / "tools").mkdir(parents=True)
     script = home / "tools" / "peer.py"
@@ -166,7 +168,7 @@ def test_a_program_that_changed_is_measured_again(sweep: Sweep, hausbench: Progr
     assert [len(hash) for hash in first["program_sha256"]] == [64 * peer for peer in peers]
     shutil.copytree(home, elsewhere)
     sweep.file = elsewhere / "outside.toml"
-    assert again()["identity"] == first["identity"]  # it contains no path of the machine
+    assert again()["identity"] == first["identity"]  # the identity contains no path
     sweep.file = home / "outside.toml"
     script.write_text(script.read_text() + "# changed\n")
     third = again()
@@ -202,7 +204,7 @@ def test_a_program_that_lies(sweep: Sweep) -> None:
 
 
 def gone(pid: int) -> bool:
-    """Returns whether the process has ended, or has ended and not been waited for. It may end between any two looks."""
+    """Returns whether the process has ended, even if its parent has not waited for it yet. It may end at any moment."""
     try:
         os.kill(pid, 0)
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
@@ -211,19 +213,19 @@ def gone(pid: int) -> bool:
 
 
 def wait_until_gone(pid_file: Path) -> None:
-    """Waits for up to a minute; a surviving process would live for ten."""
+    """Waits for up to a minute; a process that was not killed would live for ten."""
     wait_for(lambda: gone(int(pid_file.read_text())))
 
 
 def test_a_program_that_hangs_is_killed_in_time(sweep: Sweep, tmp_path: Path) -> None:
-    rows = sweep(limit=1, deed=f"hang {tmp_path / 'pid'} | cat")  # in a pipeline, so that the shell is not the only process
+    rows = sweep(limit=1, deed=f"hang {tmp_path / 'pid'} | cat")  # in a pipeline, the shell is not the only process to be killed
     assert rows["status"] == ["timeout", "timeout"] and "did not end in time" in rows["reason"][0]
     assert nothing_left(tmp_path)
     wait_until_gone(tmp_path / "pid")
 
 
 def test_a_stray_signal_costs_one_case(sweep: Sweep, tmp_path: Path) -> None:
-    """The shell's parent is the worker. The case that it was running ends by the signal, and the next one has an answer."""
+    """The script kills its worker, the shell's parent. Only that case is lost."""
     once = tmp_path / "once"
     rows = sweep(deed=f"; if mkdir {once} 2> /dev/null; then kill -TERM $PPID; sleep 600; fi")
     assert rows["status"] == ["signal", "ok"], rows["reason"]
@@ -254,13 +256,13 @@ def test_nothing_outlives_the_program(sweep: Sweep, hausbench: Program, tetrahed
     process.send_signal(end)
     assert process.wait(60) == (130 if (verb, end) == ("run", signal.SIGINT) else -end)
     wait_until_gone(pid)
-    if end == signal.SIGKILL:  # the next run cleans up
+    if end == signal.SIGKILL:  # the next run removes what is left
         assert hausbench("measure", tetrahedron, tetrahedron).returncode == 0
     assert nothing_left(tmp_path)
 
 
 def test_daemons_end_with_a_run_that_is_killed(sweep: Sweep, hausbench: Program, tmp_path: Path) -> None:
-    """This includes a daemon that left its session and lost its parent, which cannot be found once the worker has ended."""
+    """The daemon has left its session and lost its parent, so it cannot be found once the worker has ended."""
     pid = tmp_path / "pid"
     daemon = f"sh -c '(setsid sh -c \"echo \\$\\$ > {pid}; exec sleep 600\" &) ; exec sleep 600'; echo {{A}} {{B}}"
     arguments: list[str | Path] = ["run", sweep.write(python=daemon + " #", limit=600), "--results", tmp_path, "--solver", "peer"]
@@ -310,9 +312,8 @@ def test_parameters_are_checked_before_anything_runs(sweep: Sweep, hausbench: Pr
     assert "{B}" in hausbench.fails("measure", tetrahedron, tetrahedron, "--solver", "external", "--set", "command=x {A}")
 
 
-# --- export ----------------------------------------------------------------------------------------------------------
 
-# 1/3, a denormal, numbers near both ends, -0, one that needs 17 digits
+# Numbers that are hard to print and read back: a denormal, values near both ends of the range, -0, and one that needs 17 digits.
 NUMBERS = [1 / 3, 5e-324, 1.7e308, -2.5e-308, -0.0, 0.1 + 0.2, 1e23, -123456789.123456789, 2.0**-1022]
 
 
@@ -339,7 +340,7 @@ def test_export_keeps_every_bit(hausbench: Program, tmp_path: Path, faces: str) 
     file = tmp_path / "start.off"
     rows = "".join(" ".join(f"{x:.17g}" for x in NUMBERS[i:i + 3]) + "\n" for i in (0, 3, 6))
     file.write_text(f"OFF\n3 {1 if faces else 0} 0\n{rows}{faces}")
-    for name in ("one.obj", "two.ply", "three.off", "four.PLY", "five.off"):  # each from the previous one
+    for name in ("one.obj", "two.ply", "three.off", "four.PLY", "five.off"):  # each is converted from the previous one
         to = tmp_path / name
         done = hausbench("export", file, to)
         assert done.returncode == 0, done.stderr

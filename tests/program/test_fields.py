@@ -1,4 +1,4 @@
-"""Fields: values for each vertex and each element of A, beside the journal, in the result, re-checked, and as PLY or VTK."""
+"""Fields are values at A's vertices and elements. They are kept beside the journal and in the result, checked again, and written as PLY or VTK."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from conftest import Program
 from test_run import numbers, run, same_answers, texts
 
 Fields = dict[tuple[int, str], Any]
-DRAWN = {"distance", "nearest", "x", "y", "z", "a", "b", "c", "element"}  # present in every case of meshes
+DRAWN = {"distance", "nearest", "x", "y", "z", "a", "b", "c", "element"}  # fields of every case of meshes
 
 MOVED = """
 title = "fields"
@@ -65,14 +65,14 @@ def test_every_answer_has_fields(hausbench: Program, moved: Path, tmp_path: Path
     assert texts(file, "cases/fields_check") == ["holds"] * 6
     with h5py.File(file, "r") as f:
         for case in range(6):
-            # The distances of A's own vertices do not depend on the tolerance, and differ from
-            # pose to pose. The largest of all shows h.
+            # The largest distance drawn is near h. Distances at A's own vertices are the same for both tolerances, but
+            # differ between poses.
             assert 0.95 * f["cases/lower"][case] <= fields[case, "distance"].max() <= f["cases/upper"][case]
-            corners = len(np.unique(fields[case, "element"])) // 2 + 2  # of a sphere, by Euler's formula
+            corners = len(np.unique(fields[case, "element"])) // 2 + 2  # of the sphere's mesh, by Euler's formula
             same = [other for other in range(6)
                     if np.array_equal(fields[case, "distance"][:corners], fields[other, "distance"][:corners])]
             assert {f["cases/pose_index"][other] for other in same} == {f["cases/pose_index"][case]} and len(same) == 2
-    # Fields are not part of the identity, and a run without them has none.
+    # Without fields, cases have the same identities.
     moved.write_text(MOVED.replace("fields = true", ""))
     without = run(hausbench, moved, tmp_path / "without")
     same_answers(without, file)
@@ -105,7 +105,7 @@ def test_rows_without_their_file_are_run_again(hausbench: Program, moved: Path, 
     assert again() == [True, True, False, False, False, False]
     now = fields_of(file)
     assert all(np.array_equal(now[key], good[key]) for key in good)
-    # If they cannot be written, the answers still count, and the next run has them.
+    # If fields cannot be written, the answers still count, and the next run writes the fields.
     for kept_file in kept.values():
         kept_file.unlink()
         kept_file.mkdir()
@@ -158,7 +158,7 @@ def test_warm_chains_and_rows_read_off(hausbench: Program, moved: Path, tmp_path
     cold = 'warm = true\n[[solver]]\nname = "guthe"\nlabel = "cold"\n'
     moved.write_text(MOVED + cold)
     assert len(fields_of(run(hausbench, moved, tmp_path))) == 12 * 12
-    # Now the coarser tolerance is read off the finer one if the start is cold, so the existing files are not used.
+    # With a trace, the cold solver's coarser tolerance is read off the finer run, so its fields are no longer used.
     moved.write_text(MOVED.replace("repeats = 1", "repeats = 1\ntrace = true") + cold)
     file = run(hausbench, moved, tmp_path)
     from_trace, fields = numbers(file, "cases/from_trace"), fields_of(file)
@@ -168,7 +168,7 @@ def test_warm_chains_and_rows_read_off(hausbench: Program, moved: Path, tmp_path
 
 
 def test_a_solvers_own_fields(hausbench: Program, plugin: Path, moved: Path, tmp_path: Path) -> None:
-    """A plug-in's bounds for each triangle, in the unit of the input; the shapes are scaled, and B is posed."""
+    """A plug-in returns bounds for each triangle, in the unit of the input, although shapes are scaled and B is moved."""
     text = MOVED.replace("tolerances = [1e-2, 1e-3]", "tolerances = [2.0]").replace('"diagonal"', '"absolute"').replace("guthe", "vertex_only")
     for quantity in ("symmetric", "directed"):
         moved.write_text(f'quantity = "{quantity}"\n{text}')
@@ -182,7 +182,7 @@ def test_a_solvers_own_fields(hausbench: Program, plugin: Path, moved: Path, tmp
                 assert fields[case, "lower"].max() == numbers(file, "cases/lower")[case]
                 assert fields[case, "upper"].max() == numbers(file, "cases/upper")[case]
     with h5py.File(file, "r+") as f:
-        row = len(f["fields/name"]) - 1  # of the farthest pose
+        row = len(f["fields/name"]) - 1  # the last pose, which is farthest away
         assert f["fields/name"].asstr()[row] == "upper"
         assert f["fields/of"].asstr()[row] == "elements" and f["fields/meaning"].asstr()[row] == "upper"
         f["fields/values"][f["fields/begin"][row]] *= 0.5
@@ -191,7 +191,7 @@ def test_a_solvers_own_fields(hausbench: Program, plugin: Path, moved: Path, tmp
 
 
 def read_ply(file: Path) -> tuple[Any, Any]:
-    """Returns vertices and faces, as arrays with a name for each property."""
+    """Returns vertices and faces, as structured arrays."""
     head, _, body = file.read_bytes().partition(b"end_header\n")
     kinds = {"double": "<f8", "float": "<f4", "int": "<i4"}
     types: list[list[tuple[str, ...] | tuple[str, str, int]]] = []
@@ -236,7 +236,7 @@ def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Pat
 
 
 def read_by_meshio(file: Path) -> tuple[Any, Any, dict[str, Any], dict[str, Any]]:
-    """Returns points, cells, and the data of each."""
+    """Returns points, cells, and the fields of both."""
     mesh = meshio.read(file)
     assert len(mesh.cells) <= 1 and mesh.points.dtype.itemsize == 8
     cells = mesh.cells[0].data if mesh.cells else None
@@ -244,7 +244,7 @@ def read_by_meshio(file: Path) -> tuple[Any, Any, dict[str, Any], dict[str, Any]
 
 
 def test_vtk_is_read_by_another_library(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """It has the fields of the same case in a result file."""
+    """The file has the same fields as the case in a result."""
     experiment.write_text(f"fields = true\n{experiment.read_text()}")
     stored = {name: values for (_, name), values in fields_of(run(hausbench, experiment, tmp_path)).items()}
     a, b, out = tmp_path / "a.off", tmp_path / "b.off", tmp_path / "out.vtk"
@@ -296,8 +296,8 @@ def test_ply_is_read_by_another_library(hausbench: Program, tetrahedron: Path, r
 
 
 def test_fields_are_those_of_h_and_of_the_question(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
-    """With --symmetric, even if B has more vertices and triangles than A and is the farther shape; with --cutoff, the bounds
-    known at its end.
+    """With --symmetric, the fields of A are still written if B has more vertices and triangles and gives the larger distance.
+    With --cutoff, the fields are the bounds known when the search ended.
     """
     b, out = tmp_path / "b.off", tmp_path / "out.vtk"
     b.write_text("OFF\n5 5 0\n0 0 0.25\n1 0 0.25\n0 1 0.25\n0 0 1.25\n5 0 0\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n3 1 2 4\n")
@@ -324,7 +324,7 @@ def test_fields_are_those_of_h_and_of_the_question(hausbench: Program, tetrahedr
 
 
 def test_a_picture_shows_the_distance_where_every_vertex_is_on_b(hausbench: Program, tmp_path: Path) -> None:
-    """A is a square that cuts off the top of a pyramid and keeps its corners."""
+    """A is a square that shares its corners with a pyramid B, so the distance at each vertex of A is 0."""
     a, b, out = tmp_path / "a.off", tmp_path / "b.off", tmp_path / "out.ply"
     a.write_text("OFF\n4 2 0\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n3 0 1 2\n3 0 2 3\n")
     b.write_text("OFF\n5 4 0\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n1 1 1\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n")
@@ -376,7 +376,7 @@ def test_surfaces_have_no_fields(hausbench: Program, experiment: Path, tmp_path:
 
 
 def test_an_answer_outlives_its_fields(hausbench: Program, tmp_path: Path) -> None:
-    """A place that is no longer writable costs only the file: the bounds are printed, with a warning and exit code 1."""
+    """If the fields can no longer be written, the bounds are printed, with a warning and exit code 1."""
     for name in ("sphere1", "sphere2"):
         assert hausbench("export", name, tmp_path / f"{name}.off").returncode == 0
     out = tmp_path / "out.ply"

@@ -1,4 +1,4 @@
-"""Help texts, the man page and the completion of bash: all follow from one description of the verbs."""
+"""Help texts, the man page and bash completion are all made from one description of the commands."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_help_fits_on_a_screen(hausbench: Program, verb: str) -> None:
 
 @pytest.mark.parametrize("verb", VERBS)
 def test_the_example_is_a_legal_command(hausbench: Program, verb: str, tmp_path: Path) -> None:
-    """Without its files and experiments it fails because of these, not because of its words."""
+    """The example's files do not exist, so it must fail because of them and not because of its syntax."""
     examples = re.findall(r"^Example:  (.*)$", help_of(hausbench, verb, columns=100), flags=re.MULTILINE)
     assert len(examples) == 1
     words = shlex.split(examples[0])
@@ -61,7 +61,7 @@ def test_script_and_program_know_the_same_options(hausbench: Program, verb: str)
 
 
 def test_a_script_gets_its_words(hausbench: Program, tmp_path: Path) -> None:
-    """Repeated options, flags, values that begin with a dash, and several positionals arrive as they were given."""
+    """Repeated options, flags, values that begin with a dash, and several positional arguments are passed on unchanged."""
     python = tmp_path / "python3"
     python.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
     python.chmod(0o755)
@@ -89,7 +89,7 @@ def test_the_man_page_has_every_verb_and_option(hausbench: Program, tmp_path: Pa
 
 
 def completed(hausbench: Program, folder: Path, *words: str, **more: str) -> set[str]:
-    """Returns what bash offers for the last of the words."""
+    """Returns what bash offers as completions of the last word."""
     script = hausbench("describe", "bash").stdout
     line = " ".join(map(shlex.quote, (hausbench.path, *words)))
     done = subprocess.run(["bash", "-c", f'{script}\nCOMP_WORDS=({line}); COMP_CWORD={len(words)}; _hausbench; printf "%s\\n" "${{COMPREPLY[@]}}"'],
@@ -113,7 +113,7 @@ def test_bash_completes(hausbench: Program, tmp_path: Path) -> None:
 
 
 def test_completing_runs_no_command_of_a_name(hausbench: Program, tmp_path: Path) -> None:
-    """A foreign checkout may name an experiment like a command."""
+    """A downloaded checkout may contain an experiment whose name is a shell command."""
     for folder in ("datasets", "experiments"):
         (tmp_path / folder).mkdir()
     (tmp_path / "datasets" / "manifest.toml").touch()

@@ -1,6 +1,6 @@
-"""Malicious files: their seal is right, but their content is not. Each is refused before it is read.
+"""Malicious result files with valid hashes are refused before their content is used.
 
-tests/program/test_results.py has damaged files, whose seal is wrong.
+Damaged files, whose hashes are wrong, are in tests/program/test_results.py.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def seal(file: Path) -> None:
 
 @pytest.fixture(scope="module")
 def good(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A result of four cases with repeats; two of them are read off the traces of the others."""
+    """A result of four cases with repeats; two of them are read off the traces of the other two."""
     folder = tmp_path_factory.mktemp("good")
     experiment = folder / "tiny.toml"
     experiment.write_text(EXPERIMENT.replace("tolerances = [1e-3]", "tolerances = [1e-3, 1e-1]\ntrace = true") +
@@ -79,7 +79,7 @@ def value(name: str, row: int | slice, new: object) -> Change:
 
 
 def wide_integers(f: h5py.File) -> None:
-    """Creates integers of 128 bits, which h5py cannot write, so there is no data."""
+    """Creates a dataset of 128-bit integers without data, because h5py cannot write them."""
     del f["cases/pose_index"]
     wide = h5py.h5t.STD_I64LE.copy()
     wide.set_size(16)
@@ -100,7 +100,7 @@ def shared_samples(f: h5py.File) -> None:
 
 TEXT = h5py.string_dtype()
 
-# change of the file -> text of the one line
+# change of the file -> text of the error
 HOSTILE: dict[str, tuple[Change, str]] = {
     "an attribute of many integers": (attribute("schema_version", np.ones(8000, "i8")), "schema_version: is not one value"),
     "an attribute of two integers": (attribute("cores", np.ones(2, "i8")), "cores: is not one value"),
@@ -226,7 +226,7 @@ def test_hostile_shapes_in_the_cache_are_refused(hausbench: Program, experiment:
 
 @pytest.mark.parametrize("change", ["the mark of the seal", "a byte more", "a byte less", "text for a seal"])
 def test_what_follows_the_data_is_their_seal_or_nothing(hausbench: Program, good: Path, tmp_path: Path, change: str) -> None:
-    """Otherwise a file with a changed byte in its data could pass as one that another program changed, which has no seal."""
+    """A file without a hash is accepted, so a damaged hash must not count as none: a changed byte in the data would go unnoticed."""
     content = bytearray(good.read_bytes())
     if change == "the mark of the seal":
         content[-72] ^= 1
@@ -260,7 +260,7 @@ def test_a_journal_that_is_a_pipe_is_refused(hausbench: Program, experiment: Pat
 
 
 def test_nothing_is_written_through_a_link(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """The name of an unfinished file may be taken by a link to another file, or by a pipe."""
+    """A link to another file, or a pipe, may have the name of the temporary file."""
     precious = tmp_path / "precious"
     precious.write_text("mine")
     (tmp_path / "tiny.h5.unfinished").symlink_to(precious)
@@ -304,7 +304,7 @@ def test_texts_of_a_file_do_not_steer_the_terminal(hausbench: Program, good: Pat
                  ("compare", "--solver", "a", "b", bad), ("merge", "--any-build", tmp_path / "any.h5", bad, other)]
     for verb in verbs:
         steers_nothing(hausbench(*verb))
-    assert all(c == "\n" or c.isprintable() for c in hausbench("show", "--csv", bad).stdout)  # a quoted cell may hold line breaks
+    assert all(c == "\n" or c.isprintable() for c in hausbench("show", "--csv", bad).stdout)  # a quoted cell may contain line breaks
 
 
 def test_texts_of_an_experiment_do_not_steer_the_terminal(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
@@ -315,12 +315,12 @@ def test_texts_of_an_experiment_do_not_steer_the_terminal(hausbench: Program, ex
         done = hausbench(verb, experiment, "--results", tmp_path)
         assert done.returncode == 0, done.stderr
         steers_nothing(done)
-    steers_nothing(hausbench("explain", experiment, "--solver", "x"))  # lists the known solvers
+    steers_nothing(hausbench("explain", experiment, "--solver", "x"))
     steers_nothing(hausbench("explain", experiment, "--scene", "x\x1b[2J"))
 
 
 def defines(model: str) -> Change:
-    """Makes the file's first model one that its experiment defines."""
+    """Makes the experiment stored in the file define the file's first model."""
     def change(f: h5py.File) -> None:
         f["models/name"][0] = "trap"
         toml = f["meta"].attrs["experiment_toml"] + model
@@ -360,7 +360,7 @@ def test_models_of_a_hostile_result_fill_nothing(hausbench: Program, good: Path,
 
 def test_models_of_a_result_stay_out_of_the_cache(hausbench: Program, experiment: Path, tmp_path: Path,
                                                   monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its rows are still checked."""
+    """The rows are still checked, but a result must not put its models into the user's cache."""
     experiment.write_text(experiment.read_text().replace('"sphere1"', '"mine"') + GENERATED.format("mine") + '"icosphere"\nlevel = 2\nradius = 3\n')
     file = run(hausbench, experiment, tmp_path)
     monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
@@ -383,7 +383,7 @@ def test_pipes_among_the_results_are_passed_over(hausbench: Program, experiment:
 
 def test_a_shape_of_another_model_in_its_place_is_refused(hausbench: Program, experiment: Path, tmp_path: Path,
                                                           monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is complete, and its content hash fits; but it was not made from the bytes that its place stands for."""
+    """The shape is complete and its content hash is right, but the cache's file name stands for another model."""
     monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
     run(hausbench, experiment, tmp_path)
     one, other = sorted((tmp_path / "cache" / "shapes").glob("*.h5"))

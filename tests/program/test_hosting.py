@@ -1,4 +1,4 @@
-"""The library of algorithms in a foreign process: Python keeps its signal handlers and its children."""
+"""The library inside another process: Python keeps its signal handlers and child processes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGCHLD, signal.SIGPIPE, signal
 
 
 def host(library: str) -> None:
-    """Runs in a separate process, without anything of pytest."""
+    """Runs in a process of its own, without pytest."""
     heard: list[int] = []
     for number in SIGNALS:
         signal.signal(number, lambda which, _: heard.append(which))

@@ -1,4 +1,4 @@
-"""An installed hausbench, far from its sources: experiments, documents, and hints that name existing files."""
+"""An installed hausbench, without its source tree, has experiments and documents, and its hints name existing files."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_its_experiments_run_in_any_folder(installed: Installed, tmp_path: Path)
     for verb in readers:
         done = installed(*verb)
         assert done.returncode == 0, done.stderr
-    # Inside the installed files, the cache is still the user's.
+    # If started inside the installed files, the program still uses the user's cache.
     installed.folder = Path(installed.path).parents[1] / "share" / "hausbench" / "experiments"
     assert installed("list", "smoke").returncode == installed("measure", "sphere1", "sphere2").returncode == 0
     assert not (installed.folder.parent / "datasets" / "cache").exists()

@@ -1,4 +1,4 @@
-"""`hausbench run --jobs`: several cases at a time have the same answers as one at a time, and times marked as not comparable."""
+"""`hausbench run --jobs`: cases run side by side have the same answers, and their times are marked as not comparable."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ z = 0.0
 
 @needs_two_cores
 def workers(folder: Path) -> list[int]:
-    """Returns the workers that run with a file of the folder."""
+    """Returns the process ids of workers whose command line names the folder."""
     found = []
     for process in Path("/proc").iterdir():
         try:
@@ -131,7 +131,7 @@ def test_ctrl_c_ends_all_of_them_and_the_same_command_goes_on(hausbench: Program
 
 
 def test_what_needs_more_memory_than_is_allowed_is_not_started(hausbench: Program, tmp_path: Path) -> None:
-    """Its row is kept when the same command runs again, and it counts as finished."""
+    """The refused case has a row, which counts as finished when the command is run again."""
     file = tmp_path / "slow.toml"
     file.write_text(SLOW.replace("repeats = 1", "repeats = 0").replace('[model.a]', '[limits]\nmemory_mb = 1.5\n[model.a]'))
     for _ in range(2):
@@ -186,7 +186,7 @@ def test_times_of_rows_beside_others_are_not_compared(hausbench: Program, tmp_pa
 
 
 def test_what_shards_have_finished_is_collected(hausbench: Program, tmp_path: Path) -> None:
-    """Like a cluster, but without one: a missing shard is reported, and the result has the rest."""
+    """Runs shards as on a cluster, but locally: a missing shard is reported, and the result has the others."""
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     assert hausbench("run", SMOKE, "--results", whole).returncode == 0
     collect = ("run", SMOKE, "--results", parts, "--collect")

@@ -1,4 +1,4 @@
-"""`hausbench list keys`: the keys of experiment files, the recipes and the operations, as text and as JSON."""
+"""`hausbench list keys` lists keys of experiment files, recipes and operations, as text and as JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`make experiments`: a failure does not stop the rest, and make fails in the end and names it."""
+"""`make experiments` continues after a failure, and in the end fails and names it."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from pathlib import Path
 
 from conftest import ROOT
 
-# Ends with the exit code in the experiment file.
+# A fake program; its exit code is the content of the experiment file.
 PROGRAM = """#!/bin/bash
 echo "ran $2"
 exit "$(cat "$2")"
 """
-# Stands in for Python: records the requested figures.
+# A fake Python that records the requested figures.
 PYTHON = """#!/bin/bash
 echo "$3" >> drawn
 """

@@ -1,4 +1,4 @@
-"""A matrix of models: each shape is prepared once, and every pair has the same answer as alone."""
+"""A matrix of models: each shape is prepared once, and every pair has the same answer as on its own."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from conftest import Program
 from test_results import run_in
 from test_run import numbers, texts
 
-# Two models in the range of one worker; one 2^40 smaller; one 2^300 smaller, which gets a separate
-# worker with itself; and one so small that scaling it beside b would lose bits that survive beside a.
+# Powers of two by which the models are scaled. A worker handles similar scales: a, b and small share one; tiny gets its
+# own. Scaling `far` for a worker with b would lose bits that survive in one with a.
 EXPONENTS = {"a": 0, "b": 30, "small": -40, "tiny": -300, "far": -1015}
 
 SOLVERS = '[[solver]]\nname = "guthe"\n[[solver]]\nname = "earlybreak"\n[[solver]]\nname = "guthe"\nlabel = "H"\nquantity = "symmetric"\n'
 
 
 def bumpy(seed: int, exponent: int, n: int = 9) -> str:
-    """Returns an n x n sheet of random heights, 2^exponent times as large."""
+    """Returns an n x n grid of random heights, scaled by 2^exponent."""
     numbers_of = random.Random(seed)
     scale = 2.0**exponent
     vertices = [(scale * x / n, scale * y / n, scale * numbers_of.random()) for y in range(n) for x in range(n)]
@@ -60,7 +60,7 @@ def test_pairs_have_the_same_bits_alone_and_in_the_matrix(hausbench: Program, ro
     assert len(texts(one, "cases/scene")) == 3 * 25 * 2
     for column in ("scene", "solver", "identity", "status", "lower_check", "upper_check"):
         assert texts(one, f"cases/{column}") == texts(other, f"cases/{column}"), column
-    # earlybreak takes no meshes; a thousandth of a tiny A is below double precision beside a large B.
+    # earlybreak takes no meshes: "skipped". The tolerance of a tiny A near a large B is below double precision: "floor".
     statuses = [texts(one, "cases/status").count(status) for status in ("ok", "floor", "skipped")]
     assert sum(statuses) == 150 and statuses[2] == 50 and min(statuses) > 0
     with h5py.File(one) as f:
@@ -88,10 +88,11 @@ def test_each_shape_is_prepared_once_and_the_ledger_says_so(hausbench: Program, 
     assert done.returncode == 0, done.stderr
     result = tmp_path / "ten.h5"
     assert texts(result, "cases/status") == ["ok"] * 200
-    assert ledger(result, "structures for each pair") == [("guthe on ten", "octree: built over 10 shapes and used 200 times by 100 pairs", 190)]  # as target and as source
+    # Each pair uses two octrees: as source and as target.
+    assert ledger(result, "structures for each pair") == [("guthe on ten", "octree: built over 10 shapes and used 200 times by 100 pairs", 190)]
     shown = run_in(hausbench, root, "explain", file)
     assert "each of 10 shapes is loaded and prepared once for all 100 pairs" in shown.stdout
-    # A pair, or the complete matrix, can be chosen.
+    # A pair can be run alone.
     pair = run_in(hausbench, root, "run", file, "--results", tmp_path / "pair", "--quiet", "--scene", "ten: m3 to m4")
     assert pair.returncode == 0 and len(texts(tmp_path / "pair" / "ten.h5", "cases/scene")) == 2
 
@@ -101,7 +102,7 @@ def test_far_scales_get_a_worker_of_their_own(hausbench: Program, root: Path, tm
     file = write(tmp_path / "matrix.toml", f'[[scene]]\nname = "all"\nsources = {names}\n', '[[solver]]\nname = "guthe"\n')
     shown = run_in(hausbench, root, "explain", file).stdout
     pairs = sorted(int(words.split()[0]) for words in shown.split("for all ")[1:])
-    assert pairs == [2, 3, 5, 14] and shown.count("  guthe on all ") == 5  # far forms a pair only with itself
+    assert pairs == [2, 3, 5, 14] and shown.count("  guthe on all ") == 5  # far shares a worker only with itself
 
 
 def test_directions_and_pairs_are_counted_apart(hausbench: Program, root: Path, tmp_path: Path) -> None:
@@ -110,14 +111,14 @@ def test_directions_and_pairs_are_counted_apart(hausbench: Program, root: Path, 
     assert run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet").returncode == 0
     result = tmp_path / "matrix.h5"
     assert len(texts(result, "cases/scene")) == 4 * 2 + 2 * 2
-    # H builds the octrees of both shapes at its first pair, and finds them at the second. Each pair needs both.
+    # h and H count separately: each pair needs two octrees, and each octree is built once.
     assert ledger(result, "structures for each pair") == [
         ("guthe on all", "octree: built over 2 shapes and used 8 times by 4 pairs", 6),
         ("guthe on all", "octree: built over 2 shapes and used 4 times by 2 pairs", 2)]
 
 
 def test_a_crash_costs_its_case_alone(hausbench: Program, root: Path, tmp_path: Path) -> None:
-    (root / "datasets" / "b.off").write_text("OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n")  # damaged: its pairs fail, with the reason
+    (root / "datasets" / "b.off").write_text("OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n")  # damaged, so its pairs fail with a reason
     file = write(tmp_path / "matrix.toml", '[[scene]]\nname = "all"\nsources = ["a", "b"]\n', '[[solver]]\nname = "guthe"\n')
     done = run_in(hausbench, root, "run", file, "--results", tmp_path, "--quiet")
     assert done.returncode == 0, done.stderr

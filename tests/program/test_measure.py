@@ -27,8 +27,8 @@ def measured(hausbench: Program, *arguments: str | Path) -> dict[str, object]:
 
 @pytest.mark.parametrize("solver", ["guthe", "cgal"])
 def test_one_direction_and_the_other(hausbench: Program, tetrahedron: Path, raised: Path, solver: str) -> None:
-    # The farthest point of the tetrahedron is on its base, 0.25 below the raised base. In the
-    # other direction, the raised top is 0.25 above the lower top, which is its nearest point.
+    # The farthest point is on the lower base, 0.25 below the other. In the other direction, it is the raised top, 0.25
+    # above the lower top.
     for pair in ((tetrahedron, raised), (raised, tetrahedron)):
         result = measured(hausbench, *pair, "--solver", solver, "--tolerance", "1e-9", "--of", "absolute")
         assert result["solver"] == solver and result["status"] == "converged"
@@ -54,7 +54,7 @@ def test_relative_to_the_lower_bound(hausbench: Program, tetrahedron: Path, rais
 
 
 def test_relative_to_the_longest_side_of_a(hausbench: Program, tmp_path: Path) -> None:
-    """The longest side of A's box as loaded, in both directions."""
+    """The tolerance is relative to the longest side of A's bounding box as loaded, in both directions."""
     needle, plate, point = tmp_path / "needle.off", tmp_path / "plate.off", tmp_path / "point.off"
     needle.write_text("OFF\n3 1 0\n0 0 0\n8 0 1\n8 2 0\n3 0 1 2\n")
     plate.write_text("OFF\n3 1 0\n0 0 0\n64 0 0\n0 64 0\n3 0 1 2\n")
@@ -72,7 +72,7 @@ def test_relative_to_the_longest_side_of_a(hausbench: Program, tmp_path: Path) -
 
 @pytest.mark.parametrize("more", [(), ("--symmetric",)])
 def test_is_it_above(hausbench: Program, tetrahedron: Path, raised: Path, more: tuple[str, ...]) -> None:
-    """The distance is 0.25. The tolerance is far too coarse to answer, so it does not end the search."""
+    """The distance is 0.25. The tolerance is too coarse to decide the question, and must not end the search."""
     for cutoff, code, answer, status in (("0.2", 1, True, "above_cutoff"), ("0.25000001", 0, False, "below_floor"),
                                          ("0.3", 0, False, "below_floor"), ("0", 1, True, "above_cutoff")):
         done = hausbench("measure", tetrahedron, raised, "--cutoff", cutoff, "--tolerance", "1e3", "--json", *more)
@@ -102,7 +102,7 @@ def test_point_sets_get_a_point_solver(hausbench: Program, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("of", ["diagonal", "absolute", "lower"])
 def test_both_directions(hausbench: Program, tmp_path: Path, of: str) -> None:
-    """h(A,B) = 0, because A is a part of B; h(B,A) = 3. Each direction has its bounds, its status and its witness, to the full tolerance."""
+    """h(A,B) = 0, because A is part of B, and h(B,A) = 3. Each direction has its own bounds, status and witness, to the full tolerance."""
     a, b = tmp_path / "a.xyz", tmp_path / "b.xyz"
     a.write_text("0 0 0\n4 0 0\n")
     b.write_text("0 0 0\n4 0 0\n4 3 0\n")
@@ -123,7 +123,7 @@ def test_both_directions(hausbench: Program, tmp_path: Path, of: str) -> None:
 
 
 def test_the_second_direction_is_not_stopped_by_the_first(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
-    """h(B,A) = 0.25 is far below h(A,B) = 5, and just as exact."""
+    """h(B,A) = 0.25 is far below h(A,B) = 5, but must be just as accurate."""
     b = tmp_path / "b.xyz"
     b.write_text("0 0 -0.25\n0 0 1\n")
     result: Any = measured(hausbench, tetrahedron, b, "--symmetric")
@@ -158,10 +158,10 @@ def test_a_default_tolerance_takes_every_input(hausbench: Program, tmp_path: Pat
     assert measured(hausbench, other, point)["tolerance_of"] == "diagonal"
     for extreme in (huge, tiny):
         assert measured(hausbench, extreme, extreme)["lower"] == 0
-    # A given tolerance must be meaningful.
+    # A point has no extent to which a tolerance could be relative.
     for given in (("--tolerance", "1e-6"), ("--of", "diagonal"), ("--of", "longest")):
         assert "its box has no" in hausbench.fails("measure", point, other, *given)
-    # If the product leaves the range of doubles, the tolerance is the nearest one that is above 0 and finite.
+    # If the product leaves the range of doubles, the tolerance is the nearest finite positive number.
     for extreme, length in ((huge, sys.float_info.max), (tiny, 5e-324)):
         for of in ("diagonal", "longest"):
             assert measured(hausbench, extreme, extreme, "--tolerance", "0.4" if extreme == tiny else "2", "--of", of)["tolerance_absolute"] == length
@@ -173,7 +173,7 @@ def stl(x: float) -> bytes:
 
 
 def test_coordinates_coarser_than_the_tolerance(hausbench: Program, tmp_path: Path) -> None:
-    """Near 5.1e6, float32 has steps of 0.5."""
+    """Near 5.1e6, consecutive float32 values differ by 0.5."""
     far, near = tmp_path / "far.stl", tmp_path / "near.stl"
     far.write_bytes(stl(5.1e6))
     near.write_bytes(stl(0))
@@ -259,7 +259,7 @@ def test_an_interrupted_reader_leaves_nothing(hausbench: Program, tetrahedron: P
     process.send_signal(end)
     assert process.wait(10) == -end
     wait_for(lambda: not reader.exists() or "State:\tZ" in (reader / "status").read_text())
-    if end == signal.SIGKILL:  # the next run cleans up
+    if end == signal.SIGKILL:  # the next run removes what is left
         assert hausbench("measure", tetrahedron, tetrahedron).returncode == 0
     assert scratch_folders(tmp_path) == []
 
@@ -281,7 +281,7 @@ def test_no_more_workers_than_can_be_used(hausbench: Program, tetrahedron: Path,
 @pytest.mark.parametrize("more", [("--fields", "a.off.ply"), ("--fields", "b.ply"), ("--fields", "link.ply"), ("--certificate", "./b.ply"),
                                   ("--fields", "x.ply", "--certificate", "../{folder}/x.ply"), ("--symmetric", "--fields", "a.off.ply")])
 def test_no_shape_is_written_over(hausbench: Program, tmp_path: Path, more: tuple[str, ...]) -> None:
-    """Neither A nor B, under any name; nor are two outputs written into one file."""
+    """Outputs must not overwrite A or B, whatever their names, nor each other."""
     for name, model in (("a.off.ply", "sphere1"), ("b.ply", "sphere2"), ("a.off.back.ply", "sphere2")):
         assert hausbench("export", model, tmp_path / name).returncode == 0
     (tmp_path / "link.ply").symlink_to("a.off.ply")
@@ -294,7 +294,7 @@ def test_no_shape_is_written_over(hausbench: Program, tmp_path: Path, more: tupl
 
 
 def test_nor_the_file_of_a_model(hausbench: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The model is named in the manifest, or derived from a model that is a file."""
+    """The model is in the manifest, or made from a model whose file it is."""
     root = tmp_path / "root"
     (root / "datasets").mkdir(parents=True)
     scan = root / "datasets" / "scan.ply"

@@ -1,4 +1,4 @@
-"""`measure` of many pairs, as CSV with one exit code, and of models by name."""
+"""`measure` of many pairs writes CSV and has one exit code; models are given by name."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def test_the_part_of_the_witness(hausbench: Program, tmp_path: Path) -> None:
 
 
 def test_warnings_stand_in_the_table(hausbench: Program, tmp_path: Path) -> None:
-    """One for another unit, and one for a file that was cut off after its vertices."""
+    """One pair has a file that is cut off after its first triangle; the other pair's files differ in unit."""
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
     whole = "".join(f"v {x} {x * x} 0\n" for x in range(9)) + "f 1 2 3\nf 4 5 6\nf 7 8 9\n"
@@ -180,7 +180,7 @@ def test_errors_are_json_for_programs(hausbench: Program, tetrahedron: Path, tmp
 
 
 def test_lists_as_other_programs_write_them(hausbench: Program, folders: Path) -> None:
-    """With a head, as this program writes it; and two mistakes, each reported with its place."""
+    """A list with a header, as this program writes it; and two mistakes, each reported with its line."""
     file = folders / "pairs.csv"
     file.write_text("A,B\na/one.off,b/one.obj\n")
     found = rows(hausbench("measure", "--pairs", file).stdout)

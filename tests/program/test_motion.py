@@ -1,4 +1,4 @@
-"""Targets that move: whether structures are rebuilt for each pose, the reports of plan and ledger; and the times of stages."""
+"""Moving targets: structures that are rebuilt for each pose, and how plan and ledger report them; and the times of stages."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def experiment(folder: Path, tolerances: str = "1e-6", quantity: str = "symmetri
 
 
 def of_target(folder: Path, tolerances: str, more: str = "") -> Path:
-    """Makes an experiment in which B moves and h is measured: coarse rows may be read off the trace of the finest."""
+    """Makes an experiment in which B moves. Coarse tolerances of h may be read off the trace of the finest."""
     return experiment(folder, tolerances, "directed", more, "target_motion")
 
 
 def told(file: Path) -> set[str]:
-    """Returns the kinds of ledger entries about structures for each pose."""
+    """Returns the kinds of ledger entries about structures that are built for each pose."""
     with h5py.File(file, "r") as f:
         return {kind for kind, what in zip(f["ledger/kind"].asstr()[:], f["ledger/what"].asstr()[:]) if what == "structures for each pose"}
 
@@ -58,7 +58,7 @@ def test_a_coarse_row_is_not_read_off_a_run_that_built_more(hausbench: Program, 
 
 
 def test_stages_are_of_the_run_that_took_them(hausbench: Program, tmp_path: Path) -> None:
-    """Rows of an earlier run without stages are run again; a row that was read off a trace has none."""
+    """Rows of an earlier run without stages are run again. A row read off a trace has no stages."""
     names = {"seconds: cull on A", "seconds: cull on B", "seconds: subdivide"}
     assert not any("seconds" in extras for extras in texts(run(hausbench, of_target(tmp_path, "1e-6, 1e-2"), tmp_path), "cases/extras"))
     file = run(hausbench, of_target(tmp_path, "1e-6, 1e-2", "stages = true"), tmp_path)
@@ -67,4 +67,4 @@ def test_stages_are_of_the_run_that_took_them(hausbench: Program, tmp_path: Path
         assert set(stages) == (set() if read_off else names)
         assert all(0 <= seconds < 10 for seconds in stages.values())
     assert numbers(file, "cases/from_trace").sum() == 3
-    assert hausbench("run", of_target(tmp_path, "1e-6, 1e-2", "stages = true"), "--results", tmp_path).returncode == 0  # nothing is left to run
+    assert hausbench("run", of_target(tmp_path, "1e-6, 1e-2", "stages = true"), "--results", tmp_path).returncode == 0

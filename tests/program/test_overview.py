@@ -1,4 +1,4 @@
-"""The picture of the README, from an experiment like the README's to the figure."""
+"""Draws the README's picture from a similar experiment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Models of a user: in the experiment, by a path, in a separate folder; and their traces in results."""
+"""A user's models: in the experiment, by path, or in a folder of their own; and how results record them."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def run(hausbench: Program, own: Path, *more: str | Path) -> Path:
 
 
 def test_models_of_the_experiment_and_by_path(hausbench: Program, own: Path) -> None:
-    """Paths are relative to the experiment, not to the folder where the program is started."""
+    """Paths are relative to the experiment, not to the current folder."""
     with h5py.File(run(hausbench, own)) as f:
         assert set(f["cases/status"].asstr()[:]) == {"ok"} and set(f["cases/lower_check"].asstr()[:]) == {"holds"}
         rows = dict(zip(zip(f["cases/source"].asstr()[:], f["cases/target"].asstr()[:]), f["cases/upper"][:]))
@@ -69,7 +69,7 @@ def test_models_of_the_experiment_and_by_path(hausbench: Program, own: Path) -> 
                   for i, name in enumerate(names)}
         assert f["meta"].attrs["experiment_file"] == str(own)
     assert len(rows) == 5 and rows["mine", "clouds/other.csv"] == pytest.approx(3)
-    assert rows["twice", "clouds/other.csv"] == pytest.approx(10**0.5)  # its far point is (2, 0, 0)
+    assert rows["twice", "clouds/other.csv"] == pytest.approx(10**0.5)  # the farthest point is (2, 0, 0)
     assert names.count("mine") == 1 and set(names) == {"mine", "twice", "clouds/other.csv", "./clouds/scan.xyz", "sphere1"}
     sha256 = hashlib.sha256((own.parent / "clouds" / "scan.xyz").read_bytes()).hexdigest()
     assert models["mine"] == {"path": "clouds/scan.xyz", "file_sha256": sha256, "source": "file", "note": "my own", "licence": "CC0-1.0"}
@@ -78,7 +78,7 @@ def test_models_of_the_experiment_and_by_path(hausbench: Program, own: Path) -> 
 
 
 def test_identities_hold_no_place(hausbench: Program, own: Path, tmp_path: Path) -> None:
-    """The same bytes in another folder, under another name, are the same cases."""
+    """Files with the same bytes in another folder, with another name, give the same identities."""
     def identities(file: Path) -> list[str]:
         with h5py.File(file) as f:
             return sorted(f["cases/identity"].asstr()[:])
@@ -94,7 +94,7 @@ def test_identities_hold_no_place(hausbench: Program, own: Path, tmp_path: Path)
 
 def test_verify_finds_them_again(hausbench: Program, own: Path, tmp_path: Path) -> None:
     result = run(hausbench, own)
-    own.unlink()  # the result contains its text
+    own.unlink()  # the result contains the experiment's text
     assert hausbench("verify", result).returncode == 0
     scan = own.parent / "clouds" / "scan.xyz"
     text = scan.read_text()
@@ -136,7 +136,7 @@ def test_what_is_wrong_with_them(hausbench: Program, own: Path, change: tuple[st
     text = own.read_text()
     assert change[0] in text
     own.write_text(text.replace(*change, 1))
-    if says is None:  # a file that differs from the table spoils only the rows of that model
+    if says is None:  # a file with a wrong hash affects only the rows of its model
         with h5py.File(run(hausbench, own)) as f:
             reasons = {source: reason for source, reason in zip(f["cases/source"].asstr()[:], f["cases/reason"].asstr()[:])}
         assert "has SHA-256" in reasons["mine"] and "or correct sha256" in reasons["mine"] and reasons["./clouds/scan.xyz"] == ""
@@ -185,7 +185,7 @@ path = "clouds/other.csv"
 
 
 def test_a_name_of_a_model_is_no_path(hausbench: Program, own: Path) -> None:
-    """A model with the name of a file is that model."""
+    """If a model is called like a file, the name means the model."""
     own.write_text(EXPERIMENT.replace("[model.mine]", '[model."scan.xyz"]').replace('source = "mine"', 'source = "scan.xyz"')
                    .replace('from = "mine"', 'from = "scan.xyz"'))
     (own.parent / "scan.xyz").write_text("not a cloud\n")
@@ -194,7 +194,7 @@ def test_a_name_of_a_model_is_no_path(hausbench: Program, own: Path) -> None:
 
 
 def test_a_folder_of_its_own_is_a_root(program_file: str, own: Path) -> None:
-    """datasets/manifest.toml makes a folder a root: models come from there, results and the cache go into it."""
+    """A folder with datasets/manifest.toml is a root: it provides the models, and receives results and cache."""
     (own.parent / "datasets").mkdir()
     (own.parent / "datasets" / "manifest.toml").write_text('[model.sphere1]\nsource = "file"\npath = "../clouds/scan.xyz"\n')
     environment = {name: value for name, value in os.environ.items() if name not in ("HAUSBENCH_ROOT", "HAUSBENCH_CACHE")}
@@ -243,7 +243,7 @@ def test_a_full_turn_ends_before_it_begins_again(hausbench: Program, tmp_path: P
 
 def test_any_other_turn_has_both_ends(hausbench: Program, tmp_path: Path) -> None:
     assert angles(hausbench, tmp_path, '{ kind = "rotation", axis = [0, 0, 2], degrees = 90, steps = 4 }') == pytest.approx([0, 30, 60, 90])
-    assert len(angles(hausbench, tmp_path, '{ kind = "rotation", axis = [0, 0, 1], degrees = 90 }')) == 10  # the default
+    assert len(angles(hausbench, tmp_path, '{ kind = "rotation", axis = [0, 0, 1], degrees = 90 }')) == 10  # the default number of steps
     assert angles(hausbench, tmp_path, '{ kind = "rotation", axis = [0, 0, 1], degrees = 360, steps = 1 }') == [0]
 
 

@@ -1,4 +1,4 @@
-"""The penetration depth and recorded simulations, end to end: rows, refusals, checks, and the command line."""
+"""Penetration depths and recorded simulations: rows, refusals, checks and the command line."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_each_pair_of_a_frame_is_a_case(hausbench: Program, tmp_path: Path) -> N
     file = run(hausbench, experiment(tmp_path), tmp_path)
     scenes, frames, upper = texts(file, "cases/scene"), numbers(file, "cases/frame"), numbers(file, "cases/upper")
     assert list(zip(scenes, frames)) == [("boxes: box and bar", 0), ("boxes: box and bar", 2), ("boxes: box and bar", 3), ("boxes: box and box", 2)]
-    # At frame 2 the bar is turned about (1, 1, 1), so that it lies along y, and moved by 0.125 along x.
+    # At frame 2 the bar is rotated to lie along y, and moved by 0.125 along x.
     assert list(upper) == pytest.approx([0.5, 0.5, 0.25, 0.25], abs=2e-6)
     assert set(texts(file, "cases/quantity")) == {"penetration"} and set(texts(file, "cases/status")) == {"ok"}
     assert set(texts(file, "cases/lower_check")) == set(texts(file, "cases/upper_check")) == {"holds"}
@@ -154,7 +154,7 @@ def test_rows_of_a_pair_are_held_against_each_other(hausbench: Program, tmp_path
     result = tmp_path / "depths.h5"
     result.write_bytes(result.read_bytes()[:-73])
     with h5py.File(result, "r+") as f:
-        f["cases/lower"][1], f["cases/upper"][1] = 0.0, 0.4  # no vertex is deeper than 0.2
+        f["cases/lower"][1], f["cases/upper"][1] = 0.0, 0.4  # false: no vertex is deeper than 0.2
     seal(result)
     done = hausbench("verify", result)
     assert done.returncode == 1 and "below the verified lower bound 0.49999" in done.stdout + done.stderr, done.stdout

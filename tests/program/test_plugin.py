@@ -1,7 +1,4 @@
-"""Solvers from outside the tree: an installed hausbench, a project built against it, and the harness's handling of bad solvers.
-
-They crash, hang, eat memory, lie, babble, throw and chatter.
-"""
+"""Plug-in solvers: a project built against an installed hausbench, and solvers that crash, hang, exhaust memory or return nonsense."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ def test_the_documented_recipe_runs_at_full_speed(hausbench: Program, outside: P
     experiment = tmp_path / "quick.toml"
     experiment.write_text(head() + '[[solver]]\nname = "vertex_only"\n')
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin, "--quiet")
-    assert done.returncode == 0 and all("were tried little" in line for line in done.stderr.splitlines())  # no warning of a slow build
+    assert done.returncode == 0 and all("were tried little" in line for line in done.stderr.splitlines())  # no warning about a slow build
     how = compiled(tmp_path / "quick.h5")
     assert set(how) == {"libmisbehaving.so"} and how["libmisbehaving.so"].startswith("optimized, no assertions, GCC ")
 
@@ -41,7 +38,7 @@ def test_the_documented_recipe_runs_at_full_speed(hausbench: Program, outside: P
 def test_a_plugin_that_is_not_optimized_is_said_to_be_so(
     hausbench: Program, outside: Path, tetrahedron: Path, raised: Path, experiment: Path, tmp_path: Path
 ) -> None:
-    # The author's choices are kept.
+    # The author's compiler flags are kept.
     built([*RECIPE, f"-DCMAKE_PREFIX_PATH={outside.parent / 'installed'}", "-DCMAKE_BUILD_TYPE=Debug",
                   "-S", str(SOURCES), "-B", str(tmp_path / "debug")], tmp_path)
     built(["cmake", "--build", "debug", "--target", "with_octree"], tmp_path)
@@ -66,7 +63,7 @@ def test_an_installed_program_knows_its_commit(program_file: str, outside: Path,
         assert (f["meta"].attrs["commit"], f["meta"].attrs["dirty"]) == (built_from["commit"], built_from["dirty"])
 
 
-# A fault of the solver `broken` -> the error message, wherever it is loaded.
+# A fault of the plug-in's declaration -> the error, wherever the plug-in is loaded.
 DECLARED = {
     "no name": "without a name",
     "known name": "'guthe' exists already",
@@ -140,7 +137,7 @@ def test_rows_that_end_at_the_budget_are_timed(hausbench: Program, plugin: Path,
     experiment = tmp_path / "wide.toml"
     text = (head().replace("[2.0]", "[1e-9]").replace("guthe", "vertex_only").replace('source = "sphere1"', 'source = "sphere0"')
             .replace("to = [3, 0, 0], steps = 4", "to = [1, 0, 0], steps = 2"))
-    for repeats in (2, 3):  # more repeats than there are, so they are measured
+    for repeats in (2, 3):  # more repeats than were kept, so they are measured
         experiment.write_text(text.replace("repeats = 1", f"repeats = {repeats}\nrounds = 2"))
         assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
         with h5py.File(tmp_path / "wide.h5") as f:
@@ -161,11 +158,10 @@ def test_measure_with_a_plugin(hausbench: Program, plugin: Path, tetrahedron: Pa
     done = hausbench("measure", tetrahedron, raised, "--solver", "vertex_only", "--json", "--plugin", plugin)
     assert done.returncode == 0, done.stderr
     answer = json.loads(done.stdout)
-    # The lower face sinks a quarter below the other tetrahedron; the intervals of both solvers contain that distance.
+    # The lower face is 0.25 below the raised tetrahedron; both solvers' intervals contain that distance.
     assert answer["lower"] == pytest.approx(0.25) and answer["upper"] >= answer["lower"]
     guthe = json.loads(hausbench("measure", tetrahedron, raised, "--solver", "guthe", "--json").stdout)
     assert answer["lower"] <= guthe["upper"] and guthe["lower"] <= answer["upper"]
-    # Without the plug-in, the solver does not exist.
     line = hausbench.fails("measure", tetrahedron, raised, "--solver", "vertex_only")
     assert "'vertex_only'" in line and "--plugin" in line
 
@@ -186,7 +182,7 @@ def test_measure_survives_its_solver(hausbench: Program, plugin: Path, tetrahedr
     assert answer["status"] == status and said in answer["note"] and answer["solver"] == solver
     assert answer["lower"] == 0 and answer["upper"] == "inf" and answer["source_point"] is None and answer["directions"] == []
     person = hausbench(*ask, "--cutoff", "0.1")
-    assert person.returncode == 3 and f"no answer: {said}" in person.stdout  # the question is open
+    assert person.returncode == 3 and f"no answer: {said}" in person.stdout  # exit code 3: the question has no answer
 
 
 def test_ctrl_c_ends_the_solver_too(hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -240,7 +236,7 @@ def test_the_layout_of_a_structure_counts_where_its_header_is_included(
     ask = ("measure", tetrahedron, raised, "--json", "--plugin")
     done = hausbench(*ask, outside / "libwith_octree.so", "--solver", "with_octree")
     assert done.returncode == 0 and json.loads(done.stdout)["lower"] == pytest.approx(0.25), done.stderr
-    # A later hausbench, whose octree has one more member.
+    # A hausbench whose octree has another layout: only the plug-in that uses it must be rebuilt.
     installed = tmp_path / "installed"
     shutil.copytree(outside.parent / "installed", installed)
     header = installed / "include" / "hausbench" / "structures" / "octree.h"
@@ -278,7 +274,7 @@ DEEDS = {
     ("throws", "an exception"): ("failed", "it was too hard"),
     ("throws", "a number"): ("failed", "not a std::exception"),
     ("chatters", ""): ("ok", ""),
-    ("vertex_only", ""): ("ok", ""),  # last: the sweep continued to the end
+    ("vertex_only", ""): ("ok", ""),  # the experiment continued to the end
 }
 
 
@@ -290,7 +286,7 @@ WRONG = [label(*deed) for deed, (status, _) in DEEDS.items() if status == "unsou
 
 
 def sweep(hanging: bool) -> str:
-    """Returns an experiment with all deeds, or with those that only end with the time limit, which is short there."""
+    """Returns an experiment with the solvers that hang, under a short time limit, or with all others."""
     text = head(0.6) if hanging else f"expected_unsound = {json.dumps(WRONG)}\n{head()}"
     for solver, how in DEEDS:
         if (DEEDS[solver, how][0] == "timeout") != hanging:
@@ -390,11 +386,11 @@ def test_a_chain_that_breaks_keeps_what_came_before(hausbench: Program, plugin: 
     with h5py.File(tmp_path / "breaking.h5") as f:
         timed = {int(case) for case in f["repeats/case"][:]}
         answered = {i for i, status in enumerate(f["cases/status"].asstr()[:]) if status == "ok"}
-    assert timed == answered  # answers before the break are timed, in a pass from the head
+    assert timed == answered  # the answers before the failure are timed from the first pose on
     journal = tmp_path / "breaking.journal"
     before = journal.read_bytes()
     assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
-    assert journal.read_bytes() == before  # nothing is left to do
+    assert journal.read_bytes() == before  # nothing is left to run
 
 
 def test_a_crash_in_a_matrix_costs_its_case_alone(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
@@ -411,7 +407,9 @@ def test_a_crash_in_a_matrix_costs_its_case_alone(hausbench: Program, plugin: Pa
 
 
 def test_a_chain_is_waited_for_as_long_as_a_pass_takes(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
-    """Poses that are not timed are still solved in every pass, and nothing is reported about them meanwhile."""
+    """A warm chain solves every pose in every pass, even those not timed, and the worker sends no message meanwhile. It must
+    not be killed as hanging.
+    """
     experiment = tmp_path / "patient.toml"
     experiment.write_text(head(1.0).replace("from = [0, 0, 0], to = [3, 0, 0], steps = 4", "from = [0, 0, 0], to = [7, 0, 0], steps = 8")
                           .replace('name = "guthe"', 'name = "dawdles"\nwarm = true\nparameters = { at = 6.0 }'))
@@ -429,7 +427,7 @@ def test_a_matrix_that_runs_out_of_memory_goes_on_in_a_fresh_worker(hausbench: P
                           .replace('source = "sphere0"\ntarget = "sphere0"', f"sources = {names}").replace("HOW", "from repeat to repeat"))
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0, done.stderr
-    with h5py.File(tmp_path / "full.h5") as f:  # 44 MB per pair, which the worker keeps
+    with h5py.File(tmp_path / "full.h5") as f:  # the worker keeps 44 MB per pair
         assert set(f["cases/status"].asstr()[:]) == {"ok"}, set(f["cases/reason"].asstr()[:])
         assert len(f["cases/status"]) == 9
 
@@ -469,7 +467,7 @@ def off(points: list[tuple[float, float, float]], faces: int) -> str:
 
 
 def test_the_status_of_both_directions_is_that_of_the_larger(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
-    # The solver stops early from four triangles to five, and converges from five to four.
+    # This solver stops early if A has four triangles and B five, and converges if A has five and B four.
     flat = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0)]
     tall = [*flat[:3], (0, 0, 4)]
     for name, points, faces in (("flat4", flat, 4), ("flat5", flat, 5), ("tall4", tall, 4), ("tall5", tall, 5)):
@@ -483,7 +481,7 @@ def test_the_status_of_both_directions_is_that_of_the_larger(hausbench: Program,
         assert result["lower"] <= 4 <= result["upper"]
         return result
 
-    for pair in (("tall5", "flat4"), ("flat4", "tall5")):  # the direction that stopped is in [0, 0.125]
+    for pair in (("tall5", "flat4"), ("flat4", "tall5")):  # the direction that stops early is in [0, 0.125], below the other
         closed = measured(*pair)
         assert closed["upper"] - closed["lower"] <= 0.01
         assert (closed["status"], closed["note"]) == ("converged", "")
@@ -506,7 +504,7 @@ def test_wrong_answers_end_the_run_with_exit_code_1(hausbench: Program, plugin: 
     experiment.write_text('expected_unsound = ["liar"]\n' + body)
     done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
     assert done.returncode == 0 and "1 unsound" in done.stdout and "as expected" in done.stdout and "unsound" not in done.stderr
-    # Nothing fails if an expected error never happens; an unknown label is an error.
+    # An expected error that does not occur is accepted; an unknown label is an error.
     experiment.write_text('expected_unsound = ["guthe"]\n' + head())
     assert hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin).returncode == 0
     experiment.write_text('expected_unsound = ["lair"]\n' + body)
@@ -534,7 +532,7 @@ def test_resume_notices_another_build_of_the_plugin(hausbench: Program, plugin: 
     first, second = again(), again()
     assert times(first, "vertex_only") == times(second, "vertex_only")
     with own.open("ab") as file:
-        file.write(b"\0")  # another file, if not another program
+        file.write(b"\0")  # another file, though the same code
     third = again()
     assert times(third, "vertex_only") != times(second, "vertex_only")
     assert times(third, "guthe") == times(second, "guthe")  # the program's own solvers are unchanged

@@ -1,4 +1,4 @@
-"""Reference answers: one for every scene, pose and quantity. Every row is compared with it, which gives the row's true errors."""
+"""A reference answer for each scene, pose and quantity gives the true errors of every row."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from conftest import EXPERIMENT, Program
 from test_run import numbers, run, texts
 
-# A program that claims the given bounds, and shows no point.
+# A program that prints given bounds, without a witness.
 LIAR = """
 [[solver]]
 name = "external"
@@ -65,7 +65,7 @@ motion = { kind = "translation", from = [0, 0, 0], to = [1, 0, 0], steps = 3, of
 
 @pytest.mark.parametrize(("lower", "upper", "said"), [(0, 1e-6, "is below the verified lower bound"), (5, 5.0001, "is above the certified upper bound")])
 def test_a_wrong_bound_without_a_witness_is_unsound(hausbench: Program, experiment: Path, tmp_path: Path, lower: float, upper: float, said: str) -> None:
-    """No other solver of the experiment has a bound that refutes it."""
+    """No other solver of the experiment refutes the bound, so the reference must."""
     experiment.write_text(EXPERIMENT.replace('[[solver]]\nname = "guthe"\n', "") + claims(lower, upper))
     done = hausbench("run", experiment, "--results", tmp_path, "--quiet")
     assert done.returncode == 1 and said in done.stderr, done.stderr
@@ -82,7 +82,7 @@ def test_a_wrong_bound_without_a_witness_is_unsound(hausbench: Program, experime
 @pytest.mark.parametrize("quantity", ["directed", "symmetric"])
 def test_a_lower_bound_between_points_is_refuted_by_a_proven_upper_bound_alone(hausbench: Program, experiment: Path, tmp_path: Path, seconds: float,
                                                                               quantity: str) -> None:
-    """`scan` writes no certificate; its upper bound is checked point by point, for which a millionth of a second is too short."""
+    """`scan` writes no certificate, so its upper bound is checked point by point, for which a limit of 1e-6 s is too short."""
     experiment.write_text(f'quantity = "{quantity}"\n' + EXPERIMENT.replace("sphere1", "gaussian_1k_a").replace("sphere2", "gaussian_1k_b").replace(
         '[[solver]]\nname = "guthe"\n', "") + f"[limits]\nreference_seconds = {seconds}\n" + claims(50, 50.0001))
     done = hausbench("run", experiment, "--results", tmp_path, "--quiet")
@@ -102,7 +102,7 @@ def test_references_are_resumed_kept_and_merged(hausbench: Program, experiment: 
     file = run(hausbench, experiment, tmp_path)
     seconds = numbers(file, "references/solve_seconds")
     assert len(seconds) == 2
-    run(hausbench, experiment, tmp_path)  # from the journal
+    run(hausbench, experiment, tmp_path)  # references are kept in the journal
     assert np.array_equal(numbers(file, "references/solve_seconds"), seconds)
     run(hausbench, experiment, tmp_path, "--scene", "back", "--solver", "kang", "--fresh")
     assert sorted(texts(file, "references/scene")) == ["back", "spheres"] and len(numbers(file, "cases/reference_lower")) == 4
@@ -118,7 +118,7 @@ def test_references_are_resumed_kept_and_merged(hausbench: Program, experiment: 
 
 
 def test_a_reference_that_is_not_closed_says_how_wide_it_is(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """With almost no time it knows little; its bounds hold, and the row is not refuted."""
+    """With almost no time, the reference's bounds are wide but valid, and do not refute the row."""
     experiment.write_text(EXPERIMENT.replace("sphere1", "ball").replace("sphere2", "cube") + "[limits]\nreference_seconds = 1e-6\n" +
                           '[model.ball]\nsource = "generated"\nrecipe = "icosphere"\nlevel = 5\nradius = 1\n'
                           '[model.cube]\nsource = "generated"\nrecipe = "cube"\nsubdivisions = 40\n')

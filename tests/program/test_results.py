@@ -1,4 +1,4 @@
-"""Result files: written completely or not at all on a full disk, read without trust, verified, merged and compared."""
+"""Result files are written whole or not at all, never trusted when read, and can be verified, merged and compared."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SMOKE = ROOT / "experiments" / "smoke.toml"
 
 
 def with_small_files(hausbench: Program, largest: int, *arguments: str | Path, **more: str) -> str:
-    """Runs with files that may not grow beyond so many bytes, as on a full disk; returns the one line of the error."""
+    """Runs with a limit on the size of files, as on a full disk. Returns the one line of the error."""
     done = subprocess.run(
         hausbench.command(*arguments), cwd=hausbench.folder, env={**hausbench.environment(), **more}, capture_output=True, text=True,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest)), timeout=120,
@@ -51,7 +51,7 @@ def test_disk_full_while_a_shape_is_written(hausbench: Program, experiment: Path
     cache = tmp_path / "cache"
     experiment.write_text(experiment.read_text().replace("sphere2", "sphere5"))
     environment = {**hausbench.environment(), "HAUSBENCH_CACHE": str(cache)}
-    for largest, status in ((200_000, "failed"), (resource.RLIM_INFINITY, "ok")):  # room for the result, but not for the shape
+    for largest, status in ((200_000, "failed"), (resource.RLIM_INFINITY, "ok")):  # enough for the result, but not for the shape
         done = subprocess.run(
             hausbench.command("run", experiment, "--results", tmp_path, "--quiet"), env=environment, capture_output=True, text=True,
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest)), timeout=120,
@@ -66,7 +66,7 @@ def test_disk_full_while_a_shape_is_written(hausbench: Program, experiment: Path
 
 @pytest.fixture
 def scaled(tmp_path: Path) -> Callable[[str, dict[str, float]], Path]:
-    """A project folder whose models are tetrahedra, one and another a quarter higher, times some power of ten."""
+    """A project with two models per name: a tetrahedron and one 0.25 higher, both scaled by the given number."""
 
     def make(experiment: str, scales: dict[str, float]) -> Path:
         root = tmp_path / "root"
@@ -160,7 +160,7 @@ def test_verify_takes_any_number(hausbench: Program, experiment: Path, tmp_path:
     done = hausbench("verify", damaged(good, changes, 0), timeout=20)
     assert done.returncode in ((0, 1) if "pose" in changes else (1,)), (done.returncode, done.stdout, done.stderr)
     row = done.stdout.splitlines()[1].split()
-    assert row[0] == "guthe" and row[1] == "0", row  # never `holds`
+    assert row[0] == "guthe" and row[1] == "0", row  # never counted as `holds`
 
 
 def test_a_reason_is_that_of_every_row_it_is_said_of(hausbench: Program, tmp_path: Path) -> None:
@@ -180,7 +180,7 @@ def test_a_reason_is_that_of_every_row_it_is_said_of(hausbench: Program, tmp_pat
 
 
 def without_the_models(root: Path) -> None:
-    """Turns the models into files of packages that were never fetched."""
+    """Replaces the models with files of a package that was never fetched."""
     manifest = root / "datasets" / "manifest.toml"
     manifest.write_text(manifest.read_text().replace('source = "file"', 'source = "debian"\npackage = "absent"\nversion = "1"'))
     shutil.rmtree(root / "cache")
@@ -194,7 +194,7 @@ def test_verify_without_the_models_says_so(hausbench: Program, scaled: Callable[
     without_the_models(root)
     done = run_in(hausbench, root, "verify", bad)
     assert done.returncode == 1
-    assert done.stdout.splitlines()[1].split()[1:5] == ["0", "0", "1", "(0)"]  # not checked, whatever the file claims
+    assert done.stdout.splitlines()[1].split()[1:5] == ["0", "0", "1", "(0)"]  # counted as not checked, whatever the file claims
     assert "'one_raised' is not here" in done.stderr and "absent" in done.stderr
 
 
@@ -220,7 +220,7 @@ def test_merge_takes_the_row_of_the_machine_that_had_the_model(
 def test_merge_takes_the_row_of_the_machine_that_had_the_solver(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
     one, two = run(hausbench, experiment, tmp_path), tmp_path / "two.h5"
     shutil.copy(one, two)
-    with h5py.File(two, "r+") as f:  # as a build without the solver writes it
+    with h5py.File(two, "r+") as f:  # what a build without the solver writes
         for column, value in (("status", "not_built"), ("solver_status", ""), ("options", "{}"), ("identity", "0" * 64), ("lower", np.nan), ("upper", np.nan)):
             f[f"cases/{column}"][0] = value
     for order in ((one, two), (two, one)):
@@ -248,7 +248,7 @@ def test_damaged_results_take_nothing_down(hausbench: Program, tmp_path: Path) -
         assert "damaged" in hausbench.fails("verify", stray)
         if trial % 5 == 0:
             assert hausbench("explain", SMOKE, "--results", tmp_path).returncode == 0
-    stray.write_bytes(content)  # as another program leaves it
+    stray.write_bytes(content)  # another program drops the hash
     assert hausbench("verify", stray).returncode == 0
 
 
@@ -262,7 +262,7 @@ def test_merge_overwrites_nothing_by_mistake(hausbench: Program, experiment: Pat
     assert "at least two results" in hausbench.fails("merge", one, two)
     assert "exists" in hausbench.fails("merge", one, two, three)
     assert one.read_bytes() == before
-    done = hausbench("merge", one, one, two)  # intentionally
+    done = hausbench("merge", one, one, two)
     assert done.returncode == 0 and str(one) in done.stdout and "1 cases of 2 results" in done.stdout
 
 
@@ -270,26 +270,26 @@ def test_merge_names_the_shards_that_are_missing(hausbench: Program, experiment:
     scene = '[[scene]]\nname = "{0} to {1}"\nsource = "sphere{0}"\ntarget = "sphere{1}"\n'
     experiment.write_text(experiment.read_text() + "".join(scene.format(*pair) for pair in ((2, 1), (1, 1), (2, 2))))
     parts = []
-    for i in (2, 1, 3):  # the second has two cases
+    for i in (2, 1, 3):  # shard 2 has two of the four cases
         assert hausbench("run", experiment, "--results", tmp_path, "--shard", f"{i}/3").returncode == 0
         parts.append(tmp_path / f"tiny.shard-{i}-of-3.h5")
     twice = hausbench("merge", tmp_path / "twice.h5", parts[0], parts[0])
     assert twice.returncode == 1 and "2 of 4 cases" in twice.stderr and "missing, 1/3, 3/3: run them with --shard" in twice.stderr
-    assert texts(tmp_path / "twice.h5", "cases/status").count("skipped") == 2  # it is written nonetheless
+    assert texts(tmp_path / "twice.h5", "cases/status").count("skipped") == 2  # the result is written nevertheless
     two = hausbench("merge", tmp_path / "two.h5", parts[2], parts[0])
     assert two.returncode == 1 and "missing, 1/3: run" in two.stderr
     done = hausbench("merge", tmp_path / "three.h5", tmp_path / "two.h5", parts[1])
     assert done.returncode == 0 and done.stderr == "" and set(texts(tmp_path / "three.h5", "cases/status")) == {"ok"}
     with h5py.File(parts[1]) as f, h5py.File(tmp_path / "three.h5") as whole:
         assert (f["meta"].attrs["shard"], whole["meta"].attrs["shard"]) == ("1/3", "")
-    # A result whose shard is nonsense, or longer than can be listed.
+    # The shard's name is nonsense, or the list of shards would be too long.
     for text in ("0/3", "1/2000000000", "a, b", ",", "1/2, 1/3"):
         with h5py.File(parts[0], "r+") as f:
             f["meta"].attrs["shard"] = text
         done = hausbench("merge", tmp_path / "odd.h5", parts[0], parts[0])
         assert done.returncode == 1 and "2 of 4 cases" in done.stderr and "run the others" in done.stderr
         (tmp_path / "odd.h5").unlink()
-    # A result that does not name its shard, such as an older one.
+    # Older results do not name their shard.
     for part in parts:
         with h5py.File(part, "r+") as f:
             del f["meta"].attrs["shard"]
@@ -312,7 +312,7 @@ def test_merge_keeps_the_time_saved(hausbench: Program, experiment: Path, tmp_pa
 
 
 def clocked_by_cpu(*results: Path) -> None:
-    """Marks times as CPU times: on a busy machine a solve of a millisecond can look like several threads, and then wall times are compared."""
+    """Marks times as CPU times. On a busy machine a solve of 1 ms may look multi-threaded, and compare would use wall times."""
     for result in results:
         with h5py.File(result, "r+") as f:
             f["cases/clock"][:] = "cpu"
@@ -330,7 +330,7 @@ def test_compare_says_what_it_cannot(hausbench: Program, experiment: Path, tmp_p
     assert "answers: all the same" in done.stdout
     assert "too few rounds" in done.stdout and "slower" not in done.stdout  # two pairs give a confidence of 50 %
     ratio = next(line for line in done.stdout.splitlines() if "too few rounds" in line)
-    assert " CPU " in ratio and float(ratio.split("diagonal")[1].split()[0]) > 2  # one thread, so its CPU time counts
+    assert " CPU " in ratio and float(ratio.split("diagonal")[1].split()[0]) > 2  # one thread, so CPU time is compared
     with h5py.File(two, "r+") as f:
         f["cases/clock"][0] = "wall"
     assert "1 cases without a ratio: their times are by different clocks" in hausbench("compare", one, two).stdout
@@ -400,7 +400,7 @@ def test_facts_are_columns_and_survive_resume_and_merge(hausbench: Program, tmp_
 
 
 def test_a_result_has_the_titles_of_its_solvers(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """Tables and figures take them from there."""
+    """Tables and figures take the titles from the result."""
     listed = {solver["name"]: solver["title"] for solver in json.loads(hausbench("list", "--json").stdout)["solvers"]}
     with h5py.File(run(hausbench, experiment, tmp_path)) as result:
         titles = json.loads(result["meta"].attrs["titles"])

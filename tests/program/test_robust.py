@@ -1,4 +1,4 @@
-"""Robustness: kill -9 at any moment, damaged and foreign files, full disks and folders that cannot be written."""
+"""Survives kill -9 at any moment, damaged and foreign files, full disks and read-only folders."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def test_kill_at_twenty_random_moments(hausbench: Program, slow: Path, tmp_path:
         journal = folder / "slow.journal"
         lines = journal.read_bytes().splitlines(True) if journal.exists() else []
         done = sum(line.endswith(b"\n") for line in lines)
-        assert done >= done_before  # no finished case is lost
+        assert done >= done_before
         done_before = done
         result = folder / "slow.h5"
         if result.exists():
-            same_answers(result, undisturbed)  # complete or absent
+            same_answers(result, undisturbed)  # written whole or not at all
     finished = run(hausbench, slow, folder)
     same_answers(finished, undisturbed)
     identities = texts(finished, "cases/identity")
@@ -133,7 +133,7 @@ def test_results_that_are_not(hausbench: Program, experiment: Path, tmp_path: Pa
 
 
 def test_files_of_older_and_newer_programs(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """A missing item takes its default, and an unknown one is skipped; a counter is kept."""
+    """A missing item gets its default, an unknown item is skipped, and an unknown counter is kept."""
     good = run(hausbench, experiment, tmp_path)
     shutil.copy(good, tmp_path / "older.h5")
     with h5py.File(tmp_path / "older.h5", "r+") as f:
@@ -167,7 +167,7 @@ def test_disk_full_while_the_journal_is_written(hausbench: Program, slow: Path, 
     undisturbed = run(hausbench, slow, tmp_path / "whole")
     folder = tmp_path / "full"
 
-    def small_files() -> None:  # writes beyond this many bytes fail, as on a full disk
+    def small_files() -> None:  # longer files cannot be written, as on a full disk
         resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
 
     done = subprocess.run(
@@ -216,9 +216,8 @@ def test_explain_says_what_run_does(hausbench: Program, tmp_path: Path) -> None:
 
 
 def test_harness_overhead_per_case(hausbench: Program, tmp_path: Path) -> None:
-    # The harness costs little per case besides solving, including workers and journal: the best of
-    # five runs. Machines are noisy and other tests run beside this one, so the limit is the time
-    # of a process per case, not the 2 to 4 ms that a case takes on an idle machine.
+    # The limit on the harness's time per case, the best of five runs, is the time to start a process. An idle machine
+    # takes 2 to 4 ms, but other tests run beside this one.
     text = (
         'title = "many small cases"\ntolerances = [1e-3]\nof = "diagonal"\nrepeats = 0\n'
         '[[scene]]\nname = "s"\nsource = "sphere0"\ntarget = "sphere1"\n'

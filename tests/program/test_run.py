@@ -1,4 +1,4 @@
-"""`hausbench run`: every case has its row, finished cases are safe, and the same command continues."""
+"""`hausbench run` gives every case a row, keeps finished cases, and continues when it is run again."""
 
 from __future__ import annotations
 
@@ -55,18 +55,18 @@ def test_smoke_end_to_end(hausbench: Program, tmp_path: Path) -> None:
     answered = np.array([s == "ok" for s in status])
     assert answered.sum() >= 15
     assert np.all(lower[answered] <= upper[answered])
-    # A solver that cannot take the shapes also has a row, with the reason.
+    # A solver that cannot take the shapes has rows with the reason.
     refused = [r for s, r in zip(status, texts(file, "cases/reason")) if s == "skipped"]
     assert refused and all("takes no" in r for r in refused)
-    # The intervals of different solvers for one distance overlap.
+    # Different solvers' intervals for the same distance overlap.
     pose = numbers(file, "cases/pose_index")
     for name, index in {(s, int(p)) for s, p in zip(scene, pose)}:
         rows = np.array([a and s == name and p == index for a, s, p in zip(answered, scene, pose)])
         assert lower[rows].max() <= upper[rows].min(), name
-    # The witness was re-checked whenever the solver gave one.
+    # Every witness was checked again.
     check = texts(file, "cases/lower_check")
     assert {c for c, s, o in zip(check, status, solver) if s == "ok" and o != "cgal"} == {"holds"}
-    # Bounds read off the trace are within their tolerance.
+    # Bounds read off a trace are within their tolerance.
     from_trace = numbers(file, "cases/from_trace") == 1
     gap, tolerance = upper - lower, numbers(file, "cases/tolerance_absolute")
     assert from_trace.any() and np.all(gap[from_trace & answered] <= tolerance[from_trace & answered])
@@ -92,7 +92,7 @@ def test_another_experiment_of_the_same_name_does_not_replace_a_result(hausbench
     other = tmp_path / "other" / experiment.name
     other.parent.mkdir()
     other.write_text(experiment.read_text())
-    assert hausbench("run", other, "--results", tmp_path).returncode == 0  # the same text: it was copied or moved
+    assert hausbench("run", other, "--results", tmp_path).returncode == 0  # the same text under another name
     run(hausbench, experiment, tmp_path)
     other.write_text(experiment.read_text() + "# edited\n")
     said = hausbench.fails("run", other, "--results", tmp_path)
@@ -151,7 +151,7 @@ def test_more_repeats_are_measured_when_asked_for(hausbench: Program, experiment
 
 
 def test_certified_is_said_of_the_options(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    # Rows that are not certified may be wrong in the last digits.
+    # Uncertified rows may be wrong in the last digits.
     experiment.write_text('expected_unsound = ["guthe"]\n' + experiment.read_text() + 'parameters = { kernel = ["robust", "textbook"], certify = [true, false] }\n')
     file = run(hausbench, experiment, tmp_path)
     for options, certified in zip(texts(file, "cases/options"), numbers(file, "cases/certified")):
@@ -206,8 +206,8 @@ def test_journals_that_are_none(hausbench: Program, experiment: Path, tmp_path: 
     ):
         journal.write_text(text)
         assert said in hausbench.fails("run", experiment, "--results", tmp_path)
-        assert journal.read_text() == text  # foreign files are kept
-    for length in (0, 5, 16, 17, 30, len(header) - 1):  # a header whose write never finished
+        assert journal.read_text() == text  # foreign files are not overwritten
+    for length in (0, 5, 16, 17, 30, len(header) - 1):  # the header was cut off while it was written
         journal.write_text(header[:length])
         run(hausbench, experiment, tmp_path)
     assert texts(file, "cases/status") == ["ok"]
@@ -269,18 +269,18 @@ def test_ctrl_c_leaves_a_resumable_state(hausbench: Program, slow: Path, tmp_pat
     process.send_signal(signal.SIGINT)
     assert process.wait(30) in (130, 0)
     cut = folder / "slow.h5"
-    assert texts(cut, "cases/identity") == texts(undisturbed, "cases/identity")  # every case already has its row
+    assert texts(cut, "cases/identity") == texts(undisturbed, "cases/identity")  # every case already has a row
     same_answers(run(hausbench, slow, folder), undisturbed)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_keeps_the_rows_of_earlier_runs(hausbench: Program, slow: Path, tmp_path: Path, number: signal.Signals) -> None:
-    """The file is read once more while the signal is still pending; that must not look like an unreadable file."""
+    """The file is read again while the signal is pending, and the interruption must not look like an unreadable file."""
     whole = run(hausbench, slow, tmp_path)
     before = texts(whole, "cases/identity")
     os.remove(tmp_path / "slow.journal")
     process = start(hausbench, slow, tmp_path, "--scene", texts(whole, "cases/scene")[0])
-    wait_for(lambda: records(tmp_path) >= 3)  # the first is the head of the journal, written before signals are deferred
+    wait_for(lambda: records(tmp_path) >= 3)  # the first record is the header, written before signals are deferred
     process.send_signal(number)
     assert process.wait(30) in (130, 0)
     assert texts(whole, "cases/identity") == before and not list(tmp_path.glob("*.unreadable"))
@@ -288,7 +288,7 @@ def test_ctrl_c_keeps_the_rows_of_earlier_runs(hausbench: Program, slow: Path, t
 
 
 def test_floor_cutoff_and_budget_are_asked_for(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    """They are columns, as lengths, and part of the identity only if given."""
+    """All three are columns, and part of the identity only if given. Floor and cutoff are lengths."""
     plain = run(hausbench, experiment, tmp_path / "plain")
     h, diagonal = numbers(plain, "cases/lower")[0], numbers(plain, "cases/source_diagonal")[0]
     text = experiment.read_text()
@@ -349,14 +349,14 @@ def test_both_poses_and_both_directions_are_measured(hausbench: Program, tmp_pat
     intervals = dict(zip(names, zip(numbers(file, "cases/lower"), numbers(file, "cases/upper"))))
     tolerance = 1.001 * max(numbers(file, "cases/tolerance_absolute"))
     forth, back = intervals["still", "directed", 0], intervals["back", "directed", 0]
-    assert abs(forth[0] - back[0]) > 5 * tolerance  # the two directions differ
+    assert abs(forth[0] - back[0]) > 5 * tolerance
     for scene in ("still", "back"):
         assert intervals[scene, "symmetric", 0][0] == pytest.approx(max(forth[0], back[0]), abs=tolerance)
-    # Shapes that move together keep their distances.
+    # If both shapes move together, their distances stay.
     for quantity in ("directed", "symmetric"):
         for pose in range(3):
             assert intervals["together", quantity, pose][0] == pytest.approx(intervals["still", quantity, 0][0], abs=tolerance)
     moved = [i for i, pose in enumerate(numbers(file, "cases/target_pose")) if pose[9] == 4]
     assert len(moved) == 2 and {texts(file, "cases/scene")[i] for i in moved} == {"together"}
     assert hausbench("verify", file).returncode == 0
-    assert hausbench("merge", tmp_path / "merged.h5", file, file).returncode == 0  # rows of h and H are not mistaken for each other
+    assert hausbench("merge", tmp_path / "merged.h5", file, file).returncode == 0  # h and H of a case are different rows

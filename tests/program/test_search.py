@@ -1,4 +1,4 @@
-"""`search = "nearest"`: the nearest target of each source is the same as in the complete matrix, and farther targets end early."""
+"""`search = "nearest"` finds the same nearest target as the complete matrix, and ends early for farther ones."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ COUNTERS = ("point_triangle_distances", "node_visits")
 
 @pytest.fixture
 def shapes(tmp_path: Path) -> list[str]:
-    """Bumpy sheets, by their paths. Some are bumpier than others, so their order matters."""
+    """Grids of random heights, some rougher than others, so that the order of targets matters."""
     paths = []
     for i, name in enumerate(MODELS):
         flat, rough = bumpy(0, 0).splitlines(), bumpy(i + 1, 0).splitlines()
@@ -58,7 +58,7 @@ Rows = dict[tuple[str, str, float, str], dict[str, Any]]
 
 
 def rows_of(file: Path) -> Rows:
-    """Returns the rows by label, source, tolerance and target, in the order of the file."""
+    """Returns the rows by label, source, tolerance and target, in the file's order."""
     with h5py.File(file, "r") as f:
         columns = {name: column.asstr()[:] if h5py.check_string_dtype(column.dtype) else column[:] for name, column in f["cases"].items()}
     rows = [{name: column[i] for name, column in columns.items()} for i in range(len(columns["label"]))]
@@ -73,7 +73,7 @@ def chains(rows: Rows) -> dict[tuple[str, str, float], list[dict[str, Any]]]:
 
 
 def fits(chain: list[dict[str, Any]], own: float = np.inf) -> None:
-    """Checks that each row names the one before, and has the least upper bound so far as its cutoff."""
+    """Checks that each row names its predecessor, and that its cutoff is the smallest upper bound so far."""
     least, before = own, ""
     for row in chain:
         assert row["chain"] == before and row["cutoff_used"] == least
@@ -105,7 +105,7 @@ def test_the_nearest_is_that_of_the_matrix(hausbench: Program, shapes: list[str]
             assert row["status"] == "ok" and row["from_trace"] == 0 and row["lower_check"] in ("holds", "no witness")
             assert row["answer"] == ("h > cutoff" if row["lower"] > row["cutoff_used"] else "gap")
             cut_off += row["answer"] == "h > cutoff"
-            # The head is a case of the matrix.
+            # The first row is also a case of the matrix; the others have a cutoff.
             asked = whole[row["target"]]
             assert (row["identity"] == asked["identity"]) == (row is chain[0])
             assert asked["cutoff_used"] == np.inf == row["cutoff"]
@@ -141,7 +141,7 @@ def test_the_experiments_own_cutoff_and_floor_count(hausbench: Program, shapes: 
 
 
 def test_a_copy_at_distance_0_does_not_hang_the_rest(hausbench: Program, shapes: list[str], tmp_path: Path) -> None:
-    """With the cutoff at the floor, a solver would have to separate 0 from anything above it."""
+    """After a copy of the source, the cutoff stays slightly above 0: whether a second copy is above 0 cannot be decided."""
     for name in ("copy", "again"):
         (tmp_path / f"{name}.off").write_text((tmp_path / shapes[0]).read_text())
     file = write(tmp_path / "copies.toml", [shapes[0]], 'targets = ["copy.off", "again.off", "m1.off"]\nsearch = "nearest"')
@@ -177,7 +177,7 @@ parameters = {{ command = '{python} {peer} {{A}} {{B}}', lower = 'h = (\\S+)', u
 
 @pytest.fixture
 def levels(tmp_path: Path) -> list[str]:
-    """Level triangles, whose distance from the triangle at height 0 is their height."""
+    """Triangles at several heights, which are their distances from the triangle at height 0."""
     for height in (0, 8, 5, 6, 3, 7, 2):
         (tmp_path / f"at{height}.off").write_text(f"OFF\n3 1 0\n0 0 {height}\n1 0 {height}\n0 1 {height}\n3 0 1 2\n")
     return [f"at{height}.off" for height in (8, 5, 6, 3, 7, 2)]
@@ -237,7 +237,7 @@ def test_kill_resume_shards_and_nothing_left_out(hausbench: Program, shapes: lis
     merged = tmp_path / "merged.h5"
     assert hausbench("merge", merged, *sorted((tmp_path / "parts").glob("*.h5"))).returncode == 0
     same_rows(rows_of(merged), whole)
-    # A lost part of a search is run again together with the parts before and after it.
+    # If a row is lost, its source's whole search is run again.
     journal = tmp_path / "whole" / "slow.journal"
     lines = journal.read_bytes().splitlines(True)
     identity = next(row["identity"] for row in whole.values() if row["label"] == "H" and row["target"] == shapes[5])
@@ -252,7 +252,7 @@ def test_kill_resume_shards_and_nothing_left_out(hausbench: Program, shapes: lis
 
 
 def test_far_scales_stay_one_search(hausbench: Program, tmp_path: Path) -> None:
-    """The pairs have the same bits as alone: the head as in any matrix, and the rest as with the same cutoff."""
+    """In a search, shapes of very different scale share a worker; each pair has the same bits as with the same cutoff alone."""
     root = tmp_path / "root"
     (root / "datasets").mkdir(parents=True)
     manifest = ""

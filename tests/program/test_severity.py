@@ -1,4 +1,4 @@
-"""Scenes that are swept over a severity, and shapes that a scene describes itself."""
+"""Scenes with a series of severities, and shapes described inside a scene."""
 
 from __future__ import annotations
 
@@ -56,14 +56,14 @@ exact = 3
         assert list(cases["exact"][()]) == [0.25, 1e8, 3]
         assert list(cases["source"].asstr()[()]) == ["squares_0.25.A", "squares_1e8.A", "points.A"]
         lower, upper = cases["lower"][()], cases["upper"][()]
-        # The corners (1, 0) and (0, 1) are not above the square of the plane, which ends at 1/2.
+        # The corners (1, 0) and (0, 1) are beyond the square in the plane, which ends at 1/2.
         for row, severity in enumerate((0.25, 1e8)):
             truth = math.hypot(0.5, severity)
             assert lower[row] <= truth * (1 + 1e-15) and upper[row] >= truth * (1 - 1e-15)
         models = dict(zip(content["models"]["name"].asstr()[()], content["models"]["unreferenced"][()]))
-        assert models["squares_1e8.A"] == 1  # the vertex that no face uses
+        assert models["squares_1e8.A"] == 1  # the unused vertex
         assert models["points.A"] == 0
-    checked = hausbench("verify", results / "sweep.h5")  # finds the shapes in the experiment that the result contains
+    checked = hausbench("verify", results / "sweep.h5")  # finds the shapes in the experiment text inside the result
     assert checked.returncode == 0, checked.stderr
 
 

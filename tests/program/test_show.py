@@ -1,4 +1,4 @@
-"""The displays for people: `show`, `compare --solver`, `list`, and the end of `run`; and that a run adds to a result."""
+"""Output for people: `show`, `compare --solver`, `list` and the end of `run`; and a run that adds to a result."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def result(hausbench: Program, seen: Path, tmp_path: Path) -> Path:
 
 
 def on_terminal(hausbench: Program, columns: int, *arguments: str | Path, **environment: str) -> str:
-    """Returns the program's output on a terminal of that width."""
+    """Returns the program's output on a terminal that is `columns` wide."""
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     surroundings = {key: value for key, value in hausbench.environment().items() if key not in ("NO_COLOR", "COLUMNS")}
@@ -81,7 +81,7 @@ def on_terminal(hausbench: Program, columns: int, *arguments: str | Path, **envi
     while True:
         try:
             piece = os.read(ours, 1 << 16)
-        except OSError:  # the other end is closed
+        except OSError:  # the program has closed its end
             break
         if not piece:
             break
@@ -116,7 +116,7 @@ def test_forms_for_programs_say_the_same(hausbench: Program, result: Path) -> No
 
 
 def test_a_reader_that_stops_early_ends_it_without_a_word(hausbench: Program, result: Path) -> None:
-    """As in `show | head`: the program reads the file in a child first, which must not change how SIGPIPE ends it."""
+    """Like `show | head`. The program first reads the file in a child process, which must not change how SIGPIPE ends it."""
     process = subprocess.Popen(hausbench.command("show", result, "--json"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=hausbench.environment())
     assert process.stdout and process.stderr
     process.stdout.close()
@@ -138,7 +138,7 @@ def test_choosing_rows(hausbench: Program, result: Path) -> None:
     assert count("--where", "status!=skipped", "--where", "tolerance=0.01") == 2
     assert count("--solver", "guthe") == 4 and count("--solver", "guthe(split=midpoint)") == 2
     assert count("--scene", "spheres") == 6
-    # Columns that only the table has.
+    # The table computes these columns; the result does not have them.
     assert count("--where", "gap>0") == count("--where", "lower>0") == 4 and count("--where", "gap>1") == 0
     assert count("--where", "check=holds") == 4 and count("--where", "answer=gap") == 4
     assert "did you mean 'status'" in hausbench.fails("show", result, "--where", "statu=ok")
@@ -157,7 +157,7 @@ def test_nothing_wraps_on_a_terminal(hausbench: Program, result: Path, columns: 
     ]
     for arguments in verbs:
         text = re.sub("\033\\[[0-9;]*m", "", on_terminal(hausbench, columns, *arguments))
-        assert text and max(map(len, text.splitlines())) <= max(columns, 34), arguments  # a word is never cut
+        assert text and max(map(len, text.splitlines())) <= max(columns, 34), arguments  # words are never cut
         assert "guthe" in text
 
 
@@ -197,7 +197,7 @@ def test_a_run_adds_to_the_result_and_replaces_nothing(hausbench: Program, seen:
     done = hausbench("run", seen, "--results", tmp_path, "--solver", "surface_enclosure")
     assert done.returncode == 0 and "2 skipped; 4 rows of earlier runs are kept" in done.stdout
     same_answers(result, whole)
-    # Another profile: its rows join the rows of the first, and a case of both profiles is one row.
+    # Another profile adds its rows, and a case in both profiles has one row.
     assert hausbench("run", seen, "--results", tmp_path, "--profile", "paper").returncode == 0
     profile = dict(zip(zip(texts(result, "cases/label"), texts(result, "cases/scene"), numbers(result, "cases/tolerance")), texts(result, "cases/profile")))
     assert profile["guthe", "spheres", 0.01] == "paper,quick" and profile["scan", "clouds of points", 0.01] == "paper"
@@ -205,7 +205,6 @@ def test_a_run_adds_to_the_result_and_replaces_nothing(hausbench: Program, seen:
     assert hausbench("run", seen, "--results", tmp_path).returncode == 0
     assert len(texts(result, "cases/label")) == count
     assert set(texts(result, "ledger/profile")) == {"quick", "paper"}
-    # Only that part is measured anew.
     before = json.loads(hausbench("show", result, "--json", "--scene", "clouds of points").stdout)
     assert hausbench("run", seen, "--results", tmp_path, "--scene", "spheres", "--fresh").returncode == 0
     assert json.loads(hausbench("show", result, "--json", "--scene", "clouds of points").stdout)["rows"] == before["rows"]
@@ -270,7 +269,6 @@ def test_outside_a_project(hausbench: Program, tmp_path: Path) -> None:
     assert "guthe" in outside("list").stdout and outside("list").returncode == 0
     assert "no project here" in outside("list", "models").stdout
     assert re.match(r"hausbench \d+\.\d+\.\d+, commit ", outside("--version").stdout)
-    # With the files installed beside it, models have names.
     shared = tmp_path / "share" / "hausbench" / "datasets"
     shared.mkdir(parents=True)
     shutil.copy(ROOT / "datasets" / "manifest.toml", shared)

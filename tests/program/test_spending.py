@@ -1,7 +1,4 @@
-"""The resources of a case, with solvers and programs that spend known amounts.
-
-Memory while preparing and solving, CPU time in threads and in children.
-"""
+"""Memory and CPU time of a case, measured with solvers and programs that use known amounts, in threads and child processes, too."""
 
 from __future__ import annotations
 
@@ -16,8 +13,8 @@ import pytest
 from conftest import Program
 
 MEGABYTE = 1 << 20
-# Other differences between two equal processes: pages of the program touched for the first time,
-# memory that the allocator keeps, and the kernel's counting in batches.
+# Differences between two equal processes: pages touched for the first time, memory that the allocator keeps, and
+# counting in batches.
 SLACK = 16 * MEGABYTE
 
 EXPERIMENT = """\
@@ -96,13 +93,13 @@ parameters = {{ {given} }}
 
 
 def test_several_threads_are_timed_by_the_wall_clock(hausbench: Program, plugin: Path) -> None:
-    for threads in (1, 2):  # even one: while the solving thread waits for it, that thread's clock stands still
+    for threads in (1, 2):  # even one, because the waiting thread's clock stands still
         found = rows(hausbench, plugin, "spending", f"threads = {threads}, seconds = 0.06")
         assert list(found["cases/clock"]) == ["wall"] * 3
         assert (found["repeats/cpu_seconds"] >= threads * 0.06).all() and (found["repeats/wall_seconds"] >= 0.06).all()
     found = rows(hausbench, plugin, "spending", "threads = 0")
     assert list(found["cases/clock"]) == ["cpu"] * 3
-    # Solves of microseconds: reading the clocks does not count as CPU time.
+    # For solves of microseconds, reading the clocks must not count as CPU time.
     assert (found["repeats/cpu_seconds"] <= found["repeats/wall_seconds"]).all()
     assert json.loads(found["cases/facts"][0]) == {"threads": "0 of its own"}
 

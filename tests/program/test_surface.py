@@ -1,4 +1,4 @@
-"""Algebraic surfaces from a file's text to an answer, and the messages if there is none."""
+"""Algebraic surfaces, from a text file to an answer or an error."""
 
 from __future__ import annotations
 

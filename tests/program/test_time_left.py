@@ -24,13 +24,13 @@ name = "naive"
 
 
 def seconds_left(said: str) -> dict[int, int]:
-    """Returns the seconds left, by the number of finished cases."""
+    """Returns the printed seconds left, by number of finished cases."""
     found = re.findall(r"^\[(\d)/4\] \d+:\d\d, about (\d+):(\d\d) left", said, re.MULTILINE)
     return {int(done): 60 * int(minutes) + int(seconds) for done, minutes, seconds in found}
 
 
 def test_short_cases_promise_no_short_run(hausbench: Program, tmp_path: Path) -> None:
-    """The last case is a thousand times the work of all before it; cases finished by an earlier run reveal nothing about it."""
+    """The last case takes a thousand times the work of all others. Cases kept from an earlier run must not lower its estimate."""
     experiment = tmp_path / "longest_last.toml"
     experiment.write_text(EXPERIMENT)
     assert seconds_left(hausbench("run", experiment, "--results", tmp_path).stderr)[3] >= 1

@@ -1,5 +1,5 @@
-"""Runs every command of docs/tour.md, and compares the outputs on the page. `python3 tests/program/test_tour.py PROGRAM` rewrites
-these outputs.
+"""Runs every command in docs/tour.md, and compares the output with the page. `python3 tests/program/test_tour.py PROGRAM`
+rewrites the outputs on the page.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ MARK = "@@ step"
 
 
 def walk(steps: list[str], build: Path, home: Path) -> list[str]:
-    """Returns the standard output of each step, all in one shell that begins in a clone."""
+    """Runs all steps in one shell, and returns the standard output of each."""
     script = "".join(f"echo '{MARK} {number}'; date +%s.%N >> ~/times\n{step}" for number, step in enumerate(steps)) + f"echo '{MARK} end'\n"
     script = script.replace("build/release", shlex.quote(str(build)))
     environment = {key: value for key, value in os.environ.items() if not key.startswith("HAUSBENCH")}
@@ -30,13 +30,11 @@ def walk(steps: list[str], build: Path, home: Path) -> list[str]:
 
 
 def pattern(text: str) -> str:
-    """Reduces text to the parts that do not depend on the machine: distances to the last digit, and the words of everything else,
-    without numbers and times.
-    """
+    """Removes the parts of the output that depend on the machine: numbers, units of time and verdicts. Lines with distances stay as they are."""
     lines = []
     for line in text.splitlines():
         if line.startswith("not all of these times compare"):
-            continue  # a busy machine keeps an outside program waiting, which is then timed by the wall clock
+            continue  # an external program that waits on a busy machine is timed by wall clock
         if not line.startswith(("distance", "witness")):
             line = re.sub(r"commit [0-9a-f]+( with changes)?", "commit", line)
             line = re.sub(r"[-+]?\d[\d.,]*(e[-+]?\d+)?", "#", line)

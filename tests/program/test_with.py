@@ -1,4 +1,4 @@
-"""`--with`: the scenes of an experiment for another solver; and the warning of `run` about a plug-in whose upper bounds were hardly tested."""
+"""`--with` runs an experiment's scenes with another solver. `run` warns if a plug-in's upper bounds were hardly tested."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from conftest import EXPERIMENT, Program
 from test_run import texts
 
-# Claims, labels and expectations of the file name its own solvers, also in a profile.
+# The file's claims, labels and expectations name its own solvers, and so does a profile.
 OTHERS = """
 [[scene]]
 name = "raised"
@@ -62,7 +62,9 @@ def test_mistakes(hausbench: Program, asked: Path, tmp_path: Path) -> None:
 
 
 def test_upper_bounds_that_were_tried_little(hausbench: Program, asked: Path, plugin: Path, tmp_path: Path) -> None:
-    """`steps` claims far too close a bound. If a vertex is farthest, the bound is right, and only this line tells; elsewhere it is unsound."""
+    """`steps` claims upper bounds that are right only if a vertex is farthest. On such scenes only the warning reveals it; on
+    others it is unsound.
+    """
     ask = ("run", asked, "--with", "steps", "--plugin", plugin, "--results", tmp_path)
     easy = hausbench(*ask, "--scene", "raised")
     assert easy.returncode == 0 and set(texts(tmp_path / "tiny_steps.h5", "cases/status")) <= {"ok", "budget"}
@@ -77,7 +79,7 @@ def test_upper_bounds_that_were_tried_little(hausbench: Program, asked: Path, pl
 
 
 def test_the_reference_and_not_the_experiment_says_where_the_distance_is(hausbench: Program, asked: Path, plugin: Path, tmp_path: Path) -> None:
-    """`exact` of the experiment is as good as its author. A false one is reported, and tests nothing."""
+    """The experiment's `exact` may be wrong. If so, that is reported, and the value is not used."""
     asked.write_text(EXPERIMENT + OTHERS.replace('target = "tetrahedron.off"', 'target = "tetrahedron.off"\nexact = 0.501'))
     done = hausbench("run", asked, "--with", "steps", "--plugin", plugin, "--scene", "raised", "--results", tmp_path)
     assert "scene 'raised': the experiment says that the distance is exactly 0.501, the reference answer is [" in done.stderr

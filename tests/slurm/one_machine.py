@@ -1,4 +1,4 @@
-"""A real Slurm on this machine only: a controller and two nodes of one core each, all on loopback, in a folder of its own.
+"""A real Slurm on this machine: a controller and two nodes of one core each, on loopback.
 
 Needs root and the Debian packages slurm-wlm and munge, but not systemd. An installed Slurm is left alone.
 """
@@ -19,7 +19,7 @@ NODES = ("n1", "n2")
 NEEDED = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol")
 
 def missing() -> str:
-    """Returns the reason why Slurm cannot run here; an empty string if it can."""
+    """Returns the reason why Slurm cannot run here, or an empty string."""
     if os.geteuid() != 0:
         return "it needs root"
     lacking = [name for name in NEEDED if not shutil.which(name)]
@@ -60,7 +60,7 @@ def configuration(folder: Path) -> str:
 
 
 class Slurm:
-    """A running Slurm: `with Slurm(folder) as slurm` starts it, and the end of the block stops it."""
+    """A running Slurm: `with Slurm(folder) as slurm` starts it, and leaving the block stops it."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -107,7 +107,7 @@ class Slurm:
         self._start(node, "slurmd", "-D", "-N", node, "-f", self.environment["SLURM_CONF"])
 
     def lose_node(self, node: str) -> None:
-        """Kills the node's daemon and all its tasks at once, as a power failure would."""
+        """Kills the node's daemon and all its tasks at once, like a power failure."""
         daemon = self._daemons[node]
         daemon.send_signal(signal.SIGKILL)
         daemon.wait()
@@ -122,7 +122,7 @@ class Slurm:
                     pass
 
     def steps(self, node: str) -> list[int]:
-        """Returns the processes of Slurm that watch the node's tasks; each has the node's spool folder or log open."""
+        """Returns Slurm's processes that supervise the node's tasks; each has the node's spool folder or log open."""
         found = []
         for process in Path("/proc").iterdir():
             if not process.name.isdecimal():

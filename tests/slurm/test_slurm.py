@@ -1,4 +1,4 @@
-"""Runs an experiment as jobs of a real Slurm. A task is killed and a node lost, and the result still equals a local run."""
+"""Runs an experiment as jobs of a real Slurm. Although a task is killed and a node lost, the result equals a local run."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def hausbench(slurm: Slurm, *words: str | Path, good: tuple[int, ...] = (0,)) ->
 
 
 def rows(file: Path) -> dict[str, tuple[object, ...]]:
-    """Returns the contents of each row except its times, by identity. Checks that each case has one row."""
+    """Returns each row's contents, except times, by identity. Checks that each case has one row."""
     with h5py.File(file) as result:
         cases = result["cases"]
         columns = [cases[name][()] for name in ("identity", "status", "lower", "upper", "witness_source", "witness_target")]
@@ -78,7 +78,7 @@ def rows(file: Path) -> dict[str, tuple[object, ...]]:
 
 
 def runs_shard(number: int) -> list[int]:
-    """Returns the processes that run the shard with this number."""
+    """Returns the processes that run this shard."""
     found = []
     for process in Path("/proc").iterdir():
         try:

@@ -1,4 +1,4 @@
-"""Tests the search for the commit of a change, with git, in a scratch repository. Its "programs" are files with counts."""
+"""Tests the search for the commit that changed a program's work, in a scratch git repository. The "programs" are files with counts."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ CASE = "guthe on two points"
 
 
 def fake_build(tree: Path, commit: str, jobs: int) -> Build:
-    """Builds the program of a commit, which is its file work.json. A commit with "broken" does not build; one with "untidy" changes a file."""
+    """Stands in for building a commit. A commit whose work.json has "broken" does not build; with "untidy", building changes the file."""
     (tree / "build").mkdir(exist_ok=True)
     work = json.loads((tree / "work.json").read_text())
     if "broken" in work:
@@ -46,7 +46,7 @@ def fake_measure(program: Path, case: Case, folder: Path) -> Block:
     work = json.loads(program.read_text())
     if "unknown" in work:
         raise NotMeasured("there is no such solver")
-    assert case.name == CASE and not sys.stdin.read()  # stdin is closed or empty, so nothing can wait for input
+    assert case.name == CASE and not sys.stdin.read()  # nothing can wait for input
     return Block(1.0, 1.0, 0.1, work.get("shapes", "same"), counters=work["counters"])
 
 
@@ -56,7 +56,7 @@ def fake_instructions(program: Path, case: Case, folder: Path) -> int | NotMeasu
 
 
 def install_fakes(scratch: Path, where: pytest.MonkeyPatch | None = None) -> None:
-    """Installs the fakes: in this process by monkeypatch, or permanently in the process of a step."""
+    """Replaces building and measuring with fakes, in this process through `where`, or for good in the process of a bisection step."""
     place = pytest.MonkeyPatch() if where is None else where
     for module, name, value in ((builds, "ROOT", scratch), (builds, "VERSIONS", scratch / "build" / "versions"), (builds, "build_in", fake_build),
                                 (blocks, "measure", fake_measure), (counted, "instructions_of", fake_instructions)):
@@ -79,7 +79,7 @@ def git(scratch: Path, *words: str) -> str:
 
 
 def repository(scratch: Path, works: list[dict[str, Any]]) -> list[str]:
-    """Makes a commit for each of these contents of work.json; returns the hashes."""
+    """Makes a commit for each content of work.json, and returns the hashes."""
     git(scratch, "init", "--quiet")
     (scratch / ".gitignore").write_text("/build/\n")
     (scratch / "tracked.toml").write_text(EXPERIMENT)
@@ -93,7 +93,7 @@ def repository(scratch: Path, works: list[dict[str, Any]]) -> list[str]:
 
 
 def run(scratch: Path, monkeypatch: pytest.MonkeyPatch, good: str, bad: str, *more: str, before: str = "") -> int:
-    """Runs the whole search; each step first executes the code `before`."""
+    """Runs the whole search. Each bisection step first executes the code `before`."""
     install_fakes(scratch, monkeypatch)
     monkeypatch.setattr(sys, "stdin", open(os.devnull, encoding="utf-8"))
     step = scratch / "step.py"
@@ -108,7 +108,7 @@ def work(tests: int, instructions: int | None = None, **more: Any) -> dict[str, 
 
 def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
                                                                     capfd: pytest.CaptureFixture[str]) -> None:
-    # The middle commit, which git tries first, does not build. On either side the counts vary a little.
+    # The middle commit, which git tries first, does not build. Counts vary slightly before and after the change.
     works = [work(100), work(101), work(100), work(99), {"broken": True}, work(100), work(160), work(161), work(158)]
     commits = repository(tmp_path, works)
     assert run(tmp_path, monkeypatch, commits[0], commits[8]) == 0
@@ -123,7 +123,7 @@ def test_the_whole_search_finds_the_commit_past_one_that_is_skipped(tmp_path: Pa
 
 
 def test_what_cannot_be_told_apart_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    # The work counters are equal, so instructions decide; fewer instructions are a change, too. The commits in between cannot be measured.
+    # The counters are equal, so instructions decide, and fewer are a change, too. The two middle commits cannot be measured.
     commits = repository(tmp_path, [work(100, 9000), {"unknown": True}, work(100, 9000, shapes="others"), work(100, 5000)])
     assert run(tmp_path, monkeypatch, commits[0], commits[3]) == 1
     said = capfd.readouterr()
@@ -133,7 +133,7 @@ def test_what_cannot_be_told_apart_is_said(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_what_lies_in_the_way_is_undone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    # The leftovers are an interrupted search of another range and a changed file. Besides, the build of each commit changes a file.
+    # An earlier search was interrupted and left a changed file. Also, building any commit changes a file.
     commits = repository(tmp_path, [work(9, untidy=1), *(work(9 if i < 5 else 700, untidy=1) for i in range(8)), work(700, untidy=1)])
     tree = tmp_path / "build" / "versions" / "bisect"
     git(tmp_path, "worktree", "add", "--quiet", "--detach", str(tree), commits[2])
@@ -214,7 +214,7 @@ def test_an_interruption_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(bisection, "step", interrupted)
     (tmp_path / "question.json").write_text('{"case": "", "experiment": "", "by": "", "good": {}, "bad": {}, "shapes": "", "log": ""}')
     assert bisection.main(["--step", str(tmp_path / "question.json")]) == bisection.ABORT
-    assert capsys.readouterr().err == ""  # the search reports it
+    assert capsys.readouterr().err == ""  # the search reports the error itself
 
 
 def test_histories_that_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -266,11 +266,11 @@ def test_an_end_that_cannot_be_measured_is_a_mistake(tmp_path: Path, monkeypatch
 
 def test_a_step_that_fails_otherwise_stops_the_search(tmp_path: Path) -> None:
     (tmp_path / "question.json").write_text("{}")
-    assert bisection.main(["--step", str(tmp_path / "question.json")]) >= 128  # 1 would mean a bad commit
+    assert bisection.main(["--step", str(tmp_path / "question.json")]) >= 128  # git takes 1 as a bad commit
 
 
 def test_the_step_of_the_command_line_is_that_of_this_tree(tmp_path: Path) -> None:
-    """Git runs the step in a worktree with another version of this package."""
+    """Git runs each step in a worktree, which contains an older version of this package."""
     (tmp_path / "bench" / "tracking").mkdir(parents=True)
     for folder in ("bench", "bench/tracking"):
         (tmp_path / folder / "__init__.py").write_text("raise SystemExit('the wrong package')")
@@ -285,7 +285,7 @@ def test_what_decides() -> None:
     good, more = Measured({"a": 5, "old": 7}, "x", 1000), Measured({"a": 6, "new": 3}, "x", 1000)
     assert decided_by(good, more, "auto") == "counters"
     assert differing(good.counters, more.counters) == ["a"]
-    same = Measured({"a": 5, "new": 3}, "x", 1100)  # a new counter does not mean more work
+    same = Measured({"a": 5, "new": 3}, "x", 1100)  # a new counter is not more work
     assert decided_by(good, same, "auto") == "instructions"
     assert decided_by(more, Measured({"a": 7}, "x", 1100), "instructions") == "instructions"
     with pytest.raises(Unclear, match="instructions do not differ"):
@@ -311,7 +311,8 @@ def test_a_count_of_nothing_is_a_count() -> None:
     good, bad = Measured({"a": 5, "b": 0}, "x", 1000), Measured({"a": 5, "b": 900}, "x", 1000)
     assert decided_by(good, bad, "auto") == decided_by(bad, good, "counters") == "counters"
     assert differing(good.counters, bad.counters) == ["b"]
-    assert is_bad({"b": 40}, good.counters, bad.counters) and not is_bad({"b": 20}, good.counters, bad.counters)  # compares 1 + b with 1 and 901
+    # compares log(1 + b) with log 1 and log 901
+    assert is_bad({"b": 40}, good.counters, bad.counters) and not is_bad({"b": 20}, good.counters, bad.counters)
     assert not is_bad({"b": 0}, good.counters, bad.counters)
 
 
@@ -323,7 +324,7 @@ def test_as_near_to_good_as_to_bad_is_good() -> None:
 
 def test_nearer_is_by_the_logarithm() -> None:
     good, bad = {"a": 100, "b": 5}, {"a": 400, "b": 5}
-    assert not is_bad({"a": 190, "b": 999}, good, bad)  # the boundary is 200, by the mean of the logarithms; b is not compared
+    assert not is_bad({"a": 190, "b": 999}, good, bad)  # the boundary is 200, the geometric mean; b is equal in good and bad, so not compared
     assert is_bad({"a": 210, "b": 5}, good, bad)
     assert is_bad({"a": 190}, bad, good)
     with pytest.raises(NotMeasured):

@@ -1,4 +1,4 @@
-"""Tests cases and blocks: how an experiment file is split into cases, and how a result is read."""
+"""Tests how an experiment file is split into cases, and how a block of measurements is read from a result."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from bench.tracking.cases import EXPERIMENT, KERNELS, MESH, ROOT, Case, cases, c
 PROGRAM = ROOT / "build/release/hausbench"
 BENCH = ROOT / "build/release/kernel_bench"
 needs_program = pytest.mark.skipif(not PROGRAM.is_file(), reason="the program is not built")
-# Uses only generated models, so that nothing has to be fetched.
+# Only generated models, so nothing has to be fetched.
 SMALL = Case("guthe on spheres", {"title": "t", "tolerances": [1e-4], "of": "diagonal", "repeats": 2, "rounds": 1,
                                   "scene": [{"name": "spheres", "source": "sphere2", "target": "sphere3"}], "solver": [{"name": "guthe"}]})
 MOVING = Case("guthe on a turning sphere", {**SMALL.experiment, "scene": [{
@@ -61,7 +61,7 @@ def test_cases_are_chosen_by_how_their_names_begin() -> None:
 
 
 def test_a_pass_over_the_poses_counts_as_a_whole() -> None:
-    """Poses of 1, 10 and 100 ms. A disturbance hits the first repeat of one pose and the second of another, so neither pass is the sum of the minima."""
+    """Disturbances hit different repeats (passes) of two poses, so each pass takes longer than the sum of the poses' minima."""
     rows = np.array([0, 0, 1, 1, 2, 2])
     assert least_of_passes(rows, np.array([1.0, 3, 10, 10, 100, 105])) == 111
     assert least_of_passes(rows, np.array([5.0, 1, 10, 10, 100, 105])) == 115
@@ -168,14 +168,14 @@ def test_the_program_measures_a_block(case: Case, tmp_path: Path) -> None:
 @needs_program
 @pytest.mark.parametrize("case", [SMALL, MOVING], ids=lambda case: str(case.name))
 def test_a_planted_slowdown_burns_time_and_changes_no_answer(case: Case, tmp_path: Path) -> None:
-    """The slowdown is twice the time of a solve, which no noise hides. The program spends it in every repeat, and marks the name of the result."""
+    """The planted slowdown, twice the time of a solve, exceeds any noise. It is spent in every repeat, and marks the result's name."""
     plain, planted = measure(PROGRAM, case, tmp_path), measure(PROGRAM, case, tmp_path, 2.0)
     assert planted.cpu > 1.8 * plain.cpu
     assert (planted.counters, planted.shapes, planted.lower) == (plain.counters, plain.shapes, plain.lower)
     file = blocks.write_case(case, tmp_path)
     blocks.run([*blocks.run_words(PROGRAM, file), "--planted-slowdown", "2"], tmp_path)
     assert not file.with_suffix(".h5").exists()
-    with h5py.File(file.with_suffix(".planted.h5")) as result:  # so that neither merge nor a later run mistakes its rows for normal ones
+    with h5py.File(file.with_suffix(".planted.h5")) as result:  # so that merging or a later run cannot take its rows for normal ones
         assert all("with a planted slowdown of 2" in build for build in blocks.texts(result["cases/build"][()]))
 
 

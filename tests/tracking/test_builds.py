@@ -1,4 +1,4 @@
-"""Tests builds of other commits: each has its own worktree and models, and is built like this one. Uses a scratch repository."""
+"""Builds of other commits get their own worktree and models, and the same settings. Uses a scratch repository."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def commands(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
-    """Records the build commands without running them; fakes only the file kernel_bench."""
+    """Records the build commands instead of running them; creates only the file kernel_bench."""
     ran: list[list[str]] = []
 
     def call(command: list[str], **rest: object) -> int:

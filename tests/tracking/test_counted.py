@@ -1,4 +1,4 @@
-"""Tests counters and instructions against a baseline: equal, more, fewer, other shapes, other machines."""
+"""Compares counters and instructions with a baseline: equal, more, fewer, other shapes, other machines."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_case_without_an_answer_is_red(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_a_case_without_a_baseline_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Otherwise a new case or a lost baseline would pass silently."""
+    """Without a failure, a new case or a lost baseline would go unnoticed."""
     found = work(monkeypatch, {"node_visits": 1}, baseline={})
     assert found.verdict is Verdict.red and "--update" in found.lines[0]
 
@@ -237,7 +237,7 @@ def test_a_program_that_cannot_be_counted(tmp_path: Path) -> None:
 @pytest.mark.skipif(not shutil.which("c++"), reason="there is no compiler")
 @pytest.mark.parametrize("exit_code", [0, 1])
 def test_an_instruction_that_valgrind_does_not_know_is_the_reason(tmp_path: Path, exit_code: int) -> None:
-    """The instruction is in the program itself, or in a worker whose death the program survives. Then nothing is measured, which is not red."""
+    """The instruction is in the program, or in a worker whose death the program survives. Nothing is measured then, which is not a failure."""
     (tmp_path / "wide.cpp").write_text('void wide() { asm(".byte 0x62, 0xf1, 0x7c, 0x48, 0x57, 0xc0"); }\n'  # vxorps zmm0, zmm0, zmm0
                                        "int main() { wide(); }\n")
     subprocess.run(["c++", "-g", "-o", "wide", "wide.cpp"], cwd=tmp_path, check=True)
@@ -248,7 +248,7 @@ def test_an_instruction_that_valgrind_does_not_know_is_the_reason(tmp_path: Path
 
 
 def test_counts_of_all_processes_are_added_up_over_one_repeat(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Replaces valgrind and the program: two processes leave their counts, and the experiment gives the number of repeats."""
+    """Fakes valgrind and the program: the processes' counts, 0, 700 and 20, are added. The experiment asks for 3 repeats, but one is run."""
     asked = []
 
     def run(command: list[str], folder: Path, good: tuple[int, ...], limit: float) -> str:

@@ -1,4 +1,4 @@
-"""Tests the arithmetic of the gate on simulated machines: it passes unchanged cases and catches slower ones."""
+"""Tests the gate's statistics on simulated machines: unchanged cases pass, slower ones are caught."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BLOCKS = 36
 
 
 def machine(rng: np.random.Generator, noise: float = 0.006, spikes: float = 0.08) -> npt.NDArray[np.float64]:
-    """Returns factors for the blocks of a build: a little noise, and a few blocks with a larger disturbance."""
+    """Returns factors for the blocks of a build: a little noise, and larger disturbances in a few blocks."""
     factors = np.exp(noise * rng.standard_normal(BLOCKS))
     return np.where(rng.random(BLOCKS) < spikes, factors * (1 + 0.3 * rng.random(BLOCKS)), factors)
 
@@ -41,7 +41,7 @@ def judged(name: str = "case", low: float = 0.99, value: float = 1.0, high: floa
 
 
 def with_a_plant(rng: np.random.Generator, cases: int, noise: float = 0.006) -> list[Judged]:
-    """Returns unchanged cases; the first has a planted slowdown, too."""
+    """Returns unchanged cases, the first of which also has measurements with a planted slowdown."""
     found = [judge(str(i), sides(rng, noise=noise), CASES) for i in range(cases)]
     plant, more = (sides(rng, slower=PLANTED, noise=noise) for _ in range(2))
     return [replace(found[0], planted=compare(plant.candidate + more.candidate, plant.base + more.base, CASES)), *found[1:]]
@@ -71,14 +71,14 @@ def test_two_per_cent_is_no_alarm() -> None:
 
 
 def test_a_noisy_machine_is_inconclusive_and_not_red() -> None:
-    """If blocks vary by a third, a slowdown of 5 % is lost in the noise, and the gate says so."""
+    """If blocks vary by a third, noise hides a slowdown of 5 %, so the gate must say that it cannot tell."""
     rng = np.random.default_rng(4)
     for _ in range(30):
         assert verdict_of_times(with_a_plant(rng, 5, noise=0.3))[0] is Verdict.inconclusive
 
 
 def test_a_clock_that_toggles_hides_little_of_five_per_cent_from_72_blocks() -> None:
-    """Each block is 2.5 % slower or not at random, like on a host with such a clock. In some runs 36 blocks are too few."""
+    """Each block is randomly 2.5 % slower or not, as on a host whose clock toggles. In some runs 36 blocks are too few."""
     rng = np.random.default_rng(7)
 
     def clock(count: int, factor: float) -> list[float]:
@@ -90,7 +90,7 @@ def test_a_clock_that_toggles_hides_little_of_five_per_cent_from_72_blocks() -> 
 
 
 def test_every_alarm_is_of_a_suspect() -> None:
-    """A case that is not suspected after the first blocks gets no more, so these blocks must not raise an alarm."""
+    """A case that is not suspected after the first blocks gets no more blocks, so the first ones must not raise an alarm."""
     rng = np.random.default_rng(8)
     drawn = [sides(rng, slower=much) for much in np.linspace(0, 0.06, 200)]
     assert all(gate.suspected(one) for one in drawn if judge("case", one, CASES).alarms)
@@ -118,7 +118,7 @@ def test_too_few_blocks_for_so_many_cases_is_an_error() -> None:
 
 
 def test_blocks_are_paired_so_that_what_disturbs_both_sides_cancels() -> None:
-    """The machine gradually becomes 1.5 times as slow, and the candidate is 5 % slower throughout."""
+    """The machine slows down gradually by a factor of 1.5, and the candidate is always 5 % slower."""
     drift = np.linspace(1, 1.5, BLOCKS)
     found = judge("drift", Sides(list(drift), list(1.05 * drift)), CASES)
     assert found.ratio.value == pytest.approx(1.05) and found.alarms
@@ -126,7 +126,7 @@ def test_blocks_are_paired_so_that_what_disturbs_both_sides_cancels() -> None:
 
 @pytest.mark.parametrize("itself", [Estimate(1.05, 1.04, 1.06, 24, 0.999), Estimate(0.95, 0.94, 0.96, 24, 0.999)])
 def test_a_base_that_differs_from_itself_spoils_the_verdict(itself: Estimate) -> None:
-    """This holds whichever of the base's two sides is slower, because the difference comes from the measurement. It overrules an alarm."""
+    """If the base differs from itself, in either direction, the measurement is at fault. This overrules an alarm."""
     slow = Judged("slow", 0.01, Estimate(1.2, 1.1, 1.3, 36, 0.999), second=Estimate(1.2, 1.1, 1.3, 36, 0.999))
     verdict, reasons = verdict_of_times([replace(GOOD, itself=itself), slow])
     assert verdict is Verdict.inconclusive and f"the base is {itself.value:.3f} times as slow as itself" in reasons[0]
@@ -134,7 +134,7 @@ def test_a_base_that_differs_from_itself_spoils_the_verdict(itself: Estimate) ->
 
 
 def test_blocks_of_two_kinds_are_noise_and_no_slowdown() -> None:
-    """In either build, a block takes a tenth longer or not, depending on the place of its copy of the program in memory."""
+    """In both builds, a block randomly takes a tenth longer, depending on where its copy of the program lies in memory."""
     rng = np.random.default_rng(6)
     for _ in range(60):
         base, candidate = (list(np.where(rng.random(BLOCKS) < 0.5, 1.1, 1.0)) for _ in range(2))
@@ -154,7 +154,7 @@ def test_times_are_of_the_base() -> None:
 @pytest.mark.parametrize("count", [24, 36, 72])
 @pytest.mark.parametrize("cases", [1, 4, 31])
 def test_what_is_decided_early_is_what_all_blocks_would_say(count: int, cases: int) -> None:
-    """Once a case counts as decided, the remaining blocks cannot change the result: neither the worst nor the best do, in any order of the ratios."""
+    """Once a case is decided, the remaining blocks cannot change the result, be they the best or the worst, in any order."""
     slow, fine = 1 + LEAST + 0.01, 1 + LEAST - 0.01
     undecided = 0
     for above in range(count + 1):

@@ -1,4 +1,4 @@
-"""Tests the history: its file, and measuring commits in turn, with made-up builds and blocks."""
+"""Tests the history file, and measuring commits in turn, with made-up builds and measurements."""
 
 from __future__ import annotations
 
@@ -36,7 +36,6 @@ ROW = Row("a" * 10, "2026-01-01T00:00:00Z", "a machine, 2 cores", BEGUN, "guthe 
 EMPTY = Row("b" * 10, "2026-01-02T00:00:00Z", "a machine, 2 cores", BEGUN, "guthe on mesh")
 
 
-# --- the file --------------------------------------------------------------------------------------------------------
 
 
 def test_what_is_written_is_read(tmp_path: Path) -> None:
@@ -45,7 +44,7 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     single = dataclasses.replace(EMPTY, cpu_seconds=1.5, blocks=1)
     write(file, [ROW, single])
     found = read(file)
-    assert found[0] == ROW and repr(found[1]) == repr(single)  # NaN is not equal to itself
+    assert found[0] == ROW and repr(found[1]) == repr(single)  # repr, because NaN != NaN
     lines = file.read_text().splitlines()
     assert lines[1] == ('aaaaaaaaaa,2026-01-01T00:00:00Z,"a machine, 2 cores",2026-05-05T05:05:05Z,guthe on mesh,'
                         '0.01,0.009,0.011,8,0.02,12345,bound_tests=7 z=1,f00')
@@ -73,7 +72,7 @@ def test_the_file_is_whole_at_any_time(tmp_path: Path, monkeypatch: pytest.Monke
     write(file, [ROW, EMPTY])
     assert [(len(old), len(new), target) for old, new, target in seen] == [(1, 2, file)]
     with held:
-        assert len(held.readlines()) == 2  # a reader that has the old file open can read it to its end
+        assert len(held.readlines()) == 2  # a reader that has the old file open can finish
 
 
 def test_a_run_only_adds(tmp_path: Path) -> None:
@@ -125,7 +124,7 @@ def test_another_file_is_refused(tmp_path: Path) -> None:
 
 
 def commit_in(folder: Path, *words: str) -> str:
-    """Makes a commit with a fixed date, the same for all; returns the ten digits of its hash."""
+    """Makes a commit with a fixed date, and returns ten digits of its hash."""
     known = {"NAME": "a", "EMAIL": "a@b", "DATE": "1767225600 +0000"}
     who = {f"GIT_{role}_{what}": value for role in ("AUTHOR", "COMMITTER") for what, value in known.items()}
     git = ["git", "-C", str(folder)]
@@ -169,7 +168,6 @@ def test_the_machine() -> None:
     assert "processor, 0 cores" in machine("", "g++ 1")
 
 
-# --- measuring -------------------------------------------------------------------------------------------------------
 
 
 def test_origins_are_followed_to_what_is_fetched() -> None:
@@ -201,7 +199,9 @@ def case(name: str) -> Case:
 
 
 class World:
-    """Three commits, newest last. The first does not know "new"; the first two have other shapes in "moved". Times follow from the commits' numbers."""
+    """Three commits, newest last. The first lacks solver "new"; in the first two, case "moved" has other shapes. Times follow
+    from the commits' numbers.
+    """
 
     DATES = {"1" * 10: "2026-01-01T00:00:00Z", "2" * 10: "2026-01-02T00:00:00Z", "3" * 10: "2026-01-03T00:00:00Z"}
 
@@ -286,8 +286,8 @@ def test_medians_intervals_counters_and_kernels(world: World) -> None:
     assert row.wall_seconds == 9.0 and row.counters == {"a": 28} and row.shapes == "same" and row.instructions == 1000 and row.machine == "here"
     assert row.measured == "2026-01-01T00:00:00Z" and all(one.measured == row.measured for one in rows.values())
     assert rows["2", "build/bvh"].cpu_seconds == 1e-5 and rows["2", "build/bvh"].instructions == 77
-    assert rows["1", "build/bvh"].blocks == 0  # no kernel_bench
-    assert rows["3", KERNELS[1].name].blocks == 0  # not in kernel_bench
+    assert rows["1", "build/bvh"].blocks == 0  # this commit has no kernel_bench
+    assert rows["3", KERNELS[1].name].blocks == 0  # this kernel is not in kernel_bench
 
 
 def test_what_a_commit_lacks_stays_empty_and_is_not_asked_again(world: World, capsys: pytest.CaptureFixture[str]) -> None:
@@ -296,9 +296,9 @@ def test_what_a_commit_lacks_stays_empty_and_is_not_asked_again(world: World, ca
     empty = rows["1", "new"]
     assert empty.blocks == 0 and math.isnan(empty.cpu_seconds) and empty.counters == {}
     assert world.order.count(("new", "1" * 10)) == 1
-    assert rows["1", "moved"].blocks == rows["2", "moved"].blocks == 0 and rows["3", "moved"].blocks == 4  # the newest commit decides
+    assert rows["1", "moved"].blocks == rows["2", "moved"].blocks == 0 and rows["3", "moved"].blocks == 4  # the newest commit's shapes count
     assert world.order.count(("moved", "2" * 10)) == 1
-    assert rows["3", "late"].blocks == 2  # earlier blocks are kept
+    assert rows["3", "late"].blocks == 2  # blocks before the failure are kept
     said = capsys.readouterr().err
     for line in ("1111111111: no blocks from here on: new: unknown solver",
                  "1111111111, 2222222222, 3333333333: no blocks from here on: late: no end",
@@ -309,7 +309,7 @@ def test_what_a_commit_lacks_stays_empty_and_is_not_asked_again(world: World, ca
 
 
 def test_an_interruption_loses_one_round(world: World) -> None:
-    world.stop_after = 12  # in the second round: a round has 8, including the kernels of two commits
+    world.stop_after = 12  # in the second round: a round measures 8, including the kernels of two commits
     with pytest.raises(KeyboardInterrupt):
         measure(world, ["old", "other"], 8)
     rows = read(world.folder / "history.csv")

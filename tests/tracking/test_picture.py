@@ -1,4 +1,4 @@
-"""Tests the picture of the history and its table of steps."""
+"""Tests the history's picture and its table of steps."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CASE = ROW.case
 
 
 def run_of(times: list[float], measured: str = BEGUN, machine: str = "one", counts: list[int] | None = None, noise: float = 0.001) -> list[Row]:
-    """Returns a row for each time, one commit each."""
+    """Returns a row for each time, one per commit."""
     return [dataclasses.replace(ROW, commit=f"{i:010x}", date=f"2026-01-{i + 1:02}T00:00:00Z", measured=measured, machine=machine, cpu_seconds=t,
                                 cpu_low=t * (1 - noise), cpu_high=t * (1 + noise), instructions=None if counts is None else counts[i])
             for i, t in enumerate(times)]
@@ -35,14 +35,14 @@ def drawn(rows: list[Row]) -> Any:
 
 
 def lines(ax: Any, colour: str) -> list[tuple[list[float], list[float]]]:
-    """Returns the lines of that colour that join points."""
+    """Returns the lines of that colour that join at least two points."""
     return [(list(line.get_xdata()), list(line.get_ydata())) for line in ax.get_lines() if line.get_color() == colour and len(line.get_xdata()) > 1]
 
 
 def made_up() -> list[Row]:
     """Returns rows of twelve commits on one machine, the last six also on another.
 
-    From the seventh commit a case takes half the time; from the fourth a kernel takes more instructions.
+    From the seventh commit on, a case takes half the time; from the fourth, a kernel takes more instructions.
     """
     first = cases()[0].name
     rows = []
@@ -193,7 +193,7 @@ def test_small_steps_of_the_time_are_left_out_and_those_of_instructions_less_so(
 
 
 def test_values_without_intervals_have_noise_all_the_same() -> None:
-    assert found_in([1.0, 1.03, 1.07, 1.03, 1.0, 1.0]) == []  # without noise there would be two steps of 5 %
+    assert found_in([1.0, 1.03, 1.07, 1.03, 1.0, 1.0]) == []  # without noise, these would be two steps of 5 %
 
 
 def test_words_of_a_step() -> None:

@@ -1,4 +1,4 @@
-"""Tests the places where blocks are measured: both sides have paths of equal length, and each pair of another length."""
+"""Blocks of both sides run at paths of equal length, which differs from pair to pair."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_nothing_that_was_built_comes_along_and_nothing_of_the_tree_is_lost(tmp_
 
 
 def test_lengths_differ(tmp_path: Path) -> None:
-    """All 64 lengths occur in 2,000 draws, except with a probability of 1e-12."""
+    """2,000 draws miss one of the 64 lengths with a probability of 1e-12."""
     places, own, lengths = Places(tmp_path), tree(tmp_path / "own"), set()
     for _ in range(2000):
         places.move()

@@ -1,4 +1,4 @@
-"""Tests steps in a series: planted steps are found at their place, and noise, drifts and gaps give what steps.py promises."""
+"""Tests the detection of steps in a series: planted steps are found in place; noise, drifts and gaps behave as steps.py promises."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from bench.tracking.steps import PENALTY, Step, best_starts, costs_before, levels_of, steps
 
 NAN = math.nan
-NOISE, LEAST = 0.02, 0.03  # NOISE: twice the standard deviation of `noisy`
+NOISE, LEAST = 0.02, 0.03  # NOISE is twice the standard deviation of `noisy`
 
 
 def noisy(n: int, seed: int) -> list[float]:
@@ -129,10 +129,10 @@ def test_the_fit_is_the_best_of_all() -> None:
 
 
 def test_of_equally_good_fits_one_with_fewer_levels_is_taken() -> None:
-    assert best_starts([1, 3, 1, 0, 0], 1.0) == [0, 3]  # as good as the three levels [0, 1, 2]
-    assert best_starts([0, 0, 1, 2, 2], 1.1) == [0, 2]  # as good as [0, 3], but its last level is longer
+    assert best_starts([1, 3, 1, 0, 0], 1.0) == [0, 3]  # as good as [0, 1, 2], with fewer levels
+    assert best_starts([0, 0, 1, 2, 2], 1.1) == [0, 2]  # as good as [0, 3], but the last level is longer
     off = math.log(1.3)
-    assert best_starts([0.0] * 3 + [off] + [0.0] * 3, off / 2 * (1 - 1e-13)) == [0]  # rounding must not cause a step
+    assert best_starts([0.0] * 3 + [off] + [0.0] * 3, off / 2 * (1 - 1e-13)) == [0]  # a rounding error must not cause a step
 
 
 def test_the_cost_of_a_level_is_the_distance_to_its_median() -> None:

@@ -1,4 +1,4 @@
-"""Tests pairs of blocks: the order of the sides, and the recorded values."""
+"""Tests how pairs of blocks are timed: the order of the sides, and what is recorded."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_each_block_of_the_candidate_is_beside_one_of_the_base() -> None:
 
 
 def test_each_pair_of_blocks_has_a_place_of_its_own() -> None:
-    """Both sides have paths of equal length, so that differences between pairs do not become differences between sides."""
+    """Each pair moves to a new place, where both sides have equally long paths, so differences between places cancel."""
     calls: Calls = []
     one = subject("a", calls)
     screen([question(Subject("a", ("a",), one.blocks, move=lambda: calls.append(("a", "move"))), ("a",))], 4)
@@ -84,7 +84,7 @@ def test_only_what_alarms_runs_again() -> None:
 
 
 def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() -> None:
-    """`doubtful` is slower by 2.5 %, which raises no alarm; `slow` raises one and runs again."""
+    """`doubtful` is 2.5 % slower, which raises no alarm. `slow` raises one and is run again."""
     calls: Calls = []
     subjects = [subject("fine", calls), subject("planted", calls), subject("doubtful", calls, slower(0.025)), subject("slow", calls, slower(0.05))]
     said: list[str] = []
@@ -98,7 +98,7 @@ def test_what_looks_slower_gets_more_blocks_until_they_could_change_nothing() ->
 
 
 def test_a_way_of_measuring_that_favours_a_side_spoils_the_verdict() -> None:
-    """The second of two sides that are measured together is slower by 6 %, whichever it is."""
+    """Of two sides that are measured together, the second is always 6 % slower."""
     def blocks(sides: Sequence[str], names: Sequence[str]) -> list[dict[str, float]]:
         return [{"case": SECONDS[side] * (1.06 if side in ("candidate", "base again", "planted") else 1)} for side in sides]
 
@@ -120,7 +120,7 @@ def test_of_many_kernels_only_the_suspected_ones_are_measured_again() -> None:
 
 
 def test_intervals_are_as_wide_as_so_many_cases_need() -> None:
-    """The second run is independent of the first and has only one case."""
+    """Each of 60 cases needs a confidence of 1 - 0.05/60; the second run has one case, which needs 95 %."""
     names = tuple(f"case {i}" for i in range(60))
 
     def side(which: str, _: Sequence[str]) -> dict[str, float]:
@@ -187,7 +187,7 @@ def test_a_kernel_that_is_gone_in_one_block_is_no_lists_out_of_step() -> None:
 
 @pytest.mark.parametrize(("seconds", "repeats"), [(0.002, 25), (1.0, 3), (0.0001, 250)])
 def test_the_first_block_decides_how_many_repeats_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, seconds: float, repeats: int) -> None:
-    """At least three, as the experiment asks. Two sides that are measured together have paths of equal length."""
+    """At least three repeats, as the experiment asks. Two sides measured together have paths of equal length."""
     asked: list[tuple[str, int, float]] = []
 
     @contextmanager
@@ -252,7 +252,7 @@ def test_kernels_of_both_sides_are_measured_at_once(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.skipif(not PROGRAM.is_file(), reason="the program is not built")
 def test_two_programs_measure_a_pair(tmp_path: Path) -> None:
-    """The two run side by side on generated models, each in a place that is removed afterwards."""
+    """Runs two programs side by side on generated models, each in a folder that is removed afterwards."""
     scene = {"name": "spheres", "source": "sphere2", "target": "sphere3"}
     case = Case("guthe on spheres", {"title": "t", "tolerances": [1e-4], "of": "diagonal", "repeats": 2, "rounds": 1, "scene": [scene],
                                      "solver": [{"name": "guthe"}]})

@@ -1,4 +1,4 @@
-"""Tests two programs at the same time: each gives its own answer, and neither leaves anything behind."""
+"""Tests two programs run at the same time: each gives its own answer, and neither leaves a process or file behind."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_what_one_alone_gives(tmp_path: Path) -> None:
 
 
 def test_a_long_answer_stops_nobody(tmp_path: Path) -> None:
-    """The answer is longer than the buffer of a pipe."""
+    """The answer is longer than a pipe's buffer."""
     found = together([python(tmp_path, f"print('{letter}' * 300000)") for letter in "ab"])
     assert found == ["a" * 300000, "b" * 300000]
 
@@ -61,7 +61,7 @@ def test_one_that_fails_is_not_measured_and_the_other_is_ended(tmp_path: Path) -
 
 
 def test_each_has_the_root_of_its_own_tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each program gets its own root, or none, but never one from the environment."""
+    """Each program gets its own HAUSBENCH_ROOT or none, never the environment's."""
     monkeypatch.setenv("HAUSBENCH_ROOT", "another")
     say = ["sh", "-c", "echo root $HAUSBENCH_ROOT"]
     jobs = [Job(say, tmp_path, str.strip, root=root) for root in (tmp_path / "1", tmp_path / "2", None)]

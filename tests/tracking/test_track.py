@@ -1,4 +1,4 @@
-"""Tests the command: its verdict, its exit codes, and the arguments that it refuses."""
+"""Tests the command `track`: its verdict, exit codes and refused arguments."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ SECONDS = {"base": 1.0, "base again": 1.0, "candidate": 1.0, "not planted": 1.0,
 
 def tiers(monkeypatch: pytest.MonkeyPatch, counters: Verdict = Verdict.passed, instructions: Verdict = Verdict.passed,
           seconds: dict[str, float] = SECONDS) -> dict[str, list[Any]]:
-    """Replaces the measurements of every tier, but nothing else; returns a record of the requests."""
+    """Replaces every measurement with the given verdicts; returns a record of the requests."""
     asked: dict[str, list[Any]] = {"jobs": [], "timed": [], "planted": [], "fetched": []}
 
     def of_case(case: Case, programs: dict[str, timed.Program], folder: Path, places: Places) -> Subject:

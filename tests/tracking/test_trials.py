@@ -1,4 +1,4 @@
-"""Tests the table of trials of the gate: which verdicts count as right, and that its plants fit the tree."""
+"""Tests the table of the gate's trials: which verdicts count as right, and that its planted slowdowns fit the tree."""
 
 from __future__ import annotations
 
