@@ -79,9 +79,9 @@ def test_is_it_above(hausbench: Program, tetrahedron: Path, raised: Path, more: 
         said = json.loads(done.stdout)
         assert done.returncode == code and said["above_cutoff"] is answer and said["status"] == status
     name = "H(A,B)" if more else "h(A,B)"
-    for cutoff, answer in (("0.2", "is above 0.2"), ("0.3", "is at most 0.3")):
-        said = hausbench("measure", tetrahedron, raised, "--cutoff", cutoff, *more).stdout
-        assert f"\nanswer     {name} {answer}\n" in said and "because the answer is known" in said and "below_floor" not in said
+    for cutoff, words in (("0.2", "is above 0.2"), ("0.3", "is at most 0.3")):
+        text = hausbench("measure", tetrahedron, raised, "--cutoff", cutoff, *more).stdout
+        assert f"\nanswer     {name} {words}\n" in text and "because the answer is known" in text and "below_floor" not in text
 
 
 def test_a_question_that_stays_open(hausbench: Program, tetrahedron: Path, raised: Path) -> None:
