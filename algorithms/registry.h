@@ -22,8 +22,8 @@ struct NotBuilt {
 };
 const std::vector<NotBuilt>& solvers_not_built();
 
-// Returns a solver by name. Throws InputError if there is no such solver. The message then suggests a similar name, or
-// says why the solver was left out of this program.
+// Returns a solver by name. Throws InputError for an unknown name. The message then suggests a similar one, or says
+// why the solver was left out of this program.
 const SolverEntry& find_solver(std::string_view name);
 
 }  // namespace hausbench

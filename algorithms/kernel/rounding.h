@@ -127,7 +127,7 @@ inline constexpr int level_of_inner_point = 3;
 // at most uM + 2.01u e. (A point of level k errs by at most 2k * uM in length.)
 //   - In general, e <= 2M, so this is at most 5.1uM, and sqrt(3) * 5.1uM < 10uM = 2 * 5uM: level 5.
 //   - If e <= M / 16, it is at most 1.13uM, and sqrt(3) * 1.13uM < 2uM: level 1.
-// If M = 0, there is no error.
+// If M = 0, the result is exact.
 inline Vec3 point_of_edge(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
 
 inline constexpr int level_of_long_edge = 5;

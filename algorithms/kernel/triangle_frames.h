@@ -47,10 +47,10 @@
 // Underflow. A square may lose 2^-1075. So the square root of a sum of squares of about 2^-1075 errs by any factor. A
 // direction that was divided by such a root does not have length 1, and the coordinate of any point along it, however
 // far the point is, errs by the same factor. So no direction is made from a length of 2^-502 (frame_point) or less:
-//   - If the longest edge, as computed, is no longer than 2^-502, the triangle is replaced with a segment of the same
+//   - If the longest edge, as computed, has at most length 2^-502, the triangle is replaced with a segment of the same
 //     length that starts at a and is parallel to the x axis. Both are within 2^-502 of a, up to rounding, so no
 //     distance changes by more.
-//   - If c is no farther than 2^-501 from the line of ab, the triangle is replaced with ab. No point moves by more,
+//   - If c is within 2^-501 of the line of ab, the triangle is replaced with ab. No point moves by more,
 //     because ab is the longest edge. This includes the triangles of the first case, in which c is within 2^-502 of a.
 // For all other triangles, |ab| > 2^-502, and y_c, which is at least half the height, is above 2^-502. Three squares
 // lose 3 * 2^-1075, which is less than a 2^-69 part of the sums whose roots are |ab|, |ac|, |bc| and the height. So the

@@ -3,7 +3,7 @@
 Each table of such a file is one claim, with these keys (a stem is the name of an experiment and of its figure or table):
 
     claim        the words that tables print, perhaps with {blanks}
-    in_general   the same words without blanks, printed if there is no verdict; required if there are blanks
+    in_general   the same words without blanks, printed for a claim without a verdict; required if `claim` has blanks
     stem         the stem that judges it, or a list of stems
     judged_as    average, every pair, most, never, ...
     quote        the sentence of the paper; our own claims, in hausbench.toml, have no quote and no section

@@ -58,7 +58,7 @@ def number(x: float, digits: int = 3) -> str:
 
 
 def estimate(x: Estimate, scale: float = 1.0) -> str:
-    """Formats an estimate and its interval: '2.10 [2.05, 2.31]'; '2.10' if there is no interval, '—' if no data."""
+    """Formats an estimate and its interval: '2.10 [2.05, 2.31]'; '2.10' without an interval, '—' without data."""
     if x.n == 0:
         return NOTHING
     if not x.has_interval or x.n == 1:  # a single time, or a count, which is exact

@@ -46,7 +46,7 @@ def ill(family: Family) -> float:
 
 
 def error(suite: Suite, answer: Answer) -> float:
-    """Returns the error of the worse bound (of CGAL's lower bound) over the diagonal of A; NaN if there are no bounds."""
+    """Returns the error of the worse bound (of CGAL's lower bound) over the diagonal of A; NaN for a row without bounds."""
     cases, row = suite.results.cases, answer.row
     lower, upper, exact = float(cases.lower[row]), float(cases.upper[row]), float(cases.exact[row])
     apart = abs(lower - exact) if cases.solver[row] == "cgal" else max(abs(lower - exact), abs(upper - exact))

@@ -56,7 +56,7 @@ class Sweep:
         return [v for v in (self.values if among is None else among) if self.time(scene, v).n]
 
     def best(self, scene: str, among: list[float] | None = None) -> float:
-        """Returns the value (of `among`) with the least median time; NaN if there are no times."""
+        """Returns the value (of `among`) with the least median time; NaN without times."""
         return min(self.timed(scene, among), key=lambda v: self.time(scene, v).value, default=math.nan)
 
     def ratio(self, scene: str, slow: float, fast: float, what: str = "") -> Estimate:

@@ -131,10 +131,10 @@ json model_json(const ModelInfo& m) {
 
 std::string text_of(const json& object, const char* key) { return object.at(key).get<std::string>(); }
 
-std::string joined(const json& list, const char* none = "") {
+std::string joined(const json& list) {
     std::string out;
     for (const json& item : list) out += (out.empty() ? "" : ", ") + item.get<std::string>();
-    return out.empty() ? none : out;
+    return out;
 }
 
 std::string origin(const json& model) {
@@ -213,7 +213,7 @@ std::string one_solver(const json& s, const Paper& paper) {
         line(s["certified"].get<bool>() ? "certified: its bounds hold under rounding"
                                         : "not certified: its bounds hold in exact arithmetic, or it promises less");
     if (!wrong.empty()) text += line("known to be wrong: " + wrong);
-    text += line(s["may_need"].empty() ? "needs no structure" : "may need " + joined(s["may_need"], ""));
+    text += line(s["may_need"].empty() ? "needs no structure" : "may need " + joined(s["may_need"]));
     if (!s["parameters"].empty())
         text += line("parameters (measure --set NAME=VALUE; [solver.parameters] of an experiment)", 0);
     for (const json& p : s["parameters"]) {

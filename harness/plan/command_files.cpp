@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct Word {
     std::string text;
     bool first;    // the first word of a command, so the name of a program
-    bool plain;    // contains no placeholder and nothing that the shell expands
+    bool plain;    // neither has a placeholder nor is changed by the shell
     bool written;  // follows ">", so the name of an output file
 };
 

@@ -109,8 +109,8 @@ struct Choice {
 // unknown, or if a case is requested twice.
 Plan make_plan(const Experiment& experiment, const Catalogue& catalogue, const Choice& choice, const SayModel& say);
 
-// Loads the shape of a model that a result recorded. Throws InputError if the model is no longer available or its bytes
-// have changed.
+// Loads the shape of a model that a result recorded. Throws InputError if the model is missing or its bytes have
+// changed.
 using ShapeOf = std::function<Shape(const ModelRecord&)>;
 using ShapesOf = std::function<ShapeOf(const Experiment&)>;  // returns a ShapeOf that knows the experiment's own models
 

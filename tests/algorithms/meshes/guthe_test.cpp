@@ -1,4 +1,4 @@
-// What guthe's parameters are for: without certification little changes; with the textbook kernel, bounds go wrong.
+// The parameters of guthe: without certification little changes; with the textbook kernel, bounds go wrong.
 #include "algorithms/kernel/closest.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/registry.h"
