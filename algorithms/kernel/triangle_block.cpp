@@ -19,10 +19,10 @@ void point_to_block(const Vec3& point, const TriangleBlock& block, BlockFeet& fe
     }
 }
 
-void block_to_triangle(const PointBlock& points, const Triangle& triangle, BlockFeet& feet) {
+void block_to_triangle(const PointBlock& points, const Triangle& triangle, BlockFeet& feet, std::size_t count) {
     const V3 a = set(triangle.a), b = set(triangle.b), c = set(triangle.c);
     const VBox box = box_of(a, b, c);
-    for (std::size_t lane = 0; lane < block_width; lane += hn::Lanes(Doubles())) {
+    for (std::size_t lane = 0; lane < count; lane += hn::Lanes(Doubles())) {
         const VFoot foot = closest_point(load(points.coordinate, lane), a, b, c, box);
         hn::Store(foot.squared, Doubles(), feet.squared_distance + lane);
         store(foot.point, feet.point, lane);
@@ -42,8 +42,8 @@ void closest_points(const Vec3& point, const TriangleBlock& block, BlockFeet& fe
     HWY_DYNAMIC_DISPATCH(point_to_block)(point, block, feet);
 }
 
-void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet) {
-    HWY_DYNAMIC_DISPATCH(block_to_triangle)(points, longest_edge_first(triangle), feet);
+void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet, std::size_t count) {
+    HWY_DYNAMIC_DISPATCH(block_to_triangle)(points, longest_edge_first(triangle), feet, count);
 }
 
 }  // namespace hausbench

@@ -1,0 +1,384 @@
+#include "algorithms/meshes/distribution/dissection.h"
+
+#include "algorithms/kernel/point_triangle.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/meshes/distribution/weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace hausbench {
+namespace {
+
+constexpr std::size_t most_near = 224;  // triangles of B near a piece; with more, the piece is halved
+constexpr std::size_t pieces_of_part = 32,
+                      pieces_of_round = 64 * pieces_of_part;  // of a thread at a time; between two looks at the clock
+constexpr int most_cuts = 200;
+
+}  // namespace
+
+SpreadBounds spread_about(const PieceBounds& b, double about) {
+    const auto mean_of_square = [](const CornerValues& x) {
+        return (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1] + x[1] * x[2] + x[2] * x[0]) / 6;
+    };
+    // |d - middle| <= radius, both affine: (d - about)^2 is within 2 |middle - about| radius + radius^2 of the square of
+    // middle - about.
+    CornerValues middle, radius;
+    double most = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double low = std::max(b.lower[k], 0.0);
+        middle[k] = 0.5 * (low + b.upper[k]) - about;
+        radius[k] = 0.5 * (b.upper[k] - b.lower[k]);
+        most = std::max(most, std::abs(middle[k]));
+    }
+    const bool crosses = std::min({b.lower[0], b.lower[1], b.lower[2]}) < 0;
+    SpreadBounds spread{};
+    if (!crosses) {
+        const double square = mean_of_square(middle), wide = (radius[0] + radius[1] + radius[2]) / 3;
+        const double first = 2 * most * wide;
+        spread = {square - first, square + first + mean_of_square(radius)};
+    } else {
+        CornerValues far;
+        for (std::size_t k = 0; k < 3; ++k) far[k] = std::max(std::abs(b.upper[k] - about), std::abs(about));
+        spread = {0, mean_of_square(far)};
+    }
+    const auto by = [&](double square, double mean) { return square - 2 * about * mean + about * about; };
+    spread.lower = std::max({0.0, spread.lower, by(b.square_lower, b.mean_upper)});
+    spread.upper = std::max(0.0, std::min(spread.upper, by(b.square_upper, b.mean_lower)));
+    return spread;
+}
+
+double open_in(const PieceBounds& b, double low, double high) {
+    if (b.least() > high || b.most() <= low) return 0;
+    const auto open_at = [&](double t) {
+        return std::max(0.0, 1 - share_at_most(b.upper, t) - share_above(b.lower, t));
+    };
+    if (low == high) return open_at(low);
+    return (open_at(low) + open_at(low + 0.5 * (high - low)) + open_at(high)) / 3;
+}
+
+bool CutWhere::operator()(const PieceBounds& b, double weight) const {
+    if (weight * (b.mean_upper - b.mean_lower) > mean) return true;
+    if (weight * (b.square_upper - b.square_lower) > square) return true;
+    if (b.most() > maximum && b.most() - std::max({b.lower[0], b.lower[1], b.lower[2]}) > maximum_gap) return true;
+    if (spread < never) {
+        const SpreadBounds here = spread_about(b, about);
+        if (weight * (here.upper - here.lower) > spread) return true;
+    }
+    for (const Band& band : bands)
+        if (weight * open_in(b, band.low, band.high) > band.limit) return true;
+    return false;
+}
+
+// Cuts pieces, each down to pieces within the limits.
+class Dissection::Worker {
+public:
+    Worker(const Dissection& all, const CutWhere& where, std::size_t most)
+        : all_(all), where_(where), most_(most), bounder_(all.magnitude_) {}
+
+    // Cuts a piece into at most about `most` parts.
+    void open(const Piece& piece) {
+        enough_ = leaves_.size() + most_;
+        gather_and_cut(piece);
+    }
+
+    std::vector<Leaf> take_leaves() { return std::exchange(leaves_, {}); }
+
+    Counters take_counters() {
+        counters_.point_triangle_distances += std::exchange(bounder_.distances, 0);
+        return std::exchange(counters_, {});
+    }
+
+private:
+    void emit(const Piece& piece, const PieceBounds& bounds, bool final) {
+        leaves_.push_back({piece, bounds, all_.weight_of(piece), final});
+    }
+
+    bool too_small(const Piece& piece) const {
+        double edge = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            edge = std::max(edge, squared_length(piece.corners[(k + 1) % 3] - piece.corners[k]));
+        return piece.cuts >= most_cuts || !(edge > std::pow(1024 * unit_roundoff * all_.magnitude_, 2));
+    }
+
+    // Returns whether the bounds of a piece are as close as rounding allows. Then cutting it would make them worse.
+    bool only_rounding(const Piece& piece, const PieceBounds& bounds) const {
+        const double gap = (64 + 8 * piece.level) * unit_roundoff * all_.magnitude_;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (bounds.upper[k] - bounds.lower[k] > gap) return false;
+        return true;
+    }
+
+    void gather_and_cut(Piece piece) {
+        const Vec3 c = piece.centre();
+        double radius = 0;
+        for (const Vec3& corner : piece.corners) radius = std::max(radius, squared_length(corner - c));
+        radius = std::sqrt(radius);
+        double squared;
+        double slack = (64 + 4 * piece.level) * unit_roundoff * all_.magnitude_;
+        bool exact = false;
+        const auto nearest = [&] {
+            const ClosestPoint at = all_.target_.closest(c, {.warm_triangle = piece.near}, counters_);
+            piece.near = at.triangle;
+            squared = at.squared_distance;
+            exact = true;
+        };
+        if (piece.near < 0)
+            nearest();
+        else
+            squared = closest_point(c, triangle_of(all_.target_.mesh(), piece.near)).squared_distance;
+        Box box;
+        for (const Vec3& corner : piece.corners) box.add(corner);
+        LocalUnits place;
+        place.set(box, all_.magnitude_ * 0x1p-40);
+        near_.clear(place);
+        near_.most = most_near;
+        all_.target_.gather(c, std::sqrt(squared) + 2 * radius * (1 + 0x1p-40) + slack, near_, counters_);
+        if (near_.count() > most_near) {
+            if (!exact) nearest();
+            const double least = std::sqrt(squared) * (1 - 8 * unit_roundoff) - 16 * unit_roundoff * all_.magnitude_;
+            const PieceBounds bounds = bounder_.rough(piece, triangle_of(all_.target_.mesh(), piece.near), least);
+            const bool small = too_small(piece);
+            ++counters_.bound_tests;
+            if (small || leaves_.size() >= enough_ || !where_(bounds, all_.weight_of(piece)))
+                return emit(piece, bounds, small);
+            for (const Piece& half : halves(piece)) gather_and_cut(half);
+            return;
+        }
+        triangles_.clear();
+        std::vector<std::uint16_t>& among = lists_at(0);
+        among.clear();
+        for (std::size_t i = 0; i < near_.count(); ++i) {
+            triangles_.push_back({triangle_of(all_.target_.mesh(), near_.triangle[i]), near_.triangle[i]});
+            among.push_back(static_cast<std::uint16_t>(i));
+            if (near_.triangle[i] == piece.near) std::swap(among[0], among.back());
+        }
+        cut(piece, 0);
+    }
+
+    void cut(Piece piece, std::size_t depth) {
+        ++counters_.bound_tests;
+        const PieceBounds bounds = bounder_.bounds(piece, triangles_, lists_at(depth));
+        piece.near = triangles_[bounder_.kept()[0]].index;
+        const double weight = all_.weight_of(piece);
+        if (leaves_.size() >= enough_ || !where_(bounds, weight)) return emit(piece, bounds, false);
+        if (too_small(piece) || only_rounding(piece, bounds)) return emit(piece, bounds, true);
+        lists_at(depth + 1) = bounder_.kept();
+        squares_ = bounder_.kept_squares();
+        ++counters_.subdivisions;
+        std::array<Piece, 3> parts;
+        const std::size_t count = along_bisector(piece, depth + 1, parts);
+        if (count == 0) {
+            for (const Piece& half : halves(piece)) cut(half, depth + 1);
+        } else {
+            for (std::size_t i = 0; i < count; ++i) cut(parts[i], depth + 1);
+        }
+    }
+
+    std::array<Piece, 2> halves(const Piece& piece) {
+        std::size_t a = 0;
+        double longest = -1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double length = squared_length(piece.corners[(k + 1) % 3] - piece.corners[k]);
+            if (length > longest) {
+                longest = length;
+                a = k;
+            }
+        }
+        const std::size_t b = (a + 1) % 3;
+        Piece first = piece, second = piece;
+        const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
+        first.corners[a] = second.corners[b] = middle;
+        first.share = second.share = 0.5 * piece.share;
+        first.level = second.level = piece.level + 1;
+        first.cuts = second.cuts = piece.cuts + 1;
+        return {first, second};
+    }
+
+    // Cuts where the nearest triangle changes: between the triangle nearest to the centre and one that is nearer to a
+    // corner. Returns the number of parts; 0: no such cut.
+    std::size_t along_bisector(const Piece& piece, std::size_t depth, std::array<Piece, 3>& parts) {
+        const std::vector<std::uint16_t>& kept = lists_at(depth);
+        const Triangle& s = triangles_[kept[0]].corners;
+        const std::vector<CornerValues>& squares = squares_;
+        double best = 0;
+        std::size_t other = 0;
+        for (std::size_t i = 1; i < kept.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double gain = std::sqrt(squares[0][k]) - std::sqrt(squares[i][k]);
+                if (gain > best) {
+                    best = gain;
+                    other = i;
+                }
+            }
+        }
+        const double size = std::sqrt(squared_length(piece.corners[0] - piece.corners[1]));
+        std::array<double, 3> f;
+        if (best > 1e-5 * size) {
+            const Triangle& t = triangles_[kept[other]].corners;
+            if (const std::optional<Bisector> bisector = bisector_of(s, t)) {
+                for (std::size_t k = 0; k < 3; ++k) f[k] = bisector->side(piece.corners[k]);
+                if (const std::size_t count = parts_of(piece, f, parts)) return count;
+            }
+            // For triangles in one plane, the signed roots of the differences of squares are affine; for bisectors of
+            // planes, the differences of distances are.
+            std::size_t one = 0, two = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                f[k] = squares[0][k] - squares[other][k];
+                if (f[k] < f[one]) one = k;
+                if (f[k] > f[two]) two = k;
+            }
+            const Vec3 x = closest_point(piece.corners[one], s).point - piece.corners[one],
+                       y = closest_point(piece.corners[two], t).point - piece.corners[two];
+            const bool flat = dot(x, y) > 0.9 * std::sqrt(squared_length(x) * squared_length(y)) ||
+                              squared_length(x) == 0 || squared_length(y) == 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                f[k] = flat ? std::copysign(std::sqrt(std::abs(f[k])), f[k])
+                            : std::sqrt(squares[0][k]) - std::sqrt(squares[other][k]);
+            }
+            return parts_of(piece, f, parts);
+        }
+        const Vec3 n = (s.b - s.a).cross(s.c - s.a).normalized();
+        for (std::size_t k = 0; k < 3; ++k) f[k] = dot(n, piece.corners[k] - s.a);
+        const double least = std::min({f[0], f[1], f[2]}), most = std::max({f[0], f[1], f[2]});
+        if (least < -1e-5 * size && most > 1e-5 * size) return parts_of(piece, f, parts);
+        return 0;
+    }
+
+    // Cuts a piece where an affine function, given at the corners, is 0. Returns the number of parts; 0: no such cut.
+    std::size_t parts_of(const Piece& piece, const CornerValues& f, std::array<Piece, 3>& parts) {
+        // The corner whose sign is alone.
+        std::size_t alone = 3;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            if ((f[k] > 0 && f[l] <= 0 && f[m] <= 0) || (f[k] <= 0 && f[l] > 0 && f[m] > 0)) alone = k;
+        }
+        if (alone == 3) return 0;
+        const std::size_t b = (alone + 1) % 3, c = (alone + 2) % 3;
+        double tb = f[alone] / (f[alone] - f[b]), tc = f[alone] / (f[alone] - f[c]);
+        constexpr double near_end = 0.02;
+        if (tb < near_end && tc < near_end) return 0;
+        if (tb > 1 - near_end && tc > 1 - near_end) return 0;
+        if (tb < near_end) tb = near_end;
+        if (tc < near_end) tc = near_end;
+        const Vec3 at = piece.corners[alone], pb = piece.corners[b], pc = piece.corners[c];
+        const double longest = std::max((pb - at).cwiseAbs().maxCoeff(), (pc - at).cwiseAbs().maxCoeff());
+        Piece part = piece;
+        part.level = piece.level + level_of_point_of_edge(longest, all_.magnitude_);
+        part.cuts = piece.cuts + 2;
+        const bool whole_b = tb > 1 - near_end, whole_c = tc > 1 - near_end;
+        const Vec3 q = whole_b ? pb : point_of_edge(at, pb, tb), r = whole_c ? pc : point_of_edge(at, pc, tc);
+        if (whole_b) tb = 1;
+        if (whole_c) tc = 1;
+        std::size_t count = 0;
+        const auto add = [&](const Vec3& one, const Vec3& two, const Vec3& three, double share) {
+            parts[count] = part;
+            parts[count].corners = {one, two, three};
+            parts[count].share = piece.share * share;
+            ++count;
+        };
+        add(at, q, r, tb * tc);
+        if (!whole_b && !whole_c) {
+            add(q, pb, pc, 1 - tb);
+            add(q, pc, r, tb * (1 - tc));
+        } else if (whole_c) {
+            add(q, pb, pc, 1 - tb);
+        } else {
+            add(r, pb, pc, 1 - tc);
+        }
+        return count;
+    }
+
+    std::vector<std::uint16_t>& lists_at(std::size_t depth) {
+        while (lists_.size() <= depth) lists_.emplace_back(new std::vector<std::uint16_t>);
+        return *lists_[depth];
+    }
+
+    const Dissection& all_;
+    const CutWhere& where_;
+    std::size_t most_, enough_ = 0;
+    PieceBounder bounder_;
+    std::vector<Leaf> leaves_;
+    Counters counters_;
+    NearTriangles<float> near_;
+    std::vector<NearTriangle> triangles_;
+    std::vector<CornerValues> squares_;
+    std::vector<std::unique_ptr<std::vector<std::uint16_t>>> lists_;
+};
+
+Dissection::Dissection(const Triangles& triangles, const Points& points, const TriangleBlocks& target, double magnitude,
+                       WeighBy weigh, int threads)
+    : triangles_(triangles), points_(points), target_(target), magnitude_(magnitude), threads_(threads) {
+    weights_.assign(static_cast<std::size_t>(triangles.rows()), 1);
+    if (weigh == WeighBy::number) return;
+    const double inverse = magnitude > 0 ? std::ldexp(1.0, -std::ilogb(magnitude) - 1) : 1;
+    for (Eigen::Index i = 0; i < triangles.rows(); ++i) {
+        const auto v = triangles.row(i);
+        const Area area = area_of(
+            {inverse * Vec3(points.row(v[0])), inverse * Vec3(points.row(v[1])), inverse * Vec3(points.row(v[2]))});
+        weights_[static_cast<std::size_t>(i)] = area.value;
+        extra_ += area.extra;
+    }
+    extra_ *= 1 + 0x1p-20;
+}
+
+// A leaf for a piece that there was no time to look at: the distance to some triangle of B is an upper bound.
+Leaf Dissection::unknown(const Piece& piece) const {
+    return {piece, PieceBounder(magnitude_).rough(piece, triangle_of(target_.mesh(), 0), 0), weight_of(piece), false};
+}
+
+bool Dissection::refine(const CutWhere& where, const Deadline& deadline, std::size_t most_leaves) {
+    std::vector<Leaf> open;
+    const bool first = leaves_.empty();
+    if (first) {
+        for (Eigen::Index i = 0; i < triangles_.rows(); ++i) {
+            const auto v = triangles_.row(i);
+            open.push_back(
+                {{{points_.row(v[0]), points_.row(v[1]), points_.row(v[2])}, 1, static_cast<Index>(i), -1, 0, 0},
+                 {},
+                 0,
+                 false});
+        }
+    } else {
+        std::size_t left = 0;
+        for (const Leaf& leaf : leaves_) {
+            if (!leaf.final && where(leaf.bounds, leaf.weight))
+                open.push_back(leaf);
+            else
+                leaves_[left++] = leaf;
+        }
+        leaves_.resize(left);
+    }
+    if (open.empty()) return false;
+    const std::size_t room = most_leaves - std::min(most_leaves, leaves_.size());
+    const std::size_t most = 16 + 4 * room / open.size();  // of one piece; few pieces are cut into so many
+    std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads_.most()));
+    for (std::size_t begin = 0; begin < open.size(); begin += pieces_of_round) {
+        const std::size_t end = std::min(open.size(), begin + pieces_of_round);
+        if (deadline.passed()) {
+            for (std::size_t i = begin; i < open.size(); ++i)
+                leaves_.push_back(first ? unknown(open[i].piece) : open[i]);
+            break;
+        }
+        const std::size_t parts = (end - begin + pieces_of_part - 1) / pieces_of_part;
+        std::vector<std::vector<Leaf>> made(parts);
+        std::vector<Counters> counters(parts);
+        threads_.for_each(parts, [&](std::size_t p, int number) {
+            std::unique_ptr<Worker>& worker = workers[static_cast<std::size_t>(number)];
+            if (!worker) worker = std::make_unique<Worker>(*this, where, most);
+            const std::size_t from = begin + p * pieces_of_part;
+            for (std::size_t i = from; i < std::min(end, from + pieces_of_part); ++i) worker->open(open[i].piece);
+            made[p] = worker->take_leaves();
+            counters[p] = worker->take_counters();
+        });
+        for (std::size_t p = 0; p < parts; ++p) {
+            leaves_.insert(leaves_.end(), made[p].begin(), made[p].end());
+            counters_ += counters[p];
+        }
+    }
+    return true;
+}
+
+}  // namespace hausbench

@@ -1,0 +1,96 @@
+// A cut into pieces, each with bounds on the distance to B.
+#pragma once
+
+#include "algorithms/kernel/counters.h"
+#include "algorithms/kernel/deadline.h"
+#include "algorithms/kernel/parallel.h"
+#include "algorithms/meshes/distribution/piece_bounds.h"
+#include "algorithms/structures/triangle_blocks.h"
+
+#include <limits>
+#include <vector>
+
+namespace hausbench {
+
+// What a piece counts for: its area, or 1 if A is a point set.
+enum class WeighBy { area, number };
+
+// A piece with its bounds.
+struct Leaf {
+    Piece piece;
+    PieceBounds bounds;
+    double weight;  // relative error at most weight_error; areas are in the unit Dissection::unit() squared
+    bool final;     // it is not cut further: too small
+};
+
+// The relative error of a weight: area_error (weights.h) and 3u for each of the up to 200 cuts that made the piece,
+// u = 2^-53. Together less than 2^-42.
+inline constexpr double weight_error = 0x1p-42;
+
+// Returns the share of a piece for which it is open whether d <= t: the mean over t = low, high and the middle.
+double open_in(const PieceBounds& bounds, double low, double high);
+
+// The pieces to cut: those that exceed one of these limits.
+struct CutWhere {
+    static constexpr double never = std::numeric_limits<double>::infinity();
+
+    double mean = never;     // weight times the gap of the mean of d
+    double square = never;   // weight times the gap of the mean of d^2
+    double about = 0;        // for the next limit
+    double spread = never;   // weight times the gap of the mean of (d - about)^2
+    double maximum = never;  // the largest upper bound of d, for pieces whose
+    double maximum_gap = 0;  // gap between the largest bounds is more than this
+    struct Band {
+        double low, high, limit;  // weight times open_in(low, high)
+    };
+    std::vector<Band> bands;
+
+    bool operator()(const PieceBounds& bounds, double weight) const;
+};
+
+// Bounds on the mean of (d - about)^2 over a piece.
+struct SpreadBounds {
+    double lower, upper;
+};
+SpreadBounds spread_about(const PieceBounds& bounds, double about);
+
+// The pieces of all triangles of A. At first none; refine() makes them.
+class Dissection {
+public:
+    // Keeps references. `points` are the vertices of A, moved by its pose, `magnitude` is M of kernel/rounding.h.
+    // O(n).
+    Dissection(const Triangles& triangles, const Points& points, const TriangleBlocks& target, double magnitude,
+               WeighBy weigh, int threads);
+
+    // Cuts pieces, and their parts, as long as they exceed a limit of `where`. Returns false if there was nothing to
+    // cut. If the deadline passes, the remaining pieces stay as they are. Stops cutting a piece when it has many parts, so
+    // that there will be fewer than 5 * most_leaves + 16 * (the pieces so far) in all. The result is the same for any
+    // number of threads.
+    bool refine(const CutWhere& where, const Deadline& deadline, std::size_t most_leaves);
+
+    const std::vector<Leaf>& leaves() const { return leaves_; }
+    const Counters& counters() const { return counters_; }
+
+    // The weights of all triangles together may be larger than the sum of the computed ones by this much, because
+    // triangles that are nearly segments have uncertain areas.
+    double extra_weight() const { return extra_; }
+
+private:
+    class Worker;
+    Leaf unknown(const Piece& piece) const;
+    double weight_of(const Piece& piece) const {
+        return weights_[static_cast<std::size_t>(piece.source)] * piece.share;
+    }
+
+    const Triangles& triangles_;
+    const Points& points_;
+    const TriangleBlocks& target_;
+    double magnitude_;
+    Threads threads_;
+    std::vector<double> weights_;  // of the triangles of A
+    double extra_ = 0;
+    std::vector<Leaf> leaves_;
+    Counters counters_;
+};
+
+}  // namespace hausbench

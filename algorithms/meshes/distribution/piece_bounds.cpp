@@ -1,0 +1,347 @@
+// Bounds on the distance to B over one piece of A.
+//
+// Let T be the piece and C a set of triangles of B that has a nearest one for every point of T. d = min over S in C of
+// d_S, and every d_S is convex.
+//
+// Upper bound. d <= d_S for any S, and a convex function is at most the affine function with the same values at the
+// corners. S is the triangle nearest to the centre of T.
+//
+// Lower bound. For any vector n with |n| <= 1, d_S(a) >= n.a - h, where h is the largest n.v over the corners v of S: a
+// support plane of S. The minimum of one such plane for each S is concave, so it is at least the affine function with
+// the same values at the corners. n is the direction to the centre from its closest point in S, or the direction for
+// the triangle nearest to the centre: the latter is exact for triangles in one plane. An error of n makes the plane
+// worse, but not wrong.
+//
+// A triangle S of C whose plane is not below the upper bound at any corner is nowhere nearer than the triangle nearest
+// to the centre. Such triangles are left out of kept(), so they do not appear in parts of T again.
+//
+// Rounding. u = 2^-53, M is the largest |coordinate|.
+// - Upper: surface_distance_at_most() (kernel/rounding.h).
+// - Lower: n has length at most 1, because its computed length errs by 2.5u, the quotient and the product with n by u
+//   each, and the factor 1 - 8u takes all that away. A product n.v of three terms errs by 3u |n_x v_x| + ..., which is
+//   at most 3u * sqrt(3) * M < 5.2uM. So n.p and h err by 5.2uM each, their difference by another u * 3.5M, and so
+//   does the subtraction of the allowance: 17.4uM, for which 20uM are taken. The corners of a piece of level k are off
+//   by 2k * uM.
+#include "algorithms/meshes/distribution/piece_bounds.h"
+
+#include "algorithms/kernel/point_triangle.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/triangle_block.h"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace hausbench {
+namespace {
+
+// Returns v times a bit less than 1 / |v|, so that the length is at most 1; the zero vector if v is too short.
+Vec3 direction_of(const Vec3& v) {
+    const double length = std::sqrt(squared_length(v));
+    if (!(length > 0x1p-450)) return Vec3::Zero();
+    return v * ((1 - 8 * unit_roundoff) / length);
+}
+
+double support(const Triangle& t, const Vec3& n) { return std::max({dot(n, t.a), dot(n, t.b), dot(n, t.c)}); }
+
+Vec3 cross(const Vec3& x, const Vec3& y) {
+    return {x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]};
+}
+
+CornerValues plane(const Piece& piece, const Triangle& t, const Vec3& n, double allowance) {
+    const double h = support(t, n);
+    return {dot(n, piece.corners[0]) - h - allowance, dot(n, piece.corners[1]) - h - allowance,
+            dot(n, piece.corners[2]) - h - allowance};
+}
+
+bool below(const CornerValues& x, const CornerValues& y) { return x[0] < y[0] || x[1] < y[1] || x[2] < y[2]; }
+
+double usable(const CornerValues& lower, const CornerValues& upper) {
+    return std::min(lower[0], upper[0]) + std::min(lower[1], upper[1]) + std::min(lower[2], upper[2]);
+}
+
+// A point of a rule for the mean of a function over a triangle: its barycentric coordinates and its weight.
+struct RulePoint {
+    std::array<double, 3> at;
+    double weight;
+};
+
+// Returns a rule of 25 points that is exact, but for rounding, for polynomials of degree 8: the product of two rules of
+// Gauss and Legendre with five points, on a square that is mapped to the triangle.
+const std::array<RulePoint, 25>& rule() {
+    static const std::array<RulePoint, 25> points = [] {
+        const double near = std::sqrt(5 - 2 * std::sqrt(10.0 / 7)) / 3,
+                     far = std::sqrt(5 + 2 * std::sqrt(10.0 / 7)) / 3;
+        const double heavy = (322 + 13 * std::sqrt(70.0)) / 1800, light = (322 - 13 * std::sqrt(70.0)) / 1800;
+        const std::array<double, 5> at{0.5 * (1 - far), 0.5 * (1 - near), 0.5, 0.5 * (1 + near), 0.5 * (1 + far)};
+        const std::array<double, 5> weight{light, heavy, 64.0 / 225, heavy, light};
+        std::array<RulePoint, 25> made{};
+        for (std::size_t i = 0; i < 5; ++i)
+            for (std::size_t j = 0; j < 5; ++j)
+                made[5 * i + j] = {{1 - at[i], at[i] * (1 - at[j]), at[i] * at[j]}, 2 * at[i] * weight[i] * weight[j]};
+        return made;
+    }();
+    return points;
+}
+
+void lower_to(CornerValues& x, const CornerValues& y) {
+    for (std::size_t k = 0; k < 3; ++k) x[k] = std::min(x[k], y[k]);
+}
+
+}  // namespace
+
+std::optional<Bisector> bisector_of(const Triangle& s, const Triangle& t) {
+    const std::array<Vec3, 3> a{s.a, s.b, s.c}, b{t.a, t.b, t.c};
+    std::array<std::size_t, 2> in_a{}, in_b{};
+    std::size_t common = 0;
+    for (std::size_t i = 0; i < 3 && common < 2; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            if (a[i] != b[j]) continue;
+            in_a[common] = i;
+            in_b[common] = j;
+            ++common;
+            break;
+        }
+    }
+    if (common < 2 || in_b[0] == in_b[1]) return std::nullopt;
+    const Vec3 v = a[in_a[0]], e = a[in_a[1]] - v;
+    const double squared = squared_length(e);
+    if (!(squared > 0)) return std::nullopt;
+    double conditions = 0;
+    const auto outward = [&](const Vec3& third) {
+        const Vec3 side = third - v;
+        Vec3 h = side - (dot(side, e) / squared) * e;
+        h -= (dot(h, e) / squared) * e;
+        const double length = std::sqrt(squared_length(h));
+        conditions += std::sqrt(squared_length(side)) / length;
+        return Vec3(h / -length);
+    };
+    const Vec3 m = outward(a[3 - in_a[0] - in_a[1]]) - outward(b[3 - in_b[0] - in_b[1]]);
+    const double length = std::sqrt(squared_length(m));
+    if (!(length > 0x1p-20 && conditions < 0x1p20)) return std::nullopt;
+    return Bisector{v, m / length, 32 * unit_roundoff * conditions / length};
+}
+
+namespace {
+
+// Replaces lower values by others if these are better: if they are nowhere below the upper values, or higher in all.
+void improve(CornerValues& low, const CornerValues& other, const CornerValues& upper) {
+    if (usable(other, upper) > usable(low, upper)) low = other;
+}
+
+// Returns lower values for the distance to a triangle T of B that has an edge in common with S, given those for the plane
+// of S. On the side of S of the plane that halves their angle, the half-plane that continues S beyond its other edges is
+// nearer than that of T: a reflection in this plane swaps the two. A point that is beyond by f is nearer to the
+// half-plane of T by at most 2f, because both distances change by at most f on the way to the plane.
+CornerValues beside(const Piece& piece, const Triangle& s, const Triangle& t, const CornerValues& by_face,
+                    double allowance) {
+    const std::optional<Bisector> bisector = bisector_of(s, t);
+    double loss = std::numeric_limits<double>::infinity();
+    if (bisector) {
+        double beyond = 0, far = 0;
+        for (const Vec3& p : piece.corners) {
+            beyond = std::max(beyond, bisector->side(p));
+            far = std::max(far, squared_length(p - bisector->point));
+        }
+        loss = 2 * (beyond + allowance + bisector->tilt * std::sqrt(far));
+    }
+    return {by_face[0] - loss, by_face[1] - loss, by_face[2] - loss};
+}
+
+}  // namespace
+
+void bound_means(PieceBounds& bounds) {
+    const PositivePart below(bounds.lower), above(bounds.upper);
+    constexpr double down = 1 - 32 * unit_roundoff, up = 1 + 32 * unit_roundoff;
+    bounds.mean_lower = below.mean() * down;
+    bounds.mean_upper = above.mean() * up;
+    bounds.square_lower = below.mean_square() * down;
+    bounds.square_upper = above.mean_square() * up;
+}
+
+PieceBounds PieceBounder::rough(const Piece& piece, const Triangle& near, double centre_at_least) {
+    PieceBounds bounds;
+    const Vec3 c = piece.centre();
+    for (std::size_t k = 0; k < 3; ++k) {
+        bounds.upper[k] =
+            surface_distance_at_most(closest_point(piece.corners[k], near).squared_distance, magnitude_, piece.level);
+        const double away = std::sqrt(squared_length(piece.corners[k] - c)) * (1 + 8 * unit_roundoff);
+        bounds.lower[k] = centre_at_least - away - (16 + 2 * piece.level) * unit_roundoff * magnitude_;
+    }
+    distances += 3;
+    bound_means(bounds);
+    return bounds;
+}
+
+PieceBounds PieceBounder::bounds(const Piece& piece, std::span<const NearTriangle> near,
+                                 std::span<const std::uint16_t> among) {
+    const double allowance = (20 + 2 * piece.level) * unit_roundoff * magnitude_;
+    const Vec3 c = piece.centre();
+    PointBlock points{};  // the corners and the centre
+    for (int k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < 3; ++i) points.coordinate[k][i] = piece.corners[i][k];
+        points.coordinate[k][3] = c[k];
+    }
+    const auto foot_of = [](const BlockFeet& feet, std::size_t i) {
+        return Vec3(feet.point[0][i], feet.point[1][i], feet.point[2][i]);
+    };
+    PieceBounds bounds;
+    std::uint16_t nearest = among[0];
+    BlockFeet feet, others;
+    closest_points(points, near[nearest].corners, feet, 4);
+    distances += 4;
+    // A nearer triangle takes the place of the first one, and the search begins anew. The distance decreases each time,
+    // and seldom more than once.
+    for (bool again = true; again;) {
+        again = false;
+        const Triangle& s = near[nearest].corners;
+        for (std::size_t k = 0; k < 3; ++k)
+            bounds.upper[k] = surface_distance_at_most(feet.squared_distance[k], magnitude_, piece.level);
+        const Vec3 straight = direction_of(c - foot_of(feet, 3));
+        bounds.lower = plane(piece, s, straight, allowance);
+        direction_ = straight;
+        Vec3 normal = direction_of(cross(s.b - s.a, s.c - s.a));
+        if (dot(normal, c - s.a) < 0) normal = -normal;
+        const CornerValues by_face = plane(piece, s, normal, allowance);
+        if (usable(by_face, bounds.upper) > usable(bounds.lower, bounds.upper)) {
+            bounds.lower = by_face;
+            direction_ = normal;
+        }
+        kept_.assign(1, nearest);
+        needed_.assign(1, 1);
+        squares_.assign(1, {feet.squared_distance[0], feet.squared_distance[1], feet.squared_distance[2]});
+        for (const std::uint16_t i : among) {
+            if (i == nearest) continue;
+            const Triangle& other = near[i].corners;
+            CornerValues low = plane(piece, other, direction_, allowance);
+            if (!below(low, bounds.upper)) continue;
+            closest_points(points, other, others, 4);
+            distances += 4;
+            if (others.squared_distance[3] < feet.squared_distance[3]) {
+                nearest = i;
+                feet = others;
+                again = true;
+                break;
+            }
+            improve(low, plane(piece, other, direction_of(c - foot_of(others, 3)), allowance), bounds.upper);
+            improve(low, beside(piece, s, other, by_face, allowance), bounds.upper);
+            std::size_t worst = 0;
+            for (std::size_t k = 1; k < 3; ++k)
+                if (bounds.upper[k] - low[k] > bounds.upper[worst] - low[worst]) worst = k;
+            improve(low, plane(piece, other, direction_of(piece.corners[worst] - foot_of(others, worst)), allowance),
+                    bounds.upper);
+            if (!below(low, bounds.upper)) continue;
+            kept_.push_back(i);
+            squares_.push_back({others.squared_distance[0], others.squared_distance[1], others.squared_distance[2]});
+            const double slack = 5 * allowance;
+            const CornerValues nearly{bounds.upper[0] - slack, bounds.upper[1] - slack, bounds.upper[2] - slack};
+            needed_.push_back(below(low, nearly) ? 1 : 0);
+            lower_to(bounds.lower, low);
+        }
+    }
+    foot_ = foot_of(feet, 3);
+    lower_to(bounds.lower, bounds.upper);
+    bound_means(bounds);
+    curved(piece, near, bounds);
+    return bounds;
+}
+
+// Where the same corner or edge F of B is nearest for all of T, d^2 is a quadratic polynomial q on T, whose mean is
+// exact, and d is its root, whose mean is computed by a rule of 25 points.
+//
+// Let y(a) be the vector from the nearest point of F, or of the line through the edge F, to a. It is affine on T, and
+// q = |y|^2.
+// - Upper: d <= q^(1/2) for a corner. Beyond the ends of an edge by up to o, d^2 <= q + o^2.
+// - Lower, for a triangle S with the corner v = F and the edges e1, e2 from there: a point of S is v + s e1 + t e2 with
+//   s, t >= 0 and s + t <= 1. Its squared distance from a is at least q - 2 max(y.e1, y.e2, 0).
+// - Lower, for a triangle S with the edge F: let h be the vector from the line to its third corner, orthogonal to the
+//   line. A point of S is on the line plus s h, with 0 <= s <= 1. Its squared distance is at least q - 2 max(y.h, 0).
+// So d^2 >= q - loss, with a loss that is positive only by rounding, or because T reaches beyond the region of F. All
+// triangles of C must have F, or be nowhere nearer than the triangle nearest to the centre.
+//
+// The rule is exact for polynomials of degree 8, so for the first five terms of the series of q^(1/2) around the middle
+// q0 of the range of q. With r = (greatest q - least q) / (greatest q + least q), the other terms are at most
+// q0^(1/2) * 7/256 * r^5 / (1 - r), because the coefficients decrease. The rule and the integral differ by at most
+// twice that.
+//
+// Rounding: y errs by less than 30uM, products y.e by less than 60uM |e|, the rule by 200uM in all, and the mean of q
+// by 200uM times the largest d. A corner of level k is off by 2k * uM.
+void PieceBounder::curved(const Piece& piece, std::span<const NearTriangle> near, PieceBounds& bounds) {
+    const Triangle& s = near[kept_[0]].corners;
+    const std::array<Vec3, 3> corner{s.a, s.b, s.c};
+    const double unit = unit_roundoff * magnitude_;
+    std::optional<std::size_t> vertex;
+    for (std::size_t i = 0; i < 3; ++i)
+        if (corner[i] == foot_) vertex = i;
+    std::size_t from = 0;
+    bool edge = false;
+    if (!vertex) {
+        for (std::size_t i = 0; i < 3 && !edge; ++i) {
+            from = i;
+            const Vec3 e = corner[(i + 1) % 3] - corner[i], f = foot_ - corner[i], g = corner[(i + 2) % 3] - corner[i];
+            const double away = squared_length(cross(e, f)), third = squared_length(cross(e, g));
+            edge = away <= 0x1p-60 * squared_length(e) * squared_length(e) && !(third == 0 && squared_length(e) == 0);
+        }
+        if (!edge) return;
+        // The foot may lie on an edge and yet the face be the nearest feature: then the planes are as good.
+    }
+    const Vec3 v = vertex ? corner[*vertex] : corner[from], end = vertex ? v : corner[(from + 1) % 3], e = end - v;
+    const double squared_edge = squared_length(e);
+    std::array<Vec3, 3> y;
+    double beyond = 0, greatest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        y[k] = piece.corners[k] - v;
+        if (!vertex) {
+            const double along = dot(y[k], e) / squared_edge, length = std::sqrt(squared_edge);
+            beyond = std::max({beyond, -along * length, (along - 1) * length});
+            y[k] -= along * e;
+            y[k] -= (dot(y[k], e) / squared_edge) * e;
+        }
+        greatest = std::max(greatest, squared_length(y[k]));
+    }
+    if (beyond > 0) beyond += (64 + 2 * piece.level) * unit;
+    double loss = 0;
+    const auto part_of = [&](const Vec3& side) {
+        const double length = std::sqrt(squared_length(side));
+        for (const Vec3& x : y) loss = std::max(loss, 2 * (dot(x, side) + (64 + 2 * piece.level) * unit * length));
+    };
+    const auto has = [](const Triangle& t, const Vec3& p) { return t.a == p || t.b == p || t.c == p; };
+    double slack = 0;
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+        const Triangle& t = near[kept_[i]].corners;
+        if (!has(t, v) || !has(t, end)) {
+            if (needed_[i]) return;
+            slack = 5 * (20 + 2 * piece.level) * unit;
+            continue;
+        }
+        for (const Vec3& other : {t.a, t.b, t.c}) {
+            if (other == v || other == end) continue;
+            Vec3 side = other - v;
+            if (!vertex) {
+                side -= (dot(side, e) / squared_edge) * e;
+                side -= (dot(side, e) / squared_edge) * e;
+            }
+            part_of(side);
+        }
+    }
+    const double least = bounds.least(), most = std::sqrt(greatest);
+    const double mean_of_squares =
+        (dot(y[0], y[0]) + dot(y[1], y[1]) + dot(y[2], y[2]) + dot(y[0], y[1]) + dot(y[1], y[2]) + dot(y[2], y[0])) / 6;
+    const double off = (200 + 4 * piece.level) * unit;
+    const double off_squared = 2 * off * (most + off);
+    bounds.square_lower = std::max(bounds.square_lower, mean_of_squares - loss - off_squared - 2 * slack * most);
+    bounds.square_upper = std::min(bounds.square_upper, mean_of_squares + beyond * beyond + off_squared);
+    const double low = least * least, range = (greatest - low) / (greatest + low);
+    if (!(least > 0 && range < 0.5 && loss <= low)) return;
+    double mean = 0;
+    for (const RulePoint& point : rule())
+        mean += point.weight * std::sqrt(squared_length(point.at[0] * y[0] + point.at[1] * y[1] + point.at[2] * y[2]));
+    const double middle = std::sqrt(0.5 * (greatest + low));
+    const double squared_range = range * range;
+    const double truncated =
+        2 * middle * (7.0 / 256) * squared_range * squared_range * range / (1 - range) * (1 + 0x1p-40);
+    bounds.mean_lower = std::max(bounds.mean_lower, mean - truncated - off - slack - loss / least);
+    bounds.mean_upper = std::min(bounds.mean_upper, mean + truncated + off + beyond * beyond / least);
+}
+
+}  // namespace hausbench

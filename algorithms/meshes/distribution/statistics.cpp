@@ -1,0 +1,150 @@
+// Every statistic is a quotient of sums over leaves, sum(w v) / sum(w), with bounds on v.
+//
+// Rounding. A computed weight w' stands for a weight w = w' (1 + e) with |e| <= weight_error = 2^-42, and the sum of all
+// weights may be larger by `extra`. So with v >= 0, a lower bound of the quotient is sum(w' v) / (sum(w') + extra) times
+// (1 - 2^-42) / (1 + 2^-42). An upper bound is the same with extra * (the largest v) added to the numerator, times the
+// inverse factor: the quotient grows with the weight that has the largest v. The factor 1 - 2^-40 (or 1 + 2^-40)
+// includes the rounding of values, products and sums, which is below 2^-46.
+#include "algorithms/meshes/distribution/statistics.h"
+
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/meshes/distribution/weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+constexpr double down = 1 - 0x1p-40, up = 1 + 0x1p-40;
+
+}  // namespace
+
+template <class Of> double Statistics::sum(const Of& of) const {
+    Sum sum;
+    for (const std::span<const Leaf> some : leaves_)
+        for (const Leaf& leaf : some) sum.add(of(leaf));
+    return sum.value();
+}
+
+// Returns the bounds of a mean from the sums of weight times lower and upper bound; `most` is the largest value.
+Bounds Statistics::mean_of(double lower, double upper, double most) const {
+    const double all = weight_ + extra_;
+    return {lower / all * down, std::min((upper + extra_ * most) / all * up, most)};
+}
+
+Statistics::Statistics(std::vector<std::span<const Leaf>> leaves, double extra_weight)
+    : leaves_(std::move(leaves)), extra_(extra_weight) {
+    least_ = std::numeric_limits<double>::infinity();
+    for (const std::span<const Leaf> some : leaves_) {
+        for (const Leaf& leaf : some) {
+            least_ = std::min(least_, leaf.bounds.least());
+            most_ = std::max(most_, leaf.bounds.most());
+            for (const double x : leaf.bounds.lower) most_at_least_ = std::max(most_at_least_, x);
+        }
+    }
+    weight_ = sum([](const Leaf& leaf) { return leaf.weight; });
+    mean_ = mean_of(sum([](const Leaf& leaf) { return leaf.weight * std::max(leaf.bounds.mean_lower, 0.0); }),
+                    sum([](const Leaf& leaf) { return leaf.weight * leaf.bounds.mean_upper; }), most_);
+    square_ = mean_of(sum([](const Leaf& leaf) { return leaf.weight * std::max(leaf.bounds.square_lower, 0.0); }),
+                      sum([](const Leaf& leaf) { return leaf.weight * leaf.bounds.square_upper; }), most_ * most_ * up);
+    mean_.lower = std::max(mean_.lower, least_);
+    about_ = 0.5 * (mean_.lower + mean_.upper);
+}
+
+Bounds Statistics::of(const Statistic& statistic) const {
+    switch (statistic.kind) {
+        case Statistic::Kind::mean:
+            return mean_;
+        case Statistic::Kind::rms:
+            return {std::sqrt(square_.lower) * down, std::min(std::sqrt(square_.upper) * up, most_)};
+        case Statistic::Kind::deviation: {
+            const double far = std::max(most_ - about_, about_) * up;
+            const Bounds spread =
+                mean_of(sum([&](const Leaf& leaf) { return leaf.weight * spread_about(leaf.bounds, about_).lower; }),
+                        sum([&](const Leaf& leaf) { return leaf.weight * spread_about(leaf.bounds, about_).upper; }),
+                        far * far * up);
+            // The mean of (d - about)^2 is the squared deviation plus (mean - about)^2.
+            const double off = 0.5 * mean_.gap() * up;
+            return {std::sqrt(std::max(0.0, spread.lower - off * off * up)) * down, std::sqrt(spread.upper) * up};
+        }
+        case Statistic::Kind::maximum:
+            return {std::min(most_at_least_, most_), most_};
+        case Statistic::Kind::quantile:
+            return quantile(statistic.argument);
+        case Statistic::Kind::share_within:
+            return share_within(statistic.argument);
+    }
+    return {};
+}
+
+// A point counts as within `length` if an upper bound of d is, and as beyond it if a lower bound is.
+Bounds Statistics::share_within(double length) const {
+    const double all = weight_ + extra_;
+    const double within = sum([&](const Leaf& leaf) { return leaf.weight * share_at_most(leaf.bounds.upper, length); });
+    const double beyond = sum([&](const Leaf& leaf) { return leaf.weight * share_above(leaf.bounds.lower, length); });
+    if (length >= most_) return {1, 1};
+    return {within / all * down, std::min(1 - beyond / all * down, 1.0)};
+}
+
+// Bisection: any t at which F is surely at least `level` is an upper bound, any t at which it is surely less a lower
+// bound. For the first, leaves are judged by their upper bounds; for the second, by their lower bounds. Leaves that are
+// the same for all t between `low` and `high` are added up once.
+Bounds Statistics::quantile(double level) const {
+    const auto bisect = [&](bool surely) {
+        const auto value = [&](const Leaf& leaf, double t) {
+            return surely ? share_at_most(leaf.bounds.upper, t) : share_above(leaf.bounds.lower, t);
+        };
+        double low = least_, high = most_;
+        std::vector<const Leaf*> open;
+        for (const std::span<const Leaf> some : leaves_)
+            for (const Leaf& leaf : some) open.push_back(&leaf);
+        Sum settled;
+        for (int step = 0; step < 64; ++step) {
+            const double middle = low + 0.5 * (high - low);
+            if (!(low < middle && middle < high)) break;
+            Sum all = settled;
+            for (const Leaf* leaf : open) all.add(leaf->weight * value(*leaf, middle));
+            const double share = all.value() / (weight_ + extra_) * down;
+            (surely ? share >= level : !(1 - share < level)) ? high = middle : low = middle;
+            std::erase_if(open, [&](const Leaf* leaf) {
+                const CornerValues& x = surely ? leaf->bounds.upper : leaf->bounds.lower;
+                const auto [least, most] = std::minmax({x[0], x[1], x[2]});
+                if (least <= high && most > low) return false;
+                settled.add(leaf->weight * value(*leaf, high));
+                return true;
+            });
+        }
+        return surely ? high : low;
+    };
+    return {bisect(false), bisect(true)};
+}
+
+double Statistics::open(const Statistic& statistic, const Bounds& band) const {
+    switch (statistic.kind) {
+        case Statistic::Kind::mean:
+            return sum(
+                [](const Leaf& leaf) { return leaf.weight * (leaf.bounds.mean_upper - leaf.bounds.mean_lower); });
+        case Statistic::Kind::rms:
+            return sum(
+                [](const Leaf& leaf) { return leaf.weight * (leaf.bounds.square_upper - leaf.bounds.square_lower); });
+        case Statistic::Kind::deviation:
+            return sum([&](const Leaf& leaf) {
+                const SpreadBounds spread = spread_about(leaf.bounds, about_);
+                return leaf.weight * (spread.upper - spread.lower);
+            });
+        case Statistic::Kind::quantile:
+            return sum([&](const Leaf& leaf) { return leaf.weight * open_in(leaf.bounds, band.lower, band.upper); });
+        case Statistic::Kind::share_within:
+            return sum([&](const Leaf& leaf) {
+                return leaf.weight * open_in(leaf.bounds, statistic.argument, statistic.argument);
+            });
+        case Statistic::Kind::maximum:
+            return 0;
+    }
+    return 0;
+}
+
+}  // namespace hausbench

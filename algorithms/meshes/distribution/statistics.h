@@ -1,0 +1,59 @@
+// Statistics of the distance d to B over A, with certified bounds, from the pieces of one or both shapes.
+//
+// F(t) is the share of A (of its area, or of its points) at which d <= t.
+#pragma once
+
+#include "algorithms/meshes/distribution/dissection.h"
+#include "algorithms/solver.h"
+
+#include <span>
+#include <vector>
+
+namespace hausbench {
+
+struct Statistic {
+    enum class Kind {
+        mean,          // of d
+        rms,           // root of the mean of d^2
+        deviation,     // standard deviation: root of the mean of (d - mean)^2
+        maximum,       // of d
+        quantile,      // the least t with F(t) >= argument; 0 < argument <= 1
+        share_within,  // F(argument), a number from 0 to 1; the argument is a length
+    };
+    Kind kind = Kind::mean;
+    double argument = 0;
+};
+
+// The statistics of the leaves of one dissection, or of several together: each leaf counts with its weight. Every
+// result holds under rounding.
+class Statistics {
+public:
+    // Keeps the spans. `extra_weight` is the sum of Dissection::extra_weight(). O(n).
+    Statistics(std::vector<std::span<const Leaf>> leaves, double extra_weight);
+
+    // O(n) each; a quantile takes about five times as long as the others.
+    Bounds of(const Statistic& statistic) const;
+
+    // The sum of all weights, as computed.
+    double weight() const { return weight_; }
+
+    // For a mean, rms or deviation: the sum over all leaves of weight times gap, of the quantity that CutWhere limits.
+    // For a quantile between `band.lower` and `band.upper`: the same for this band.
+    double open(const Statistic& statistic, const Bounds& band) const;
+
+    // The value around which deviation is computed, near the mean.
+    double about() const { return about_; }
+
+private:
+    template <class Of> double sum(const Of& of) const;
+    Bounds share_within(double length) const;
+    Bounds quantile(double level) const;
+    Bounds mean_of(double lower, double upper, double most) const;
+
+    std::vector<std::span<const Leaf>> leaves_;
+    double extra_, weight_, about_ = 0;
+    double least_ = 0, most_ = 0, most_at_least_ = 0;
+    Bounds mean_, square_;
+};
+
+}  // namespace hausbench
