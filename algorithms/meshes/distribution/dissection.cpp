@@ -23,14 +23,16 @@ SpreadBounds spread_about(const PieceBounds& b, double about) {
     const auto mean_of_square = [](const CornerValues& x) {
         return (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1] + x[1] * x[2] + x[2] * x[0]) / 6;
     };
-    // |d - middle| <= radius, both affine: (d - about)^2 is within 2 |middle - about| radius + radius^2 of the square of
-    // middle - about.
+    // d - about differs from `middle` by at most `radius`, both affine. So its square differs from that of `middle` by at
+    // most 2 |middle| radius + radius^2. `radius` includes the rounding errors of `middle`, and `rounding` those of sums
+    // and differences: at most 16u times their terms, which are not negative but for one.
+    constexpr double rounding = 16 * unit_roundoff;
     CornerValues middle, radius;
     double most = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const double low = std::max(b.lower[k], 0.0);
         middle[k] = 0.5 * (low + b.upper[k]) - about;
-        radius[k] = 0.5 * (b.upper[k] - b.lower[k]);
+        radius[k] = 0.5 * (b.upper[k] - b.lower[k]) + 4 * unit_roundoff * (b.upper[k] + about);
         most = std::max(most, std::abs(middle[k]));
     }
     const bool crosses = std::min({b.lower[0], b.lower[1], b.lower[2]}) < 0;
@@ -38,15 +40,19 @@ SpreadBounds spread_about(const PieceBounds& b, double about) {
     if (!crosses) {
         const double square = mean_of_square(middle), wide = (radius[0] + radius[1] + radius[2]) / 3;
         const double first = 2 * most * wide;
-        spread = {square - first, square + first + mean_of_square(radius)};
+        spread = {square - first - rounding * (square + first),
+                  (square + first + mean_of_square(radius)) * (1 + rounding)};
     } else {
         CornerValues far;
         for (std::size_t k = 0; k < 3; ++k) far[k] = std::max(std::abs(b.upper[k] - about), std::abs(about));
-        spread = {0, mean_of_square(far)};
+        spread = {0, mean_of_square(far) * (1 + rounding)};
     }
-    const auto by = [&](double square, double mean) { return square - 2 * about * mean + about * about; };
-    spread.lower = std::max({0.0, spread.lower, by(b.square_lower, b.mean_upper)});
-    spread.upper = std::max(0.0, std::min(spread.upper, by(b.square_upper, b.mean_lower)));
+    const auto by = [&](double square, double mean, double outward) {
+        const double twice = 2 * about * mean, last = about * about;
+        return square - twice + last + outward * rounding * (std::abs(square) + std::abs(twice) + last);
+    };
+    spread.lower = std::max({0.0, spread.lower, by(b.square_lower, b.mean_upper, -1)});
+    spread.upper = std::max(0.0, std::min(spread.upper, by(b.square_upper, b.mean_lower, 1)));
     return spread;
 }
 
@@ -138,7 +144,7 @@ private:
         all_.target_.gather(c, std::sqrt(squared) + 2 * radius * (1 + 0x1p-40) + slack, near_, counters_);
         if (near_.count() > most_near) {
             if (!exact) nearest();
-            const double least = std::sqrt(squared) * (1 - 8 * unit_roundoff) - 16 * unit_roundoff * all_.magnitude_;
+            const double least = all_.target_.certified_distance(c, counters_);
             const PieceBounds bounds = bounder_.rough(piece, triangle_of(all_.target_.mesh(), piece.near), least);
             const bool small = too_small(piece);
             ++counters_.bound_tests;

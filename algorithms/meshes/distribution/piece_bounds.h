@@ -66,7 +66,8 @@ public:
     // The squared distances of the corners to each kept triangle.
     const std::vector<CornerValues>& kept_squares() const { return squares_; }
 
-    // Bounds for a piece of which only a triangle of B is known, and the distance of the centre from all of B.
+    // Computes bounds for a piece from a triangle of B that is near, and from a certified lower bound on the distance of
+    // the centre from B. The distance of a point is less than that of the centre by at most the way to it.
     PieceBounds rough(const Piece& piece, const Triangle& near, double centre_at_least);
 
     std::uint64_t distances = 0;  // from points to triangles, computed so far

@@ -4,7 +4,7 @@
 // weights may be larger by `extra`. So with v >= 0, a lower bound of the quotient is sum(w' v) / (sum(w') + extra) times
 // (1 - 2^-42) / (1 + 2^-42). An upper bound is the same with extra * (the largest v) added to the numerator, times the
 // inverse factor: the quotient grows with the weight that has the largest v. The factor 1 - 2^-40 (or 1 + 2^-40)
-// includes the rounding of values, products and sums, which is below 2^-46.
+// includes the rounding of values, products and sums, which is below 2^-46, and that of the next operation.
 #include "algorithms/meshes/distribution/statistics.h"
 
 #include "algorithms/kernel/rounding.h"
@@ -67,7 +67,7 @@ Bounds Statistics::of(const Statistic& statistic) const {
                         sum([&](const Leaf& leaf) { return leaf.weight * spread_about(leaf.bounds, about_).upper; }),
                         far * far * up);
             // The mean of (d - about)^2 is the squared deviation plus (mean - about)^2.
-            const double off = 0.5 * mean_.gap() * up;
+            const double off = (0.5 * mean_.gap() + 4 * unit_roundoff * about_) * up;
             return {std::sqrt(std::max(0.0, spread.lower - off * off * up)) * down, std::sqrt(spread.upper) * up};
         }
         case Statistic::Kind::maximum:

@@ -281,6 +281,34 @@ TEST(Distribution, RandomSoupsAgainstSmallParts) {
     }
 }
 
+// Two triangles a hair above B: the distance is 0.5 and varies by 1e-9, and so little must not be lost in its square.
+TEST(Distribution, ASmallDeviationOfALargeDistance) {
+    const TriangleMesh a = mesh_of(plate({0, 0, 0.5}, {0.5, 0, 1e-9}, {0, 0.5, 0}));
+    const Bounds bounds = one(a, mesh_of(plate({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})), {Kind::deviation}, 1e-13);
+    const double height = (0.5 + 1e-9) - 0.5;
+    EXPECT_LE(bounds.lower, height / std::sqrt(12.0));
+    EXPECT_GE(bounds.upper, height / std::sqrt(12.0));
+    EXPECT_LE(bounds.gap(), 1e-12);
+}
+
+// Most triangles of B are equally far from A, too many to gather, so cones bound the distance from below.
+TEST(Distribution, TheMiddleOfABall) {
+    std::vector<Triangle> all;
+    Random random(3);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 p = random.vector().normalized();
+        all.push_back({p, p, p});
+    }
+    const TriangleMesh a = mesh_of(plate({-1e-3, -1e-3, 0}, {2e-3, 0, 0}, {0, 2e-3, 0}));
+    DistributionQuery query;
+    query.statistics = {{Kind::mean}};
+    query.tolerance = {Tolerance::Of::absolute, 1e-4};
+    const DistributionResult result = answer(a, mesh_of(all), query);
+    EXPECT_LE(result.bounds[0].gap(), 1e-4);
+    EXPECT_GE(result.bounds[0].lower, 0.998);
+    EXPECT_LE(result.bounds[0].upper, 1);
+}
+
 TEST(Distribution, AFlatPartIsNotSearchedForEver) {
     // Half of A is at the distance 1, the other half at 2: the median may be anything in between, and the bounds say so.
     std::vector<Triangle> all = plate({0, 0, 1}, {1, 0, 0}, {0, 1, 0});
