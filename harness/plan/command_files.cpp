@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct Word {
     std::string text;
     bool first;    // the first word of a command, so the name of a program
-    bool plain;    // neither has a placeholder nor is changed by the shell
+    bool plain;    // the shell passes it on unchanged, and it has no placeholder
     bool written;  // follows ">", so the name of an output file
 };
 

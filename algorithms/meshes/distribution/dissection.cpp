@@ -23,9 +23,9 @@ SpreadBounds spread_about(const PieceBounds& b, double about) {
     const auto mean_of_square = [](const CornerValues& x) {
         return (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1] + x[1] * x[2] + x[2] * x[0]) / 6;
     };
-    // d - about differs from `middle` by at most `radius`, both affine. So its square differs from that of `middle` by at
-    // most 2 |middle| radius + radius^2. `radius` includes the rounding errors of `middle`, and `rounding` those of sums
-    // and differences: at most 16u times their terms, which are not negative but for one.
+    // |d - about - middle| <= radius, and both `middle` and `radius` are affine. So (d - about)^2 and middle^2 differ by
+    // at most 2 |middle| radius + radius^2. `radius` includes the rounding errors of `middle`. `rounding` times the sum
+    // of the absolute terms bounds the rounding errors of each sum below: 16u, where u is the unit roundoff.
     constexpr double rounding = 16 * unit_roundoff;
     CornerValues middle, radius;
     double most = 0;

@@ -12,15 +12,15 @@
 
 namespace hausbench {
 
-// What a piece counts for: its area, or 1 if A is a point set.
+// The weight of a piece: its area, or 1 if A is a point set.
 enum class WeighBy { area, number };
 
 // A piece with its bounds.
 struct Leaf {
     Piece piece;
     PieceBounds bounds;
-    double weight;  // relative error at most weight_error; areas are in the unit Dissection::unit() squared
-    bool final;     // it is not cut further: too small
+    double weight;  // relative error at most weight_error; areas are relative to a square about as large as the scene
+    bool final;     // not cut further: too small, or its gap is only rounding
 };
 
 // The relative error of a weight: area_error (weights.h) and 3u for each of the up to 200 cuts that made the piece,

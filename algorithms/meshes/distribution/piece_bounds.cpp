@@ -129,10 +129,11 @@ void improve(CornerValues& low, const CornerValues& other, const CornerValues& u
     if (usable(other, upper) > usable(low, upper)) low = other;
 }
 
-// Returns lower values for the distance to a triangle T of B that has an edge in common with S, given those for the plane
-// of S. On the side of S of the plane that halves their angle, the half-plane that continues S beyond its other edges is
-// nearer than that of T: a reflection in this plane swaps the two. A point that is beyond by f is nearer to the
-// half-plane of T by at most 2f, because both distances change by at most f on the way to the plane.
+// Returns lower values for the distance to a triangle T of B that shares an edge with S. `by_face` are lower values for
+// the plane of S. Let P be the plane that halves the angle between S and T. A reflection in P swaps the half-planes that
+// contain S and T, so a point on the same side of P as S is at least as near to the half-plane of S. If a point is on
+// the other side, at a distance f from P, the half-plane of T is nearer by at most 2f: moving the point onto P changes
+// both distances by at most f.
 CornerValues beside(const Piece& piece, const Triangle& s, const Triangle& t, const CornerValues& by_face,
                     double allowance) {
     const std::optional<Bisector> bisector = bisector_of(s, t);
@@ -246,8 +247,8 @@ PieceBounds PieceBounder::bounds(const Piece& piece, std::span<const NearTriangl
     return bounds;
 }
 
-// Where the same corner or edge F of B is nearest for all of T, d^2 is a quadratic polynomial q on T, whose mean is
-// exact, and d is its root, whose mean is computed by a rule of 25 points.
+// If the same corner or edge F of B is nearest for all points of T, then d^2 is a quadratic polynomial q on T. The mean
+// of q has a closed form, and a quadrature rule of 25 points computes the mean of its root d.
 //
 // Let y(a) be the vector from the nearest point of F, or of the line through the edge F, to a. It is affine on T, and
 // q = |y|^2.

@@ -58,7 +58,7 @@ public:
 
     // Computes the bounds for a piece. `among` are numbers of triangles in `near`, and every point of the piece has a
     // nearest triangle of B among them; the first of them is a good guess for the triangle nearest to the centre.
-    // Afterwards, kept() has those of them that any part of the piece may need, and the first is nearest to the centre.
+    // Afterwards, kept() has the triangles that parts of the piece may need; the first is nearest to the centre.
     PieceBounds bounds(const Piece& piece, std::span<const NearTriangle> near, std::span<const std::uint16_t> among);
 
     const std::vector<std::uint16_t>& kept() const { return kept_; }
@@ -67,7 +67,7 @@ public:
     const std::vector<CornerValues>& kept_squares() const { return squares_; }
 
     // Computes bounds for a piece from a triangle of B that is near, and from a certified lower bound on the distance of
-    // the centre from B. The distance of a point is less than that of the centre by at most the way to it.
+    // the centre from B. The distance to B changes no more than the point moves.
     PieceBounds rough(const Piece& piece, const Triangle& near, double centre_at_least);
 
     std::uint64_t distances = 0;  // from points to triangles, computed so far

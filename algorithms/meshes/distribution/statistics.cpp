@@ -4,7 +4,7 @@
 // weights may be larger by `extra`. So with v >= 0, a lower bound of the quotient is sum(w' v) / (sum(w') + extra) times
 // (1 - 2^-42) / (1 + 2^-42). An upper bound is the same with extra * (the largest v) added to the numerator, times the
 // inverse factor: the quotient grows with the weight that has the largest v. The factor 1 - 2^-40 (or 1 + 2^-40)
-// includes the rounding of values, products and sums, which is below 2^-46, and that of the next operation.
+// also covers the rounding errors of values, products and sums, which are below 2^-46, and of the next operation.
 #include "algorithms/meshes/distribution/statistics.h"
 
 #include "algorithms/kernel/rounding.h"

@@ -158,8 +158,8 @@ TEST(Distribution, ConcentricCubes) {
     expect_closed(outer, inner, {Kind::quantile, 0.2}, 0.5);
 }
 
-// Bounds on the statistics from small equal parts of each triangle of A: within each, the distance differs from that of
-// the centre by at most the distance to the corners. Shares no code with the solver but the closest point of one triangle.
+// Bounds on the statistics from small equal parts of each triangle of A. In a part, the distance to B is within r of the
+// distance of its centre, where r is the distance of the farthest corner from the centre. Shares no code with the solver but the closest point of one triangle.
 struct Exhaustive {
     struct Part {
         double low, high, weight;
