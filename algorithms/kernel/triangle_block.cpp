@@ -19,7 +19,9 @@ void point_to_block(const Vec3& point, const TriangleBlock& block, BlockFeet& fe
     }
 }
 
-void block_to_triangle(const PointBlock& points, const Triangle& triangle, BlockFeet& feet, std::size_t count) {
+// `count` is a constant, so that the loop is unrolled.
+template <std::size_t count>
+void points_to_triangle(const PointBlock& points, const Triangle& triangle, BlockFeet& feet) {
     const V3 a = set(triangle.a), b = set(triangle.b), c = set(triangle.c);
     const VBox box = box_of(a, b, c);
     for (std::size_t lane = 0; lane < count; lane += hn::Lanes(Doubles())) {
@@ -27,6 +29,14 @@ void block_to_triangle(const PointBlock& points, const Triangle& triangle, Block
         hn::Store(foot.squared, Doubles(), feet.squared_distance + lane);
         store(foot.point, feet.point, lane);
     }
+}
+
+void block_to_triangle(const PointBlock& points, const Triangle& triangle, BlockFeet& feet) {
+    points_to_triangle<block_width>(points, triangle, feet);
+}
+
+void half_block_to_triangle(const PointBlock& points, const Triangle& triangle, BlockFeet& feet) {
+    points_to_triangle<block_width / 2>(points, triangle, feet);
 }
 
 }  // namespace hausbench::HWY_NAMESPACE
@@ -37,13 +47,18 @@ namespace hausbench {
 
 HWY_EXPORT(point_to_block);
 HWY_EXPORT(block_to_triangle);
+HWY_EXPORT(half_block_to_triangle);
 
 void closest_points(const Vec3& point, const TriangleBlock& block, BlockFeet& feet) {
     HWY_DYNAMIC_DISPATCH(point_to_block)(point, block, feet);
 }
 
-void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet, std::size_t count) {
-    HWY_DYNAMIC_DISPATCH(block_to_triangle)(points, longest_edge_first(triangle), feet, count);
+void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet) {
+    HWY_DYNAMIC_DISPATCH(block_to_triangle)(points, longest_edge_first(triangle), feet);
+}
+
+void closest_points_of_half(const PointBlock& points, const Triangle& triangle, BlockFeet& feet) {
+    HWY_DYNAMIC_DISPATCH(half_block_to_triangle)(points, longest_edge_first(triangle), feet);
 }
 
 }  // namespace hausbench

@@ -50,9 +50,11 @@ struct alignas(64) BlockFeet {
 // Finds, for each triangle of a block, the point that is closest to `point`.
 void closest_points(const Vec3& point, const TriangleBlock& block, BlockFeet& feet);
 
-// Finds, for each of the first `count` points of a block, the closest point of `triangle`. The other lanes of `feet` are
-// undefined; the other points must be finite.
-void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet,
-                    std::size_t count = block_width);
+// Finds, for each point of a block, the closest point of `triangle`.
+void closest_points(const PointBlock& points, const Triangle& triangle, BlockFeet& feet);
+
+// The same for the first half of a block: lanes 0 to 3. The other lanes of `feet` are undefined; the other points must be
+// finite.
+void closest_points_of_half(const PointBlock& points, const Triangle& triangle, BlockFeet& feet);
 
 }  // namespace hausbench

@@ -189,7 +189,7 @@ PieceBounds PieceBounder::bounds(const Piece& piece, std::span<const NearTriangl
     PieceBounds bounds;
     std::uint16_t nearest = among[0];
     BlockFeet feet, others;
-    closest_points(points, near[nearest].corners, feet, 4);
+    closest_points_of_half(points, near[nearest].corners, feet);
     distances += 4;
     // A nearer triangle takes the place of the first one, and the search begins anew. The distance decreases each time,
     // and seldom more than once.
@@ -216,7 +216,7 @@ PieceBounds PieceBounder::bounds(const Piece& piece, std::span<const NearTriangl
             const Triangle& other = near[i].corners;
             CornerValues low = plane(piece, other, direction_, allowance);
             if (!below(low, bounds.upper)) continue;
-            closest_points(points, other, others, 4);
+            closest_points_of_half(points, other, others);
             distances += 4;
             if (others.squared_distance[3] < feet.squared_distance[3]) {
                 nearest = i;
