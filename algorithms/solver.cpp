@@ -9,7 +9,7 @@ std::string_view to_string(Status status) {
 }
 
 std::string_view to_string(Quantity quantity) {
-    constexpr std::string_view names[] = {"directed", "symmetric", "penetration"};
+    constexpr std::string_view names[] = {"directed", "symmetric", "penetration", "distribution"};
     return names[static_cast<std::size_t>(quantity)];
 }
 
@@ -21,7 +21,7 @@ std::string_view to_string(Ability ability) {
 }
 
 std::string_view symbol(Quantity quantity) {
-    constexpr std::string_view symbols[] = {"h(A,B)", "H(A,B)", "the penetration depth"};
+    constexpr std::string_view symbols[] = {"h(A,B)", "H(A,B)", "the penetration depth", "statistics of the distance"};
     return symbols[static_cast<std::size_t>(quantity)];
 }
 

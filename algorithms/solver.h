@@ -24,6 +24,7 @@
 #include "algorithms/options.h"
 #include "algorithms/prepared.h"
 #include "algorithms/scene.h"
+#include "algorithms/statistic.h"
 #include "algorithms/trace.h"
 
 #include <algorithm>
@@ -129,6 +130,8 @@ struct Certificate {
 struct Result {
     Status status = Status::stalled;
     Bounds bounds;  // of the quantity that the query asks for, whatever the status
+    // For Quantity::distribution: bounds of each statistic of the query. Session sets `bounds` to those of the first.
+    std::vector<Bounds> statistics = {};
     Witness witness;
     Counters counters;
     Reported reported = {};
@@ -152,12 +155,14 @@ struct Result {
 // The quantity to compute. `directed` is h(A,B), and `symmetric` is H(A,B) = max(h(A,B), h(B,A)).
 // `penetration` is the penetration depth of two solids (Tang et al. 2009, section 7.3; composed/penetration/). The
 // boundary of each connected part of their common volume consists of a part of A's surface and a part of B's surface.
-// The depth is the largest H between these two, over all connected parts.
-enum class Quantity { directed, symmetric, penetration };
-inline constexpr Quantity quantities[] = {Quantity::directed, Quantity::symmetric, Quantity::penetration};
+// The depth is the largest H between these two, over all connected parts. `distribution` is a list of statistics of the
+// distance (statistic.h), such as its mean.
+enum class Quantity { directed, symmetric, penetration, distribution };
+inline constexpr Quantity quantities[] = {Quantity::directed, Quantity::symmetric, Quantity::penetration,
+                                          Quantity::distribution};
 std::string_view to_string(Quantity quantity);
 
-// Returns the quantity as messages show it: "h(A,B)", "H(A,B)" or "the penetration depth".
+// Returns the quantity as messages show it: "h(A,B)", "H(A,B)", "the penetration depth" or "statistics of the distance".
 std::string_view symbol(Quantity quantity);
 
 // Extra output that an answer should contain. Timed runs ask for none.
@@ -184,6 +189,25 @@ struct Query {
     int threads = 1;  // most threads to use; the bounds must not depend on the number
     Wanted wanted;
 
+    // For Quantity::distribution. `floor` and `cutoff` are then ignored, and the tolerance holds for each statistic but
+    // shares, which have a tolerance of their own.
+    std::vector<Statistic> statistics = {};
+    WeighBy weigh = WeighBy::area;
+    double share_tolerance = 1e-3;
+
+    // Returns the largest gap allowed for a statistic, given its lower bound so far.
+    double allowed_gap(const Statistic& statistic, double lower) const {
+        return is_share(statistic) ? share_tolerance : tolerance.gap(lower);
+    }
+
+    // Returns whether these bounds, one for each statistic, are all within the tolerance.
+    bool within_tolerance(const std::vector<Bounds>& bounds) const {
+        if (bounds.size() != statistics.size()) return false;
+        for (std::size_t i = 0; i < bounds.size(); ++i)
+            if (!(bounds[i].gap() <= allowed_gap(statistics[i], bounds[i].lower))) return false;
+        return true;
+    }
+
     // Returns the status with which a solver may stop at these bounds. Returns nothing if they are too far apart.
     // Distances below the floor do not matter to the caller, so the gap is upper - max(lower, floor).
     std::optional<Status> answer(double lower, double upper) const {
@@ -205,6 +229,7 @@ struct QuerySet {
     bool target_moves = false;   // some pose of B is not the identity
     bool target_copied = false;  // some answer needs a posed copy of B, see session/moving_target.h
     bool symmetric = false;      // some query asks for H(A,B)
+    bool both_ways = false;      // some query asks for statistics of the distance from B to A
     int threads = 1;             // most threads for a query, and for building structures
 };
 

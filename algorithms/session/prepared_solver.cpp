@@ -15,6 +15,12 @@ namespace {
 // the unit of the input.
 void hold_to_its_status(const Query& query, int exponent, Result& result) {
     if (!claims_an_answer(result.status)) return;
+    if (query.quantity == Quantity::distribution) {
+        if (query.within_tolerance(result.statistics)) return;
+        result.note = "the solver reports converged, but a statistic is not within the tolerance";
+        result.status = Status::stalled;
+        return;
+    }
     const auto [lower, upper] = result.bounds;
     const bool possible = may_bound_a_distance(result.bounds);
     if (const auto answer = query.answer(lower, upper); answer && possible) {

@@ -3,6 +3,7 @@
 #include "algorithms/error.h"
 #include "algorithms/kernel/rounding.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -104,7 +105,30 @@ Query scaled(const Query& query, int exponent) {
         out.tolerance.value = scaled_tolerance(query.tolerance.value, exponent);
     out.floor = std::min(std::ldexp(query.floor, exponent), std::numeric_limits<double>::max());
     out.cutoff = std::ldexp(query.cutoff, exponent);
+    for (Statistic& one : out.statistics)
+        if (is_share(one)) one.argument = std::ldexp(one.argument, exponent);
     return out;
+}
+
+// Scales the bounds of statistics back to the unit of the input. If the shapes are not exactly those of the query
+// (`wider` > 0), areas may be quite different, because the triangles may be as small as the difference; then nothing is
+// known. The same holds for the share within a length that scaling rounds.
+void scale_statistics_back(const Query& query, Result& result, int exponent, double wider) {
+    for (std::size_t i = 0; i < std::min(result.statistics.size(), query.statistics.size()); ++i) {
+        const Statistic& one = query.statistics[i];
+        Bounds& bounds = result.statistics[i];
+        if (is_share(one)) {
+            const bool exact = std::ldexp(std::ldexp(one.argument, exponent), -exponent) == one.argument ||
+                               std::isinf(std::ldexp(one.argument, exponent));
+            if (wider > 0 || !exact) bounds = {0, 1};
+        } else if (wider > 0) {
+            bounds = {};
+        } else {
+            bounds = {scaled_back(bounds.lower, exponent, next_down), scaled_back(bounds.upper, exponent, next_up)};
+            bounds.lower = std::max(bounds.lower, 0.0);
+        }
+    }
+    if (!result.statistics.empty()) result.bounds = result.statistics.front();
 }
 
 // Scales an answer back to the unit of the input, after widening its bounds by `wider`, a length in scaled units.
@@ -207,12 +231,16 @@ Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
     // Check both shapes before any decision, so that an invalid pose of either is always refused.
     const bool source_far = leaves_range(*pair_.source, query.source_pose, "A");
     const bool target_far = leaves_range(*pair_.target, query.target_pose, "B");
-    if (!source_far && !target_far && !shrinks(query)) return answer(*solver_, pair_, query, state, trace);
+    // Statistics do not survive a rounded pose (scale_statistics_back), so such shapes are posed in their own unit.
+    const bool inexact = query.quantity == Quantity::distribution &&
+                         widening(*pair_.source, query.source_pose) + widening(*pair_.target, query.target_pose) > 0;
+    if (!source_far && !target_far && !shrinks(query) && !inexact) return answer(*solver_, pair_, query, state, trace);
     Query still = query;
     still.source_pose = still.target_pose = Pose{};
     QuerySet once;
     once.finest_tolerance = query.tolerance.of == Tolerance::Of::absolute ? query.tolerance.value : 0;
     once.symmetric = query.quantity == Quantity::symmetric;
+    once.both_ways = std::any_of(query.statistics.begin(), query.statistics.end(), needs_target);
     once.threads = query.threads;
     const PreparedPair pair = at_rest(query);
     return answer(*make_(pair, once), pair, still, nullptr, trace);
@@ -225,6 +253,12 @@ Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Quer
     Result result = solver.solve(scaled(query, exponent), state, trace);
     const double wider = widening(*pair.source, query.source_pose) + widening(*pair.target, query.target_pose);
     scale_back(result, trace, exponent, wider);
+    if (query.quantity == Quantity::distribution) {
+        scale_statistics_back(query, result, exponent, wider);
+        if (result.status == Status::converged && !query.within_tolerance(result.statistics))
+            result.status = Status::precision_floor;
+        return result;
+    }
     if (info_.can(Ability::traces)) trace.finish(result.bounds.lower, result.bounds.upper);
     // If the widened bounds no longer justify the status, the tolerance is below the precision of doubles.
     if (claims_an_answer(result.status))

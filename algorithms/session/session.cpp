@@ -30,6 +30,19 @@ void check(const Query& query) {
     }
 }
 
+void check_statistics(const Query& query, ShapeKind source, ShapeKind target) {
+    if (query.statistics.empty()) throw InputError("query: no statistic is given; name at least one, such as mean");
+    if (!(query.share_tolerance > 0))
+        throw InputError(
+            fmt::format("query: the tolerance of shares is {}; give a positive number", query.share_tolerance));
+    for (const Statistic& one : query.statistics) {
+        if (one.over == Statistic::Over::pooled && source != target && query.weigh == WeighBy::area)
+            throw InputError(fmt::format(
+                "query: '{}' adds the area of a mesh to a number of points; weigh by number, or take another statistic",
+                to_string(one)));
+    }
+}
+
 std::string refusal_of_shapes(const SolverInfo& info, ShapeKind source, ShapeKind target) {
     const auto text = [&](const char* side, ShapeKind kind) {
         return fmt::format("solver '{}' takes no {} as {}", info.name, to_string(kind), side);
@@ -56,6 +69,8 @@ std::string refusal(const SolverInfo& info, ShapeKind source, ShapeKind target, 
                            symbol(quantity));
     if (quantity == Quantity::penetration)
         return fmt::format("solver '{}' computes no penetration depth: solver 'penetration' does", info.name);
+    if (quantity == Quantity::distribution)
+        return fmt::format("solver '{}' computes no statistics of the distance: solver 'distribution' does", info.name);
     const std::string no = refusal_of_shapes(info, target, source);  // in the second direction, h(B,A)
     return no.empty() ? no : no + ", as H(A,B) asks for";
 }
@@ -142,6 +157,8 @@ std::unique_ptr<State> Session::begin() const { return maker_->info().can(Abilit
 Result Session::solve(const Query& query, State* state, Trace& trace) const {
     check(query);
     expect(query.quantity);
+    if (query.quantity == Quantity::distribution)
+        check_statistics(query, kind_of(pair_.source->shape()), kind_of(pair_.target->shape()));
     Query asked = query;
     asked.threads = usable_threads(query.threads);
     Result result = solver_->solve(asked, state, trace);

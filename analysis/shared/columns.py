@@ -45,6 +45,8 @@ class Cases:
     threads: Ints
     program_sha256: Texts
     frame: Ints
+    statistic: Texts
+    weigh: Texts
     identity: Texts
     label: Texts
     variant: Texts
@@ -199,6 +201,8 @@ DEFAULTS: dict[str, Any] = {
     "cases/threads": 1,
     "cases/program_sha256": "",
     "cases/frame": -1,
+    "cases/statistic": "",
+    "cases/weigh": "area",
     "cases/identity": "",
     "cases/label": "",
     "cases/variant": "",

@@ -136,6 +136,13 @@ def _of_profile(results: Results, profile: str) -> Results:
                                ledger=rows(ledger, [not of or of == profile for of in ledger.profile]))
 
 
+def _by_statistic(cases: Cases) -> Cases:
+    """Adds the statistic to the name of its scene, as in "bunny → half, mean", so that each is compared and drawn alone."""
+    named = [f"{scene}, {statistic}{' by number' if weigh == 'number' else ''}" if statistic else scene
+             for scene, statistic, weigh in zip(cases.scene, cases.statistic, cases.weigh)]
+    return dataclasses.replace(cases, scene=np.array(named, dtype=object))
+
+
 def load(path: Path, profile: str = "") -> Results:
     """Reads a result file and returns its rows of `profile`, by default the profile of the latest run.
 
@@ -168,6 +175,7 @@ def load(path: Path, profile: str = "") -> Results:
     if meta.get("stem") != stem:
         raise ResultError(f"{path}: has the experiment '{meta.get('stem')}', not '{stem}': rename it to {meta.get('stem')}.h5")
     results = _of_profile(results, profile or str(meta.get("profile", "")))
+    results = dataclasses.replace(results, cases=_by_statistic(results.cases))
     if len(results.cases) == 0:
         raise ResultError(f"{path}: has no cases of profile '{meta.get('profile')}': measure them with "
                           f"{remedy.measure(stem, str(meta.get('experiment_file', '')))}")

@@ -222,7 +222,8 @@ class Results:
 
     def _asked(self, case: int) -> tuple[str, str, str, bytes]:
         poses: Floats = np.concatenate([self.cases.pose[case], self.cases.target_pose[case]]) + 0.0  # + 0.0 makes -0 and 0 the same pose
-        return self.cases.quantity[case], self.cases.source[case], self.cases.target[case], poses.tobytes()
+        quantity = f"{self.cases.quantity[case]} {self.cases.statistic[case]} {self.cases.weigh[case]}"
+        return quantity, self.cases.source[case], self.cases.target[case], poses.tobytes()
 
     def reference_of(self, case: int) -> Interval:
         """Returns the interval that is proven to contain the true distance, h or H; NaN if nothing is proven.

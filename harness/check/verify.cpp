@@ -2,6 +2,7 @@
 
 #include "harness/check/verify_fields.h"
 #include "harness/check/verify_penetration.h"
+#include "harness/check/verify_statistics.h"
 #include "harness/check/verify_surface.h"
 
 #include <fmt/format.h>
@@ -291,10 +292,10 @@ namespace {
 
 // The question of a row: two shapes in their poses, and a quantity. Rows with the same question have the same exact
 // answer.
-using Question = std::tuple<Placed, Placed, Quantity>;
+using Question = std::tuple<Placed, Placed, Quantity, std::string>;
 
 Question question_of(const Case& c) {
-    return {placed(c.source_hash, c.pose), placed(c.target_hash, c.target_pose), c.quantity};
+    return {placed(c.source_hash, c.pose), placed(c.target_hash, c.target_pose), c.quantity, c.statistic};
 }
 
 // Sets `reference` of each row to the narrowest reference interval for the same shapes, poses and quantity. Ignores
@@ -334,7 +335,7 @@ void verify_rows(std::vector<Row>& rows, std::vector<Row>& references,
 void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const std::string&)>& load, const Stop& stop,
                  std::size_t checked) {
     std::map<std::pair<Placed, Placed>, std::vector<Member>> pairs;
-    std::map<std::pair<Placed, Placed>, std::vector<std::size_t>> solids;  // rows of penetration depths
+    std::map<std::pair<Placed, Placed>, std::vector<std::size_t>> solids, statistics;  // rows of these quantities
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Case& c = rows[i].asked;
         const Bounds& b = rows[i].outcome.bounds;
@@ -347,6 +348,10 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         }
         if (!finite(c.pose) || !finite(c.target_pose)) continue;  // only a damaged file holds such a pose
         const Placed source = placed(c.source, c.pose), target = placed(c.target, c.target_pose);
+        if (c.quantity == Quantity::distribution) {
+            statistics[{source, target}].push_back(i);
+            continue;
+        }
         if (c.quantity == Quantity::penetration) {
             solids[{source, target}].push_back(i);
             continue;
@@ -368,6 +373,10 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
     for (const auto& [key, members] : solids) {
         if (stop && stop()) break;
         check_depths(rows, members, checked, load, stop);
+    }
+    for (const auto& [key, members] : statistics) {
+        if (stop && stop()) break;
+        check_statistics(rows, members, checked, load, stop);
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
         Row& row = rows[i];

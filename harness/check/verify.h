@@ -23,7 +23,7 @@
 // Reference answers (plan/references.h) are compared with the rows in the same way. A lower bound counts once its
 // witness is checked, an upper bound only if it is proven, by a checked certificate or point by point (verify_upper.h).
 //
-// Penetration depths have their own check, see verify_penetration.h.
+// Penetration depths and statistics have their own checks, see verify_penetration.h and verify_statistics.h.
 //
 // Certified bounds must hold exactly. Other bounds may be off by as much as rounding explains, 84 * 2^-53 of the
 // largest |coordinate| (verify.cpp derives it).

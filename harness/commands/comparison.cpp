@@ -103,7 +103,7 @@ Question question_of(const Case& c) {
 
 // Returns the scene, pose and tolerance of a case as text.
 std::string place_of(const Case& c) {
-    return fmt::format("{}{}, pose {}, tolerance {:g}{}", c.scene, suffix_of(c.quantity), c.pose_index, c.tolerance,
+    return fmt::format("{}{}, pose {}, tolerance {:g}{}", c.scene, suffix_of(c), c.pose_index, c.tolerance,
                        c.tolerance_of == "diagonal" ? "" : " " + c.tolerance_of);
 }
 

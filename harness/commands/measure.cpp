@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace hausbench {
 
@@ -26,8 +27,26 @@ ParameterMap parse_parameters(const std::vector<std::string>& texts) {
     return parameters;
 }
 
+std::vector<Statistic> parse_statistics(const std::string& list) {
+    std::vector<Statistic> all;
+    std::istringstream in(list);
+    for (std::string text; std::getline(in, text, ',');) {
+        try {
+            all.push_back(statistic_of(text));
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("--statistics: {}", error.what()));
+        }
+        if (all.back().over != Statistic::Over::source)
+            throw InputError(fmt::format("--statistics: '{}': leave out '{}'; --symmetric gives all of these", text,
+                                         to_string(all.back().over)));
+    }
+    if (all.empty()) throw InputError("--statistics: name at least one, such as mean");
+    return all;
+}
+
 void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::string>& parameters,
-                    std::filesystem::path& pairs, bool& json) {
+                    std::filesystem::path& pairs, bool& json, bool& distribution, std::string& statistics,
+                    bool& by_vertex) {
     verb->add_option("A", request.source,
                      "source: a file, a model of the project, or a quoted pattern such as 'scans/*.ply'")
         ->type_name("MODEL");
@@ -55,6 +74,16 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
     verb->add_flag("--symmetric", request.symmetric, "also h(B,A), and H(A,B), the larger of the two");
     verb->add_flag("--penetration", request.penetration,
                    "instead of a distance, how deep two closed meshes are in each other");
+    verb->add_flag("--distribution", distribution,
+                   "instead of the largest distance, mean, RMS, deviation, median, 95 % and maximum; with --symmetric "
+                   "from both sides");
+    verb->add_option("--statistics", statistics,
+                     "these instead, such as \"mean, quantile 0.99, within 0.1\" (the share that is at most 0.1 away)")
+        ->type_name("LIST");
+    verb->add_flag("--by-vertex", by_vertex, "statistics count each vertex once, instead of each part by its area");
+    verb->add_option("--share-tolerance", request.share_tolerance, "largest gap of shares, which have no unit")
+        ->type_name("NUMBER")
+        ->capture_default_str();
     verb->add_option("--set", parameters, "a parameter of the solver, see `hausbench list SOLVER`; may be repeated")
         ->type_name("NAME=VALUE");
     verb->add_option(
@@ -101,12 +130,13 @@ void add_measure(CLI::App& app, int& code) {
     static MeasureRequest request;
     static std::vector<std::string> parameters;
     static std::filesystem::path pairs;
-    static bool as_json = false;
+    static bool as_json = false, distribution = false, by_vertex = false;
+    static std::string statistics;
     auto* verb = add_verb(app, "measure", "bounds the distance from A to B: meshes, point sets or algebraic surfaces",
                           "hausbench measure scan.ply part.stl --of absolute --tolerance 0.01",
                           "h(A,B) is the largest distance of a point of A to B. Exit codes with --cutoff: 0: at most "
                           "the cutoff; 1: above it; 3: open. docs/measure.md says more about each option.");
-    take_arguments(verb, request, parameters, pairs, as_json);
+    take_arguments(verb, request, parameters, pairs, as_json, distribution, statistics, by_vertex);
     take_plugins(verb);
     verb->callback([verb, &code] {
         for (const auto& [name, file] :
@@ -114,6 +144,11 @@ void add_measure(CLI::App& app, int& code) {
             if (verb->count(name) > 0 && file->empty()) throw InputError(fmt::format("{}: name a file", name));
         }
         request.options = parse_parameters(parameters);
+        if (by_vertex) request.weigh = WeighBy::number;
+        if (verb->count("--statistics") > 0)
+            request.statistics = parse_statistics(statistics);
+        else if (distribution)
+            request.statistics = parse_statistics("mean, rms, deviation, median, quantile 0.95, maximum");
         request.tolerance_given = verb->count("--tolerance") + verb->count("--of") > 0;
         const bool many = is_pattern(request.source) || is_pattern(request.target);
         if (!pairs.empty() || many) {

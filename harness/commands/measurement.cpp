@@ -60,14 +60,31 @@ void expect_places_apart(const MeasureRequest& request) {
         taken.emplace_back(what, file);
     };
     if (!request.fields.empty()) take("--fields", request.fields);
-    if (!request.fields.empty() && request.symmetric)
+    if (!request.fields.empty() && request.asks_for_h())
         take("--fields with --symmetric", file_of_way_back(request.fields));
     if (!request.certificate.empty()) take("--certificate", request.certificate);
+}
+
+// Statistics have neither a farthest point nor a proof.
+void check_distribution(const MeasureRequest& request) {
+    if (request.penetration)
+        throw InputError("--distribution and --penetration are different quantities: give one of them");
+    if (request.cutoff)
+        throw InputError(
+            fmt::format("--cutoff: is about the largest distance: leave it out, or ask for --statistics 'within {}'",
+                        *request.cutoff));
+    if (!request.fields.empty())
+        throw InputError("--fields: is drawn beside the largest distance: leave out --distribution and --statistics");
+    if (!request.certificate.empty())
+        throw InputError("--certificate: proves the largest distance: leave out --distribution and --statistics");
+    if (!(request.share_tolerance > 0))
+        throw InputError(fmt::format("--share-tolerance: must be a number above 0, not {}", request.share_tolerance));
 }
 
 void check(const MeasureRequest& request) {
     if (request.symmetric && request.penetration)
         throw InputError("--symmetric and --penetration are different quantities: give one of them");
+    if (!request.statistics.empty()) check_distribution(request);
     if (request.penetration && !request.fields.empty())
         throw InputError("--fields: a penetration depth has no fields: leave out --fields or --penetration");
     if (!(request.tolerance > 0) || !std::isfinite(request.tolerance))
@@ -79,7 +96,7 @@ void check(const MeasureRequest& request) {
     if (!(request.resolution > 0))
         throw InputError(fmt::format("--resolution: must be a number above 0, not {}", request.resolution));
     if (!request.fields.empty()) check_export_place(request.fields);
-    if (!request.fields.empty() && request.symmetric) check_export_place(file_of_way_back(request.fields));
+    if (!request.fields.empty() && request.asks_for_h()) check_export_place(file_of_way_back(request.fields));
     if (!request.certificate.empty()) check_place_to_write(request.certificate);
     if (!request.fields.empty() || !request.certificate.empty()) expect_places_apart(request);
 }
@@ -180,9 +197,10 @@ Measured measure(const MeasureRequest& asked) {
     measured.target = about(request.target, target);
     const ShapeKind a = measured.source.kind, b = measured.target.kind;
     const Quantity quantity = request.quantity();
-    measured.solver = !request.solver.empty()             ? request.solver
-                      : quantity == Quantity::penetration ? "penetration"
-                                                          : default_solver(a, b);
+    measured.solver = !request.solver.empty()              ? request.solver
+                      : quantity == Quantity::penetration  ? "penetration"
+                      : quantity == Quantity::distribution ? "distribution"
+                                                           : default_solver(a, b);
     if (a == ShapeKind::surface && b == ShapeKind::surface && !request.fields.empty())
         throw InputError(fmt::format(
             "--fields {}: an algebraic surface has no vertices, so it has no fields: triangulate both first",
@@ -219,6 +237,20 @@ Measured measure(const MeasureRequest& asked) {
     if (!measured.doubt.empty())
         measured.warnings.push_back(fmt::format("{}: {}", request.certificate.string(), measured.doubt));
     return measured;
+}
+
+std::vector<Statistic> asked_statistics(const MeasureRequest& request, ShapeKind source, ShapeKind target) {
+    std::vector<Statistic> all = request.statistics;
+    if (!request.symmetric) return all;
+    for (const Statistic::Over over : {Statistic::Over::target, Statistic::Over::larger, Statistic::Over::mean_of_both,
+                                       Statistic::Over::harmonic_mean, Statistic::Over::pooled}) {
+        if (over == Statistic::Over::pooled && source != target && request.weigh == WeighBy::area) continue;
+        for (Statistic one : request.statistics) {
+            one.over = over;
+            all.push_back(one);
+        }
+    }
+    return all;
 }
 
 bool proves_less(const Measured& measured) {

@@ -25,6 +25,11 @@ struct MeasureRequest {
     bool tolerance_given = false;  // --tolerance or --of was given; a unit of length 0 is then an error
     bool symmetric = false;        // H(A,B) = max(h(A,B), h(B,A))
     bool penetration = false;      // the penetration depth instead of a distance
+    // If not empty: bounds these statistics of the distance instead. With `symmetric`, each one also over B and over
+    // both shapes (asked_statistics()).
+    std::vector<Statistic> statistics = {};
+    WeighBy weigh = WeighBy::area;
+    double share_tolerance = 1e-3;
     // If set, asks only whether the distance is above this length. A gap within the tolerance then does not end the
     // solve.
     std::optional<double> cutoff;
@@ -37,8 +42,11 @@ struct MeasureRequest {
     bool in_process = false;                 // solves in this process, for debuggers
 
     Quantity quantity() const {
-        return penetration ? Quantity::penetration : symmetric ? Quantity::symmetric : Quantity::directed;
+        if (penetration) return Quantity::penetration;
+        if (!statistics.empty()) return Quantity::distribution;
+        return symmetric ? Quantity::symmetric : Quantity::directed;
     }
+    bool asks_for_h() const { return quantity() == Quantity::symmetric; }  // for H(A,B), by two directed answers
 };
 
 struct MeasuredShape {
@@ -104,6 +112,10 @@ Measured measure(const MeasureRequest& request);
 // Returns whether the certificate proves only a larger upper bound than the answer has, by more than proves_the_bound()
 // allows. This can happen because the certificate comes from a second run, which may have had less time.
 bool proves_less(const Measured& measured);
+
+// Returns the statistics that `request` asks for of shapes of these kinds. With `symmetric`, first all over A, then all
+// over B, and so on; `pooled` only if both shapes have areas or both count points.
+std::vector<Statistic> asked_statistics(const MeasureRequest& request, ShapeKind source, ShapeKind target);
 
 // Returns by how many seconds the solving process may exceed its time limit before it is killed.
 double grace_of(double time_limit);

@@ -93,8 +93,21 @@ std::string more_fields(const Measured& m, bool known) {
 constexpr const char* columns =
     "A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,warnings,error,witness_direction,source_x,source_y,"
     "source_z,target_x,target_y,target_z,lower_a_to_b,upper_a_to_b,lower_b_to_a,upper_b_to_a,gap,"
-    "tolerance_absolute,certified\n";
+    "tolerance_absolute,certified";
 const std::string no_more_fields(13, ',');
+
+// The statistics that have columns. Those of a pair are the same or, where nothing can be pooled, the first of these.
+std::vector<Statistic> columns_of_statistics(const MeasureRequest& request) {
+    return asked_statistics(request, ShapeKind::mesh, ShapeKind::mesh);
+}
+
+std::string statistics_fields(const MeasureRequest& request, const std::vector<Bounds>& bounds) {
+    std::string text;
+    for (std::size_t i = 0; i < columns_of_statistics(request).size(); ++i)
+        text += i < bounds.size() ? fmt::format(",{},{}", number_field(bounds[i].lower), number_field(bounds[i].upper))
+                                  : ",,";
+    return text;
+}
 
 }  // namespace
 
@@ -169,7 +182,13 @@ NamedPairs read_pairs(const fs::path& list) {
 
 int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
     int code = 0;
-    print(columns);
+    std::string header = columns;
+    for (const Statistic& one : columns_of_statistics(request)) {
+        std::string name = to_string(one);
+        std::replace(name.begin(), name.end(), ' ', '_');
+        header += fmt::format(",{0}_lower,{0}_upper", name);
+    }
+    print(header + "\n");
     for (const auto& [a, b] : pairs) {
         MeasureRequest one = request;
         one.source = a;
@@ -185,20 +204,23 @@ int measure_pairs(const NamedPairs& pairs, const MeasureRequest& request) {
             const std::string why = no_answer(measured);
             const bool known = why.empty();
             const std::string above = !request.cutoff ? "" : its_code == 0 ? "no" : its_code == 1 ? "yes" : "open";
-            line +=
-                fmt::format("{},{},{},{},{:.6f},{},{},{},{}\n", known ? number_field(measured.result.bounds.lower) : "",
-                            known ? number_field(measured.result.bounds.upper) : "",
-                            measured.failed ? to_string(measured.failed->status) : to_string(measured.result.status),
-                            above, measured.prepare_seconds + measured.solve_seconds, measured.solver,
-                            csv_field(fmt::format("{}", fmt::join(measured.warnings, "; "))), csv_field(why),
-                            more_fields(measured, known));
+            line += fmt::format(
+                "{},{},{},{},{:.6f},{},{},{},{}{}\n", known ? number_field(measured.result.bounds.lower) : "",
+                known ? number_field(measured.result.bounds.upper) : "",
+                measured.failed ? to_string(measured.failed->status) : to_string(measured.result.status), above,
+                measured.prepare_seconds + measured.solve_seconds, measured.solver,
+                csv_field(fmt::format("{}", fmt::join(measured.warnings, "; "))), csv_field(why),
+                more_fields(measured, known),
+                statistics_fields(one, known ? measured.result.statistics : std::vector<Bounds>()));
         } catch (const InputError& error) {
             if (std::string(error.what()) == "interrupted") throw;
             code = 1;
-            line += fmt::format(",,error,,,,,{},{}\n", csv_field(error.what()), no_more_fields);
+            line += fmt::format(",,error,,,,,{},{}{}\n", csv_field(error.what()), no_more_fields,
+                                statistics_fields(one, {}));
         } catch (const fs::filesystem_error& error) {
             code = 1;
-            line += fmt::format(",,error,,,,,{},{}\n", csv_field(error.what()), no_more_fields);
+            line += fmt::format(",,error,,,,,{},{}{}\n", csv_field(error.what()), no_more_fields,
+                                statistics_fields(one, {}));
         }
         print(line);
         std::fflush(stdout);

@@ -24,12 +24,15 @@ namespace {
 
 json result_json(const Result& r) {
     const Witness& w = r.witness;
+    json statistics = json::array();
+    for (const Bounds& one : r.statistics) statistics.push_back({number(one.lower), number(one.upper)});
     return {{"status", int(r.status)},
             {"bounds", {number(r.bounds.lower), number(r.bounds.upper)}},
             {"points", {w.source_point, w.target_point}},
             {"elements", {w.source_element, w.target_element}},
             {"direction", int(w.direction)},
-            {"note", r.note}};
+            {"note", r.note},
+            {"statistics", statistics}};
 }
 
 Result result_of(const json& j) {
@@ -42,6 +45,7 @@ Result result_of(const json& j) {
     r.witness = {j.at("points").at(0), j.at("points").at(1), j.at("elements").at(0), j.at("elements").at(1),
                  Witness::Direction(direction)};
     r.note = j.at("note");
+    for (const json& one : j.at("statistics")) r.statistics.push_back({number(one.at(0)), number(one.at(1))});
     return r;
 }
 
@@ -132,7 +136,7 @@ public:
         : limit_(work.request.time_limit),
           proof_wanted_(!work.request.certificate.empty()),
           files_wanted_(work.request.fields.empty() ? 0
-                        : work.request.symmetric    ? 2
+                        : work.request.asks_for_h() ? 2
                                                     : 1),
           child_(child),
           measured_(measured) {

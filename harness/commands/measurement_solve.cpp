@@ -63,13 +63,16 @@ public:
         : work_(work), shapes_(std::move(shapes)), measured_(measured) {
         const MeasureRequest& request = work.request;
         // A symmetric query is answered by two directed ones.
-        query_.quantity = request.penetration ? Quantity::penetration : Quantity::directed;
+        query_.quantity = request.asks_for_h() ? Quantity::directed : request.quantity();
+        query_.statistics = asked_statistics(request, measured.source.kind, measured.target.kind);
+        query_.weigh = request.weigh;
+        query_.share_tolerance = request.share_tolerance;
         query_.tolerance = work.tolerance;
         query_.threads = request.threads;
         query_.time_limit = request.time_limit;
         if (request.cutoff) query_.floor = query_.cutoff = *request.cutoff;
         forward_.emplace(session(shapes_.source, shapes_.target, false));
-        if (!request.symmetric) return;
+        if (!request.asks_for_h()) return;
         if (relative()) both_.emplace(session(shapes_.source, shapes_.target, true));
         backward_.emplace(session(shapes_.target, shapes_.source, false));
     }
@@ -87,7 +90,7 @@ public:
 
     void solve() {
         begin_ = Clock::now();
-        if (!work_.request.symmetric) {
+        if (!work_.request.asks_for_h()) {
             measured_.result = ask(*forward_, query_, measured_.forward_seconds);
         } else if (relative()) {
             solve_relative();
@@ -99,12 +102,12 @@ public:
 
     void write_fields(const std::function<void()>& drawn) {
         const auto& file = work_.request.fields;
-        const bool alone = !work_.request.symmetric;
+        const bool alone = !work_.request.asks_for_h();
         const Result there = alone ? measured_.result : of_direction(measured_.forward);
         write_fields(*forward_, *shapes_.source, *shapes_.target, there, there.witness.source_point,
                      there.witness.source_element, file);
         drawn();
-        if (!work_.request.symmetric) return;
+        if (!work_.request.asks_for_h()) return;
         const Result back = of_direction(measured_.backward);
         write_fields(*backward_, *shapes_.target, *shapes_.source, back, back.witness.target_point,
                      back.witness.target_element, file_of_way_back(file));
@@ -118,7 +121,7 @@ public:
         begin_ = Clock::now();
         double ignored = 0;
         Result result;
-        if (!work_.request.symmetric) {
+        if (!work_.request.asks_for_h()) {
             result = ask(*forward_, query, ignored);
         } else if (relative()) {
             query.quantity = Quantity::symmetric;
@@ -189,6 +192,7 @@ private:
         queries.finest_tolerance = relative() ? 0 : query_.tolerance.value;
         queries.symmetric = symmetric;
         queries.threads = query_.threads;
+        queries.both_ways = std::any_of(query_.statistics.begin(), query_.statistics.end(), needs_target);
         const SolverInfo& info = work_.entry.info;
         return {work_.entry, Options(info.name, info.parameters, work_.request.options), PreparedPair{a, b}, queries};
     }

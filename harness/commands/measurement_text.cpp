@@ -140,6 +140,62 @@ std::string answer_text(const std::string& name, const Result& r, double diagona
     return text + fmt::format("           gap {:.3g}, {}{}\n", b.gap(), end, r.note.empty() ? "" : ": " + r.note);
 }
 
+// Formats a bound with ten digits, rounded outward.
+std::string outward(double value, bool up) {
+    const std::string text = fmt::format("{:.10g}", value);
+    const double there = std::strtod(text.c_str(), nullptr);
+    if (up ? there >= value : there <= value) return text;
+    if (value < 1e-300) return fmt::format("{:.17g}", value);
+    return fmt::format("{:.10g}", up ? value * (1 + 1e-9) : value * (1 - 1e-9));  // ten digits err by less than 5e-10
+}
+
+// A table of the statistics: a line for each, and a block for each set of points that count.
+std::string statistics_text(const Measured& m, const MeasureRequest& request) {
+    constexpr const char* titles[] = {"points of A",
+                                      "points of B",
+                                      "the larger of the two",
+                                      "the mean of the two",
+                                      "the harmonic mean of the two",
+                                      "points of A and B together"};
+    const std::vector<Statistic> asked = asked_statistics(request, m.source.kind, m.target.kind);
+    std::string text;
+    std::optional<Statistic::Over> block;
+    for (std::size_t i = 0; i < std::min(asked.size(), m.result.statistics.size()); ++i) {
+        Statistic one = asked[i];
+        if (block != one.over && request.symmetric)
+            text += fmt::format("{:<10} {}\n", block ? "" : "statistics", titles[std::size_t(one.over)]);
+        block = one.over;
+        one.over = Statistic::Over::source;
+        const Bounds& bounds = m.result.statistics[i];
+        text += fmt::format("{:<10} {:<14} in [{}, {}]\n", i == 0 && !request.symmetric ? "statistics" : "",
+                            to_string(one), outward(bounds.lower, false), outward(bounds.upper, true));
+    }
+    const Result& r = m.result;
+    const std::string end = r.status == Status::converged
+                                ? std::string("all within the tolerance")
+                                : fmt::format("not all within the tolerance: {}", to_string(r.status));
+    return text + fmt::format("           {}{}\n", end, r.note.empty() ? "" : ": " + r.note);
+}
+
+// The statistics by name; with --symmetric, those over B and over both shapes below their names.
+json statistics_json(const Measured& m, const MeasureRequest& request) {
+    if (request.statistics.empty()) return {};
+    json all = json::object();
+    const std::vector<Statistic> asked = asked_statistics(request, m.source.kind, m.target.kind);
+    for (std::size_t i = 0; i < std::min(asked.size(), m.result.statistics.size()); ++i) {
+        const Statistic& one = asked[i];
+        json& place = one.over == Statistic::Over::source ? all : all[std::string(to_string(one.over))];
+        const std::string argument = fmt::format("{}", one.argument);
+        Statistic plain = one;
+        plain.over = Statistic::Over::source;
+        json& value = one.kind == Statistic::Kind::quantile       ? place["quantiles"][argument]
+                      : one.kind == Statistic::Kind::share_within ? place["share_within"][argument]
+                                                                  : place[to_string(plain)];
+        value = {{"lower", number(m.result.statistics[i].lower)}, {"upper", number(m.result.statistics[i].upper)}};
+    }
+    return all;
+}
+
 std::string witness_text(const Result& r, const Measured& m) {
     const Vec3 &p = r.witness.source_point, &q = r.witness.target_point;
     const auto point = [](const Vec3& v, const MeasuredShape& on, Index element) {
@@ -153,6 +209,28 @@ std::string witness_text(const Result& r, const Measured& m) {
     if (!p.allFinite() && !q.allFinite()) return "";
     return fmt::format("witness    {} on A, {} on B\n", point(p, m.source, r.witness.source_element),
                        point(q, m.target, r.witness.target_element));
+}
+
+std::string distance_text(const Measured& m, const MeasureRequest& request) {
+    const std::string name = request.penetration ? "depth" : request.symmetric ? "H(A,B)" : "h(A,B)";
+    std::string text;
+    if (request.cutoff) {
+        constexpr const char* answers[] = {"is at most", "is above", "", "may be above or below"};
+        text += fmt::format("answer     {} {} {:.9g}\n", name, answers[exit_code(m, request)], *request.cutoff);
+    }
+    if (request.symmetric) {
+        for (const auto& [direction, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {
+            if (*one) text += answer_text(direction, **one, m.source.diagonal) + witness_text(**one, m);
+        }
+        text += answer_text(name, m.result, m.source.diagonal);
+        if (m.forward && m.backward)
+            text += "           the larger of the two\n";
+        else
+            text += witness_text(m.result, m);
+    } else {
+        text += answer_text(name, m.result, m.source.diagonal) + witness_text(m.result, m);
+    }
+    return text;
 }
 
 }  // namespace
@@ -180,6 +258,7 @@ json to_json(const Measured& m, const MeasureRequest& request) {
                 {"proven", m.proven ? number(*m.proven) : json()},
                 {"proves_less", m.proven ? json(proves_less(m)) : json()},
                 {"fields", drawn_json(m)},
+                {"distribution", statistics_json(m, request)},
                 {"warnings", m.warnings},
                 {"prepare_seconds", m.prepare_seconds},
                 {"solve_seconds", m.solve_seconds},
@@ -194,23 +273,7 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
     text += fmt::format("solver     {} ({}), tolerance {:g} {}\n", m.solver,
                         m.certified ? "certified" : "not certified", request.tolerance, tolerance_text(m, request));
     if (m.failed) return text + fmt::format("distance   no answer: {}\n", m.failed->reason);
-    const std::string name = request.penetration ? "depth" : request.symmetric ? "H(A,B)" : "h(A,B)";
-    if (request.cutoff) {
-        constexpr const char* answers[] = {"is at most", "is above", "", "may be above or below"};
-        text += fmt::format("answer     {} {} {:.9g}\n", name, answers[exit_code(m, request)], *request.cutoff);
-    }
-    if (request.symmetric) {
-        for (const auto& [direction, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {
-            if (*one) text += answer_text(direction, **one, m.source.diagonal) + witness_text(**one, m);
-        }
-        text += answer_text(name, m.result, m.source.diagonal);
-        if (m.forward && m.backward)
-            text += "           the larger of the two\n";
-        else
-            text += witness_text(m.result, m);
-    } else {
-        text += answer_text(name, m.result, m.source.diagonal) + witness_text(m.result, m);
-    }
+    text += request.quantity() == Quantity::distribution ? statistics_text(m, request) : distance_text(m, request);
     constexpr const char* larger =
         ", which is larger than the upper bound above, for the run that proves it came less far; allow it more time";
     if (m.proven)

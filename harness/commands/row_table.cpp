@@ -92,7 +92,7 @@ std::vector<Shown> columns_for(const ResultFile& result, const std::vector<std::
     };
     std::vector<Shown> out = {
         {{"solver", false, 0, true}, [](const Row& r) { return shown(r.asked); }},
-        {{"scene", false, 0, true}, [](const Row& r) { return r.asked.scene + suffix_of(r.asked.quantity); }},
+        {{"scene", false, 0, true}, [](const Row& r) { return r.asked.scene + suffix_of(r.asked); }},
     };
     if (differ([](const Row& r) { return r.asked.pose_index; }))
         out.push_back({{"pose", true}, [](const Row& r) { return std::to_string(r.asked.pose_index); }});

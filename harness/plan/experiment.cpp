@@ -192,6 +192,8 @@ void read_top(const ExperimentTable& root, Experiment& experiment) {
                                                 experiment.of, nearest_hint(experiment.of, tolerance_units)));
     }
     experiment.quantity = read_quantity(root, experiment.quantity);
+    experiment.statistics = read_statistics(root, {});
+    experiment.weigh = read_weigh(root, experiment.weigh);
     experiment.floor = root.length("floor", experiment.floor);
     experiment.cutoff = root.length("cutoff", experiment.cutoff);
     experiment.budget = root.count("budget", 0, -1);

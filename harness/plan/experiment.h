@@ -48,6 +48,8 @@ struct SolverPlan {
     std::vector<double> tolerances;          // by default, the tolerances of the experiment
     std::vector<std::string> scenes;         // runs only on these; empty: on all
     Quantity quantity = Quantity::directed;  // by default, the quantity of the experiment
+    std::vector<Statistic> statistics;       // for Quantity::distribution: each is a case of its own
+    WeighBy weigh = WeighBy::area;
     // Most threads to use (default: the experiment's). A solver without support for threads runs with one.
     int threads = 1;
     // Starts each pose from the solver state that the previous pose left (see State).
@@ -68,6 +70,8 @@ struct Experiment {
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();
     std::int64_t budget = -1;  // see Query; -1: none
     Quantity quantity = Quantity::directed;
+    std::vector<Statistic> statistics;
+    WeighBy weigh = WeighBy::area;
     int threads = 1;  // most threads that a solver may use, see Query
     int repeats = 5;  // timed repeats per round
     // Number of rounds. Each round runs every case in fresh processes. Every other round runs the solvers in reverse

@@ -125,7 +125,7 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
 }  // namespace
 
 void join_matrices(Plan& plan) {
-    using Key = std::tuple<std::string, std::string, std::string, Quantity, int, bool, double>;
+    using Key = std::tuple<std::string, std::string, std::string, Quantity, std::string, WeighBy, int, bool, double>;
     Extents extents;
     std::map<Key, std::size_t> number;
     std::vector<std::vector<Job>> groups;
@@ -139,8 +139,9 @@ void join_matrices(Plan& plan) {
         // If the cases form chains (see Job), each tolerance gets a job of its own, so that the cases of a pair are
         // adjacent.
         const bool chains = first.warm || scene.search;
-        const Key key{scene.matrix,  first.label, nlohmann::json(first.options).dump(), first.quantity,
-                      first.threads, first.warm,  chains ? first.tolerance : 0};
+        const Key key{scene.matrix,   first.label,     nlohmann::json(first.options).dump(),
+                      first.quantity, first.statistic, first.weigh,
+                      first.threads,  first.warm,      chains ? first.tolerance : 0};
         const auto [at, fresh] = number.emplace(key, groups.size());
         if (fresh) groups.emplace_back();
         groups[at->second].push_back(std::move(job));

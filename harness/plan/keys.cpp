@@ -28,7 +28,16 @@ const KeyTable& top_keys() {
               "`absolute`, or `lower` (a fraction of the lower bound; `floor` and `cutoff` are then lengths)"},
              {"quantity", fmt::format("\"{}\"", to_string(defaults.quantity)),
               "`directed`: h(A,B); `symmetric`: H(A,B); `penetration`: depth of two closed meshes in each other "
-              "(solver `penetration`)"},
+              "(solver `penetration`); `distribution`: statistics of the distance (solver `distribution`)"},
+             {"statistics", "",
+              "for `distribution`: list of `mean`, `rms`, `deviation`, `maximum`, `median`, `quantile 0.95`, `within "
+              "0.1` "
+              "(the share at most that far away), each perhaps followed by `target`, `larger`, `mean_of_both`, "
+              "`harmonic_mean` or `pooled` ([conventions.md](conventions.md)); each is a case of its own. The "
+              "tolerance "
+              "of a share is a number without unit"},
+             {"weigh", fmt::format("\"{}\"", to_string(defaults.weigh)),
+              "what statistics count: `area`, or `number` of vertices"},
              {"floor", fmt::format("{}", defaults.floor),
               "a solver may stop once the distance is known to be at most this"},
              {"cutoff", "",
@@ -159,6 +168,8 @@ const KeyTable& solver_keys() {
          {"parameters", "",
           "table of the solver's parameters (`hausbench list NAME`); a list of values makes one case for each"},
          {"quantity", "of the top level", "quantity of this solver"},
+         {"statistics", "of the top level", "statistics of this solver"},
+         {"weigh", "of the top level", "what its statistics count"},
          {"threads", "of the top level", "threads of this solver"},
          {"tolerances", "of the top level", "tolerances of this solver"},
          {"scenes", "all scenes", "list: it runs on these scenes only"},

@@ -7,6 +7,7 @@
 #include "algorithms/session/session.h"
 #include "datasets/hash.h"
 #include "harness/plan/command_files.h"
+#include "harness/plan/common_case.h"
 #include "harness/plan/jobs.h"
 #include "harness/plan/references.h"
 #include "harness/plan/scene_models.h"
@@ -91,7 +92,9 @@ public:
             const SceneModels models = finder.find(scene);
             for (const SolverPlan& solver : experiment.solvers) {
                 if (!chosen(choice.solvers, solver.label) || !chosen(solver.scenes, scene)) continue;
-                for (const ParameterMap& options : solver.options) add(i, models, solver, options);
+                for (const ParameterMap& options : solver.options)
+                    for (const std::string& statistic : statistics_of(solver))
+                        add(i, models, solver, options, statistic);
             }
         }
         if (plan_.cases.empty()) refuse_empty();
@@ -109,7 +112,9 @@ public:
             if (models.row == RowStatus::failed) asked.unknown.insert(scene.name);
             for (const SolverPlan& solver : plan_.experiment.solvers) {
                 if (!chosen(solver.scenes, scene)) continue;
-                for (const ParameterMap& options : solver.options) add_cases(look_at(scene, models, solver, options));
+                for (const ParameterMap& options : solver.options)
+                    for (const std::string& statistic : statistics_of(solver))
+                        add_cases(look_at(scene, models, solver, options, statistic));
             }
         }
         check_identities();
@@ -118,9 +123,11 @@ public:
     }
 
 private:
-    void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given) {
-        const SolverOnScene one = look_at(plan_.experiment.scenes[scene_number], models, solver, given);
-        const std::string label = fmt::format("{} on {}", shown(one.common), one.scene.name);
+    void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given,
+             const std::string& statistic) {
+        const SolverOnScene one = look_at(plan_.experiment.scenes[scene_number], models, solver, given, statistic);
+        const std::string label = fmt::format("{} on {}{}", shown(one.common), one.scene.name,
+                                              statistic.empty() ? "" : suffix_of(one.common));
         std::size_t run = 0;
         for (Job& job : add_cases(one)) {
             if (job.cases.empty()) continue;
@@ -139,7 +146,7 @@ private:
 
     // Collects the properties that the cases of a solver on a scene share. Sets `decided` if no case can run.
     SolverOnScene look_at(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
-                          const ParameterMap& given) {
+                          const ParameterMap& given, const std::string& statistic) {
         SolverOnScene one{scene, models, solver, given};
         const auto decide = [&](RowStatus status, const std::string& reason) {
             if (one.decided || reason.empty()) return;
@@ -160,8 +167,9 @@ private:
         decide(RowStatus::skipped, files.missing);
         one.tolerances = one.scene.tolerances.empty() ? solver.tolerances : one.scene.tolerances;
         std::sort(one.tolerances.begin(), one.tolerances.end());
-        one.common = without_pose(scene, models, solver, one.entry, given);
+        one.common = common_case(plan_.experiment, scene, models, solver, one.entry, given);
         one.common.program_sha256 = files.sha256;
+        one.common.statistic = statistic;
         return one;
     }
 
@@ -214,6 +222,7 @@ private:
         queries.moves = moves(one.scene.motion);
         queries.target_moves = moves(one.scene.target_motion);
         queries.symmetric = one.solver.quantity == Quantity::symmetric;
+        queries.both_ways = !first.statistic.empty() && needs_target(statistic_of(first.statistic));
         queries.threads = first.threads;
         queries.count = job.cases.size();
         queries.finest_tolerance = tolerance.of == Tolerance::Of::absolute ? tolerance.value : 0;
@@ -267,45 +276,6 @@ private:
                             e.of != "lower" && solver.quantity == Quantity::directed;  // H has no trace of its own
         return (ignores_tolerance(entry.info, options) || traced) && !solver.warm && !plan_.leave_nothing_out &&
                e.floor == 0 && std::isinf(e.cutoff) && e.budget < 0;
-    }
-
-    // Returns the properties that all cases of a solver on a scene share. `entry`: null if the solver is not built.
-    Case without_pose(const ScenePlan& scene, const SceneModels& models, const SolverPlan& solver,
-                      const SolverEntry* entry, const ParameterMap& given) const {
-        const Experiment& experiment = plan_.experiment;
-        Case asked;
-        asked.solver = solver.name;
-        asked.label = solver.label;
-        asked.variant = variant_of(given, solver.options);
-        asked.profile = experiment.profile;
-        asked.options = entry ? Options(solver.name, entry->info.parameters, given).values() : given;
-        asked.scene = scene.name;
-        asked.note = scene.note;
-        asked.family = scene.family;
-        asked.severity = scene.severity;
-        asked.quantity = solver.quantity;
-        if (solver.quantity == experiment.quantity) asked.exact = scene.exact;
-        asked.source = scene.source;
-        asked.target = scene.target;
-        if (const auto* source = std::get_if<ResolvedModel>(&models.source)) {
-            asked.source_hash = source->content_hash;
-            asked.source_elements = source->elements;
-            asked.source_diagonal = source->diagonal;
-            asked.source_longest = source->longest_side;
-        }
-        if (const auto* target = std::get_if<ResolvedModel>(&models.target)) {
-            asked.target_hash = target->content_hash;
-            asked.target_elements = target->elements;
-        }
-        asked.tolerance_of = experiment.of;
-        asked.limits = experiment.limits;
-        asked.floor = experiment.floor * asked.unit();
-        asked.cutoff = std::isinf(experiment.cutoff) ? experiment.cutoff : experiment.cutoff * asked.unit();
-        asked.budget = experiment.budget;
-        asked.threads = entry && entry->info.can(Ability::threads) ? solver.threads : 1;
-        asked.warm = solver.warm;
-        asked.certified = entry ? promises(*entry, given) : -1;
-        return asked;
     }
 
     void note(const std::string& label, const SolverOnScene& one, std::size_t asked, std::size_t run) {

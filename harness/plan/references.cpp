@@ -55,7 +55,9 @@ std::optional<Experiment> references_of(const Plan& plan) {
     for (const Case& one : plan.cases) {
         const auto source = kinds.find(one.source), target = kinds.find(one.target);
         if (source == kinds.end() || target == kinds.end()) continue;  // a model is missing
-        if (one.quantity == Quantity::penetration || searches.contains(one.scene)) continue;
+        if (one.quantity == Quantity::penetration || one.quantity == Quantity::distribution ||
+            searches.contains(one.scene))
+            continue;
         const std::string solver = solver_for(source->second, target->second);
         if (solver.empty()) continue;
         scenes[{solver, one.quantity}].insert(one.scene);

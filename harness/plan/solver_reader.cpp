@@ -66,14 +66,44 @@ Quantity read_quantity(const ExperimentTable& table, Quantity otherwise) {
         if (text == to_string(quantity)) return quantity;
         names.emplace_back(to_string(quantity));
     }
-    table.fail(*table.find("quantity"),
-               fmt::format("'quantity' must be directed (h), symmetric (H) or penetration (depth), not '{}'{}", text,
-                           nearest_hint(text, names)));
+    table.fail(
+        *table.find("quantity"),
+        fmt::format("'quantity' must be directed (h), symmetric (H), penetration (depth) or distribution, not '{}'{}",
+                    text, nearest_hint(text, names)));
+}
+
+std::vector<Statistic> read_statistics(const ExperimentTable& table, const std::vector<Statistic>& otherwise) {
+    if (!table.find("statistics")) return otherwise;
+    std::vector<Statistic> all;
+    for (const std::string& text : table.texts("statistics")) {
+        try {
+            all.push_back(statistic_of(text));
+        } catch (const InputError& error) {
+            table.fail(*table.find("statistics"), error.what());
+        }
+    }
+    if (all.empty())
+        table.fail(*table.find("statistics"), "'statistics' is empty: name at least one, such as \"mean\"");
+    return all;
+}
+
+WeighBy read_weigh(const ExperimentTable& table, WeighBy otherwise) {
+    const std::string text = table.text("weigh", std::string(to_string(otherwise)));
+    for (const WeighBy weigh : {WeighBy::area, WeighBy::number})
+        if (text == to_string(weigh)) return weigh;
+    table.fail(*table.find("weigh"), fmt::format("'weigh' must be area or number, not '{}'", text));
 }
 
 SolverPlan read_solver(const ExperimentTable& table, const Experiment& experiment) {
     SolverPlan solver;
     solver.quantity = read_quantity(table, experiment.quantity);
+    solver.statistics = read_statistics(table, experiment.statistics);
+    solver.weigh = read_weigh(table, experiment.weigh);
+    if (solver.quantity != Quantity::distribution)
+        solver.statistics.clear();
+    else if (solver.statistics.empty())
+        table.fail(
+            "quantity \"distribution\" needs 'statistics', here or at the top, such as [\"mean\", \"quantile 0.95\"]");
     solver.threads = table.count("threads", 1, experiment.threads);
     solver.name = table.text("name");
     solver.label = table.text("label", solver.name);

@@ -9,6 +9,8 @@
 namespace hausbench {
 
 Quantity read_quantity(const ExperimentTable& table, Quantity otherwise);
+std::vector<Statistic> read_statistics(const ExperimentTable& table, const std::vector<Statistic>& otherwise);
+WeighBy read_weigh(const ExperimentTable& table, WeighBy otherwise);
 
 // Reads a [[solver]] table. Parameters with lists of values give every combination of these values, each checked
 // against the parameters that the solver declares. A solver that is not built gets one empty combination, because its

@@ -83,14 +83,23 @@ std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>&
     return text;
 }
 
-std::string suffix_of(Quantity quantity) {
-    return quantity == Quantity::symmetric ? ", H" : quantity == Quantity::penetration ? ", depth" : "";
+std::string suffix_of(const Case& asked) {
+    switch (asked.quantity) {
+        case Quantity::directed:
+            return "";
+        case Quantity::symmetric:
+            return ", H";
+        case Quantity::penetration:
+            return ", depth";
+        case Quantity::distribution:
+            return ", " + asked.statistic + (asked.weigh == WeighBy::number ? " by number" : "");
+    }
+    return "";
 }
 
 std::string name_of(const Case& c) {
-    return printable(fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene,
-                                 suffix_of(c.quantity), c.pose_index, c.tolerance, c.tolerance_of,
-                                 c.warm ? ", warm" : ""));
+    return printable(fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene, suffix_of(c),
+                                 c.pose_index, c.tolerance, c.tolerance_of, c.warm ? ", warm" : ""));
 }
 
 }  // namespace hausbench

@@ -49,6 +49,8 @@ struct Case {
     int frame = -1;          // frame of a recorded simulation; -1: the scene is not a recording
     Pose pose, target_pose;  // of A and of B
     Quantity quantity = Quantity::directed;
+    std::string statistic;          // for Quantity::distribution, as statistic_of() reads it; otherwise empty
+    WeighBy weigh = WeighBy::area;  // likewise
     double tolerance = 0;
     std::string tolerance_of;
     double floor = 0, cutoff = std::numeric_limits<double>::infinity();  // lengths, see Query
@@ -83,8 +85,8 @@ std::string shown(const Case& asked);
 // Returns the parameters of `one` that are not the same in all of `swept`, as text: "samples=8, seed=1".
 std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>& swept);
 
-// Returns the suffix that shows the quantity in a scene's name: ", H" or ", depth"; empty for h(A,B).
-std::string suffix_of(Quantity quantity);
+// Returns the suffix that shows the quantity in a scene's name: ", H", ", depth" or ", mean"; empty for h(A,B).
+std::string suffix_of(const Case& asked);
 
 // Returns a readable name: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
 std::string name_of(const Case& asked);

@@ -32,8 +32,11 @@ const Columns<Case>& case_columns() {
         COLUMN(budget, "limit of the solver's own unit of work, which its source file names; -1: none",
                Identity::where_given),
         COLUMN(target_pose, "pose of B, in the same form", Identity::where_given),
-        COLUMN(quantity, "`directed`: h(A,B); `symmetric`: H(A,B); `penetration`: depth of A and B in each other",
-               Identity::where_given),
+        COLUMN(
+            quantity,
+            "`directed`: h(A,B); `symmetric`: H(A,B); `penetration`: depth of A and B in each other; `distribution`: "
+            "the value named by `statistic`",
+            Identity::where_given),
         COLUMN(warm, "1: the solver starts from what it kept of the pose before; 0: from nothing",
                Identity::where_given),
         COLUMN(chain,
@@ -45,6 +48,12 @@ const Columns<Case>& case_columns() {
                "SHA-256 of the programs and files in the command line of `external`; empty for other solvers",
                Identity::where_given),
         COLUMN(frame, "frame of a recorded simulation; -1: not a recording", Identity::where_given),
+        COLUMN(
+            statistic,
+            "statistic of the distance, such as `mean` or `quantile 0.95 pooled`; `within 0.1`, a share, has no unit. "
+            "Empty for other quantities",
+            Identity::where_given),
+        COLUMN(weigh, "what the statistic counts: `area`, or `number` of vertices", Identity::where_given),
         COLUMN(identity, "SHA-256 of shapes, poses, solver, options, tolerance and limits"),
         COLUMN(label, "name in tables and figures; the solver's unless the experiment gives one"),
         COLUMN(variant,

@@ -91,7 +91,8 @@ bool same_answer(const Outcome& a, const Outcome& b);  // same status and bounds
 
 // The result of re-checking a bound (check/verify.h).
 enum class Verdict {
-    holds,        // lower: proven by its witness; upper: not below any verified lower bound
+    // lower: proven by its witness; upper: not below any verified lower bound; of statistics: not refuted by samples
+    holds,
     unsound,      // lower: above what its witness shows; upper: below a verified lower bound
     no_witness,   // the solver gives none, so the lower bound cannot be re-checked
     not_checked,  // no bounds, or the shapes are not available

@@ -11,7 +11,8 @@
 
 namespace hausbench {
 
-template <> inline constexpr int count_of<Quantity> = 3;
+template <> inline constexpr int count_of<Quantity> = 4;
+template <> inline constexpr int count_of<WeighBy> = 2;
 template <> inline constexpr int count_of<Witness::Direction> = 2;
 template <> inline constexpr int count_of<Field::Of> = 3;
 template <> inline constexpr int count_of<Field::Meaning> = 3;

@@ -79,7 +79,7 @@ private:
     // Keeps earlier reference answers that rows of the result need, unless this run has computed them anew.
     void keep_references() {
         if (!plan_.experiment.reference) return;
-        using Place = std::tuple<std::string, Quantity, int>;  // scene, quantity, pose
+        using Place = std::tuple<std::string, Quantity, int>;  // scene, quantity, pose; statistics have no references
         const auto place_of = [](const Case& c) { return Place(c.scene, c.quantity, c.pose_index); };
         std::set<Place> wanted;
         for (const Row& row : result_.rows) wanted.insert(place_of(row.asked));

@@ -123,8 +123,7 @@ private:
 
     std::filesystem::path file() const { return options_.results / (plan_.experiment.stem + options_.suffix + ".h5"); }
 
-    // Gives the unfinished cases of a job the status out_of_memory if the job cannot fit into memory. If it fits,
-    // forgets such outcomes of an earlier run on a smaller machine, so that these cases are run.
+    // Gives unfinished cases of a job that cannot fit into memory the status out_of_memory; if it fits, forgets such ones.
     void refuse(const Job& job) {
         const std::string reason = does_not_fit(plan_, job, this_machine().memory_bytes);
         for (const std::size_t row : job.cases) {
@@ -284,8 +283,9 @@ private:
                                    asked.resolved_tolerance(), asked.floor, asked.cutoff, asked.budget, asked.threads,
                                    traced, marks, round == 0 ? finished_.fields_file(row) : std::filesystem::path(),
                                    round == 0 && plan_.experiment.stages, proofs_ == Proofs::wanted});
-            if (!searches(job)) continue;
             WorkOrder::Item& item = order.items.back();
+            item.take_statistic(asked);
+            if (!searches(job)) continue;
             if (round > 0) {
                 item.cutoff = finished_.kept(row, 0)->cutoff_used;
                 continue;

@@ -11,15 +11,39 @@ namespace hausbench {
 using nlohmann::json;
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(QuerySet, moves, count, finest_tolerance, target_moves, target_copied, symmetric,
-                                   threads)
+                                   both_ways, threads)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Tolerance, of, value)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Limits, case_seconds, prepare_seconds, memory_bytes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Pair, source_file, target_file, queries)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder::Item, row, pair, chain, warm, quantity, source_pose, target_pose,
                                    tolerance, floor, cutoff, budget, threads, trace, marks, fields, stages, proof,
-                                   search)
+                                   search, statistic, weigh, share_tolerance)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(WorkOrder, solver, options, folder, pairs, scaled, exponent, limits, round, repeats,
                                    build, slowdown, items, plugins)
+
+void WorkOrder::Item::take_statistic(const Case& asked) {
+    statistic = asked.statistic;
+    weigh = asked.weigh;
+    share_tolerance = asked.tolerance;
+}
+
+Query WorkOrder::Item::query(double time_limit) const {
+    Query asked;
+    asked.quantity = quantity;
+    if (!statistic.empty()) asked.statistics = {statistic_of(statistic)};
+    asked.weigh = weigh;
+    asked.share_tolerance = share_tolerance;
+    asked.source_pose = source_pose;
+    asked.target_pose = target_pose;
+    asked.tolerance = tolerance;
+    asked.floor = floor;
+    asked.cutoff = cutoff;
+    if (budget >= 0) asked.budget = std::uint64_t(budget);
+    asked.threads = threads;
+    asked.time_limit = time_limit;
+    asked.wanted.certificate = proof;
+    return asked;
+}
 
 void WorkOrder::Item::narrow(double least_upper) {
     if (cutoff <= floor || !(least_upper < cutoff)) return;

@@ -50,6 +50,16 @@ struct WorkOrder {
         // Number of the search that the case belongs to; 0: none. A search compares one source with several targets;
         // its items are adjacent.
         std::size_t search = 0;
+        // For Quantity::distribution, see Case and Query.
+        std::string statistic = {};
+        WeighBy weigh = WeighBy::area;
+        double share_tolerance = 1e-3;
+
+        // Copies the last three members.
+        void take_statistic(const Case& asked);
+
+        // Returns the query to ask. `time_limit` is in seconds.
+        Query query(double time_limit) const;
 
         // Lowers the cutoff to `least_upper`, the smallest upper bound among the earlier answers in the search, because
         // a target that is farther away is not the nearest. The cutoff stays above the floor: if both were equal, the

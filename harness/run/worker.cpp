@@ -121,20 +121,7 @@ private:
         return known;
     }
 
-    Query query_of(const WorkOrder::Item& item) const {
-        Query query;
-        query.quantity = item.quantity;
-        query.source_pose = item.source_pose;
-        query.target_pose = item.target_pose;
-        query.tolerance = item.tolerance;
-        query.floor = item.floor;
-        query.cutoff = item.cutoff;
-        if (item.budget >= 0) query.budget = std::uint64_t(item.budget);
-        query.threads = item.threads;
-        query.time_limit = order_.limits.case_seconds;
-        query.wanted.certificate = item.proof;
-        return query;
-    }
+    Query query_of(const WorkOrder::Item& item) const { return item.query(order_.limits.case_seconds); }
 
     struct Answer {
         Result result;

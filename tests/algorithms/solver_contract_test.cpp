@@ -94,8 +94,8 @@ bool needs_to_be_told(const SolverEntry& entry) {
 template <class F> void for_each_fitting(F&& f) {
     for (const SolverEntry& entry : solvers()) {
         if (needs_to_be_told(entry)) continue;
-        if (entry.info.source.surface) continue;                 // surfaces_test.cpp
-        if (entry.info.offers(Quantity::penetration)) continue;  // penetration_test.cpp
+        if (entry.info.source.surface) continue;               // surfaces_test.cpp
+        if (!entry.info.offers(Quantity::directed)) continue;  // tests of their own
         int tried = 0;
         for (const Case& c : cases()) {
             if (!refusal(entry.info, kind_of(c.test.scene.source), kind_of(c.test.scene.target)).empty()) continue;
@@ -301,6 +301,7 @@ TEST(SolverContract, NeedsAreUsedAndLeavingOutChangesNothing) {
         }
     });
     for (const SolverEntry& entry : solvers()) {
+        if (!entry.info.offers(Quantity::directed)) continue;
         for (const Need& need : entry.info.may_need) {
             EXPECT_TRUE(asked[entry.info.name].contains(to_string(need)))
                 << entry.info.name << " never asks for its " << to_string(need);

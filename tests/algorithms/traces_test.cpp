@@ -30,7 +30,7 @@ Options options(const SolverEntry& entry) {
 }
 
 bool is_tried(const SolverInfo& info) {
-    return info.can(Ability::traces) && !info.offers(Quantity::penetration) &&
+    return info.can(Ability::traces) && info.offers(Quantity::directed) &&
            std::none_of(info.parameters.begin(), info.parameters.end(), [](const auto& p) { return p.required(); });
 }
 

@@ -33,7 +33,7 @@ CASE: dict[str, Any] = {
     "identity": "", "solver": "", "label": "", "variant": "", "profile": "", "certified": 1, "options": "{}", "scene": "", "source": "", "target": "", "exact": NAN,
     "scene_note": "", "family": "", "severity": NAN, "source_elements": 1000, "target_elements": 2000, "source_diagonal": 1.0, "source_longest": 0.75, "pose_index": 0, "frame": -1,
     "pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0], "target_pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0],
-    "quantity": "directed", "warm": 0, "chain": "", "tolerance": 0.0, "tolerance_of": "diagonal",
+    "quantity": "directed", "statistic": "", "weigh": "area", "warm": 0, "chain": "", "tolerance": 0.0, "tolerance_of": "diagonal",
     "tolerance_absolute": 0.0, "floor": 0.0, "cutoff": float("inf"), "budget": -1, "threads": 1, "program_sha256": "", "answer": "gap", "case_seconds_limit": 60.0, "prepare_seconds_limit": 60.0, "memory_limit_bytes": 2**32,
     "status": "ok", "reason": "",
     "solver_status": "converged", "cutoff_used": float("inf"), "lower": NAN, "upper": NAN, "witness_source": [NAN] * 3, "witness_target": [NAN] * 3, "witness_direction": "source to target",

@@ -156,7 +156,9 @@ void check(const Query& query, const Result& result, const Known& known, const s
 std::vector<std::pair<const SolverEntry*, std::vector<Options>>> certified(ShapeKind kind) {
     std::vector<std::pair<const SolverEntry*, std::vector<Options>>> all;
     for (const SolverEntry& entry : solvers()) {
-        if (!entry.info.certified || !entry.info.source.contains(kind) || !entry.info.target.contains(kind)) continue;
+        if (!entry.info.certified || !entry.info.source.contains(kind) || !entry.info.target.contains(kind) ||
+            !entry.info.offers(Quantity::directed))
+            continue;
         std::vector<Options> options;
         for (const ParameterMap& given : variants_of(entry)) {
             const Options one = quick_options(entry, given);

@@ -5,15 +5,13 @@
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/meshes/distribution/piece_bounds.h"
+#include "algorithms/statistic.h"
 #include "algorithms/structures/triangle_blocks.h"
 
 #include <limits>
 #include <vector>
 
 namespace hausbench {
-
-// The weight of a piece: its area, or 1 if A is a point set.
-enum class WeighBy { area, number };
 
 // A piece with its bounds.
 struct Leaf {

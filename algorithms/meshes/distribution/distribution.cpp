@@ -1,113 +1,103 @@
-// The limits for a piece are lowered in rounds until the sums of all gaps are small enough. The sum of the gaps turns out
-// to be about proportional to the limit, so the next limit is the last one times (allowed gap) / (gap).
-#include "algorithms/meshes/distribution/distribution.h"
-
+// Statistics of the distance between two shapes, such as its mean, with certified bounds (ours; distribution.md).
+//
+// Cuts A, B or both into pieces with affine bounds on the distance, until the bounds of all statistics are within the
+// tolerance. O(n + p) memory for p pieces; the number of pieces depends on the shapes and the tolerance. The unit of
+// Query::budget is one piece.
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/meshes/distribution/narrow.h"
+#include "algorithms/solver.h"
+#include "algorithms/structures/triangle_blocks.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
+#include <utility>
 
 namespace hausbench {
 namespace {
 
-using Kind = Statistic::Kind;
+// A point set with the vertices of a mesh: a triangle (i, i, i) for each vertex that belongs to a triangle.
+Triangles vertices_of(const TriangleMesh& mesh) {
+    std::vector<bool> used(static_cast<std::size_t>(mesh.vertices.rows()));
+    for (const Index i : mesh.triangles.reshaped()) used[static_cast<std::size_t>(i)] = true;
+    Triangles all(std::count(used.begin(), used.end(), true), 3);
+    Eigen::Index row = 0;
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (used[i]) all.row(row++).setConstant(static_cast<Index>(i));
+    return all;
+}
 
-// One statistic and the limit for its pieces.
-struct Goal {
-    Statistic statistic;
-    Bounds bounds = {};
-    double limit = CutWhere::never;
+class Distribution final : public Solver {
+public:
+    explicit Distribution(const Options&) {}
+
+    Needs needs(const Scene&, const QuerySet& queries) const override {
+        Needs needs{need<TriangleBlocks>(Side::target)};
+        if (queries.both_ways && !queries.moves) needs.push_back(need<TriangleBlocks>(Side::source));
+        return needs;
+    }
+
+    void prepare(const Scene& scene, const Prepared& prepared) override {
+        source_ = &prepared.triangles(Side::source);
+        target_ = &prepared.triangles(Side::target);
+        of_target_ = &prepared.get<TriangleBlocks>(Side::target);
+        of_source_ = prepared.has<TriangleBlocks>(Side::source) ? &prepared.get<TriangleBlocks>(Side::source) : nullptr;
+        points_ = {kind_of(scene.source) == ShapeKind::points, kind_of(scene.target) == ShapeKind::points};
+    }
+
+    Result solve(const Query& query, State*, Trace&) const override {
+        Result result;
+        for (const Statistic& statistic : query.statistics)
+            result.statistics.push_back(is_share(statistic) ? Bounds{0, 1} : Bounds{});
+        const Points points = posed(source_->vertices, query.source_pose);
+        const double most = std::max(magnitude(points), magnitude(target_->vertices));
+        // Outside this range the rounding errors are not bounded.
+        if (!(most == 0 || (most >= smallest_safe_magnitude && most <= largest_safe_magnitude))) return result;
+        const bool there = std::any_of(query.statistics.begin(), query.statistics.end(), needs_source);
+        const bool back = std::any_of(query.statistics.begin(), query.statistics.end(), needs_target);
+        const bool number = query.weigh == WeighBy::number;
+        const Triangles of_a = number ? vertices_of(*source_) : source_->triangles;
+        const Triangles of_b = number && back ? vertices_of(*target_) : target_->triangles;
+        const auto weigh = [&](bool is_points) { return number || is_points ? WeighBy::number : WeighBy::area; };
+        // B is compared with A as it is posed.
+        std::optional<TriangleMesh> moved;
+        std::optional<TriangleBlocks> of_moved;
+        if (back && (!of_source_ || !query.source_pose.is_identity())) {
+            moved.emplace(*source_);
+            moved->vertices = points;
+            of_moved.emplace(*moved);
+        }
+        const OneWay from_a{of_a, points, *of_target_, weigh(points_.first)};
+        std::optional<OneWay> from_b;
+        if (back) from_b.emplace(of_b, target_->vertices, of_moved ? *of_moved : *of_source_, weigh(points_.second));
+        const Narrowed narrowed = narrow(there ? &from_a : nullptr, back ? &*from_b : nullptr, most, query);
+        result.status = narrowed.status;
+        result.note = narrowed.note;
+        result.statistics = narrowed.bounds;
+        result.counters = narrowed.counters;
+        result.reported["pieces"] = static_cast<double>(narrowed.pieces);
+        return result;
+    }
+
+private:
+    const TriangleMesh* source_ = nullptr;
+    const TriangleMesh* target_ = nullptr;
+    const TriangleBlocks* of_target_ = nullptr;
+    const TriangleBlocks* of_source_ = nullptr;  // null if no query asks for the distances from B to A, or if A moves
+    std::pair<bool, bool> points_;               // whether A and B are point sets
 };
-
-double allowed(const Goal& goal, const DistributionQuery& query) {
-    return goal.statistic.kind == Kind::share_within ? query.share_tolerance : query.tolerance.gap(goal.bounds.lower);
-}
-
-// The sum of weight times gap that a goal allows, if its bounds are in proportion to it.
-double allowed_sum(const Goal& goal, const Statistics& now, const DistributionQuery& query) {
-    const double gap = allowed(goal, query);
-    switch (goal.statistic.kind) {
-        case Kind::rms:
-        case Kind::deviation:
-            return now.weight() * gap * (2 * goal.bounds.lower + gap);  // of squares
-        case Kind::quantile:
-            return now.open(goal.statistic, goal.bounds) * std::min(1.0, gap / goal.bounds.gap());
-        default:
-            return now.weight() * gap;
-    }
-}
-
-// Adds the limit of a goal to the places to cut.
-void add(const Goal& goal, const Statistics& now, const DistributionQuery& query, CutWhere& where) {
-    switch (goal.statistic.kind) {
-        case Kind::mean:
-            where.mean = std::min(where.mean, goal.limit);
-            break;
-        case Kind::rms:
-            where.square = std::min(where.square, goal.limit);
-            break;
-        case Kind::deviation:
-            where.spread = goal.limit;
-            where.about = now.about();
-            break;
-        case Kind::maximum:
-            where.maximum = goal.bounds.lower + allowed(goal, query);
-            where.maximum_gap = 0.125 * goal.bounds.gap();
-            break;
-        case Kind::quantile:
-            where.bands.push_back({goal.bounds.lower, goal.bounds.upper, goal.limit});
-            break;
-        case Kind::share_within:
-            where.bands.push_back({goal.statistic.argument, goal.statistic.argument, goal.limit});
-            break;
-    }
-}
 
 }  // namespace
 
-DistributionResult distribution_of(const Triangles& triangles, const Points& points, const TriangleBlocks& target,
-                                   double magnitude, WeighBy weigh, const DistributionQuery& query) {
-    const Deadline deadline(query.time_limit);
-    Dissection pieces(triangles, points, target, magnitude, weigh, query.threads);
-    std::vector<Goal> goals;
-    for (const Statistic& statistic : query.statistics) goals.push_back({statistic});
-    CutWhere where;
-    DistributionResult result;
-    for (bool more = true; more;) {
-        more = pieces.refine(where, deadline, query.most_pieces);
-        const Statistics now({pieces.leaves()}, pieces.extra_weight());
-        where = {};
-        bool done = true;
-        for (Goal& goal : goals) {
-            goal.bounds = now.of(goal.statistic);
-            if (goal.bounds.gap() <= allowed(goal, query)) continue;
-            done = false;
-            const double open = now.open(goal.statistic, goal.bounds), most = allowed_sum(goal, now, query);
-            const double leaves = static_cast<double>(pieces.leaves().size());
-            if (goal.limit == CutWhere::never)
-                goal.limit = 4 * std::max(most, open / 256) / leaves;
-            else
-                goal.limit *=
-                    std::clamp(0.7 * most / open, goal.statistic.kind == Kind::quantile ? 0x1p-4 : 0x1p-10, 0.5);
-            add(goal, now, query, where);
-        }
-        std::optional<Status> status;
-        if (done)
-            status = Status::converged;
-        else if (deadline.passed())
-            status = Status::time_limit;
-        else if (pieces.leaves().size() > query.most_pieces)
-            status = Status::budget;
-        if (status || !more) {
-            result.status = status.value_or(Status::precision_floor);
-            break;
-        }
-    }
-    for (const Goal& goal : goals) result.bounds.push_back(goal.bounds);
-    result.pieces = pieces.leaves().size();
-    result.counters = pieces.counters();
-    return result;
+SolverEntry distribution_solver() {
+    SolverInfo info;
+    info.name = "distribution";
+    info.title = "distribution (ours)";
+    info.source.mesh = info.source.points = info.target.mesh = info.target.points = true;
+    info.certified = true;
+    info.quantities = {Quantity::distribution};
+    info.abilities = {Ability::threads};
+    info.may_need = {need<TriangleBlocks>(Side::target), need<TriangleBlocks>(Side::source)};
+    return {info, make_solver<Distribution>};
 }
 
 }  // namespace hausbench

@@ -93,27 +93,36 @@ Bounds Statistics::share_within(double length) const {
 // bound. For the first, leaves are judged by their upper bounds; for the second, by their lower bounds. Leaves that are
 // the same for all t between `low` and `high` are added up once.
 Bounds Statistics::quantile(double level) const {
+    struct Open {
+        CornerValues values;
+        double least, most, weight;
+    };
     const auto bisect = [&](bool surely) {
-        const auto value = [&](const Leaf& leaf, double t) {
-            return surely ? share_at_most(leaf.bounds.upper, t) : share_above(leaf.bounds.lower, t);
+        const auto weighed = [&](const Open& one, double t) {
+            if (surely)
+                return t >= one.most ? one.weight : t < one.least ? 0 : one.weight * share_at_most(one.values, t);
+            return t >= one.most ? 0 : t < one.least ? one.weight : one.weight * share_above(one.values, t);
         };
         double low = least_, high = most_;
-        std::vector<const Leaf*> open;
-        for (const std::span<const Leaf> some : leaves_)
-            for (const Leaf& leaf : some) open.push_back(&leaf);
+        std::vector<Open> open;  // a copy, because the leaves themselves are too large for the cache
+        for (const std::span<const Leaf> some : leaves_) {
+            for (const Leaf& leaf : some) {
+                const CornerValues& x = surely ? leaf.bounds.upper : leaf.bounds.lower;
+                const auto [least, most] = std::minmax({x[0], x[1], x[2]});
+                open.push_back({x, least, most, leaf.weight});
+            }
+        }
         Sum settled;
         for (int step = 0; step < 64; ++step) {
             const double middle = low + 0.5 * (high - low);
             if (!(low < middle && middle < high)) break;
             Sum all = settled;
-            for (const Leaf* leaf : open) all.add(leaf->weight * value(*leaf, middle));
+            for (const Open& one : open) all.add(weighed(one, middle));
             const double share = all.value() / (weight_ + extra_) * down;
             (surely ? share >= level : !(1 - share < level)) ? high = middle : low = middle;
-            std::erase_if(open, [&](const Leaf* leaf) {
-                const CornerValues& x = surely ? leaf->bounds.upper : leaf->bounds.lower;
-                const auto [least, most] = std::minmax({x[0], x[1], x[2]});
-                if (least <= high && most > low) return false;
-                settled.add(leaf->weight * value(*leaf, high));
+            std::erase_if(open, [&](const Open& one) {
+                if (one.least <= high && one.most > low) return false;
+                settled.add(weighed(one, high));
                 return true;
             });
         }

@@ -1,6 +1,4 @@
-// Statistics of the distance d to B over A, with certified bounds, from the pieces of one or both shapes.
-//
-// F(t) is the share of A (of its area, or of its points) at which d <= t.
+// Bounds on statistics (statistic.h), from the pieces of one or both shapes.
 #pragma once
 
 #include "algorithms/meshes/distribution/dissection.h"
@@ -10,19 +8,6 @@
 #include <vector>
 
 namespace hausbench {
-
-struct Statistic {
-    enum class Kind {
-        mean,          // of d
-        rms,           // root of the mean of d^2
-        deviation,     // standard deviation: root of the mean of (d - mean)^2
-        maximum,       // of d
-        quantile,      // the least t with F(t) >= argument; 0 < argument <= 1
-        share_within,  // F(argument), a number from 0 to 1; the argument is a length
-    };
-    Kind kind = Kind::mean;
-    double argument = 0;
-};
 
 // The statistics of the leaves of one dissection, or of several together: each leaf counts with its weight. Every
 // result holds under rounding.

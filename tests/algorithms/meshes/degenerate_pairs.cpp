@@ -54,7 +54,9 @@ struct Candidate {
 std::vector<Candidate> certified_solvers() {
     std::vector<Candidate> all;
     for (const SolverEntry& entry : solvers()) {
-        if (!entry.info.certified || !entry.info.source.mesh || !entry.info.target.mesh) continue;
+        if (!entry.info.certified || !entry.info.source.mesh || !entry.info.target.mesh ||
+            !entry.info.offers(Quantity::directed))
+            continue;
         Candidate one{&entry, entry.info.name, {}};
         for (const ParameterMap& given : variants_of(entry)) {
             const Options options = quick_options(entry, given);

@@ -46,7 +46,9 @@ std::vector<Place> motion(int steps) {
 std::vector<SolverEntry> movers() {
     std::vector<SolverEntry> chosen;
     for (const SolverEntry& entry : solvers())
-        if (entry.info.source.mesh && entry.info.certified && entry.info.known_wrong.empty()) chosen.push_back(entry);
+        if (entry.info.source.mesh && entry.info.certified && entry.info.known_wrong.empty() &&
+            entry.info.offers(Quantity::directed))
+            chosen.push_back(entry);
     return chosen;
 }
 

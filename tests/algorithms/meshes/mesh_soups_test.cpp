@@ -80,7 +80,9 @@ double covering_radius(const TriangleMesh& a, int n) {
 std::vector<const SolverEntry*> mesh_solvers() {
     std::vector<const SolverEntry*> found;
     for (const SolverEntry& entry : solvers()) {
-        if (entry.info.certified && entry.info.source.mesh && entry.info.target.mesh) found.push_back(&entry);
+        if (entry.info.certified && entry.info.source.mesh && entry.info.target.mesh &&
+            entry.info.offers(Quantity::directed))
+            found.push_back(&entry);
     }
     return found;
 }

@@ -76,7 +76,7 @@ template <class F> void for_each_fitting(F&& f) {
     int solvers_tried = 0;
     for (const SolverEntry& entry : solvers()) {
         if (entry.info.source.surface || entry.info.name == "external" || !entry.info.known_wrong.empty()) continue;
-        if (entry.info.offers(Quantity::penetration)) continue;  // penetration_test.cpp
+        if (!entry.info.offers(Quantity::directed)) continue;  // tests of their own
         int tried = 0;
         for (const Case& c : cases()) {
             if (!refusal(entry.info, kind_of(c.test.scene.source), kind_of(c.test.scene.target)).empty()) continue;
@@ -285,7 +285,8 @@ TEST(SessionSymmetric, ARelativeToleranceIsOfH) {
     const TriangleMesh part = soup(rows({{0.3, 0.2, 0}, {1.7, 0.45, 0}, {0.65, 1.6, 0}}));
     const TriangleMesh whole = sheet(7, 0);
     for (const SolverEntry& entry : solvers()) {
-        if (!reaches_the_tolerance(entry.info) || !entry.info.source.mesh) continue;
+        if (!reaches_the_tolerance(entry.info) || !entry.info.source.mesh || !entry.info.offers(Quantity::directed))
+            continue;
         for (const Scene& scene : {Scene{part, whole}, Scene{whole, part}}) {
             const Session session(entry, defaults(entry), scene, {.symmetric = true});
             Query query;
@@ -361,7 +362,7 @@ void check_matrix(const SolverEntry& entry, int ratio, const std::string& where)
 TEST(SessionMatrix, SharedShapesHaveTheBitsOfEachPairAlone) {
     for (const SolverEntry& entry : solvers()) {
         if (entry.info.source.surface || entry.info.name == "external") continue;
-        if (entry.info.offers(Quantity::penetration)) continue;  // penetration_test.cpp
+        if (!entry.info.offers(Quantity::directed)) continue;  // tests of their own
         for (const int ratio : {0, -40, -60, 20}) {
             check_matrix(entry, ratio, entry.info.name + ", ratio 2^" + std::to_string(ratio));
         }
@@ -371,7 +372,7 @@ TEST(SessionMatrix, SharedShapesHaveTheBitsOfEachPairAlone) {
 // A shape so small that a common scale would cost it bits gets its own scale in each pair.
 TEST(SessionMatrix, ARatioOf300BinaryOrdersIsSoundInTheScaleOfThePair) {
     for (const SolverEntry& entry : solvers()) {
-        if (!entry.info.certified || entry.info.source.surface) continue;
+        if (!entry.info.certified || entry.info.source.surface || !entry.info.offers(Quantity::directed)) continue;
         const std::vector<Shape> shapes = shapes_for(entry.info, -300);
         for (const auto& [i, j] : {std::pair{0, 1}, std::pair{1, 0}, std::pair{1, 1}}) {
             const Scene scene{shapes[std::size_t(i)], shapes[std::size_t(j)]};
@@ -465,7 +466,7 @@ TEST(SessionThreads, OneSessionAnswersTwoThreads) { for_each_fitting(ask_from_tw
 
 TEST(SessionThreads, TwoThreadsBuildTheStructuresOfOneShape) {
     for (const SolverEntry& entry : solvers()) {
-        if (!entry.info.certified || entry.info.source.surface) continue;
+        if (!entry.info.certified || entry.info.source.surface || !entry.info.offers(Quantity::directed)) continue;
         const Case* chosen = nullptr;
         for (const Case& c : cases()) {
             const Scene& scene = c.test.scene;

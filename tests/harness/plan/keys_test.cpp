@@ -52,7 +52,7 @@ TEST_F(Keys, WritingADefaultOutChangesNothing) {
     const std::vector<std::string> top = written(top_keys()), limits = written(limit_keys()),
                                    translation = written(motion_keys("translation")),
                                    rotation = written(motion_keys("rotation")), solver = written(solver_keys());
-    EXPECT_EQ(top.size(), 10u);
+    EXPECT_EQ(top.size(), 11u);
     EXPECT_EQ(limits.size(), 4u);
     EXPECT_EQ(translation.size(), 2u);
     EXPECT_EQ(rotation.size(), 1u);

@@ -231,7 +231,8 @@ TEST_F(PlanRows, OfEitherQuantity) {
     EXPECT_EQ(to_cloud("quantity = 'symmetric'"),
               "solver 'idle_without_points' takes no points as source, as H(A,B) asks for");
     refuses("quantity = 'symetric'", "", "", {"s.toml:3:", "'quantity'", "did you mean 'symmetric'"});
-    refuses("", "", "quantity = 'h'", {"'quantity'", "directed (h), symmetric (H) or penetration"});
+    refuses("", "", "quantity = 'h'",
+            {"'quantity'", "directed (h), symmetric (H), penetration (depth) or distribution"});
 }
 
 TEST_F(PlanRows, OnlySolversThatCarryAStateAreWarm) {

@@ -1,0 +1,268 @@
+// The limits for a piece are lowered in rounds until the sums of all gaps are small enough. The sum of the gaps turns out
+// to be about proportional to the limit, so the next limit is the last one times (allowed gap) / (gap).
+#include "algorithms/meshes/distribution/narrow.h"
+
+#include "algorithms/kernel/rounding.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace hausbench {
+namespace {
+
+using Kind = Statistic::Kind;
+using Over = Statistic::Over;
+
+constexpr std::size_t most_pieces = 5'000'000;  // 1.5 GB; more if the shapes have more triangles
+
+// A round counts as progress if it narrows a quantile by a tenth. If this many rounds in a row do not, F is flat where
+// the quantile lies, and no number of pieces will narrow it.
+constexpr int rounds_without_progress = 4;
+
+// A statistic over A, over B or over both pooled, and the limit for its pieces. The other statistics are combined of
+// those over A and B.
+struct Goal {
+    Statistic statistic;
+    Bounds bounds = {};
+    double allowed = infinity;  // the largest gap that the query allows; infinity: it is not needed any more
+    double limit = CutWhere::never;
+    double last_gap = infinity;
+    int idle = 0;  // rounds without progress
+
+    bool flat() const { return idle >= rounds_without_progress; }
+};
+
+// The sum of weight times gap that a goal allows, if its bounds are in proportion to it.
+double allowed_sum(const Goal& goal, const Statistics& now) {
+    const double gap = goal.allowed;
+    switch (goal.statistic.kind) {
+        case Kind::rms:
+        case Kind::deviation:
+            return now.weight() * gap * (2 * goal.bounds.lower + gap);  // of squares
+        case Kind::quantile:
+            return now.open(goal.statistic, goal.bounds) * std::min(1.0, gap / goal.bounds.gap());
+        default:
+            return now.weight() * gap;
+    }
+}
+
+// Adds the limit of a goal to the places to cut.
+void add(const Goal& goal, const Statistics& now, CutWhere& where) {
+    switch (goal.statistic.kind) {
+        case Kind::mean:
+            where.mean = std::min(where.mean, goal.limit);
+            break;
+        case Kind::rms:
+            where.square = std::min(where.square, goal.limit);
+            break;
+        case Kind::deviation:
+            where.spread = std::min(where.spread, goal.limit);
+            where.about = now.about();
+            break;
+        case Kind::maximum:
+            where.maximum_gap =
+                std::min(where.maximum == CutWhere::never ? infinity : where.maximum_gap, 0.125 * goal.bounds.gap());
+            where.maximum = std::min(where.maximum, goal.bounds.lower + goal.allowed);
+            break;
+        case Kind::quantile:
+            where.bands.push_back({goal.bounds.lower, goal.bounds.upper, goal.limit});
+            break;
+        case Kind::share_within:
+            where.bands.push_back({goal.statistic.argument, goal.statistic.argument, goal.limit});
+            break;
+    }
+}
+
+class Narrowing {
+public:
+    Narrowing(const OneWay* source, const OneWay* target, double magnitude, const Query& query)
+        : query_(query), deadline_(query.time_limit), most_(most_pieces) {
+        for (const OneWay* way : {source, target}) {
+            if (way) most_ = std::max(most_, 8 * static_cast<std::size_t>(way->triangles.rows()));
+            pieces_.push_back(!way ? std::nullopt
+                                   : std::optional<Dissection>(std::in_place, way->triangles, way->points, way->other,
+                                                               magnitude, way->weigh, query.threads));
+        }
+        most_ = static_cast<std::size_t>(std::min<std::uint64_t>(query.budget, most_));
+        for (const Statistic& statistic : query.statistics) {
+            if (statistic.over == Over::source || statistic.over == Over::target || statistic.over == Over::pooled) {
+                goal(statistic, statistic.over);
+            } else {
+                goal(statistic, Over::source);
+                goal(statistic, Over::target);
+            }
+        }
+    }
+
+    Narrowed run() {
+        while (true) {
+            bool more = false;
+            for (std::size_t way = 0; way < 2; ++way)
+                if (pieces_[way]) more |= pieces_[way]->refine(where_[way], deadline_, most_);
+            if (const auto status = narrower(more)) return result(*status);
+        }
+    }
+
+private:
+    // The place in `goals_` of a statistic over these points; adds it if it is new.
+    std::size_t goal(Statistic statistic, Over over) {
+        statistic.over = over;
+        for (std::size_t i = 0; i < goals_.size(); ++i)
+            if (goals_[i].statistic == statistic) return i;
+        goals_.push_back({statistic});
+        return goals_.size() - 1;
+    }
+
+    std::size_t pieces() const {
+        std::size_t sum = 0;
+        for (const std::optional<Dissection>& one : pieces_)
+            if (one) sum += one->leaves().size();
+        return sum;
+    }
+
+    // Computes all bounds from the pieces, and the next places to cut. Returns why to stop, if there is a reason;
+    // `more` tells whether the last round cut anything.
+    std::optional<Status> narrower(bool more) {
+        std::array<std::optional<Statistics>, 3> all;  // by Over: source, target; the last is pooled
+        const auto now = [&](Over over) -> const Statistics& {
+            std::optional<Statistics>& one = all[over == Over::pooled ? 2 : static_cast<std::size_t>(over)];
+            if (!one) {
+                std::vector<std::span<const Leaf>> leaves;
+                double extra = 0;
+                for (std::size_t way = 0; way < 2; ++way) {
+                    if (over != Over::pooled && way != static_cast<std::size_t>(over)) continue;
+                    leaves.emplace_back(pieces_[way]->leaves());
+                    extra += pieces_[way]->extra_weight();
+                }
+                one.emplace(std::move(leaves), extra);
+            }
+            return *one;
+        };
+        for (Goal& one : goals_) {
+            one.bounds = now(one.statistic.over).of(one.statistic);
+            one.allowed = infinity;
+        }
+        const bool done = answer();
+        if (done) return Status::converged;
+        if (deadline_.passed()) return Status::time_limit;
+        if (pieces() > most_) return Status::budget;
+        if (!more) return unfinished();
+        where_ = {};
+        bool cut = false;
+        for (Goal& one : goals_) {
+            if (one.bounds.gap() <= one.allowed || one.flat()) continue;
+            cut = true;
+            lower_limit(one, now(one.statistic.over));
+            for (std::size_t way = 0; way < 2; ++way) {
+                if (one.statistic.over == Over::pooled || way == static_cast<std::size_t>(one.statistic.over))
+                    add(one, now(one.statistic.over), where_[way]);
+            }
+        }
+        return cut ? std::nullopt : std::optional(Status::stalled);
+    }
+
+    // The status if there is nothing left to cut: `stalled` if only quantiles are open, because F is flat there.
+    Status unfinished() {
+        bool other = false;
+        for (Goal& one : goals_) {
+            if (one.bounds.gap() <= one.allowed) continue;
+            if (one.statistic.kind == Kind::quantile)
+                one.idle = rounds_without_progress;
+            else
+                other = true;
+        }
+        return other ? Status::precision_floor : Status::stalled;
+    }
+
+    // Combines the bounds of the goals into `answers_`, and sets what the goals must still reach. Returns whether all
+    // answers are within the tolerance.
+    bool answer() {
+        answers_.clear();
+        bool done = true;
+        for (const Statistic& statistic : query_.statistics) {
+            if (statistic.over == Over::source || statistic.over == Over::target || statistic.over == Over::pooled) {
+                Goal& one = goals_[goal(statistic, statistic.over)];
+                answers_.push_back(one.bounds);
+                one.allowed = std::min(one.allowed, query_.allowed_gap(statistic, one.bounds.lower));
+                done &= one.bounds.gap() <= one.allowed;
+                continue;
+            }
+            Goal& source = goals_[goal(statistic, Over::source)];
+            Goal& target = goals_[goal(statistic, Over::target)];
+            const Bounds bounds = combined(statistic.over, source.bounds, target.bounds);
+            answers_.push_back(bounds);
+            const double allowed = query_.allowed_gap(statistic, bounds.lower);
+            if (bounds.gap() <= allowed) continue;
+            done = false;
+            for (Goal* one : {&source, &target}) {
+                // A value that cannot be the larger one need not be known better. A harmonic mean changes by at most
+                // twice the change of one value.
+                if (statistic.over == Over::larger && one->bounds.upper <= bounds.lower + allowed) continue;
+                one->allowed = std::min(one->allowed, statistic.over == Over::harmonic_mean ? allowed / 4 : allowed);
+            }
+        }
+        return done;
+    }
+
+    void lower_limit(Goal& one, const Statistics& now) const {
+        const bool quantile = one.statistic.kind == Kind::quantile;
+        one.idle = quantile && one.bounds.gap() > 0.9 * one.last_gap ? one.idle + 1 : 0;
+        one.last_gap = one.bounds.gap();
+        const double open = now.open(one.statistic, one.bounds), most = allowed_sum(one, now);
+        if (one.limit == CutWhere::never)
+            one.limit = 4 * std::max(most, open / 256) / static_cast<double>(pieces());
+        else
+            one.limit *= open > 0 ? std::clamp(0.7 * most / open, quantile ? 0x1p-4 : 0x1p-10, 0.5) : 0.5;
+    }
+
+    Narrowed result(Status status) const {
+        Narrowed narrowed{status, {}, answers_, pieces(), {}};
+        for (const Goal& one : goals_) {
+            if (one.bounds.gap() <= one.allowed || !one.flat()) continue;
+            narrowed.note = to_string(one.statistic) +
+                            ": no part of the surface is so far away, so any value between the bounds is right";
+        }
+        for (const std::optional<Dissection>& one : pieces_)
+            if (one) narrowed.counters += one->counters();
+        return narrowed;
+    }
+
+    const Query& query_;
+    Deadline deadline_;
+    std::size_t most_;
+    std::vector<std::optional<Dissection>> pieces_;  // of A and of B
+    std::vector<Goal> goals_;
+    std::vector<Bounds> answers_;
+    std::array<CutWhere, 2> where_;
+};
+
+}  // namespace
+
+Bounds combined(Over over, const Bounds& source, const Bounds& target) {
+    // Each operation errs by a factor of at most 1 + u, or by less than the least positive double.
+    constexpr double factor = 1 + 8 * unit_roundoff;
+    const auto outward = [](double lower, double upper) {
+        return Bounds{std::max(0.0, next_down(lower / factor)), next_up(upper * factor)};
+    };
+    const auto harmonic = [](double x, double y) {
+        return x > 0 && y > 0 ? 2 * (std::min(x, y) * (std::max(x, y) / (x + y))) : 0;
+    };
+    switch (over) {
+        case Over::larger:
+            return {std::max(source.lower, target.lower), std::max(source.upper, target.upper)};
+        case Over::mean_of_both:
+            return outward(0.5 * source.lower + 0.5 * target.lower, 0.5 * source.upper + 0.5 * target.upper);
+        case Over::harmonic_mean:
+            return outward(harmonic(source.lower, target.lower), harmonic(source.upper, target.upper));
+        default:
+            return source;
+    }
+}
+
+Narrowed narrow(const OneWay* source, const OneWay* target, double magnitude, const Query& query) {
+    return Narrowing(source, target, magnitude, query).run();
+}
+
+}  // namespace hausbench

@@ -1,0 +1,101 @@
+#include "algorithms/statistic.h"
+
+#include "algorithms/error.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace hausbench {
+namespace {
+
+struct KindName {
+    std::string_view name;
+    Statistic::Kind kind;
+    bool has_argument;
+};
+constexpr KindName kinds[] = {
+    {"mean", Statistic::Kind::mean, false},           {"rms", Statistic::Kind::rms, false},
+    {"deviation", Statistic::Kind::deviation, false}, {"maximum", Statistic::Kind::maximum, false},
+    {"quantile", Statistic::Kind::quantile, true},    {"within", Statistic::Kind::share_within, true},
+};
+
+// Takes the next word off the text.
+std::string_view next_word(std::string_view& text) {
+    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(word.size());
+    return word;
+}
+
+std::optional<double> number_of(std::string_view word) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+    return value;
+}
+
+}  // namespace
+
+std::string_view to_string(Statistic::Over over) {
+    constexpr std::string_view names[] = {"source", "target", "larger", "mean_of_both", "harmonic_mean", "pooled"};
+    return names[static_cast<std::size_t>(over)];
+}
+
+std::string_view to_string(WeighBy weigh) { return weigh == WeighBy::area ? "area" : "number"; }
+
+std::string to_string(const Statistic& statistic) {
+    std::string text;
+    for (const KindName& one : kinds) {
+        if (one.kind != statistic.kind) continue;
+        text = one.has_argument ? fmt::format("{} {}", one.name, statistic.argument) : std::string(one.name);
+    }
+    if (statistic.kind == Statistic::Kind::quantile && statistic.argument == 0.5) text = "median";
+    if (statistic.over != Statistic::Over::source) text += fmt::format(" {}", to_string(statistic.over));
+    return text;
+}
+
+Statistic statistic_of(std::string_view text) {
+    const auto fail = [&](const std::string& why) -> InputError {
+        return InputError(fmt::format("statistic '{}': {}", text, why));
+    };
+    std::string_view rest = text;
+    const std::string_view name = next_word(rest);
+    Statistic statistic;
+    const KindName* found = nullptr;
+    for (const KindName& one : kinds)
+        if (one.name == name) found = &one;
+    if (name == "median") {
+        statistic = {Statistic::Kind::quantile, 0.5};
+    } else if (!found) {
+        throw fail("must be mean, rms, deviation, maximum, median, 'quantile LEVEL' or 'within LENGTH'");
+    } else {
+        statistic.kind = found->kind;
+        if (found->has_argument) {
+            const std::string_view word = next_word(rest);
+            const std::optional<double> value = number_of(word);
+            if (!value) throw fail(fmt::format("'{}' must be followed by a number, not '{}'", name, word));
+            statistic.argument = *value;
+        }
+    }
+    if (statistic.kind == Statistic::Kind::quantile && !(statistic.argument > 0 && statistic.argument <= 1))
+        throw fail("the level must be above 0 and at most 1");
+    if (is_share(statistic) && !(statistic.argument >= 0 && std::isfinite(statistic.argument)))
+        throw fail("the length must be a number of at least 0");
+    if (const std::string_view over = next_word(rest); !over.empty()) {
+        bool known = false;
+        for (const Statistic::Over one : all_overs) {
+            if (to_string(one) != over) continue;
+            statistic.over = one;
+            known = true;
+        }
+        if (!known)
+            throw fail(fmt::format("'{}' must be source, target, larger, mean_of_both, harmonic_mean or pooled", over));
+    }
+    if (!next_word(rest).empty()) throw fail("has words left over");
+    return statistic;
+}
+
+}  // namespace hausbench

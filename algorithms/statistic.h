@@ -1,0 +1,62 @@
+// Statistics of the distance between two shapes.
+//
+// Let d be the distance of a point of A to B. F(t) is the share of A (of its area, or of its points) at which d <= t.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace hausbench {
+
+struct Statistic {
+    enum class Kind {
+        mean,          // of d
+        rms,           // root of the mean of d^2
+        deviation,     // standard deviation: root of the mean of (d - mean)^2
+        maximum,       // of d
+        quantile,      // the least t with F(t) >= argument; 0 < argument <= 1
+        share_within,  // F(argument), a number from 0 to 1; the argument is a length
+    };
+    // The points whose distances count. docs/conventions.md says which tool means what.
+    enum class Over {
+        source,         // the points of A, with their distances to B
+        target,         // the points of B, with their distances to A
+        larger,         // the larger of the two values
+        mean_of_both,   // the arithmetic mean of the two values
+        harmonic_mean,  // the harmonic mean of the two values
+        pooled,         // the points of both shapes together, each with its distance to the other shape
+    };
+    Kind kind = Kind::mean;
+    double argument = 0;
+    Over over = Over::source;
+
+    bool operator==(const Statistic&) const = default;
+};
+
+// What counts as much as what.
+enum class WeighBy {
+    area,    // each part of a mesh by its area; each point of a point set once
+    number,  // each vertex of a mesh that belongs to a triangle once, the rest of the mesh not at all; each point once
+};
+
+inline constexpr Statistic::Over all_overs[] = {Statistic::Over::source,        Statistic::Over::target,
+                                                Statistic::Over::larger,        Statistic::Over::mean_of_both,
+                                                Statistic::Over::harmonic_mean, Statistic::Over::pooled};
+std::string_view to_string(Statistic::Over over);
+std::string_view to_string(WeighBy weigh);
+
+// Returns whether the statistic is a share, which has no unit. All others are lengths.
+inline bool is_share(const Statistic& statistic) { return statistic.kind == Statistic::Kind::share_within; }
+
+// Returns whether the statistic needs the distances from A to B, or from B to A.
+inline bool needs_source(const Statistic& statistic) { return statistic.over != Statistic::Over::target; }
+inline bool needs_target(const Statistic& statistic) { return statistic.over != Statistic::Over::source; }
+
+// The name as it is written and shown: "mean", "rms", "deviation", "maximum", "median", "quantile 0.95" or "within 0.1";
+// "pooled" and so on may follow.
+std::string to_string(const Statistic& statistic);
+
+// Reads such a name. Throws InputError, which quotes the text and says what is allowed.
+Statistic statistic_of(std::string_view text);
+
+}  // namespace hausbench

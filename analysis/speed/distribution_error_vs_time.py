@@ -1,0 +1,156 @@
+"""Statistics of the distance against run time: relative width of the interval of `distribution` and of Monte Carlo."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+import scipy.stats
+
+from analysis.shared import claims, scales, style, tables
+from analysis.shared.cells import Cell, compare
+from analysis.shared.notes import clock_note, machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round
+from analysis.shared.verdicts import UNTESTED, Verdict, above_one
+
+OURS: Final = "distribution"
+RIVAL: Final = "monte_carlo"
+AIM: Final = 5  # the claim: Monte Carlo takes at least so many times as long
+FINE: Final = 1e-4  # at this width of the mean, relative to it
+TITLES: Final = {"mean": "mean", "rms": "RMS", "quantile 0.95": "95 % quantile"}
+
+Key = tuple[str, str, float]  # scene with its statistic, label, tolerance
+
+
+def pair_of(results: Results, case: int) -> str:
+    """Returns the name of the scene without the statistic that load() adds."""
+    return str(results.cases.scene[case]).removesuffix(f", {results.cases.statistic[case]}")
+
+
+def width(results: Results, case: int) -> float:
+    """Returns the width of the interval, relative to the middle of the narrowest proven one."""
+    middle = results.middle(case)
+    return results.gap(case) / middle if middle > 0 else float("nan")
+
+
+def cells_of(results: Results) -> dict[Key, Cell]:
+    cases, found = results.cases, dict[Key, list[int]]()
+    for row in range(len(cases)):
+        found.setdefault((str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])), []).append(row)
+    return {key: Cell(results, rows) for key, rows in found.items()}
+
+
+def mean_ratio(pairs: Sequence[tuple[Cell, Cell]], by: float = 1.0) -> Estimate:
+    """Returns the geometric mean of time of the first / time of the second / `by`, with an interval over the rounds that all have."""
+    rounds = [one.times.keys() & other.times.keys() for one, other in pairs]
+    shared = set[int]().union(*rounds).intersection(*rounds)
+    if not pairs or not shared:
+        return NO_DATA
+    means = {number: [float(scipy.stats.gmean([cell.times[number] for cell in side])) for side in zip(*pairs)] for number in shared}
+    return ratio_by_round({number: one / by for number, (one, _) in means.items()}, {number: other for number, (_, other) in means.items()})
+
+
+def judge(results: Results, cells: dict[Key, Cell]) -> Verdict:
+    """Judges the claim on the mean at FINE. If Monte Carlo did not end, its pair is left out and counted."""
+    claim = claims.of("hausbench", "statistics_monte_carlo", aim=AIM, width=f"{FINE:g}")
+    asked = [(scene, tolerance) for scene, label, tolerance in cells if label == OURS and np.isclose(tolerance, FINE) and scene.endswith(", mean")]
+    both = [(cells[scene, RIVAL, tolerance], cells[scene, OURS, tolerance]) for scene, tolerance in asked if (scene, RIVAL, tolerance) in cells]
+    answered = [pair for pair in both if not pair[0].failures and not pair[1].failures]
+    if not answered:
+        return Verdict(claim, UNTESTED, f"no pair answered at {FINE:g}")
+    verdict, unended = above_one(claim, mean_ratio(answered, AIM)), len(both) - len(answered)
+    return replace(verdict, evidence=f"{tables.estimate(mean_ratio(answered))} times over {len(answered)} pairs" +
+                   (f"; no ratio for {unended} that one of them did not answer" if unended else ""))
+
+
+def make(results: Results) -> Report:
+    cases, cells = results.cases, cells_of(results)
+    table = tables.Table("Time to prepare and solve, ms, until the interval of a statistic has the asked width relative to its value; samples or pieces; and how "
+                         "many times as long Monte Carlo takes. Its intervals hold with 95 %, the others always.",
+                         ["pair", "statistic", "value / diagonal", "asked", style.title(OURS), "pieces", style.title(RIVAL), "samples", "times"], left=2)
+    records: list[tables.Record] = []
+    for scene in results.scenes:
+        first = results.rows(scene=scene)[0]
+        tolerances = sorted({float(t) for t in cases.tolerance[results.rows(scene=scene)]}, reverse=True)
+        table.rules.add(len(table.rows))
+        for i, tolerance in enumerate(tolerances):
+            ours, rival = cells.get((scene, OURS, tolerance)), cells.get((scene, RIVAL, tolerance))
+            ratio = compare(rival, ours) if ours and rival else NO_DATA
+            head = [pair_of(results, first), TITLES.get(cases.statistic[first], cases.statistic[first]), tables.number(results.share(first))]
+            table.rows.append([*(head if i == 0 else ["", "", ""]), tables.number(tolerance, 1), text(ours), counted(results, ours, "pieces"),
+                               text(rival), counted(results, rival, "samples"), tables.estimate(ratio)])
+        for row in results.rows(scene=scene):
+            cell = cells[scene, str(cases.label[row]), float(cases.tolerance[row])]
+            records.append({"pair": pair_of(results, row), "statistic": cases.statistic[row], "solver": cases.solver[row], "tolerance": float(cases.tolerance[row]),
+                            "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "relative_width": width(results, row),
+                            **tables.seconds(cell.time), **{name: value for name, value in results.extras(row).items() if name in ("pieces", "samples")}})
+    table.verdicts = [judge(results, cells)]
+    table.notes += [*crossings(results, cells), f"{tables.coverage_note(cell.time for cell in cells.values())}", f"{machine_line(results)}."]
+    caption = ("Width of the interval of a statistic, relative to its value, against the time to prepare and solve. Thin: each pair of meshes; bold: geometric mean over "
+               "the pairs that reached the width. Intervals of Monte Carlo hold with a probability of 95 %, the others always.")
+    return Report(lambda: draw(results, cells), table, records, caption=caption, clock=clock_note(results))
+
+
+def text(cell: Cell | None) -> str:
+    return cell.text(1e3) if cell else tables.NOTHING
+
+
+def counted(results: Results, cell: Cell | None, name: str) -> str:
+    """Returns the number of pieces or samples of a cell."""
+    value = results.extras(cell.cases[0]).get(name, np.nan) if cell else np.nan
+    return tables.NOTHING if np.isnan(value) else f"{value:,.0f}"
+
+
+def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
+    """Returns a note on the widths at which the two solvers take the same time, by the lines of the figure."""
+    found = []
+    for statistic in dict.fromkeys(map(str, results.cases.statistic)):
+        ours, rival = (line(results, cells, statistic, label) for label in (OURS, RIVAL))
+        shared = sorted(ours.keys() & rival.keys(), reverse=True)
+        logs = [float(np.log(rival[t] / ours[t])) for t in shared]
+        for (t, a), (u, b) in zip(zip(shared, logs), list(zip(shared, logs))[1:]):
+            if a < 0 <= b:
+                at = np.exp(np.log(t) + (np.log(u) - np.log(t)) * -a / (b - a))
+                found.append(f"{TITLES.get(statistic, statistic)}: {tables.number(float(at), 2)}")
+    return [f"Relative widths at which both take the same time (geometric mean over pairs): {'; '.join(found)}. Narrower intervals take Monte Carlo longer."] if found else []
+
+
+def line(results: Results, cells: dict[Key, Cell], statistic: str, label: str) -> dict[float, float]:
+    """Returns the geometric mean of the times over all pairs, by tolerance; only tolerances that every pair reached."""
+    scenes = [scene for scene in results.scenes if scene.endswith(f", {statistic}")]
+    times = dict[float, float]()
+    for tolerance in {tolerance for scene, name, tolerance in cells if name == label}:
+        known = [cells[scene, label, tolerance] for scene in scenes if (scene, label, tolerance) in cells]
+        if len(known) == len(scenes) and not any(cell.failures for cell in known):
+            times[tolerance] = float(scipy.stats.gmean([cell.time.value for cell in known]))
+    return times
+
+
+def draw(results: Results, cells: dict[Key, Cell]) -> Any:
+    cases = results.cases
+    statistics = list(dict.fromkeys(map(str, cases.statistic)))
+    labels = style.order(zip(cases.solver, cases.label))
+    figure, axes = plt.subplots(1, len(statistics), figsize=(style.DOUBLE_COLUMN, 2.4), sharex=True, sharey=True, squeeze=False)
+    for ax, statistic in zip(axes[0], statistics):
+        for solver, label in labels:
+            looks = style.look(solver, label)
+            for scene in [scene for scene in results.scenes if scene.endswith(f", {statistic}")]:
+                points = sorted((tolerance, cell.time.value) for (name, of, tolerance), cell in cells.items()
+                                if name == scene and of == label and not cell.failures and cell.time.n)
+                ax.plot([time for _, time in points], [tolerance for tolerance, _ in points], color=looks.colour, linewidth=0.5, alpha=0.4)
+            mean = sorted(line(results, cells, statistic, label).items())
+            ax.plot([time for _, time in mean], [tolerance for tolerance, _ in mean], **style.filled_marker(looks) | {"linestyle": "-", "linewidth": 1.4})
+        ax.set_xscale("log")
+        ax.set_yscale("log")
+        ax.set_title(TITLES.get(statistic, statistic))
+        ax.set_xlabel("time (s)")
+        scales.log_ticks(ax.xaxis)
+        scales.log_ticks(ax.yaxis)
+    axes[0][0].set_ylabel("width / value")
+    style.legend_above(figure, style.handles(labels))
+    return figure

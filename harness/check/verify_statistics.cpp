@@ -1,0 +1,378 @@
+#include "harness/check/verify_statistics.h"
+
+#include "harness/check/verify_exact.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace hausbench {
+namespace {
+
+const double log_of_chance = std::log(2e12);  // ln(2 / chance) for a chance of 1e-12
+
+double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+    const Vec3 edge = b - a;
+    const double length = edge.squaredNorm();
+    const double t = length > 0 ? std::clamp((p - a).dot(edge) / length, 0.0, 1.0) : 0.0;
+    return std::min({(p - a - t * edge).norm(), (p - a).norm(), (p - b).norm()});
+}
+
+// Returns the distance of p to a point, or to a triangle: to its edges or, if the foot on its plane is inside, to that.
+double distance_to(const Vec3& p, const Element& e) {
+    if (e.size() == 1) return (p - e[0]).norm();
+    double least = std::min(
+        {distance_to_segment(p, e[0], e[1]), distance_to_segment(p, e[1], e[2]), distance_to_segment(p, e[2], e[0])});
+    const Vec3 x = e[1] - e[0], y = e[2] - e[0], q = p - e[0], normal = x.cross(y);
+    const double area = normal.squaredNorm();
+    if (area > 0) {
+        const double s = q.cross(y).dot(normal) / area, t = x.cross(q).dot(normal) / area;
+        if (s >= 0 && t >= 0 && s + t <= 1) least = std::min(least, (q - s * x - t * y).norm());
+    }
+    return least;
+}
+
+// A tree of boxes over the elements of a shape, halved at the median of the longest side.
+class BoxTree {
+public:
+    explicit BoxTree(const Standing& shape) : shape_(shape), order_(std::size_t(shape.count())) {
+        std::iota(order_.begin(), order_.end(), Index(0));
+        for (Index i = 0; i < shape.count(); ++i) elements_.push_back(shape[i]);
+        build(0, order_.size());
+    }
+
+    // Returns the element nearest to p, and its distance.
+    std::pair<Index, double> nearest(const Vec3& p) const {
+        std::pair<Index, double> best{-1, std::numeric_limits<double>::infinity()};
+        search(0, p, best);
+        return best;
+    }
+
+    const Element& element(Index i) const { return elements_[std::size_t(i)]; }
+
+private:
+    struct Node {
+        Vec3 low, high;
+        std::size_t begin, end, second;  // second child; 0: a leaf. The first child follows its parent
+    };
+
+    std::size_t build(std::size_t begin, std::size_t end) {
+        Node node{Vec3::Constant(std::numeric_limits<double>::infinity()),
+                  Vec3::Constant(-std::numeric_limits<double>::infinity()), begin, end, 0};
+        for (std::size_t i = begin; i < end; ++i) {
+            for (const Vec3& v : element(order_[i])) {
+                node.low = node.low.cwiseMin(v);
+                node.high = node.high.cwiseMax(v);
+            }
+        }
+        const std::size_t at = nodes_.size();
+        nodes_.push_back(node);
+        if (end - begin <= 4) return at;
+        int axis = 0;
+        (node.high - node.low).maxCoeff(&axis);
+        const std::size_t middle = begin + (end - begin) / 2;
+        const auto place = [&](Index i) {
+            double sum = 0;
+            for (const Vec3& v : element(i)) sum += v[axis];
+            return sum;
+        };
+        const auto from = order_.begin();
+        std::nth_element(from + std::ptrdiff_t(begin), from + std::ptrdiff_t(middle), from + std::ptrdiff_t(end),
+                         [&](Index x, Index y) { return place(x) < place(y); });
+        build(begin, middle);
+        const std::size_t second = build(middle, end);
+        nodes_[at].second = second;
+        return at;
+    }
+
+    double to_box(const Vec3& p, std::size_t node) const {
+        const Node& n = nodes_[node];
+        return (n.low - p).cwiseMax(p - n.high).cwiseMax(0.0).norm();
+    }
+
+    void search(std::size_t at, const Vec3& p, std::pair<Index, double>& best) const {
+        const Node& node = nodes_[at];
+        if (node.second == 0) {
+            for (std::size_t i = node.begin; i < node.end; ++i) {
+                const double d = distance_to(p, element(order_[i]));
+                if (d < best.second) best = {order_[i], d};
+            }
+            return;
+        }
+        std::size_t near = at + 1, far = node.second;
+        double to_near = to_box(p, near), to_far = to_box(p, far);
+        if (to_far < to_near) {
+            std::swap(near, far);
+            std::swap(to_near, to_far);
+        }
+        // The factor covers the rounding of the distance to a box.
+        if (to_near * (1 - 1e-14) < best.second) search(near, p, best);
+        if (to_far * (1 - 1e-14) < best.second) search(far, p, best);
+    }
+
+    const Standing& shape_;
+    std::vector<Index> order_;
+    std::vector<Element> elements_;
+    std::vector<Node> nodes_;
+};
+
+double exact_area(const Element& e) {
+    // The type turns the expression into a number; otherwise it would refer to numbers that are gone.
+    const auto difference = [&](std::size_t i, int k) -> Rational { return Rational(e[i][k]) - Rational(e[0][k]); };
+    Rational squared = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int l = (k + 1) % 3, m = (k + 2) % 3;
+        const Rational n = difference(1, l) * difference(2, m) - difference(1, m) * difference(2, l);
+        squared += n * n;
+    }
+    return 0.5 * root_at_most(squared);
+}
+
+// The interval of an estimate.
+struct Around {
+    double low, high;
+};
+
+}  // namespace
+
+// Distances of points of one shape to the other, sorted.
+struct StatisticsChecker::Samples {
+    std::vector<double> distances;
+    bool complete = false;  // all points of the shape
+    double most = 0;        // R
+    double weight = 0;      // area, or number of points
+    double error = 0;       // of each distance, by rounding
+
+    // Returns how far F_n may be from F.
+    double share_error() const { return complete ? 0 : std::sqrt(log_of_chance / (2 * double(distances.size()))); }
+
+    // Returns the interval of the mean of `value`, a function of d between 0 and `largest` over the shape. Rounding
+    // changes it by at most `rounding`.
+    template <class Value> Around mean(const Value& value, double largest, double rounding) const {
+        const double n = double(distances.size());
+        double sum = 0, squares = 0;
+        for (const double d : distances) sum += value(d);
+        const double mean = sum / n;
+        for (const double d : distances) squares += (value(d) - mean) * (value(d) - mean);
+        const double variance = n > 1 ? squares / (n - 1) : 0;
+        const double off =
+            complete ? 0 : std::sqrt(2 * variance * log_of_chance / n) + 7 * largest * log_of_chance / (3 * (n - 1));
+        const double all = off + rounding + 1e-12 * mean;  // the sum of n numbers errs by less than 1e-12 of it
+        return {std::max(0.0, mean - all), mean + all};
+    }
+
+    // Returns the share of the samples with distances of at most t.
+    double share(double t) const {
+        return double(std::upper_bound(distances.begin(), distances.end(), t) - distances.begin()) /
+               double(distances.size());
+    }
+};
+
+struct StatisticsChecker::Pair {
+    const Shape &source_shape, &target_shape;
+    Standing source, target;
+    std::size_t count;
+    Stop stop;
+    std::map<std::pair<bool, WeighBy>, std::optional<Samples>> samples = {};
+
+    Pair(const Shape& a, const Pose& a_pose, const Shape& b, const Pose& b_pose, std::size_t n, Stop s)
+        : source_shape(a), target_shape(b), source(a, a_pose), target(b, b_pose), count(n), stop(std::move(s)) {}
+
+    // Returns the points that count once each: all points, or the vertices that belong to a triangle.
+    std::vector<Vec3> points_of_shape(bool of_source) const {
+        const Standing& from = of_source ? source : target;
+        std::vector<bool> used(std::size_t(from.points().rows()), true);
+        if (const auto* mesh = std::get_if<TriangleMesh>(of_source ? &source_shape : &target_shape)) {
+            used.assign(used.size(), false);
+            for (const Index i : mesh->triangles.reshaped()) used[std::size_t(i)] = true;
+        }
+        std::vector<Vec3> all;
+        for (std::size_t i = 0; i < used.size(); ++i)
+            if (used[i]) all.emplace_back(from.points().row(Index(i)));
+        return all;
+    }
+
+    std::optional<Samples> draw(bool of_source, WeighBy weigh) {
+        const Standing &from = of_source ? source : target, &to = of_source ? target : source;
+        if (!from.finite() || !to.finite()) return std::nullopt;
+        const BoxTree tree(to);
+        std::mt19937_64 random(of_source ? 1 : 2);
+        std::uniform_real_distribution<double> uniform;
+        Samples found;
+        const double largest = std::max(from.points().cwiseAbs().maxCoeff(), to.points().cwiseAbs().maxCoeff());
+        found.error = 100 * 0x1p-53 * largest;  // 84 * 2^-53 by verify.cpp, and a few for a point inside a triangle
+        const auto measure = [&](const Vec3& p) { found.distances.push_back(tree.nearest(p).second); };
+        const bool mesh = kind_of(of_source ? source_shape : target_shape) == ShapeKind::mesh;
+        if (weigh == WeighBy::number || !mesh) {
+            const std::vector<Vec3> all = points_of_shape(of_source);
+            found.weight = double(all.size());
+            for (const Vec3& p : all) {
+                if (stop && stop()) return std::nullopt;
+                measure(p);
+            }
+            found.complete = true;
+        } else {
+            std::vector<double> sums;
+            double sum = 0;
+            for (Index i = 0; i < from.count(); ++i) {
+                if (stop && stop()) return std::nullopt;
+                const Element e = from[i];
+                sums.push_back(sum += exact_area(e));
+                const Vec3 centre = (e[0] + e[1] + e[2]) / 3;
+                const Element& nearest = tree.element(tree.nearest(centre).first);
+                for (const Vec3& v : e) found.most = std::max(found.most, distance_to(v, nearest));
+            }
+            if (!(sum > 0)) return std::nullopt;
+            found.weight = sum;
+            for (std::size_t k = 0; k < count; ++k) {
+                if (stop && k % 1024 == 0 && stop()) return std::nullopt;
+                const auto at = std::upper_bound(sums.begin(), sums.end(), uniform(random) * sum);
+                const Element e = from[std::min(Index(at - sums.begin()), from.count() - 1)];
+                const double root = std::sqrt(uniform(random)), t = uniform(random);
+                measure((1 - root) * e[0] + root * (1 - t) * e[1] + root * t * e[2]);
+            }
+        }
+        std::sort(found.distances.begin(), found.distances.end());
+        found.most = std::max(found.most, found.distances.back()) + found.error;
+        return found;
+    }
+};
+
+namespace {
+
+Around combined(Statistic::Over over, const Around& x, const Around& y) {
+    const auto value = [over](double a, double b) {
+        if (over == Statistic::Over::larger) return std::max(a, b);
+        if (over == Statistic::Over::mean_of_both) return (a + b) / 2;
+        return a > 0 && b > 0 ? 2 / (1 / a + 1 / b) : 0;
+    };
+    return {value(x.low, y.low), value(x.high, y.high)};
+}
+
+}  // namespace
+
+StatisticsChecker::StatisticsChecker(const Shape& source, const Pose& source_pose, const Shape& target,
+                                     const Pose& target_pose, Stop stop, std::size_t samples)
+    : pair_(std::make_unique<Pair>(source, source_pose, target, target_pose, samples, std::move(stop))) {}
+
+StatisticsChecker::~StatisticsChecker() = default;
+
+const StatisticsChecker::Samples* StatisticsChecker::samples(bool of_source, WeighBy weigh) {
+    auto at = pair_->samples.find({of_source, weigh});
+    if (at == pair_->samples.end())
+        at = pair_->samples.emplace(std::pair(of_source, weigh), pair_->draw(of_source, weigh)).first;
+    return at->second ? &*at->second : nullptr;
+}
+
+namespace {
+
+// Returns the interval of a statistic over the samples of some shapes together.
+template <class Samples> Around around(const Statistic& statistic, const std::vector<const Samples*>& all) {
+    double weight = 0, most = 0, error = 0, largest_sample = 0;
+    for (const Samples* one : all) {
+        weight += one->weight;
+        most = std::max(most, one->most);
+        error = std::max(error, one->error);
+        largest_sample = std::max(largest_sample, one->distances.back());
+    }
+    const auto mean_of = [&](const auto& value, double largest, double rounding) {
+        Around sum{0, 0};
+        for (const Samples* one : all) {
+            const Around mean = one->mean(value, largest, rounding);
+            sum.low += one->weight / weight * mean.low;
+            sum.high += one->weight / weight * mean.high;
+        }
+        return sum;
+    };
+    // F at t, with its error.
+    const auto share = [&](double t, double way) {
+        double sum = 0;
+        for (const Samples* one : all) sum += one->weight / weight * (one->share(t) + way * one->share_error());
+        return sum;
+    };
+    // The least sample at which F, with its error, is at least `level`.
+    const auto quantile = [&](double level, double way) {
+        if (share(-1, way) >= level) return 0.0;  // even below all samples
+        double found = most;
+        for (const Samples* one : all) {
+            const auto& d = one->distances;
+            const auto at = std::partition_point(d.begin(), d.end(), [&](double t) { return share(t, way) < level; });
+            if (at != d.end()) found = std::min(found, *at);
+        }
+        return found;
+    };
+    switch (statistic.kind) {
+        case Statistic::Kind::mean:
+            return mean_of([](double d) { return d; }, most, error);
+        case Statistic::Kind::rms: {
+            const Around square = mean_of([](double d) { return d * d; }, most * most, 2 * error * most);
+            return {std::sqrt(square.low), std::sqrt(square.high)};
+        }
+        case Statistic::Kind::deviation: {
+            const Around mean = mean_of([](double d) { return d; }, most, error);
+            const double about = (mean.low + mean.high) / 2, off = (mean.high - mean.low) / 2;
+            const double far = std::max(about, most - about);
+            const Around square =
+                mean_of([&](double d) { return (d - about) * (d - about); }, far * far, 4 * error * far);
+            return {std::sqrt(std::max(0.0, square.low - off * off)), std::sqrt(square.high)};
+        }
+        case Statistic::Kind::maximum:
+            return {largest_sample, most};
+        case Statistic::Kind::quantile:
+            return {std::max(0.0, quantile(statistic.argument, +1) - error), quantile(statistic.argument, -1) + error};
+        case Statistic::Kind::share_within:
+            return {std::max(0.0, share(statistic.argument - error, -1)),
+                    std::min(1.0, share(statistic.argument + error, +1))};
+    }
+    return {0, most};
+}
+
+}  // namespace
+
+Check StatisticsChecker::check(const Bounds& bounds, const Statistic& statistic, WeighBy weigh) {
+    using Over = Statistic::Over;
+    std::vector<const Samples*> all;
+    if (needs_source(statistic)) all.push_back(samples(true, weigh));
+    if (needs_target(statistic)) all.push_back(samples(false, weigh));
+    if (std::any_of(all.begin(), all.end(), [](const Samples* one) { return one == nullptr; })) return {};
+    Around found{};
+    if (statistic.over == Over::larger || statistic.over == Over::mean_of_both || statistic.over == Over::harmonic_mean)
+        found = combined(statistic.over, around<Samples>(statistic, {all[0]}), around<Samples>(statistic, {all[1]}));
+    else
+        found = around<Samples>(statistic, all);
+    // The sums above err by less than 1e-12.
+    const double slack = is_share(statistic) ? 1e-12 : all[0]->error + 1e-12 * found.high;
+    Check check{Verdict::holds, Verdict::holds, "", Verdict::not_checked};
+    if (!(bounds.lower <= found.high + slack)) {
+        check.lower = Verdict::unsound;
+        check.reason =
+            fmt::format("lower {:.17g} is above {:.6g}, which samples do not explain", bounds.lower, found.high);
+    }
+    if (!(bounds.upper >= found.low - slack) || !(bounds.upper >= bounds.lower)) {
+        check.upper = Verdict::unsound;
+        if (!check.reason.empty()) check.reason += "; ";
+        check.reason +=
+            bounds.upper < bounds.lower
+                ? fmt::format("upper {:.17g} is below lower {:.17g}", bounds.upper, bounds.lower)
+                : fmt::format("upper {:.17g} is below {:.6g}, which samples do not explain", bounds.upper, found.low);
+    }
+    return check;
+}
+
+void check_statistics(std::vector<Row>& rows, const std::vector<std::size_t>& members, std::size_t checked,
+                      const std::function<const Shape*(const std::string&)>& load, const Stop& stop) {
+    const auto is_checked = [&](std::size_t i) { return i >= checked && rows[i].check.lower != Verdict::not_checked; };
+    if (std::all_of(members.begin(), members.end(), is_checked)) return;
+    const Case& first = rows[members.front()].asked;
+    const Shape *source = load(first.source), *target = load(first.target);
+    if (!source || !target || kind_of(*source) == ShapeKind::surface || kind_of(*target) == ShapeKind::surface) return;
+    StatisticsChecker checker(*source, first.pose, *target, first.target_pose, stop);
+    for (const std::size_t i : members)
+        rows[i].check =
+            checker.check(rows[i].outcome.bounds, statistic_of(rows[i].asked.statistic), rows[i].asked.weigh);
+}
+
+}  // namespace hausbench

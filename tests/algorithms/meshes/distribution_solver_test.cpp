@@ -1,0 +1,256 @@
+// The solver `distribution` through a session: units, motion, point sets, weights, and both directions together.
+#include "algorithms/error.h"
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+namespace hausbench {
+namespace {
+
+using Kind = Statistic::Kind;
+using Over = Statistic::Over;
+
+Query query_of(std::vector<Statistic> statistics, double tolerance = 1e-4) {
+    Query query;
+    query.quantity = Quantity::distribution;
+    query.statistics = std::move(statistics);
+    query.tolerance = {Tolerance::Of::absolute, tolerance};
+    query.share_tolerance = 1e-3;
+    return query;
+}
+
+Result answer(const Scene& scene, const Query& query, const QuerySet& queries = {}) {
+    const SolverEntry& entry = find_solver("distribution");
+    const Session session(entry, Options("distribution", entry.info.parameters, {}), scene, queries);
+    Trace untraced;
+    return session.solve(query, untraced);
+}
+
+Bounds one(const Scene& scene, const Statistic& statistic) {
+    const Result result = answer(scene, query_of({statistic}));
+    EXPECT_EQ(result.status, Status::converged) << to_string(statistic) << ": " << result.note;
+    return result.statistics.at(0);
+}
+
+void expect_around(const Bounds& bounds, double value) {
+    EXPECT_LE(bounds.lower, value * (1 + 1e-15));
+    EXPECT_GE(bounds.upper, value * (1 - 1e-15));
+}
+
+const std::vector<Statistic> some = {
+    {Kind::mean}, {Kind::rms}, {Kind::deviation}, {Kind::maximum}, {Kind::quantile, 0.75}};
+
+// A flat square at height 1 above a larger one, and a square half as wide at height 3.
+Scene two_plates() {
+    TriangleMesh a = sheet(2, 1);
+    TriangleMesh b = sheet(5, 0);
+    b.vertices.leftCols(2).array() -= 1.5;
+    return {a, b};
+}
+
+TEST(DistributionSolver, NamesAreReadAsTheyAreWritten) {
+    for (const char* text : {"mean", "rms", "deviation", "maximum", "median", "quantile 0.95", "within 0.1",
+                             "mean target", "median larger", "within 1e-300 harmonic_mean", "rms pooled"})
+        EXPECT_EQ(to_string(statistic_of(text)), text);
+    EXPECT_EQ(statistic_of("quantile 0.5"), statistic_of(" median "));
+    for (const char* text : {"", "average", "quantile", "quantile x", "quantile 0", "quantile 1.5", "quantile nan",
+                             "within", "within -1", "within inf", "mean both", "mean pooled pooled", "within 0.1mm"})
+        EXPECT_THROW((void)statistic_of(text), InputError) << text;
+}
+
+TEST(DistributionSolver, ThePowerOfTwoOfTheUnitDoesNotMatter) {
+    const TriangleMesh a = sheet(4, 0.5, 0.2), b = sheet(5, 0, 0.1);
+    std::vector<Statistic> all = some;
+    all.push_back({Kind::share_within, 0.5});
+    const Result at_one = answer({a, b}, query_of(all));
+    for (const int exponent : {-1000, -340, 340, 1000}) {
+        const double scale = std::ldexp(1.0, exponent);
+        TriangleMesh c = a, d = b;
+        c.vertices *= scale;
+        d.vertices *= scale;
+        Query query = query_of(all, 1e-4 * scale);
+        query.statistics.back().argument *= scale;
+        const Result there = answer({c, d}, query);
+        EXPECT_EQ(there.status, Status::converged);
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const double unit = is_share(all[i]) ? 1 : scale;
+            EXPECT_EQ(there.statistics[i].lower, at_one.statistics[i].lower * unit) << i;
+            EXPECT_EQ(there.statistics[i].upper, at_one.statistics[i].upper * unit) << i;
+        }
+        EXPECT_EQ(there.bounds.lower, there.statistics[0].lower);
+    }
+}
+
+// Coordinates that differ by more than doubles can hold are rounded when they are scaled, and areas with them.
+TEST(DistributionSolver, ShapesThatScalingChangesHaveOnlyTrivialBounds) {
+    TriangleMesh a = sheet(3, 1);
+    a.vertices *= 1e-310;
+    TriangleMesh b = sheet(3, 0);
+    b.vertices *= 1e300;
+    const Result result = answer({a, b}, query_of({{Kind::mean}, {Kind::share_within, 1}}));
+    EXPECT_EQ(result.status, Status::precision_floor);
+    EXPECT_EQ(result.statistics[0].lower, 0);
+    EXPECT_EQ(result.statistics[0].upper, infinity);
+    EXPECT_EQ(result.statistics[1].upper, 1);
+    // A length that scaling rounds.
+    const Result tiny = answer({sheet(3, 0), b}, query_of({{Kind::share_within, 1e-300}}));
+    EXPECT_EQ(tiny.status, Status::precision_floor);
+    EXPECT_EQ(tiny.statistics[0].lower, 0);
+    EXPECT_EQ(tiny.statistics[0].upper, 1);
+}
+
+TEST(DistributionSolver, AMotionIsTheSameAsMovedCopies) {
+    Random random(5);
+    const TriangleMesh a = sheet(4, 0.5, 0.2), b = sheet(5, 0, 0.1);
+    const std::vector<Statistic> all = {{Kind::mean}, {Kind::rms, 0, Over::target}, {Kind::maximum, 0, Over::pooled}};
+    for (int i = 0; i < 4; ++i) {
+        Query query = query_of(all);
+        const Eigen::AngleAxisd turn(random.real(-3, 3), random.vector().normalized());
+        query.source_pose = {turn.toRotationMatrix(), random.vector()};
+        if (i % 2 == 1) query.target_pose = {Eigen::Matrix3d(turn.toRotationMatrix() * 1.5), random.vector()};
+        QuerySet queries;
+        queries.moves = queries.target_moves = queries.both_ways = true;
+        const Result moved = answer({a, b}, query, queries);
+        TriangleMesh c = a, d = b;
+        c.vertices = posed(a.vertices, query.source_pose);
+        d.vertices = posed(b.vertices, query.target_pose);
+        const Result copied = answer({c, d}, query_of(all));
+        EXPECT_EQ(moved.status, Status::converged);
+        for (std::size_t k = 0; k < all.size(); ++k) {
+            EXPECT_LE(moved.statistics[k].lower, copied.statistics[k].upper);
+            EXPECT_GE(moved.statistics[k].upper, copied.statistics[k].lower);
+        }
+    }
+}
+
+TEST(DistributionSolver, BothDirections) {
+    const Scene scene = two_plates();  // d(a,B) = 1; d(b,A) grows toward the border of B
+    Random random(8);
+    const Scene bumpy{sheet(4, 0.5, 0.2), sheet(5, 0, 0.1)};
+    for (const Scene& each : {scene, bumpy}) {
+        for (const Statistic& of :
+             std::vector<Statistic>{{Kind::mean}, {Kind::quantile, 0.9}, {Kind::share_within, 1.1}}) {
+            std::map<Over, Bounds> bounds;
+            for (const Over over : all_overs) {
+                Statistic statistic = of;
+                statistic.over = over;
+                bounds[over] = one(each, statistic);
+            }
+            const Bounds s = bounds[Over::source], t = bounds[Over::target];
+            const auto expect = [&](Over over, double lower, double upper) {
+                EXPECT_LE(bounds[over].lower, upper * (1 + 1e-15)) << to_string(over);
+                EXPECT_GE(bounds[over].upper, lower * (1 - 1e-15)) << to_string(over);
+            };
+            expect(Over::larger, std::max(s.lower, t.lower), std::max(s.upper, t.upper));
+            expect(Over::mean_of_both, (s.lower + t.lower) / 2, (s.upper + t.upper) / 2);
+            expect(Over::harmonic_mean, 2 * s.lower * t.lower / (s.lower + t.lower),
+                   2 * s.upper * t.upper / (s.upper + t.upper));
+            // Pooled values lie between the two.
+            expect(Over::pooled, std::min(s.lower, t.lower), std::max(s.upper, t.upper));
+        }
+    }
+    // The areas are 1 and 16, so pooled = (1 * source + 16 * target) / 17.
+    const Bounds target = one(scene, {Kind::mean, 0, Over::target}), pooled = one(scene, {Kind::mean, 0, Over::pooled});
+    EXPECT_LE(pooled.lower, (1 + 16 * target.upper) / 17 + 1e-15);
+    EXPECT_GE(pooled.upper, (1 + 16 * target.lower) / 17 - 1e-15);
+}
+
+// The example of docs/conventions.md: a plate of area 100, and the same plate with a piece of area 10 that is 5 above it.
+TEST(DistributionSolver, TwoMeaningsOfHd95) {
+    const auto plate = [](double x, double y, double z) {
+        return std::vector<Vec3>{{0, 0, z}, {x, 0, z}, {x, y, z}, {0, 0, z}, {x, y, z}, {0, y, z}};
+    };
+    const auto mesh = [](const std::vector<Vec3>& corners) {
+        Points points(Index(corners.size()), 3);
+        for (std::size_t i = 0; i < corners.size(); ++i) points.row(Index(i)) = corners[i];
+        return soup(points);
+    };
+    std::vector<Vec3> both = plate(10, 10, 0);
+    for (const Vec3& v : plate(5, 2, 5)) both.push_back(v);
+    const Scene scene{mesh(plate(10, 10, 0)), mesh(both)};
+    expect_around(one(scene, {Kind::quantile, 0.95, Over::source}), 0);
+    expect_around(one(scene, {Kind::quantile, 0.95, Over::target}), 5);
+    expect_around(one(scene, {Kind::quantile, 0.95, Over::larger}), 5);
+    expect_around(one(scene, {Kind::quantile, 0.95, Over::pooled}), 0);
+    expect_around(one(scene, {Kind::mean, 0, Over::target}), 50.0 / 110);
+    expect_around(one(scene, {Kind::mean, 0, Over::pooled}), 50.0 / 210);
+    expect_around(one(scene, {Kind::share_within, 1, Over::pooled}), 200.0 / 210);  // surface Dice
+}
+
+TEST(DistributionSolver, AreaAndNumber) {
+    // Nine vertices on a sheet that lies on B, and one that a needle carries far away.
+    TriangleMesh a = sheet(3, 0);
+    a.vertices.conservativeResize(11, 3);
+    a.vertices.row(9) = Vec3(0, 0, 10);
+    a.vertices.row(10) = Vec3(0, 0, 77);  // belongs to no triangle
+    a.triangles.conservativeResize(9, 3);
+    a.triangles.row(8) << 0, 1, 9;
+    const TriangleMesh b = sheet(9, 0);
+    Query query = query_of({{Kind::mean}, {Kind::maximum}, {Kind::share_within, 1e-9}});
+    const Result area = answer({a, b}, query);
+    expect_around(area.statistics[0],
+                  5 * (10.0 / 3) / 9);  // 4 of area 0 high, 5 of a triangle with the corners 0, 0, 10
+    query.weigh = WeighBy::number;
+    const Result number = answer({a, b}, query);
+    expect_around(number.statistics[0], 1);
+    expect_around(number.statistics[1], 10);
+    expect_around(number.statistics[2], 0.9);
+}
+
+TEST(DistributionSolver, PointsAndMeshes) {
+    const PointSet points{rows({{0, 0, 1}, {1, 1, 2}, {2, 2, 6}})};
+    const TriangleMesh mesh = sheet(3, 0);
+    const Result result =
+        answer({points, mesh}, query_of({{Kind::mean}, {Kind::quantile, 0.5}, {Kind::mean, 0, Over::larger}}));
+    expect_around(result.statistics[0], 3);
+    expect_around(result.statistics[1], 2);
+    EXPECT_GE(result.statistics[2].upper, 3);
+    EXPECT_THROW(answer({points, mesh}, query_of({{Kind::mean, 0, Over::pooled}})), InputError);
+    Query query = query_of({{Kind::mean, 0, Over::pooled}});
+    query.weigh = WeighBy::number;
+    EXPECT_EQ(answer({points, mesh}, query).status, Status::converged);
+    expect_around(one({points, points}, {Kind::mean, 0, Over::pooled}), 0);
+}
+
+TEST(DistributionSolver, AMeshWithoutAnyAreaIsBetweenItsLeastAndGreatestDistance) {
+    const TriangleMesh line = soup(rows({{0, 0, 1}, {0, 0, 2}, {0, 0, 2}}));
+    const Result result =
+        answer({line, sheet(2, 0)}, query_of({{Kind::mean}, {Kind::deviation}, {Kind::share_within, 1}}));
+    EXPECT_EQ(result.status, Status::precision_floor);
+    EXPECT_NEAR(result.statistics[0].lower, 1, 1e-9);
+    EXPECT_NEAR(result.statistics[0].upper, 2, 1e-9);
+    EXPECT_GE(result.statistics[1].upper, 0.5);
+    EXPECT_LE(result.statistics[1].upper, 2);
+    EXPECT_EQ(result.statistics[2].lower, 0);
+    EXPECT_EQ(result.statistics[2].upper, 1);
+}
+
+TEST(DistributionSolver, ARelativeToleranceIsThatOfEachStatistic) {
+    const Scene scene{sheet(4, 0.5, 0.2), sheet(5, 0, 0.1)};
+    Query query = query_of({{Kind::mean}, {Kind::deviation}, {Kind::mean, 0, Over::larger}});
+    query.tolerance = {Tolerance::Of::lower, 1e-3};
+    const Result result = answer(scene, query);
+    EXPECT_EQ(result.status, Status::converged);
+    for (const Bounds& bounds : result.statistics) EXPECT_LE(bounds.gap(), 1e-3 * bounds.lower);
+}
+
+TEST(DistributionSolver, WrongQueriesAreRefused) {
+    const Scene scene = two_plates();
+    EXPECT_THROW(answer(scene, query_of({})), InputError);
+    Query query = query_of({{Kind::share_within, 1}});
+    query.share_tolerance = 0;
+    EXPECT_THROW(answer(scene, query), InputError);
+    query.quantity = Quantity::directed;
+    EXPECT_THROW(answer(scene, query), InputError);
+    EXPECT_NE(refusal(find_solver("cover").info, ShapeKind::mesh, ShapeKind::mesh, Quantity::distribution), "");
+}
+
+}  // namespace
+}  // namespace hausbench

@@ -1,0 +1,63 @@
+"""The table, verdict and figure of `distribution_error_vs_time`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from stem_runner import Make, stem_runner
+from synthetic import ResultFile, spread
+
+
+@pytest.fixture()
+def make(tmp_path: Path) -> Make:
+    return stem_runner(tmp_path)
+
+
+def statistics(finest: float = 1e-4, times: float = 100.0, rounds: int = 7) -> ResultFile:
+    """Two pairs of meshes. `distribution` takes 1, 2, ... ms, one more at each finer tolerance. Monte Carlo takes 0.1 ms at 0.1, then ten times
+    as much at each, and `times` as long as `distribution` at the finest."""
+    file = ResultFile("distribution_error_vs_time", meta={"profile": "paper"})
+    for pair, slower in (("hand", 1.0), ("bull", 2.0)):
+        for statistic, value in (("mean", 0.01), ("quantile 0.95", 0.03)):
+            for k, tolerance in enumerate((1e-1, 1e-2, 1e-3, finest)):
+                common: dict[str, Any] = {"quantity": "distribution", "statistic": statistic, "tolerance": tolerance, "tolerance_of": "lower",
+                          "source": f"{pair}/A", "target": f"{pair}/B", "prepare_seconds": 0.0}
+                file.case("distribution", pair, spread(0.001 * (k + 1) * slower, rounds), lower=value * (1 - tolerance / 2), upper=value * (1 + tolerance / 2),
+                          extras=f'{{"pieces": {1000 * (k + 1)}}}', **common)
+                rival = 0.0001 * 10**k if k < 3 else times * 0.001 * (k + 1)
+                file.case("monte_carlo", pair, spread(rival * slower, rounds), lower=value * (1 - tolerance / 2), upper=value * (1 + tolerance / 2),
+                          certified=0, extras=f'{{"samples": {10**(k + 3)}}}', **common)
+    return file
+
+
+def test_cells(make: Make) -> None:
+    records, rows, text = make(statistics())
+    first = rows["hand"][0]
+    assert first[:3] == ["mean", "0.0100", "0.1"] and first[4] == "1,000" and first[6] == "1,000"
+    assert first[3].startswith("0.900 [") and first[5].startswith("0.0900 [")  # CPU time is 0.9 of the wall time
+    assert [row[0] for row in rows["hand"]] == ["mean", "95 % quantile"]
+    assert first[7].startswith("0.100") and len(records) == 2 * 2 * 4 * 2
+    record = next(r for r in records if r["pair"] == "bull" and r["solver"] == "monte_carlo" and r["tolerance"] == "0.01")
+    assert float(record["relative_width"]) == pytest.approx(0.01) and float(record["samples"]) == 10000
+    # Times by tolerance: 1, 2, 3, 4 ms and 0.1, 1, 10, 400 ms. They cross between 0.01 (ratio 0.5) and 0.001 (ratio 3.3).
+    assert "Relative widths at which both take the same time (geometric mean over pairs): mean: 0.0043; 95 % quantile: 0.0043." in text
+
+
+@pytest.mark.parametrize(("times", "said"), [(100.0, "Here it holds"), (2.0, "Here it does not hold"), (5.0, "Here: not separated")])
+def test_verdict(make: Make, times: float, said: str) -> None:
+    text = make(statistics(times=times))[2]
+    assert said in text and "over 2 pairs" in text
+
+
+def test_no_verdict_without_the_width(make: Make) -> None:
+    assert "Here: not tested (no pair answered at 0.0001)" in make(statistics(finest=3e-4))[2]
+
+
+def test_pairs_that_did_not_end_are_counted(make: Make) -> None:
+    file = statistics()
+    row = next(case for case in file.cases if case["solver"] == "monte_carlo" and case["scene"] == "bull" and case["tolerance"] == 1e-4 and case["statistic"] == "mean")
+    row["status"] = "timeout"
+    text = make(file)[2]
+    assert "over 1 pairs; no ratio for 1 that one of them did not answer" in text

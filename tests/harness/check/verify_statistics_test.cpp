@@ -1,0 +1,138 @@
+// The harness's own check of statistics: right answers hold, and wrong ones are found.
+#include "harness/check/verify_statistics.h"
+
+#include "tests/support/scenes.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace hausbench {
+namespace {
+
+using Kind = Statistic::Kind;
+using Over = Statistic::Over;
+
+// A tilted unit square over a plane: the distance grows evenly from 0 to 1 over A.
+const Shape tilted = [] {
+    TriangleMesh mesh = sheet(2, 0);
+    mesh.vertices.col(2) = mesh.vertices.col(0);
+    return mesh;
+}();
+const Shape plane = [] {
+    TriangleMesh mesh = sheet(2, 0);
+    mesh.vertices.array() = mesh.vertices.array() * 4 - 1.5;
+    mesh.vertices.col(2).setZero();
+    return mesh;
+}();
+
+struct Value {
+    Statistic statistic;
+    double value;
+};
+const std::vector<Value> of_tilted = {{{Kind::mean}, 0.5},
+                                      {{Kind::rms}, std::sqrt(1.0 / 3)},
+                                      {{Kind::deviation}, std::sqrt(1.0 / 12)},
+                                      {{Kind::maximum}, 1},
+                                      {{Kind::quantile, 0.5}, 0.5},
+                                      {{Kind::quantile, 0.95}, 0.95},
+                                      {{Kind::share_within, 0.25}, 0.25}};
+
+TEST(VerifyStatistics, RightAnswersHold) {
+    StatisticsChecker checker(tilted, {}, plane, {});
+    for (const auto& [statistic, value] : of_tilted) {
+        const Check check = checker.check({value, value}, statistic, WeighBy::area);
+        EXPECT_EQ(check.lower, Verdict::holds) << to_string(statistic) << check.reason;
+        EXPECT_EQ(check.upper, Verdict::holds) << to_string(statistic) << check.reason;
+        EXPECT_EQ(check.reason, "");
+    }
+}
+
+TEST(VerifyStatistics, AnswersWrongByTwoPercentOfTheRangeAreRefuted) {
+    StatisticsChecker checker(tilted, {}, plane, {});
+    for (const auto& [statistic, value] : of_tilted) {
+        const Check high = checker.check({value + 0.02, value + 0.03}, statistic, WeighBy::area);
+        EXPECT_EQ(high.lower, Verdict::unsound) << to_string(statistic);
+        EXPECT_EQ(high.upper, Verdict::holds) << to_string(statistic);
+        EXPECT_NE(high.reason, "");
+        const Check low = checker.check({value - 0.03, value - 0.02}, statistic, WeighBy::area);
+        EXPECT_EQ(low.lower, Verdict::holds) << to_string(statistic);
+        EXPECT_EQ(low.upper, Verdict::unsound) << to_string(statistic);
+    }
+    EXPECT_EQ(checker.check({0.6, 0.4}, {Kind::mean}, WeighBy::area).upper, Verdict::unsound);
+    EXPECT_EQ(checker.check({NAN, 1}, {Kind::mean}, WeighBy::area).lower, Verdict::unsound);
+}
+
+TEST(VerifyStatistics, PointsAreMeasuredExactly) {
+    const Shape points = PointSet{rows({{0, 0, 1}, {0, 0, 2}, {0, 0, 6}})};
+    StatisticsChecker checker(points, {}, plane, {});
+    const auto verdicts = [&](const Statistic& statistic, double value) {
+        const Check check = checker.check({value, value}, statistic, WeighBy::number);
+        return std::pair(check.lower, check.upper);
+    };
+    const auto hold = std::pair(Verdict::holds, Verdict::holds);
+    EXPECT_EQ(verdicts({Kind::mean}, 3), hold);
+    EXPECT_EQ(verdicts({Kind::mean}, 3 + 1e-9).first, Verdict::unsound);
+    EXPECT_EQ(verdicts({Kind::mean}, 3 - 1e-9).second, Verdict::unsound);
+    EXPECT_EQ(verdicts({Kind::quantile, 0.5}, 2), hold);
+    EXPECT_EQ(verdicts({Kind::quantile, 0.5}, 2.001).first, Verdict::unsound);
+    EXPECT_EQ(verdicts({Kind::share_within, 2}, 2.0 / 3), hold);
+    EXPECT_EQ(verdicts({Kind::share_within, 2}, 0.7).first, Verdict::unsound);
+    EXPECT_EQ(verdicts({Kind::maximum}, 6), hold);
+    EXPECT_EQ(verdicts({Kind::maximum}, 5.99).second, Verdict::unsound);
+}
+
+TEST(VerifyStatistics, BothDirections) {
+    const Shape far = PointSet{rows({{0, 0, 1}, {0, 0, 1}})}, near = PointSet{rows({{0, 0, 0}})};
+    StatisticsChecker checker(far, {}, near, {});
+    const auto holds = [&](Over over, double value) {
+        const Check check = checker.check({value, value}, {Kind::share_within, 0.5, over}, WeighBy::number);
+        return check.lower == Verdict::holds && check.upper == Verdict::holds;
+    };
+    for (const Over over :
+         {Over::source, Over::target, Over::larger, Over::mean_of_both, Over::harmonic_mean, Over::pooled}) {
+        EXPECT_TRUE(holds(over, 0)) << to_string(over);
+        EXPECT_FALSE(holds(over, 0.3)) << to_string(over);
+    }
+    const auto mean = [&](Over over, double value) {
+        const Check check = checker.check({value, value}, {Kind::mean, 0, over}, WeighBy::number);
+        return check.lower == Verdict::holds && check.upper == Verdict::holds;
+    };
+    const Shape middle = PointSet{rows({{0, 0, 0}, {0, 0, 3}})};
+    StatisticsChecker other(near, {}, middle, {});  // source: 0; target: 0 and 3
+    const auto other_mean = [&](Over over, double value) {
+        const Check check = other.check({value, value}, {Kind::mean, 0, over}, WeighBy::number);
+        return check.lower == Verdict::holds && check.upper == Verdict::holds;
+    };
+    EXPECT_TRUE(mean(Over::pooled, 1));
+    EXPECT_TRUE(other_mean(Over::source, 0));
+    EXPECT_TRUE(other_mean(Over::target, 1.5));
+    EXPECT_TRUE(other_mean(Over::larger, 1.5));
+    EXPECT_TRUE(other_mean(Over::mean_of_both, 0.75));
+    EXPECT_TRUE(other_mean(Over::harmonic_mean, 0));
+    EXPECT_TRUE(other_mean(Over::pooled, 1));
+    EXPECT_FALSE(other_mean(Over::pooled, 0.75));
+}
+
+TEST(VerifyStatistics, PosesMoveBothShapes) {
+    Pose up;
+    up.translation = Vec3(0, 0, 2);
+    StatisticsChecker moved(tilted, up, plane, {});
+    EXPECT_EQ(moved.check({2.5, 2.5}, {Kind::mean}, WeighBy::area).reason, "");
+    EXPECT_NE(moved.check({0.5, 0.5}, {Kind::mean}, WeighBy::area).reason, "");
+    Pose down;
+    down.translation = Vec3(0, 0, -1);
+    StatisticsChecker both(tilted, up, plane, down);
+    EXPECT_EQ(both.check({3.5, 3.5}, {Kind::mean}, WeighBy::area).reason, "");
+}
+
+TEST(VerifyStatistics, AMeshWithoutAreaIsNotChecked) {
+    const Shape line = soup(rows({{0, 0, 1}, {0, 0, 2}, {0, 0, 2}}));
+    StatisticsChecker checker(line, {}, plane, {});
+    EXPECT_EQ(checker.check({1, 2}, {Kind::mean}, WeighBy::area).lower, Verdict::not_checked);
+    EXPECT_EQ(checker.check({5.0 / 3, 5.0 / 3}, {Kind::mean}, WeighBy::number).reason, "");
+    EXPECT_NE(checker.check({1.5, 1.6}, {Kind::mean}, WeighBy::number).reason, "");
+}
+
+}  // namespace
+}  // namespace hausbench
