@@ -204,7 +204,9 @@ struct Query {
     bool within_tolerance(const std::vector<Bounds>& bounds) const {
         if (bounds.size() != statistics.size()) return false;
         for (std::size_t i = 0; i < bounds.size(); ++i)
-            if (!(bounds[i].gap() <= allowed_gap(statistics[i], bounds[i].lower))) return false;
+            if (!(0 <= bounds[i].lower && bounds[i].lower <= bounds[i].upper &&
+                  bounds[i].gap() <= allowed_gap(statistics[i], bounds[i].lower)))
+                return false;
         return true;
     }
 

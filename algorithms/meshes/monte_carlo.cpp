@@ -30,7 +30,7 @@ namespace hausbench {
 namespace {
 
 constexpr double z = 1.96;  // 95 % of a normal distribution lie within this many standard deviations
-constexpr std::size_t first_batch = 4096, most_samples = 200'000'000;
+constexpr std::size_t first_batch = 4096, most_of_batch = 1 << 20, most_samples = 200'000'000;
 
 class Drawing {
 public:
@@ -46,10 +46,25 @@ public:
 
     bool empty() const { return !(sums_.back() > 0); }
 
-    // Adds samples until there are `count`. Returns false if the deadline passed.
+    // Adds samples until there are `count`, batch by batch. Returns false if the deadline passed, and forgets the batch
+    // that it interrupted: its samples were drawn triangle by triangle, so the first of them are no fair choice.
     bool draw(std::size_t count, const Deadline& deadline, Counters& counters) {
+        while (distances_.size() < count) {
+            const std::size_t before = distances_.size();
+            if (!draw_batch(std::min(count - before, most_of_batch), deadline, counters)) {
+                distances_.resize(before);
+                return false;
+            }
+        }
+        return true;
+    }
+
+    std::vector<double>& distances() { return distances_; }
+
+private:
+    bool draw_batch(std::size_t count, const Deadline& deadline, Counters& counters) {
         std::vector<double> places;
-        for (std::size_t i = distances_.size(); i < count; ++i) places.push_back(uniform() * sums_.back());
+        for (std::size_t i = 0; i < count; ++i) places.push_back(uniform() * sums_.back());
         std::sort(places.begin(), places.end());
         Index at = 0, near = -1;
         for (const double place : places) {
@@ -67,9 +82,6 @@ public:
         return true;
     }
 
-    std::vector<double>& distances() { return distances_; }
-
-private:
     double uniform() { return static_cast<double>(splitmix(seed_ + ++drawn_ * golden_step) >> 11) * 0x1p-53; }
     Triangle triangle(Index i) const {
         const auto v = source_.triangles.row(i);
@@ -115,11 +127,13 @@ Bounds interval_of(const Statistic& statistic, std::vector<double>& distances) {
         case Statistic::Kind::quantile: {
             const double off = z * std::sqrt(n * p * (1 - p));
             const auto at = [&](double place) {
-                const auto k = static_cast<std::ptrdiff_t>(std::clamp(place, 0.0, n - 1));
+                if (place < 0) return 0.0;
+                if (place >= n) return infinity;
+                const auto k = static_cast<std::ptrdiff_t>(place);
                 std::nth_element(distances.begin(), distances.begin() + k, distances.end());
                 return distances[static_cast<std::size_t>(k)];
             };
-            return {at(std::floor(n * p - off) - 1), at(std::ceil(n * p + off))};
+            return {at(std::floor(n * p - off) - 1), p < 1 ? at(std::ceil(n * p + off)) : infinity};
         }
         case Statistic::Kind::share_within: {
             const double share = static_cast<double>(std::count_if(distances.begin(), distances.end(),
@@ -160,7 +174,10 @@ public:
         if (drawing.empty()) return result;
         for (std::uint64_t count = std::min<std::uint64_t>(first_batch, most); count > 1;) {
             const bool all = drawing.draw(count, deadline, result.counters);
-            if (drawing.distances().size() < 2) break;
+            if (drawing.distances().size() < 2) {
+                result.status = Status::time_limit;
+                break;
+            }
             for (std::size_t i = 0; i < query.statistics.size(); ++i)
                 result.statistics[i] = interval_of(query.statistics[i], drawing.distances());
             if (query.within_tolerance(result.statistics))

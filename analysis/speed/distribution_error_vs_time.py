@@ -12,6 +12,7 @@ import scipy.stats
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import Cell, compare
+from analysis.shared.comparable import Origin, apart
 from analysis.shared.notes import clock_note, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
@@ -29,7 +30,7 @@ Key = tuple[str, str, float]  # scene with its statistic, label, tolerance
 
 def pair_of(results: Results, case: int) -> str:
     """Returns the name of the scene without the statistic that load() adds."""
-    return str(results.cases.scene[case]).removesuffix(f", {results.cases.statistic[case]}")
+    return str(results.cases.scene[case]).removesuffix(" by number").removesuffix(f", {results.cases.statistic[case]}")
 
 
 def width(results: Results, case: int) -> float:
@@ -47,6 +48,8 @@ def cells_of(results: Results) -> dict[Key, Cell]:
 
 def mean_ratio(pairs: Sequence[tuple[Cell, Cell]], by: float = 1.0) -> Estimate:
     """Returns the geometric mean of time of the first / time of the second / `by`, with an interval over the rounds that all have."""
+    if lacking := apart(frozenset[Origin]().union(*(cell.origins for pair in pairs for cell in pair))):
+        return lacking
     rounds = [one.times.keys() & other.times.keys() for one, other in pairs]
     shared = set[int]().union(*rounds).intersection(*rounds)
     if not pairs or not shared:

@@ -295,7 +295,8 @@ namespace {
 using Question = std::tuple<Placed, Placed, Quantity, std::string>;
 
 Question question_of(const Case& c) {
-    return {placed(c.source_hash, c.pose), placed(c.target_hash, c.target_pose), c.quantity, c.statistic};
+    return {placed(c.source_hash, c.pose), placed(c.target_hash, c.target_pose), c.quantity,
+            c.statistic + std::string(to_string(c.weigh))};
 }
 
 // Sets `reference` of each row to the narrowest reference interval for the same shapes, poses and quantity. Ignores

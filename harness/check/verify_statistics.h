@@ -31,8 +31,8 @@ public:
                       Stop stop = {}, std::size_t samples = 100'000);
     ~StatisticsChecker();
 
-    // Checks the bounds of a statistic. Returns `not_checked` if a pose moves a shape out of the range of doubles, if a
-    // mesh without area counts by area, or if the check was stopped.
+    // Checks the bounds of a statistic. Returns `not_checked` if the largest |coordinate| is not between 1e-140 and 1e140
+    // (and not 0), if a mesh without area counts by area, or if the check was stopped.
     Check check(const Bounds& bounds, const Statistic& statistic, WeighBy weigh);
 
 private:

@@ -97,7 +97,7 @@ std::vector<double> pose_numbers(const Case& c) {
 }
 
 Question question_of(const Case& c) {
-    return {c.scene,     pose_numbers(c), c.source, c.target, std::string(to_string(c.quantity)),
+    return {c.scene,     pose_numbers(c), c.source, c.target, std::string(to_string(c.quantity)) + suffix_of(c),
             c.tolerance, c.tolerance_of,  c.floor,  c.cutoff};
 }
 

@@ -68,9 +68,9 @@ std::vector<std::vector<const Job*>> alike(const Plan& plan) {
     std::map<std::pair<std::string, std::size_t>, std::size_t> number;
     for (const Job& job : plan.jobs) {
         const Case& first = plan.cases[job.cases.front()];
-        const std::string name = without_seed(first);
+        const std::string name = without_seed(first) + first.statistic;
         const auto at = number.find({name, job.scene});
-        if (at != number.end() && name != shown(first)) {
+        if (at != number.end() && name != shown(first) + first.statistic) {
             groups[at->second].push_back(&job);
             continue;
         }

@@ -75,10 +75,11 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
     verb->add_flag("--penetration", request.penetration,
                    "instead of a distance, how deep two closed meshes are in each other");
     verb->add_flag("--distribution", distribution,
-                   "instead of the largest distance, mean, RMS, deviation, median, 95 % and maximum; with --symmetric "
-                   "from both sides");
-    verb->add_option("--statistics", statistics,
-                     "these instead, such as \"mean, quantile 0.99, within 0.1\" (the share that is at most 0.1 away)")
+                   "instead of the largest distance: mean, RMS, deviation, median, 95 % quantile and maximum; with "
+                   "--symmetric from both sides");
+    verb->add_option(
+            "--statistics", statistics,
+            "these statistics, such as \"mean, quantile 0.99, within 0.1\" (the share that is at most 0.1 away)")
         ->type_name("LIST");
     verb->add_flag("--by-vertex", by_vertex, "statistics count each vertex once, instead of each part by its area");
     verb->add_option("--share-tolerance", request.share_tolerance, "largest gap of shares, which have no unit")
@@ -145,6 +146,9 @@ void add_measure(CLI::App& app, int& code) {
         }
         request.options = parse_parameters(parameters);
         if (by_vertex) request.weigh = WeighBy::number;
+        const char* alone = by_vertex ? "--by-vertex" : verb->count("--share-tolerance") > 0 ? "--share-tolerance" : "";
+        if (*alone && !distribution && verb->count("--statistics") == 0)
+            throw InputError(fmt::format("{}: is about statistics: add --distribution or --statistics", alone));
         if (verb->count("--statistics") > 0)
             request.statistics = parse_statistics(statistics);
         else if (distribution)

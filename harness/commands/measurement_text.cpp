@@ -168,7 +168,8 @@ std::string statistics_text(const Measured& m, const MeasureRequest& request) {
         one.over = Statistic::Over::source;
         const Bounds& bounds = m.result.statistics[i];
         text += fmt::format("{:<10} {:<14} in [{}, {}]\n", i == 0 && !request.symmetric ? "statistics" : "",
-                            to_string(one), outward(bounds.lower, false), outward(bounds.upper, true));
+                            to_string(one), outward(bounds.lower, false),
+                            is_share(one) && bounds.upper >= 1 - 1e-9 ? "1" : outward(bounds.upper, true));
     }
     const Result& r = m.result;
     const std::string end = r.status == Status::converged
@@ -237,6 +238,8 @@ std::string distance_text(const Measured& m, const MeasureRequest& request) {
 
 json to_json(const Measured& m, const MeasureRequest& request) {
     json out = answer_json(m.result, m);
+    if (!request.statistics.empty() && is_share(request.statistics.front()))
+        out["lower_of_diagonal"] = out["upper_of_diagonal"] = json();  // a share is not a length
     if (m.failed) {
         out["status"] = to_string(m.failed->status);
         out["note"] = m.failed->reason;

@@ -31,7 +31,7 @@ bool was_run(const Outcome& o) {
 // the solver knows only some of them; same_options() compares them.
 std::string place_of_case(const Case& c) {
     return nlohmann::json({c.scene, c.source, c.target, c.label, c.solver, c.pose_index, number(c.tolerance),
-                           c.tolerance_of, to_string(c.quantity), c.warm})
+                           c.tolerance_of, to_string(c.quantity), c.statistic, to_string(c.weigh), c.warm})
         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

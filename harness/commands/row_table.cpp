@@ -29,6 +29,8 @@ nlohmann::ordered_json row_object(const Row& row) {
             {"scene", c.scene},
             {"pose", c.pose_index},
             {"quantity", to_string(c.quantity)},
+            {"statistic", c.statistic},
+            {"weigh", to_string(c.weigh)},
             {"tolerance", c.tolerance},
             {"tolerance_of", c.tolerance_of},
             {"lower", number(o.bounds.lower)},

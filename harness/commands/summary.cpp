@@ -148,7 +148,8 @@ private:
 // nothing.
 bool of_one_question(const std::vector<Row>& rows) {
     return std::all_of(rows.begin(), rows.end(), [&](const Row& row) {
-        return row.asked.scene == rows.front().asked.scene && row.asked.tolerance == rows.front().asked.tolerance;
+        return row.asked.scene == rows.front().asked.scene && row.asked.tolerance == rows.front().asked.tolerance &&
+               row.asked.statistic == rows.front().asked.statistic;
     });
 }
 

@@ -20,7 +20,10 @@ Case common_case(const Experiment& experiment, const ScenePlan& scene, const Sce
     asked.severity = scene.severity;
     asked.quantity = solver.quantity;
     asked.weigh = solver.quantity == Quantity::distribution ? solver.weigh : WeighBy::area;
-    if (solver.quantity == experiment.quantity && solver.statistics.size() <= 1) asked.exact = scene.exact;
+    const bool same =
+        solver.quantity == experiment.quantity && solver.statistics.size() <= 1 &&
+        (solver.statistics.empty() || (solver.statistics == experiment.statistics && solver.weigh == experiment.weigh));
+    if (same) asked.exact = scene.exact;
     asked.source = scene.source;
     asked.target = scene.target;
     if (const auto* source = std::get_if<ResolvedModel>(&models.source)) {

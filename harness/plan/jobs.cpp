@@ -98,7 +98,7 @@ void join(Plan& plan, const std::string& matrix, std::vector<Job> group, Extents
         const int most = *std::min_element(exponents.begin(), exponents.end());
         Job joined;
         joined.scene = scene;
-        joined.label = fmt::format("{} on {}", shown(first), matrix);
+        joined.label = fmt::format("{} on {}{}", shown(first), matrix, suffix_of_statistic(first));
         joined.exponent = most;
         if (plan.experiment.scenes[scene].search) {
             for (std::size_t i = 0; i < group.size(); ++i) {

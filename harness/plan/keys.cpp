@@ -28,14 +28,15 @@ const KeyTable& top_keys() {
               "`absolute`, or `lower` (a fraction of the lower bound; `floor` and `cutoff` are then lengths)"},
              {"quantity", fmt::format("\"{}\"", to_string(defaults.quantity)),
               "`directed`: h(A,B); `symmetric`: H(A,B); `penetration`: depth of two closed meshes in each other "
-              "(solver `penetration`); `distribution`: statistics of the distance (solver `distribution`)"},
+              "(solver `penetration`); `distribution`: statistics of the distance (solvers "
+              "`distribution` and `monte_carlo`)"},
              {"statistics", "",
               "for `distribution`: list of `mean`, `rms`, `deviation`, `maximum`, `median`, `quantile 0.95`, `within "
               "0.1` "
               "(the share at most that far away), each perhaps followed by `target`, `larger`, `mean_of_both`, "
               "`harmonic_mean` or `pooled` ([conventions.md](conventions.md)); each is a case of its own. The "
               "tolerance "
-              "of a share is a number without unit"},
+              "of a share is the number in `tolerances`, whatever `of` says"},
              {"weigh", fmt::format("\"{}\"", to_string(defaults.weigh)),
               "what statistics count: `area`, or `number` of vertices"},
              {"floor", fmt::format("{}", defaults.floor),

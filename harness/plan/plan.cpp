@@ -126,8 +126,8 @@ private:
     void add(std::size_t scene_number, const SceneModels& models, const SolverPlan& solver, const ParameterMap& given,
              const std::string& statistic) {
         const SolverOnScene one = look_at(plan_.experiment.scenes[scene_number], models, solver, given, statistic);
-        const std::string label = fmt::format("{} on {}{}", shown(one.common), one.scene.name,
-                                              statistic.empty() ? "" : suffix_of(one.common));
+        const std::string label =
+            fmt::format("{} on {}{}", shown(one.common), one.scene.name, suffix_of_statistic(one.common));
         std::size_t run = 0;
         for (Job& job : add_cases(one)) {
             if (job.cases.empty()) continue;
@@ -186,7 +186,7 @@ private:
         const bool chained = one.solver.warm || (scene.search && !one.decided);
         std::vector<Job> jobs(chained ? tolerances.size() : 1);
         std::vector<std::string> alone;
-        auto& before = scene.search ? searches_[{scene.matrix, scene.source, &one.given}] : alone;
+        auto& before = scene.search ? searches_[{scene.matrix, scene.source, one.common.statistic, &one.given}] : alone;
         before.resize(tolerances.size());
         for (std::size_t p = 0; p < one.models.poses.size(); ++p) {
             std::size_t finest = 0;
@@ -329,7 +329,8 @@ private:
 
     std::map<std::string, CommandFiles> commands_;  // by command line
     // Identity of the last case so far in the chain of each tolerance, for each search, source and set of options.
-    std::map<std::tuple<std::string, std::string, const ParameterMap*>, std::vector<std::string>> searches_;
+    std::map<std::tuple<std::string, std::string, std::string, const ParameterMap*>, std::vector<std::string>>
+        searches_;
     Plan plan_;
 };
 

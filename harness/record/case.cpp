@@ -97,6 +97,10 @@ std::string suffix_of(const Case& asked) {
     return "";
 }
 
+std::string suffix_of_statistic(const Case& asked) {
+    return asked.quantity == Quantity::distribution ? suffix_of(asked) : "";
+}
+
 std::string name_of(const Case& c) {
     return printable(fmt::format("{} on {}{}, pose {}, tolerance {:g} of {}{}", shown(c), c.scene, suffix_of(c),
                                  c.pose_index, c.tolerance, c.tolerance_of, c.warm ? ", warm" : ""));

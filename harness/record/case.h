@@ -88,6 +88,9 @@ std::string variant_of(const ParameterMap& one, const std::vector<ParameterMap>&
 // Returns the suffix that shows the quantity in a scene's name: ", H", ", depth" or ", mean"; empty for h(A,B).
 std::string suffix_of(const Case& asked);
 
+// Returns the same for a statistic; empty for other quantities.
+std::string suffix_of_statistic(const Case& asked);
+
 // Returns a readable name: "guthe on bunny, pose 0, tolerance 0.001 of diagonal".
 std::string name_of(const Case& asked);
 

@@ -46,8 +46,9 @@ public:
             const Case& c = plan.cases[i];
             rows_[key_of(c)] = i;
             covered_.insert({c.scene, c.label});
-            subjects_.insert(fmt::format("{} on {}", shown(c), c.scene));
-            if (!matrices[c.scene].empty()) subjects_.insert(fmt::format("{} on {}", shown(c), matrices[c.scene]));
+            for (const std::string& scene : {c.scene, matrices[c.scene]})
+                if (!scene.empty())
+                    subjects_.insert(fmt::format("{} on {}{}", shown(c), scene, suffix_of_statistic(c)));
         }
         for (const ModelRecord& model : result.models) hashes_[model.name] = model.sha256;
         recorded_ = result.models;

@@ -96,6 +96,20 @@ def test_vertices_count_once_each(hausbench: Program, plates: tuple[Path, Path])
     assert around(answered(hausbench, *plates, "--statistics", "within 0.25", "--by-vertex")["distribution"]["share_within"]["0.25"], 0.5)
 
 
+def test_shares_have_no_unit(hausbench: Program, plates: tuple[Path, Path]) -> None:
+    found = answered(hausbench, *plates, "--statistics", "within 0.99999999999")
+    assert found["lower_of_diagonal"] is None and found["upper_of_diagonal"] is None and 0.99 < found["lower"] <= found["upper"] <= 1
+    assert ", 1]" in hausbench("measure", *plates, "--statistics", "within 0.99999999999").stdout
+
+
+def test_monte_carlo_that_is_stopped_keeps_only_whole_batches(hausbench: Program, plates: tuple[Path, Path]) -> None:
+    """Half a batch would have only the first triangles of A, so its mean would be too small."""
+    done = hausbench("measure", *plates, "--statistics", "mean", "--solver", "monte_carlo", "--tolerance", "1e-9", "--time-limit", "1", "--json")
+    found = json.loads(done.stdout)
+    assert done.returncode == 0 and found["status"] == "time_limit", done.stdout
+    assert found["lower"] - 0.02 <= 0.5 <= found["upper"] + 0.02
+
+
 def test_many_pairs(hausbench: Program, plates: tuple[Path, Path], tmp_path: Path) -> None:
     (tmp_path / "pairs.csv").write_text("tilted.off, plane.off\nplane.off, missing.off\n")
     done = hausbench("measure", "--pairs", tmp_path / "pairs.csv", "--statistics", "mean, quantile 0.95", "--symmetric")
@@ -117,6 +131,8 @@ def test_many_pairs(hausbench: Program, plates: tuple[Path, Path], tmp_path: Pat
     (["--distribution", "--penetration"], "different quantities"),
     (["--distribution", "--share-tolerance", "0"], "must be a number above 0"),
     (["--distribution", "--solver", "cover"], "computes no statistics"),
+    (["--by-vertex"], "add --distribution or --statistics"),
+    (["--share-tolerance", "0.1"], "add --distribution or --statistics"),
     (["--solver", "distribution"], "computes statistics of the distance only"),
 ])
 def test_wrong_options(hausbench: Program, plates: tuple[Path, Path], arguments: list[str], said: str) -> None:

@@ -17,9 +17,14 @@ using Over = Statistic::Over;
 
 constexpr std::size_t most_pieces = 5'000'000;  // 1.5 GB; more if the shapes have more triangles
 
-// A round counts as progress if it narrows a quantile by a tenth. If this many rounds in a row do not, F is flat where
-// the quantile lies, and no number of pieces will narrow it.
+// A round counts as progress if it narrows a quantile by a tenth. If this many rounds in a row do not, and F is known and
+// constant in the middle of the interval, no number of pieces will narrow it.
 constexpr int rounds_without_progress = 4;
+
+// If a round finds nothing to cut, the limits were too large, and shrink by this factor; after so many such rounds in a
+// row, all gaps are rounding.
+constexpr double shrink = 0x1p-10;
+constexpr int rounds_without_cuts = 6;
 
 // A statistic over A, over B or over both pooled, and the limit for its pieces. The other statistics are combined of
 // those over A and B.
@@ -29,9 +34,10 @@ struct Goal {
     double allowed = infinity;  // the largest gap that the query allows; infinity: it is not needed any more
     double limit = CutWhere::never;
     double last_gap = infinity;
-    int idle = 0;  // rounds without progress
+    int idle = 0;           // rounds without progress
+    bool constant = false;  // F is known in the middle between the bounds of a quantile
 
-    bool flat() const { return idle >= rounds_without_progress; }
+    bool flat() const { return constant && idle >= rounds_without_progress; }
 };
 
 // The sum of weight times gap that a goal allows, if its bounds are in proportion to it.
@@ -148,7 +154,9 @@ private:
         if (done) return Status::converged;
         if (deadline_.passed()) return Status::time_limit;
         if (pieces() > most_) return Status::budget;
-        if (!more) return unfinished();
+        without_cuts_ = more ? 0 : without_cuts_ + 1;
+        for (Goal& one : goals_) look_for_plateau(one, now(one.statistic.over));
+        if (without_cuts_ > rounds_without_cuts) return unfinished();
         where_ = {};
         bool cut = false;
         for (Goal& one : goals_) {
@@ -168,7 +176,7 @@ private:
         bool other = false;
         for (Goal& one : goals_) {
             if (one.bounds.gap() <= one.allowed) continue;
-            if (one.statistic.kind == Kind::quantile)
+            if (one.constant)
                 one.idle = rounds_without_progress;
             else
                 other = true;
@@ -191,7 +199,8 @@ private:
             }
             Goal& source = goals_[goal(statistic, Over::source)];
             Goal& target = goals_[goal(statistic, Over::target)];
-            const Bounds bounds = combined(statistic.over, source.bounds, target.bounds);
+            Bounds bounds = combined(statistic.over, source.bounds, target.bounds);
+            if (is_share(statistic)) bounds.upper = std::min(bounds.upper, 1.0);
             answers_.push_back(bounds);
             const double allowed = query_.allowed_gap(statistic, bounds.lower);
             if (bounds.gap() <= allowed) continue;
@@ -200,21 +209,34 @@ private:
                 // A value that cannot be the larger one need not be known better. A harmonic mean changes by at most
                 // twice the change of one value.
                 if (statistic.over == Over::larger && one->bounds.upper <= bounds.lower + allowed) continue;
-                one->allowed = std::min(one->allowed, statistic.over == Over::harmonic_mean ? allowed / 4 : allowed);
+                // Combining them rounds, so a mean of both gets a little less.
+                const double part = statistic.over == Over::harmonic_mean  ? 0.25
+                                    : statistic.over == Over::mean_of_both ? 0.99
+                                                                           : 1;
+                one->allowed = std::min(one->allowed, part * allowed);
             }
         }
         return done;
     }
 
+    static void look_for_plateau(Goal& one, const Statistics& now) {
+        if (one.statistic.kind != Kind::quantile) return;
+        const double middle = one.bounds.lower + 0.5 * one.bounds.gap();
+        one.constant = now.open(one.statistic, {middle, middle}) <= 0x1p-30 * now.weight();
+        one.idle = one.bounds.gap() > 0.9 * one.last_gap ? one.idle + 1 : 0;
+        one.last_gap = one.bounds.gap();
+    }
+
     void lower_limit(Goal& one, const Statistics& now) const {
         const bool quantile = one.statistic.kind == Kind::quantile;
-        one.idle = quantile && one.bounds.gap() > 0.9 * one.last_gap ? one.idle + 1 : 0;
-        one.last_gap = one.bounds.gap();
         const double open = now.open(one.statistic, one.bounds), most = allowed_sum(one, now);
+        if (open == 0) return;  // the gap does not come from the pieces
         if (one.limit == CutWhere::never)
-            one.limit = 4 * std::max(most, open / 256) / static_cast<double>(pieces());
+            one.limit = std::min(4 * std::max(most, open / 256), 0.5 * open) / static_cast<double>(pieces());
+        else if (without_cuts_ > 0)
+            one.limit *= shrink;
         else
-            one.limit *= open > 0 ? std::clamp(0.7 * most / open, quantile ? 0x1p-4 : 0x1p-10, 0.5) : 0.5;
+            one.limit *= std::clamp(0.7 * most / open, quantile ? 0x1p-4 : 0x1p-10, 0.5);
     }
 
     Narrowed result(Status status) const {
@@ -222,7 +244,8 @@ private:
         for (const Goal& one : goals_) {
             if (one.bounds.gap() <= one.allowed || !one.flat()) continue;
             narrowed.note = to_string(one.statistic) +
-                            ": no part of the surface is so far away, so any value between the bounds is right";
+                            ": no distance lies between the bounds, and rounding leaves open which end is right; a "
+                            "slightly different level is certain";
         }
         for (const std::optional<Dissection>& one : pieces_)
             if (one) narrowed.counters += one->counters();
@@ -232,6 +255,7 @@ private:
     const Query& query_;
     Deadline deadline_;
     std::size_t most_;
+    int without_cuts_ = 0;
     std::vector<std::optional<Dissection>> pieces_;  // of A and of B
     std::vector<Goal> goals_;
     std::vector<Bounds> answers_;

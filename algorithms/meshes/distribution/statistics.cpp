@@ -86,7 +86,7 @@ Bounds Statistics::share_within(double length) const {
     const double within = sum([&](const Leaf& leaf) { return leaf.weight * share_at_most(leaf.bounds.upper, length); });
     const double beyond = sum([&](const Leaf& leaf) { return leaf.weight * share_above(leaf.bounds.lower, length); });
     if (length >= most_) return {1, 1};
-    return {within / all * down, std::min(1 - beyond / all * down, 1.0)};
+    return {within / all * down, std::min(next_up(1 - beyond / all * down), 1.0)};
 }
 
 // Bisection: any t at which F is surely at least `level` is an upper bound, any t at which it is surely less a lower
@@ -119,7 +119,7 @@ Bounds Statistics::quantile(double level) const {
             Sum all = settled;
             for (const Open& one : open) all.add(weighed(one, middle));
             const double share = all.value() / (weight_ + extra_) * down;
-            (surely ? share >= level : !(1 - share < level)) ? high = middle : low = middle;
+            (surely ? share >= level : !(next_up(1 - share) < level)) ? high = middle : low = middle;
             std::erase_if(open, [&](const Open& one) {
                 if (one.least <= high && one.most > low) return false;
                 settled.add(weighed(one, high));

@@ -385,6 +385,49 @@ TEST(Distribution, PointsCountOnceEach) {
     }
 }
 
+// However coarse the tolerance is: the limits of the first rounds may be above all gaps.
+TEST(Distribution, EveryToleranceIsReached) {
+    const TriangleMesh a = mesh_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}), b = point({0.3, 0.3, 0.5});
+    for (const Statistic& statistic : std::vector<Statistic>{{Kind::mean},
+                                                             {Kind::rms},
+                                                             {Kind::deviation},
+                                                             {Kind::maximum},
+                                                             {Kind::quantile, 0.5},
+                                                             {Kind::share_within, 0.6}}) {
+        for (const double tolerance : {0.3, 0.1, 0.05, 0.02, 5e-3, 1e-3, 1e-4}) {
+            Query query;
+            query.statistics = {statistic};
+            query.tolerance = {Tolerance::Of::absolute, tolerance};
+            query.share_tolerance = tolerance;
+            const Narrowed result = answer(a, b, query);
+            EXPECT_EQ(result.status, Status::converged) << to_string(statistic) << " to " << tolerance;
+            EXPECT_LE(result.bounds[0].gap(), tolerance);
+            EXPECT_LE(result.pieces, 100'000U) << to_string(statistic) << " to " << tolerance;
+        }
+    }
+}
+
+// One of many points is farther: the share of the others is not a double, and its upper bound must not be below it.
+TEST(Distribution, AShareThatIsNotADouble) {
+    __extension__ using Quad = __float128;
+    for (const Index count : {3000, 50'000, 70'001}) {
+        TriangleMesh a;
+        a.vertices = Points::Constant(count, 3, 1.0);
+        a.vertices(0, 0) = 9;
+        a.triangles.resize(count, 3);
+        for (Index i = 0; i < count; ++i) a.triangles.row(i).setConstant(i);
+        Query query;
+        query.statistics = {{Kind::share_within, 2}, {Kind::quantile, double(count - 1) / count}};
+        query.tolerance = {Tolerance::Of::absolute, 1e-9};
+        const Narrowed result = answer(a, point({0, 0, 0}), query, WeighBy::number);
+        const Quad share = Quad(count - 1) / count;
+        EXPECT_LE(Quad(result.bounds[0].lower), share);
+        EXPECT_GE(Quad(result.bounds[0].upper), share) << count;
+        EXPECT_LE(result.bounds[1].lower, std::sqrt(3.0));
+        EXPECT_GE(result.bounds[1].upper, std::sqrt(3.0) * (1 - 1e-15));
+    }
+}
+
 TEST(Distribution, CombinedValuesHoldUnderRounding) {
     __extension__ using Quad = __float128;
     using Over = Statistic::Over;
