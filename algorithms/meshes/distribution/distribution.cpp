@@ -68,7 +68,8 @@ public:
         }
         const OneWay from_a{of_a, points, *of_target_, weigh(points_.first)};
         std::optional<OneWay> from_b;
-        if (back) from_b.emplace(of_b, target_->vertices, of_moved ? *of_moved : *of_source_, weigh(points_.second));
+        if (back)
+            from_b.emplace(OneWay{of_b, target_->vertices, of_moved ? *of_moved : *of_source_, weigh(points_.second)});
         const Narrowed narrowed = narrow(there ? &from_a : nullptr, back ? &*from_b : nullptr, most, query);
         result.status = narrowed.status;
         result.note = narrowed.note;
