@@ -19,7 +19,7 @@ constexpr int most_cuts = 200;
 
 }  // namespace
 
-SpreadBounds spread_about(const PieceBounds& b, double about) {
+SpreadBounds spread_about(const AffineBounds& b, double about) {
     const auto mean_of_square = [](const CornerValues& x) {
         return (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1] + x[1] * x[2] + x[2] * x[0]) / 6;
     };
@@ -56,7 +56,7 @@ SpreadBounds spread_about(const PieceBounds& b, double about) {
     return spread;
 }
 
-double open_in(const PieceBounds& b, double low, double high) {
+double open_in(const AffineBounds& b, double low, double high) {
     if (b.least() > high || b.most() <= low) return 0;
     const auto open_at = [&](double t) {
         return std::max(0.0, 1 - share_at_most(b.upper, t) - share_above(b.lower, t));
@@ -65,7 +65,7 @@ double open_in(const PieceBounds& b, double low, double high) {
     return (open_at(low) + open_at(low + 0.5 * (high - low)) + open_at(high)) / 3;
 }
 
-bool CutWhere::operator()(const PieceBounds& b, double weight) const {
+bool CutWhere::operator()(const AffineBounds& b, double weight) const {
     if (weight * (b.mean_upper - b.mean_lower) > mean) return true;
     if (weight * (b.square_upper - b.square_lower) > square) return true;
     if (b.most() > maximum && b.most() - std::max({b.lower[0], b.lower[1], b.lower[2]}) > maximum_gap) return true;
@@ -98,7 +98,7 @@ public:
     }
 
 private:
-    void emit(const Piece& piece, const PieceBounds& bounds, bool final) {
+    void emit(const Piece& piece, const AffineBounds& bounds, bool final) {
         leaves_.push_back({piece, bounds, all_.weight_of(piece), final});
     }
 
@@ -110,7 +110,7 @@ private:
     }
 
     // Returns whether the bounds of a piece are as close as rounding allows. Then cutting it would make them worse.
-    bool only_rounding(const Piece& piece, const PieceBounds& bounds) const {
+    bool only_rounding(const Piece& piece, const AffineBounds& bounds) const {
         const double gap = (64 + 8 * piece.level) * unit_roundoff * all_.magnitude_;
         for (std::size_t k = 0; k < 3; ++k)
             if (bounds.upper[k] - bounds.lower[k] > gap) return false;
@@ -145,7 +145,7 @@ private:
         if (near_.count() > most_near) {
             if (!exact) nearest();
             const double least = all_.target_.certified_distance(c, counters_);
-            const PieceBounds bounds = bounder_.rough(piece, triangle_of(all_.target_.mesh(), piece.near), least);
+            const AffineBounds bounds = bounder_.rough(piece, triangle_of(all_.target_.mesh(), piece.near), least);
             const bool small = too_small(piece);
             ++counters_.bound_tests;
             if (small || leaves_.size() >= enough_ || !where_(bounds, all_.weight_of(piece)))
@@ -166,7 +166,7 @@ private:
 
     void cut(Piece piece, std::size_t depth) {
         ++counters_.bound_tests;
-        const PieceBounds bounds = bounder_.bounds(piece, triangles_, lists_at(depth));
+        const AffineBounds bounds = bounder_.bounds(piece, triangles_, lists_at(depth));
         piece.near = triangles_[bounder_.kept()[0]].index;
         const double weight = all_.weight_of(piece);
         if (leaves_.size() >= enough_ || !where_(bounds, weight)) return emit(piece, bounds, false);
@@ -309,7 +309,7 @@ private:
     std::vector<Leaf> leaves_;
     Counters counters_;
     NearTriangles<float> near_;
-    std::vector<NearTriangle> triangles_;
+    std::vector<NearbyTriangle> triangles_;
     std::vector<CornerValues> squares_;
     std::vector<std::unique_ptr<std::vector<std::uint16_t>>> lists_;
 };

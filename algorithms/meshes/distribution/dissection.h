@@ -16,7 +16,7 @@ namespace hausbench {
 // A piece with its bounds.
 struct Leaf {
     Piece piece;
-    PieceBounds bounds;
+    AffineBounds bounds;
     double weight;  // relative error at most weight_error; areas are relative to a square about as large as the scene
     bool final;     // not cut further: too small, or its gap is only rounding
 };
@@ -26,7 +26,7 @@ struct Leaf {
 inline constexpr double weight_error = 0x1p-42;
 
 // Returns the share of a piece for which it is open whether d <= t: the mean over t = low, high and the middle.
-double open_in(const PieceBounds& bounds, double low, double high);
+double open_in(const AffineBounds& bounds, double low, double high);
 
 // The pieces to cut: those that exceed one of these limits.
 struct CutWhere {
@@ -43,14 +43,14 @@ struct CutWhere {
     };
     std::vector<Band> bands;
 
-    bool operator()(const PieceBounds& bounds, double weight) const;
+    bool operator()(const AffineBounds& bounds, double weight) const;
 };
 
 // Bounds on the mean of (d - about)^2 over a piece.
 struct SpreadBounds {
     double lower, upper;
 };
-SpreadBounds spread_about(const PieceBounds& bounds, double about);
+SpreadBounds spread_about(const AffineBounds& bounds, double about);
 
 // The pieces of all triangles of A. At first none; refine() makes them.
 class Dissection {

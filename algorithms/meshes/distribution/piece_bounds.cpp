@@ -151,7 +151,7 @@ CornerValues beside(const Piece& piece, const Triangle& s, const Triangle& t, co
 
 }  // namespace
 
-void bound_means(PieceBounds& bounds) {
+void bound_means(AffineBounds& bounds) {
     const PositivePart below(bounds.lower), above(bounds.upper);
     constexpr double down = 1 - 32 * unit_roundoff, up = 1 + 32 * unit_roundoff;
     bounds.mean_lower = below.mean() * down;
@@ -160,8 +160,8 @@ void bound_means(PieceBounds& bounds) {
     bounds.square_upper = above.mean_square() * up;
 }
 
-PieceBounds PieceBounder::rough(const Piece& piece, const Triangle& near, double centre_at_least) {
-    PieceBounds bounds;
+AffineBounds PieceBounder::rough(const Piece& piece, const Triangle& near, double centre_at_least) {
+    AffineBounds bounds;
     const Vec3 c = piece.centre();
     for (std::size_t k = 0; k < 3; ++k) {
         bounds.upper[k] =
@@ -174,8 +174,8 @@ PieceBounds PieceBounder::rough(const Piece& piece, const Triangle& near, double
     return bounds;
 }
 
-PieceBounds PieceBounder::bounds(const Piece& piece, std::span<const NearTriangle> near,
-                                 std::span<const std::uint16_t> among) {
+AffineBounds PieceBounder::bounds(const Piece& piece, std::span<const NearbyTriangle> near,
+                                  std::span<const std::uint16_t> among) {
     const double allowance = (20 + 2 * piece.level) * unit_roundoff * magnitude_;
     const Vec3 c = piece.centre();
     PointBlock points{};  // the corners and the centre
@@ -186,7 +186,7 @@ PieceBounds PieceBounder::bounds(const Piece& piece, std::span<const NearTriangl
     const auto foot_of = [](const BlockFeet& feet, std::size_t i) {
         return Vec3(feet.point[0][i], feet.point[1][i], feet.point[2][i]);
     };
-    PieceBounds bounds;
+    AffineBounds bounds;
     std::uint16_t nearest = among[0];
     BlockFeet feet, others;
     closest_points_of_half(points, near[nearest].corners, feet);
@@ -267,7 +267,7 @@ PieceBounds PieceBounder::bounds(const Piece& piece, std::span<const NearTriangl
 //
 // Rounding: y errs by less than 30uM, products y.e by less than 60uM |e|, the rule by 200uM in all, and the mean of q
 // by 200uM times the largest d. A corner of level k is off by 2k * uM.
-void PieceBounder::curved(const Piece& piece, std::span<const NearTriangle> near, PieceBounds& bounds) {
+void PieceBounder::curved(const Piece& piece, std::span<const NearbyTriangle> near, AffineBounds& bounds) {
     const Triangle& s = near[kept_[0]].corners;
     const std::array<Vec3, 3> corner{s.a, s.b, s.c};
     const double unit = unit_roundoff * magnitude_;

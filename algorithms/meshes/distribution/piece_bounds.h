@@ -26,7 +26,7 @@ struct Piece {
 
 // Bounds on the distance d to B over one piece. Affine functions below and above d, given by their values at the
 // corners; and bounds on the means of d and of d^2 over the piece. The lower function may be negative.
-struct PieceBounds {
+struct AffineBounds {
     CornerValues lower, upper;
     double mean_lower, mean_upper, square_lower, square_upper;
 
@@ -35,7 +35,7 @@ struct PieceBounds {
 };
 
 // A triangle of B, copied to a list of its own.
-struct NearTriangle {
+struct NearbyTriangle {
     Triangle corners;
     Index index;
 };
@@ -59,7 +59,7 @@ public:
     // Computes the bounds for a piece. `among` are numbers of triangles in `near`, and every point of the piece has a
     // nearest triangle of B among them; the first of them is a good guess for the triangle nearest to the centre.
     // Afterwards, kept() has the triangles that parts of the piece may need; the first is nearest to the centre.
-    PieceBounds bounds(const Piece& piece, std::span<const NearTriangle> near, std::span<const std::uint16_t> among);
+    AffineBounds bounds(const Piece& piece, std::span<const NearbyTriangle> near, std::span<const std::uint16_t> among);
 
     const std::vector<std::uint16_t>& kept() const { return kept_; }
 
@@ -68,12 +68,12 @@ public:
 
     // Computes bounds for a piece from a triangle of B that is near, and from a certified lower bound on the distance of
     // the centre from B. The distance to B changes no more than the point moves.
-    PieceBounds rough(const Piece& piece, const Triangle& near, double centre_at_least);
+    AffineBounds rough(const Piece& piece, const Triangle& near, double centre_at_least);
 
     std::uint64_t distances = 0;  // from points to triangles, computed so far
 
 private:
-    void curved(const Piece& piece, std::span<const NearTriangle> near, PieceBounds& bounds);
+    void curved(const Piece& piece, std::span<const NearbyTriangle> near, AffineBounds& bounds);
 
     double magnitude_;
     std::vector<std::uint16_t> kept_;
@@ -84,6 +84,6 @@ private:
 };
 
 // Fills in the bounds on means that follow from the affine bounds.
-void bound_means(PieceBounds& bounds);
+void bound_means(AffineBounds& bounds);
 
 }  // namespace hausbench
