@@ -130,7 +130,7 @@ struct Certificate {
 struct Result {
     Status status = Status::stalled;
     Bounds bounds;  // of the quantity that the query asks for, whatever the status
-    // For Quantity::distribution: bounds of each statistic of the query. Session sets `bounds` to those of the first.
+    // For Quantity::distribution: bounds of each statistic of the query. Session copies the first of them to `bounds`.
     std::vector<Bounds> statistics = {};
     Witness witness;
     Counters counters;

@@ -33,7 +33,7 @@ struct Statistic {
     bool operator==(const Statistic&) const = default;
 };
 
-// What counts as much as what.
+// How much each point of a shape counts.
 enum class WeighBy {
     area,    // each part of a mesh by its area; each point of a point set once
     number,  // each vertex of a mesh that belongs to a triangle once, the rest of the mesh not at all; each point once

@@ -46,8 +46,8 @@ public:
 
     bool empty() const { return !(sums_.back() > 0); }
 
-    // Adds samples until there are `count`, batch by batch. Returns false if the deadline passed, and forgets the batch
-    // that it interrupted: its samples were drawn triangle by triangle, so the first of them are no fair choice.
+    // Adds samples until there are `count`, batch by batch. Returns false if the deadline passed, without the samples of
+    // the unfinished batch: a batch visits A triangle by triangle, so its first part covers only some triangles.
     bool draw(std::size_t count, const Deadline& deadline, Counters& counters) {
         while (distances_.size() < count) {
             const std::size_t before = distances_.size();

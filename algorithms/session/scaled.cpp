@@ -110,9 +110,9 @@ Query scaled(const Query& query, int exponent) {
     return out;
 }
 
-// Scales the bounds of statistics back to the unit of the input. If the shapes are not exactly those of the query
-// (`wider` > 0), areas may be quite different, because the triangles may be as small as the difference; then nothing is
-// known. The same holds for the share within a length that scaling rounds.
+// Scales the bounds of statistics back to the unit of the input. If scaling or posing rounded the shapes (`wider` > 0),
+// their areas may have changed by any factor, because a triangle may be as small as the rounding error, so the bounds
+// become trivial. They also become trivial for the share within a length that scaling rounds.
 void scale_statistics_back(const Query& query, Result& result, int exponent, double wider) {
     for (std::size_t i = 0; i < std::min(result.statistics.size(), query.statistics.size()); ++i) {
         const Statistic& one = query.statistics[i];

@@ -15,7 +15,8 @@ namespace {
 using Kind = Statistic::Kind;
 using Over = Statistic::Over;
 
-constexpr std::size_t most_pieces = 5'000'000;  // 1.5 GB; more if the shapes have more triangles
+// More if the shapes have more triangles. One round may exceed it, see Dissection::refine().
+constexpr std::size_t most_pieces = 5'000'000;
 
 // A round counts as progress if it narrows a quantile by a tenth. If this many rounds in a row do not, and F is known and
 // constant in the middle of the interval, no number of pieces will narrow it.
@@ -26,8 +27,11 @@ constexpr int rounds_without_progress = 4;
 constexpr double shrink = 0x1p-10;
 constexpr int rounds_without_cuts = 6;
 
-// A statistic over A, over B or over both pooled, and the limit for its pieces. The other statistics are combined of
-// those over A and B.
+// Returns whether a value is combined from the values over A and over B.
+bool combines(Over over) { return over != Over::source && over != Over::target && over != Over::pooled; }
+
+// A statistic over A, over B or over both pooled, and the limit for its pieces. The other statistics are combined from
+// the values over A and over B.
 struct Goal {
     Statistic statistic;
     Bounds bounds = {};
@@ -93,7 +97,7 @@ public:
         }
         most_ = static_cast<std::size_t>(std::min<std::uint64_t>(query.budget, most_));
         for (const Statistic& statistic : query.statistics) {
-            if (statistic.over == Over::source || statistic.over == Over::target || statistic.over == Over::pooled) {
+            if (!combines(statistic.over)) {
                 goal(statistic, statistic.over);
             } else {
                 goal(statistic, Over::source);
@@ -190,7 +194,7 @@ private:
         answers_.clear();
         bool done = true;
         for (const Statistic& statistic : query_.statistics) {
-            if (statistic.over == Over::source || statistic.over == Over::target || statistic.over == Over::pooled) {
+            if (!combines(statistic.over)) {
                 Goal& one = goals_[goal(statistic, statistic.over)];
                 answers_.push_back(one.bounds);
                 one.allowed = std::min(one.allowed, query_.allowed_gap(statistic, one.bounds.lower));
@@ -219,6 +223,7 @@ private:
         return done;
     }
 
+    // Notes whether a quantile has come closer, and whether F is already known in the middle between its bounds.
     static void look_for_plateau(Goal& one, const Statistics& now) {
         if (one.statistic.kind != Kind::quantile) return;
         const double middle = one.bounds.lower + 0.5 * one.bounds.gap();

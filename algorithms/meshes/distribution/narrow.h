@@ -26,7 +26,7 @@ struct Narrowed {
 
 // Bounds the statistics of `query`. `source` has the distances from A to B, `target` those from B to A; either may be
 // null if no statistic needs it. `magnitude` is M of kernel/rounding.h, for both shapes. Cuts the pieces with the
-// largest gaps first. The unit of Query::budget is one piece; a piece takes about 300 bytes.
+// largest gaps first. The unit of Query::budget is one piece; a piece takes about 200 bytes.
 Narrowed narrow(const OneWay* source, const OneWay* target, double magnitude, const Query& query);
 
 // Combines the bounds of a statistic over A and over B. Every result holds under rounding.
