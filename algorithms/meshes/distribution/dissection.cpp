@@ -69,9 +69,9 @@ bool CutWhere::operator()(const AffineBounds& b, double weight) const {
     if (weight * (b.mean_upper - b.mean_lower) > mean) return true;
     if (weight * (b.square_upper - b.square_lower) > square) return true;
     if (b.most() > maximum && b.most() - std::max({b.lower[0], b.lower[1], b.lower[2]}) > maximum_gap) return true;
-    if (spread < never) {
-        const SpreadBounds here = spread_about(b, about);
-        if (weight * (here.upper - here.lower) > spread) return true;
+    for (const Spread& spread : spreads) {
+        const SpreadBounds here = spread_about(b, spread.about);
+        if (weight * (here.upper - here.lower) > spread.limit) return true;
     }
     for (const Band& band : bands)
         if (weight * open_in(b, band.low, band.high) > band.limit) return true;
@@ -81,10 +81,10 @@ bool CutWhere::operator()(const AffineBounds& b, double weight) const {
 // Cuts pieces, each down to pieces within the limits.
 class Dissection::Worker {
 public:
-    Worker(const Dissection& all, const CutWhere& where, std::size_t most)
-        : all_(all), where_(where), most_(most), bounder_(all.magnitude_) {}
+    Worker(const Dissection& all, const CutWhere& where, const Deadline& deadline, std::size_t most)
+        : all_(all), where_(where), deadline_(deadline), most_(most), bounder_(all.magnitude_) {}
 
-    // Cuts a piece into at most about `most` parts.
+    // Cuts a piece into at most about `most` parts; not any further when the deadline passes.
     void open(const Piece& piece) {
         enough_ = leaves_.size() + most_;
         gather_and_cut(piece);
@@ -98,6 +98,12 @@ public:
     }
 
 private:
+    // Returns whether this piece is cut. Looks at the clock now and then.
+    bool is_cut(const Piece& piece, const AffineBounds& bounds) {
+        if (++counters_.bound_tests % 256 == 0 && deadline_.passed()) enough_ = 0;
+        return leaves_.size() < enough_ && where_(bounds, all_.weight_of(piece));
+    }
+
     void emit(const Piece& piece, const AffineBounds& bounds, bool final) {
         leaves_.push_back({piece, bounds, all_.weight_of(piece), final});
     }
@@ -147,9 +153,7 @@ private:
             const double least = all_.target_.certified_distance(c, counters_);
             const AffineBounds bounds = bounder_.rough(piece, triangle_of(all_.target_.mesh(), piece.near), least);
             const bool small = too_small(piece);
-            ++counters_.bound_tests;
-            if (small || leaves_.size() >= enough_ || !where_(bounds, all_.weight_of(piece)))
-                return emit(piece, bounds, small);
+            if (!is_cut(piece, bounds) || small) return emit(piece, bounds, small);
             for (const Piece& half : halves(piece)) gather_and_cut(half);
             return;
         }
@@ -165,11 +169,9 @@ private:
     }
 
     void cut(Piece piece, std::size_t depth) {
-        ++counters_.bound_tests;
         const AffineBounds bounds = bounder_.bounds(piece, triangles_, lists_at(depth));
         piece.near = triangles_[bounder_.kept()[0]].index;
-        const double weight = all_.weight_of(piece);
-        if (leaves_.size() >= enough_ || !where_(bounds, weight)) return emit(piece, bounds, false);
+        if (!is_cut(piece, bounds)) return emit(piece, bounds, false);
         if (too_small(piece) || only_rounding(piece, bounds)) return emit(piece, bounds, true);
         lists_at(depth + 1) = bounder_.kept();
         squares_ = bounder_.kept_squares();
@@ -304,6 +306,7 @@ private:
 
     const Dissection& all_;
     const CutWhere& where_;
+    const Deadline& deadline_;
     std::size_t most_, enough_ = 0;
     PieceBounder bounder_;
     std::vector<Leaf> leaves_;
@@ -316,9 +319,14 @@ private:
 
 Dissection::Dissection(const Triangles& triangles, const Points& points, const TriangleBlocks& target, double magnitude,
                        WeighBy weigh, int threads)
-    : triangles_(triangles), points_(points), target_(target), magnitude_(magnitude), threads_(threads) {
+    : triangles_(triangles),
+      points_(points),
+      target_(target),
+      magnitude_(magnitude),
+      threads_(threads),
+      counted_(weigh == WeighBy::number) {
     weights_.assign(static_cast<std::size_t>(triangles.rows()), 1);
-    if (weigh == WeighBy::number) return;
+    if (counted_) return;
     const double inverse = magnitude > 0 ? std::ldexp(1.0, -std::ilogb(magnitude) - 1) : 1;
     for (Eigen::Index i = 0; i < triangles.rows(); ++i) {
         const auto v = triangles.row(i);
@@ -373,7 +381,7 @@ bool Dissection::refine(const CutWhere& where, const Deadline& deadline, std::si
         std::vector<Counters> counters(parts);
         threads_.for_each(parts, [&](std::size_t p, int number) {
             std::unique_ptr<Worker>& worker = workers[static_cast<std::size_t>(number)];
-            if (!worker) worker = std::make_unique<Worker>(*this, where, most);
+            if (!worker) worker = std::make_unique<Worker>(*this, where, deadline, most);
             const std::size_t from = begin + p * pieces_of_part;
             for (std::size_t i = from; i < std::min(end, from + pieces_of_part); ++i) worker->open(open[i].piece);
             made[p] = worker->take_leaves();

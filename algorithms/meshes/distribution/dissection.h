@@ -34,14 +34,16 @@ struct CutWhere {
 
     double mean = never;     // weight times the gap of the mean of d
     double square = never;   // weight times the gap of the mean of d^2
-    double about = 0;        // for the next limit
-    double spread = never;   // weight times the gap of the mean of (d - about)^2
     double maximum = never;  // the largest upper bound of d, for pieces whose
     double maximum_gap = 0;  // gap between the largest bounds is more than this
     struct Band {
         double low, high, limit;  // weight times open_in(low, high)
     };
     std::vector<Band> bands;
+    struct Spread {
+        double about, limit;  // weight times the gap of the mean of (d - about)^2
+    };
+    std::vector<Spread> spreads;
 
     bool operator()(const AffineBounds& bounds, double weight) const;
 };
@@ -73,6 +75,9 @@ public:
     // triangles that are nearly segments have uncertain areas.
     double extra_weight() const { return extra_; }
 
+    // Whether every leaf has the weight 1: points are never cut.
+    bool counted() const { return counted_; }
+
 private:
     class Worker;
     Leaf unknown(const Piece& piece) const;
@@ -85,6 +90,7 @@ private:
     const TriangleBlocks& target_;
     double magnitude_;
     Threads threads_;
+    bool counted_;
     std::vector<double> weights_;  // of the triangles of A
     double extra_ = 0;
     std::vector<Leaf> leaves_;

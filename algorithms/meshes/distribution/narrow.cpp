@@ -22,6 +22,10 @@ constexpr std::size_t most_pieces = 5'000'000;
 // constant in the middle of the interval, no number of pieces will narrow it.
 constexpr int rounds_without_progress = 4;
 
+// Computing one statistic from the pieces takes up to a hundredth of the time of cutting them, so that part of the time
+// limit is kept for it.
+constexpr double statistic_per_cut = 0.01;
+
 // If a round finds nothing to cut, the limits were too large, and shrink by this factor; after so many such rounds in a
 // row, all gaps are rounding.
 constexpr double shrink = 0x1p-10;
@@ -68,8 +72,7 @@ void add(const Goal& goal, const Statistics& now, CutWhere& where) {
             where.square = std::min(where.square, goal.limit);
             break;
         case Kind::deviation:
-            where.spread = std::min(where.spread, goal.limit);
-            where.about = now.about();
+            where.spreads.push_back({now.about(), goal.limit});
             break;
         case Kind::maximum:
             where.maximum_gap =
@@ -88,7 +91,9 @@ void add(const Goal& goal, const Statistics& now, CutWhere& where) {
 class Narrowing {
 public:
     Narrowing(const OneWay* source, const OneWay* target, double magnitude, const Query& query)
-        : query_(query), deadline_(query.time_limit), most_(most_pieces) {
+        : query_(query),
+          deadline_(query.time_limit / (1 + statistic_per_cut * static_cast<double>(query.statistics.size()))),
+          most_(most_pieces) {
         for (const OneWay* way : {source, target}) {
             if (way) most_ = std::max(most_, 8 * static_cast<std::size_t>(way->triangles.rows()));
             pieces_.push_back(!way ? std::nullopt
@@ -141,12 +146,14 @@ private:
             if (!one) {
                 std::vector<std::span<const Leaf>> leaves;
                 double extra = 0;
+                bool counted = true;
                 for (std::size_t way = 0; way < 2; ++way) {
                     if (over != Over::pooled && way != static_cast<std::size_t>(over)) continue;
                     leaves.emplace_back(pieces_[way]->leaves());
                     extra += pieces_[way]->extra_weight();
+                    counted &= pieces_[way]->counted();
                 }
-                one.emplace(std::move(leaves), extra);
+                one.emplace(std::move(leaves), extra, counted);
             }
             return *one;
         };

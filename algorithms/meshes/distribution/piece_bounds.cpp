@@ -27,7 +27,9 @@
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/triangle_block.h"
+#include "algorithms/meshes/distribution/point_distance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -149,6 +151,21 @@ CornerValues beside(const Piece& piece, const Triangle& s, const Triangle& t, co
     return {by_face[0] - loss, by_face[1] - loss, by_face[2] - loss};
 }
 
+// Returns bounds on the distance if the piece and all triangles near it are points.
+std::optional<Bounds> distance_of_points(const Piece& piece, std::span<const NearbyTriangle> near,
+                                         std::span<const std::uint16_t> among) {
+    const auto is_point = [](const Vec3& a, const Vec3& b, const Vec3& c) { return a == b && a == c; };
+    if (!is_point(piece.corners[0], piece.corners[1], piece.corners[2])) return std::nullopt;
+    Bounds d{infinity, infinity};
+    for (const std::uint16_t i : among) {
+        const Triangle& t = near[i].corners;
+        if (!is_point(t.a, t.b, t.c)) return std::nullopt;
+        const Bounds one = point_distance(piece.corners[0], t.a);
+        d = {std::min(d.lower, one.lower), std::min(d.upper, one.upper)};
+    }
+    return d;
+}
+
 }  // namespace
 
 void bound_means(AffineBounds& bounds) {
@@ -176,6 +193,15 @@ AffineBounds PieceBounder::rough(const Piece& piece, const Triangle& near, doubl
 
 AffineBounds PieceBounder::bounds(const Piece& piece, std::span<const NearbyTriangle> near,
                                   std::span<const std::uint16_t> among) {
+    if (const std::optional<Bounds> d = distance_of_points(piece, near, among)) {
+        AffineBounds bounds;
+        bounds.lower.fill(d->lower);
+        bounds.upper.fill(d->upper);
+        bound_means(bounds);
+        kept_.assign(1, among[0]);
+        squares_.assign(1, {});  // a point is never cut
+        return bounds;
+    }
     const double allowance = (20 + 2 * piece.level) * unit_roundoff * magnitude_;
     const Vec3 c = piece.centre();
     PointBlock points{};  // the corners and the centre

@@ -5,6 +5,10 @@
 // (1 - 2^-42) / (1 + 2^-42). An upper bound is the same with extra * (the largest v) added to the numerator, times the
 // inverse factor: the quotient grows with the weight that has the largest v. The factor 1 - 2^-40 (or 1 + 2^-40)
 // also covers the rounding errors of values, products and sums, which are below 2^-46, and of the next operation.
+//
+// Counted leaves have the exact weight 1, so a share of them is a quotient of whole numbers that rounds once. A quantile
+// compares it with its level as it is, because a level such as 0.9 is rounded as well, and 18 of 20 points should reach
+// it: rounding keeps the order, and the same fraction rounds to the same double.
 #include "algorithms/meshes/distribution/statistics.h"
 
 #include "algorithms/kernel/rounding.h"
@@ -35,13 +39,28 @@ Bounds Statistics::mean_of(double lower, double upper, double most) const {
     return {lower / all * down, std::min((upper + extra_ * most) / all * up, most)};
 }
 
-Statistics::Statistics(std::vector<std::span<const Leaf>> leaves, double extra_weight)
-    : leaves_(std::move(leaves)), extra_(extra_weight) {
+// Returns a lower bound on F from the weight of leaves that are surely within.
+double Statistics::share_at_least(double within) const {
+    return counted_ ? within / weight_ : within / (weight_ + extra_) * down;
+}
+
+// Returns an upper bound on F from the weight of leaves that are surely beyond.
+double Statistics::share_at_most_beside(double beyond) const {
+    return counted_ ? (weight_ - beyond) / weight_ : next_up(1 - beyond / (weight_ + extra_) * down);
+}
+
+Statistics::Statistics(std::vector<std::span<const Leaf>> leaves, double extra_weight, bool counted)
+    : leaves_(std::move(leaves)), extra_(extra_weight), counted_(counted) {
     least_ = std::numeric_limits<double>::infinity();
+    std::size_t count = 0;
+    for (const std::span<const Leaf> some : leaves_) count += some.size();
+    extents_.reserve(count);
     for (const std::span<const Leaf> some : leaves_) {
         for (const Leaf& leaf : some) {
-            least_ = std::min(least_, leaf.bounds.least());
-            most_ = std::max(most_, leaf.bounds.most());
+            const Extent& extent =
+                extents_.emplace_back(Extent{leaf.bounds.least(), leaf.bounds.most(), leaf.weight, &leaf});
+            least_ = std::min(least_, extent.least);
+            most_ = std::max(most_, extent.most);
             for (const double x : leaf.bounds.lower) most_at_least_ = std::max(most_at_least_, x);
         }
     }
@@ -82,11 +101,22 @@ Bounds Statistics::of(const Statistic& statistic) const {
 
 // A point counts as within `length` if an upper bound of d is, and as beyond it if a lower bound is.
 Bounds Statistics::share_within(double length) const {
-    const double all = weight_ + extra_;
-    const double within = sum([&](const Leaf& leaf) { return leaf.weight * share_at_most(leaf.bounds.upper, length); });
-    const double beyond = sum([&](const Leaf& leaf) { return leaf.weight * share_above(leaf.bounds.lower, length); });
+    Sum within_all, beyond_all;
+    for (const Extent& one : extents_) {
+        if (one.most <= length) {
+            within_all.add(one.weight);
+        } else if (one.least > length) {
+            beyond_all.add(one.weight);
+        } else {
+            within_all.add(one.weight * share_at_most(one.leaf->bounds.upper, length));
+            beyond_all.add(one.weight * share_above(one.leaf->bounds.lower, length));
+        }
+    }
+    const double within = within_all.value(), beyond = beyond_all.value();
     if (length >= most_) return {1, 1};
-    return {within / all * down, std::min(next_up(1 - beyond / all * down), 1.0)};
+    const double lower = share_at_least(within), upper = share_at_most_beside(beyond);
+    if (!counted_) return {lower, std::min(upper, 1.0)};
+    return {lower > 0 ? next_down(lower) : 0, upper > 0 ? std::min(next_up(upper), 1.0) : 0};
 }
 
 // Bisection: any t at which F is surely at least `level` is an upper bound, any t at which it is surely less a lower
@@ -118,8 +148,8 @@ Bounds Statistics::quantile(double level) const {
             if (!(low < middle && middle < high)) break;
             Sum all = settled;
             for (const Open& one : open) all.add(weighed(one, middle));
-            const double share = all.value() / (weight_ + extra_) * down;
-            (surely ? share >= level : !(next_up(1 - share) < level)) ? high = middle : low = middle;
+            const double share = surely ? share_at_least(all.value()) : share_at_most_beside(all.value());
+            (share >= level ? high : low) = middle;
             std::erase_if(open, [&](const Open& one) {
                 if (one.least <= high && one.most > low) return false;
                 settled.add(weighed(one, high));
@@ -129,6 +159,13 @@ Bounds Statistics::quantile(double level) const {
         return surely ? high : low;
     };
     return {bisect(false), bisect(true)};
+}
+
+double Statistics::open_between(double low, double high) const {
+    Sum all;
+    for (const Extent& one : extents_)
+        if (one.least <= high && one.most > low) all.add(one.weight * open_in(one.leaf->bounds, low, high));
+    return all.value();
 }
 
 double Statistics::open(const Statistic& statistic, const Bounds& band) const {
@@ -145,11 +182,9 @@ double Statistics::open(const Statistic& statistic, const Bounds& band) const {
                 return leaf.weight * (spread.upper - spread.lower);
             });
         case Statistic::Kind::quantile:
-            return sum([&](const Leaf& leaf) { return leaf.weight * open_in(leaf.bounds, band.lower, band.upper); });
+            return open_between(band.lower, band.upper);
         case Statistic::Kind::share_within:
-            return sum([&](const Leaf& leaf) {
-                return leaf.weight * open_in(leaf.bounds, statistic.argument, statistic.argument);
-            });
+            return open_between(statistic.argument, statistic.argument);
         case Statistic::Kind::maximum:
             return 0;
     }

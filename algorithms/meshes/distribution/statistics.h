@@ -13,8 +13,9 @@ namespace hausbench {
 // result holds under rounding.
 class Statistics {
 public:
-    // Keeps the spans. `extra_weight` is the sum of Dissection::extra_weight(). O(n).
-    Statistics(std::vector<std::span<const Leaf>> leaves, double extra_weight);
+    // Keeps the spans. `extra_weight` is the sum of Dissection::extra_weight(); `counted` tells that every weight is
+    // exactly 1. O(n).
+    Statistics(std::vector<std::span<const Leaf>> leaves, double extra_weight, bool counted);
 
     // O(n) each; a quantile takes about five times as long as the others.
     Bounds of(const Statistic& statistic) const;
@@ -30,13 +31,25 @@ public:
     double about() const { return about_; }
 
 private:
+    // A leaf in the little memory that is needed where its distances are all on one side of a length.
+    struct Extent {
+        double least, most, weight;
+        const Leaf* leaf;
+    };
+
     template <class Of> double sum(const Of& of) const;
+    double open_between(double low, double high) const;
     Bounds share_within(double length) const;
     Bounds quantile(double level) const;
     Bounds mean_of(double lower, double upper, double most) const;
+    double share_at_least(double within) const;
+    double share_at_most_beside(double beyond) const;
 
     std::vector<std::span<const Leaf>> leaves_;
-    double extra_, weight_, about_ = 0;
+    std::vector<Extent> extents_;  // of all leaves
+    double extra_;
+    bool counted_;
+    double weight_, about_ = 0;
     double least_ = 0, most_ = 0, most_at_least_ = 0;
     Bounds mean_, square_;
 };

@@ -221,6 +221,39 @@ TEST(DistributionSolver, PointsAndMeshes) {
     expect_around(one({points, points}, {Kind::mean, 0, Over::pooled}), 0);
 }
 
+// Voxels have many equal distances, and lengths that are exactly a distance.
+TEST(DistributionSolver, TiesOfPointsAreExact) {
+    std::vector<std::array<double, 3>> a, b;
+    for (const double x : {0.0, 1.0, 2.0, 3.0})
+        for (const double y : {0.0, 1.0, 2.0, 3.0, 4.0}) a.push_back({x, y, 0});
+    for (const double y : {0.0, 1.0, 2.0, 3.0, 4.0}) b.push_back({0, y, 0});
+    b.push_back({4, 4, 1});  // the root of 2 from (3, 4, 0)
+    const auto set = [](const std::vector<std::array<double, 3>>& points, double unit) {
+        PointSet made{Points(Index(points.size()), 3)};
+        for (std::size_t i = 0; i < points.size(); ++i)
+            made.points.row(Index(i)) = unit * Vec3(points[i][0], points[i][1], points[i][2]);
+        return made;
+    };
+    // The distances: 0, 1 and 2 five times each, 3 twice, and the roots of 2, 3 and 6.
+    for (const double unit : {1.0, 0x1p-700}) {
+        const Scene scene{set(a, unit), set(b, unit)};
+        const auto exactly = [&](const Statistic& statistic, double value) {
+            const Bounds bounds = one(scene, statistic);
+            EXPECT_LE(bounds.lower, value) << to_string(statistic);
+            EXPECT_GE(bounds.upper, value) << to_string(statistic);
+            EXPECT_LE(bounds.gap(), 0x1p-52 * (is_share(statistic) ? 1 : value)) << to_string(statistic);
+        };
+        exactly({Kind::share_within, 1 * unit}, 10.0 / 20);
+        exactly({Kind::share_within, 0}, 5.0 / 20);
+        exactly({Kind::quantile, 0.5}, 1 * unit);
+        EXPECT_LE(one(scene, {Kind::quantile, 0.25}).upper, 0x1p-60 * unit);
+        exactly({Kind::share_within, std::sqrt(2.0) * unit}, 11.0 / 20);  // the double is above the root of 2
+        exactly({Kind::share_within, 2 * unit}, 17.0 / 20);
+        exactly({Kind::quantile, 0.85}, 2 * unit);
+        exactly({Kind::maximum}, 3 * unit);
+    }
+}
+
 TEST(DistributionSolver, AMeshWithoutAnyAreaIsBetweenItsLeastAndGreatestDistance) {
     const TriangleMesh line = soup(rows({{0, 0, 1}, {0, 0, 2}, {0, 0, 2}}));
     const Result result =

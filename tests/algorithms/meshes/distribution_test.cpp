@@ -2,6 +2,7 @@
 // shapes.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/distribution/narrow.h"
+#include "algorithms/meshes/distribution/point_distance.h"
 #include "algorithms/meshes/distribution/weights.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -80,6 +81,33 @@ TEST(Distribution, AreasOfNeedlesAreCertain) {
     const Area nothing = area_of({{0.1, 0.2, 0.3}, {0.1, 0.2, 0.3}, {0.4, 0.8, 0.9}});
     EXPECT_EQ(nothing.value, 0);
     EXPECT_GT(nothing.extra, 0);
+}
+
+// Some of these distances are doubles, and some squares, differences or sums round.
+TEST(Distribution, DistancesOfPointsAreAsCloseAsDoublesAllow) {
+    Random random(3);
+    int equal = 0, next = 0, wider = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const int digits = i % 4 == 0 ? 0 : i % 4 == 1 ? 20 : i % 4 == 2 ? 28 : 52;
+        const auto rounded = [&](double x) { return std::ldexp(std::round(std::ldexp(x, digits)), -digits); };
+        const Vec3 a(rounded(random.real(4, 5)), 0.5 * static_cast<double>(random.below(5) - 2),
+                     i % 8 < 4 ? 0 : 0x1p-30 * static_cast<double>(random.below(10)));
+        const Vec3 b(0, 0, i % 16 < 8 ? 0 : i % 32 < 16 ? -0x1p-60 : 0x1p-600);
+        const Bounds d = point_distance(a, b);
+        CGAL::Exact_rational squared = 0;
+        for (int k = 0; k < 3; ++k) {
+            const CGAL::Exact_rational x = CGAL::Exact_rational(a[k]) - CGAL::Exact_rational(b[k]);
+            squared += x * x;
+        }
+        ASSERT_LE(CGAL::Exact_rational(d.lower) * CGAL::Exact_rational(d.lower), squared) << a << " and " << b;
+        ASSERT_GE(CGAL::Exact_rational(d.upper) * CGAL::Exact_rational(d.upper), squared) << a << " and " << b;
+        ++(d.lower == d.upper ? equal : next_up(d.lower) == d.upper ? next : wider);
+    }
+    EXPECT_GT(equal, 300);
+    EXPECT_GT(next, 1000);
+    EXPECT_GT(wider, 1000);
+    EXPECT_EQ(point_distance({1e-300, 0, 0}, {1e-300, 0, 0}).upper, 0);
+    EXPECT_GT(point_distance({1e-300, 0, 0}, {0, 0, 0}).upper, 1e-300);
 }
 
 TEST(Distribution, ParallelPlates) {

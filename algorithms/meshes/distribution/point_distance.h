@@ -1,0 +1,39 @@
+// The distance between two points, as close as doubles can hold it. Whole coordinates, such as voxels, have many
+// distances that are equal, or equal to the length that a query asks about, so that rounding would leave open which
+// points count.
+#pragma once
+
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/kernel/triangle.h"
+#include "algorithms/solver.h"
+
+#include <cmath>
+
+namespace hausbench {
+
+// Returns whether x - y is a double: whether the rounding error of the subtraction (Knuth) is 0.
+inline bool is_exact_difference(double x, double y) {
+    const double difference = x - y, back = difference - x;
+    return (x - (difference - back)) - (y + back) == 0;
+}
+
+// Returns bounds on |a - b|. |Coordinates| must be at most largest_safe_coordinate.
+//
+// If no step of the sum of squares rounds, the sum s is exact, and so is the sign of root^2 - s, which tells on which side
+// of the distance the root lies. Squares of numbers below 2^-480 may underflow and count as rounded; the others are
+// multiples of 2^-1064, as are their errors. Otherwise the bounds for a computed sum hold (kernel/rounding.h).
+inline Bounds point_distance(const Vec3& a, const Vec3& b) {
+    double sum = 0;
+    bool exact = true;
+    for (int k = 0; k < 3; ++k) {
+        const double x = a[k] - b[k], square = x * x;
+        exact = exact && is_exact_difference(a[k], b[k]) && is_exact_difference(sum, -square) &&
+                (x == 0 || (std::abs(x) >= 0x1p-480 && std::fma(x, x, -square) == 0));
+        sum += square;
+    }
+    if (!exact) return {distance_at_least(sum, true), distance_at_most(sum, true)};
+    const double root = std::sqrt(sum), above = std::fma(root, root, -sum);
+    return {above > 0 ? next_down(root) : root, above < 0 ? next_up(root) : root};
+}
+
+}  // namespace hausbench
