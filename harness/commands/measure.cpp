@@ -3,8 +3,10 @@
 
 #include "algorithms/error.h"
 #include "harness/commands/measurement_pairs.h"
+#include "harness/commands/scripts.h"
 #include "harness/commands/verb.h"
 #include "harness/record/json.h"
+#include "process/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -44,15 +46,23 @@ std::vector<Statistic> parse_statistics(const std::string& list) {
     return all;
 }
 
-void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::string>& parameters,
-                    std::filesystem::path& pairs, bool& json, bool& distribution, std::string& statistics,
-                    bool& by_vertex) {
+// What the command line gives.
+struct Arguments {
+    MeasureRequest request;
+    std::vector<std::string> parameters;
+    std::filesystem::path pairs, picture;
+    bool json = false, distribution = false, by_vertex = false;
+    std::string statistics;
+};
+
+void take_arguments(CLI::App* verb, Arguments& given) {
+    MeasureRequest& request = given.request;
     verb->add_option("A", request.source,
                      "source: a file, a model of the project, or a quoted pattern such as 'scans/*.ply'")
         ->type_name("MODEL");
     verb->add_option("B", request.target, "target, likewise; of two patterns, files of one name are a pair")
         ->type_name("MODEL");
-    verb->add_option("--pairs", pairs, "instead of A and B: a file with a line \"A, B\" for each pair")
+    verb->add_option("--pairs", given.pairs, "instead of A and B: a file with a line \"A, B\" for each pair")
         ->type_name("FILE")
         ->check(CLI::ExistingFile);
     verb->add_option("--solver", request.solver,
@@ -74,18 +84,20 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
     verb->add_flag("--symmetric", request.symmetric, "also h(B,A), and H(A,B), the larger of the two");
     verb->add_flag("--penetration", request.penetration,
                    "instead of a distance, how deep two closed meshes are in each other");
-    verb->add_flag("--distribution", distribution,
+    verb->add_flag("--distribution", given.distribution,
                    "instead of the largest distance: mean, RMS, deviation, median, 95 % quantile and maximum; with "
                    "--symmetric from both sides");
     verb->add_option(
-            "--statistics", statistics,
+            "--statistics", given.statistics,
             "these statistics, such as \"mean, quantile 0.99, within 0.1\" (the share that is at most 0.1 away)")
         ->type_name("LIST");
-    verb->add_flag("--by-vertex", by_vertex, "statistics count each vertex once, instead of each part by its area");
+    verb->add_flag("--by-vertex", given.by_vertex,
+                   "statistics count each vertex once, instead of each part by its area");
     verb->add_option("--share-tolerance", request.share_tolerance, "largest gap of shares, which have no unit")
         ->type_name("NUMBER")
         ->capture_default_str();
-    verb->add_option("--set", parameters, "a parameter of the solver, see `hausbench list SOLVER`; may be repeated")
+    verb->add_option("--set", given.parameters,
+                     "a parameter of the solver, see `hausbench list SOLVER`; may be repeated")
         ->type_name("NAME=VALUE");
     verb->add_option(
             "--cutoff", request.cutoff,
@@ -106,10 +118,29 @@ void take_arguments(CLI::App* verb, MeasureRequest& request, std::vector<std::st
                      "largest error of --fields between vertices, as a fraction of h; inf: A is not cut")
         ->type_name("NUMBER")
         ->capture_default_str();
+    verb->add_option("--picture", given.picture,
+                     "draws A, coloured by its distance to B, and a histogram (.png, .pdf or .svg)")
+        ->type_name("FILE");
     verb->add_option("--certificate", request.certificate,
                      "writes a proof of the upper bound, for `hausbench verify --certificate`")
         ->type_name("FILE");
-    verb->add_flag("--json", json, "prints one JSON object");
+    verb->add_flag("--json", given.json, "prints one JSON object");
+}
+
+// Checks the options for a picture. Throws InputError for what it cannot show.
+void check_picture(const CLI::App& verb, const Arguments& given) {
+    const std::string extension = given.picture.extension().string();
+    if (extension != ".png" && extension != ".pdf" && extension != ".svg")
+        throw InputError(fmt::format("--picture {}: end the name with .png, .pdf or .svg", given.picture.string()));
+    for (const char* other : {"--distribution", "--statistics", "--penetration", "--cutoff", "--pairs"}) {
+        if (verb.count(other) > 0)
+            throw InputError(fmt::format("--picture: shows the distance of one A to B: leave out {}", other));
+    }
+    if (is_pattern(given.request.source) || is_pattern(given.request.target))
+        throw InputError("--picture: not with several pairs, which are written as CSV");
+    if (!given.request.fields.empty() && given.request.fields.extension() != ".ply")
+        throw InputError("--picture: is drawn from the fields in PLY: end the name after --fields with .ply");
+    check_place_to_write(given.picture);
 }
 
 // Checks the options for several pairs. Throws InputError for options of a single pair, for --pairs with A, and for a
@@ -128,44 +159,50 @@ void check_batch(const MeasureRequest& request, const std::filesystem::path& pai
 }  // namespace
 
 void add_measure(CLI::App& app, int& code) {
-    static MeasureRequest request;
-    static std::vector<std::string> parameters;
-    static std::filesystem::path pairs;
-    static bool as_json = false, distribution = false, by_vertex = false;
-    static std::string statistics;
+    static Arguments given;
+    static MeasureRequest& request = given.request;
     auto* verb = add_verb(app, "measure", "bounds the distance from A to B: meshes, point sets or algebraic surfaces",
                           "hausbench measure scan.ply part.stl --of absolute --tolerance 0.01",
                           "h(A,B) is the largest distance of a point of A to B. Exit codes with --cutoff: 0: at most "
                           "the cutoff; 1: above it; 3: open. docs/measure.md says more about each option.");
-    take_arguments(verb, request, parameters, pairs, as_json, distribution, statistics, by_vertex);
+    take_arguments(verb, given);
     take_plugins(verb);
     verb->callback([verb, &code] {
-        for (const auto& [name, file] :
-             {std::pair{"--fields", &request.fields}, {"--certificate", &request.certificate}}) {
+        for (const auto& [name, file] : {std::pair{"--fields", &request.fields},
+                                         {"--certificate", &request.certificate},
+                                         {"--picture", &given.picture}}) {
             if (verb->count(name) > 0 && file->empty()) throw InputError(fmt::format("{}: name a file", name));
         }
-        request.options = parse_parameters(parameters);
-        if (by_vertex) request.weigh = WeighBy::number;
-        const char* alone = by_vertex ? "--by-vertex" : verb->count("--share-tolerance") > 0 ? "--share-tolerance" : "";
-        if (*alone && !distribution && verb->count("--statistics") == 0)
+        request.options = parse_parameters(given.parameters);
+        if (given.by_vertex) request.weigh = WeighBy::number;
+        const char* alone = given.by_vertex                        ? "--by-vertex"
+                            : verb->count("--share-tolerance") > 0 ? "--share-tolerance"
+                                                                   : "";
+        if (*alone && !given.distribution && verb->count("--statistics") == 0)
             throw InputError(fmt::format("{}: is about statistics: add --distribution or --statistics", alone));
         if (verb->count("--statistics") > 0)
-            request.statistics = parse_statistics(statistics);
-        else if (distribution)
+            request.statistics = parse_statistics(given.statistics);
+        else if (given.distribution)
             request.statistics = parse_statistics("mean, rms, deviation, median, quantile 0.95, maximum");
         request.tolerance_given = verb->count("--tolerance") + verb->count("--of") > 0;
+        if (!given.picture.empty()) check_picture(*verb, given);
         const bool many = is_pattern(request.source) || is_pattern(request.target);
-        if (!pairs.empty() || many) {
-            check_batch(request, pairs, as_json);
-            code = measure_pairs(pairs.empty() ? pairs_of_patterns(request.source, request.target) : read_pairs(pairs),
-                                 request);
+        if (!given.pairs.empty() || many) {
+            check_batch(request, given.pairs, given.json);
+            code = measure_pairs(
+                given.pairs.empty() ? pairs_of_patterns(request.source, request.target) : read_pairs(given.pairs),
+                request);
             return;
         }
         if (request.source.empty() || request.target.empty())
             throw InputError("measure: name two shapes, A and B; `hausbench measure --help`");
+        if (!given.picture.empty())
+            become_python("measure", folder_with("measure", "analysis/picture.py"), "analysis.picture",
+                          words_of(*verb));
         const Measured measured = measure(request);
         constexpr auto replace = nlohmann::json::error_handler_t::replace;  // output of a program may not be UTF-8
-        print(as_json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n" : describe(measured, request));
+        print(given.json ? to_json(measured, request).dump(-1, ' ', false, replace) + "\n"
+                         : describe(measured, request));
         code = exit_code(measured, request);
         if (const std::string why = no_answer(measured); !why.empty())
             say({fmt::format("solver '{}' gave no answer: {}", measured.solver, why)});

@@ -1,4 +1,6 @@
 // `hausbench draw`, `fetch` and `track`: verbs implemented by Python programs of the project.
+#include "harness/commands/scripts.h"
+
 #include "algorithms/error.h"
 #include "datasets/paths.h"
 #include "harness/commands/verb.h"
@@ -33,8 +35,8 @@ void take(CLI::App* verb, const std::string& name, Takes takes, const std::strin
             ->allow_extra_args(takes == Takes::values);
 }
 
-// Returns the command line for the script. Positional arguments come first, because an option with several values would
-// swallow them.
+}  // namespace
+
 std::vector<std::string> words_of(const CLI::App& verb) {
     std::vector<std::string> positionals, options;
     for (const CLI::Option* option : verb.get_options()) {
@@ -58,12 +60,8 @@ std::vector<std::string> words_of(const CLI::App& verb) {
     return positionals;
 }
 
-// Replaces this process with `python3 -P -m MODULE GIVEN...` (or `python3 MODULE GIVEN...` if MODULE ends in .py), so
-// that Ctrl-C and the exit code work as if Python had been called directly. Puts `folder`, which contains the module's
-// package, first in PYTHONPATH. The environment variable PYTHON chooses another Python; HAUSBENCH_PROGRAM is set to
-// this program. Never returns; throws InputError if Python cannot be started.
-[[noreturn]] void become_python(const std::string& verb, const fs::path& folder, const std::string& module,
-                                const std::vector<std::string>& given) {
+void become_python(const std::string& verb, const fs::path& folder, const std::string& module,
+                   const std::vector<std::string>& given) {
     const char* chosen = std::getenv("PYTHON");
     const std::string python = chosen && *chosen ? chosen : "/usr/bin/python3";
     std::vector<std::string> words{python};
@@ -87,16 +85,12 @@ std::vector<std::string> words_of(const CLI::App& verb) {
                     verb, python, std::strerror(errno)));
 }
 
-// Returns the folder that contains this file: the checkout, or share/hausbench of the installation. Throws InputError
-// if neither contains it.
 fs::path folder_with(const std::string& verb, const fs::path& file) {
     if (const auto root = find_project_root(); root && fs::exists(*root / file)) return *root;
     if (fs::exists(installed_folder() / file)) return installed_folder();
     throw InputError(
         fmt::format("{}: found no {}: run it in a checkout, or set HAUSBENCH_ROOT to one", verb, file.string()));
 }
-
-}  // namespace
 
 // Adds the verb `draw`, which makes tables and figures of a result with analysis/draw.py.
 void add_draw(CLI::App& app, int&) {

@@ -1,0 +1,180 @@
+"""Draws one pair: `hausbench measure A B --picture FILE`, which runs this file.
+
+Left: A, coloured by its distance to B, with the farthest point and a bar of known length. Right: a histogram of the distance over A, with
+the band that certainly holds each bar. The answer is printed as without --picture.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import Normalize, PowerNorm
+
+from analysis.shared import mesh_picture, style
+from analysis.shared.columns import Floats
+from analysis.shared.shapes import Mesh
+
+BARS: Final = 30
+SECONDS: Final = 20  # for the histogram; its band is wider if that is not enough
+FROM: Final = (0.5, 0.4, 1.0)  # direction to the eye, used if the farthest point is visible from there
+FAR: Final = "#D55E00"
+
+
+@dataclass(frozen=True)
+class Coloured:
+    """A shape cut into small triangles (none: a point set), with the distance to B at each vertex."""
+
+    corners: Floats
+    triangles: Any
+    distances: Floats
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """Bounds on the share of A whose distance is in each bar, and on two statistics."""
+
+    edges: Floats
+    low: Floats
+    high: Floats
+    mean: tuple[float, float]
+    most_of_a: tuple[float, float]  # the 95 % quantile
+
+
+def read(file: Path) -> Coloured:
+    """Reads a PLY as `measure --fields` writes it: binary, double precision, triangles."""
+    head, _, body = file.read_bytes().partition(b"end_header\n")
+    kinds = {"double": "<f8", "float": "<f4", "int": "<i4"}
+    elements: list[tuple[int, list[Any]]] = []
+    for line in head.decode().splitlines():
+        words = line.split()
+        if words[0] == "element":
+            elements.append((int(words[2]), []))
+        elif words[:2] == ["property", "list"]:
+            elements[-1][1].extend([("count", "u1"), ("corners", "<i4", 3)])
+        elif words[0] == "property":
+            elements[-1][1].append((words[2], kinds[words[1]]))
+    vertices, *faces = (np.frombuffer(body, np.dtype(kind), count, sum(n * np.dtype(other).itemsize for n, other in elements[:i]))
+                        for i, (count, kind) in enumerate(elements))
+    corners = np.stack([vertices[axis] for axis in "xyz"], axis=1)
+    return Coloured(corners, faces[0]["corners"] if faces else np.empty((0, 3), dtype=np.int32), vertices["distance"].astype(float))
+
+
+def histogram(program: str, a: str, b: str, largest: float) -> Histogram:
+    """Bounds the distribution between 0 and `largest`. Raises CalledProcessError if there is no answer; the program says why."""
+    edges = largest * np.arange(1, BARS + 1) / BARS
+    statistics = ", ".join(["mean", "quantile 0.95", *(f"within {edge!r}" for edge in edges.tolist())])
+    done = subprocess.run([program, "measure", a, b, f"--statistics={statistics}", "--tolerance=1e-4", "--share-tolerance=0.01",
+                           f"--time-limit={SECONDS}", "--json"],
+                          stdout=subprocess.PIPE, text=True, check=True)
+    found = json.loads(done.stdout)["distribution"]
+    shares = sorted((float(length), bounds) for length, bounds in found["share_within"].items())
+    lower, upper = (np.array([float(bounds[end]) for _, bounds in shares]) for end in ("lower", "upper"))
+    below_low, below_high = np.append(0.0, lower[:-1]), np.append(0.0, upper[:-1])
+    return Histogram(edges, np.maximum(lower - below_high, 0.0), np.minimum(upper - below_low, 1.0),
+                     *((float(one["lower"]), float(one["upper"])) for one in (found["mean"], found["quantiles"]["0.95"])))
+
+
+def round_length(most: float) -> float:
+    """Returns the largest of 1, 2 and 5 times a power of ten that is at most `most`."""
+    power = 10.0 ** math.floor(math.log10(most))
+    return max(step * power for step in (1, 2, 5) if step * power <= most)
+
+
+def draw_shape(ax: Any, shape: Coloured, colours: Floats) -> None:
+    farthest = shape.corners[int(np.argmax(shape.distances))]
+    eye = mesh_picture.view(FROM)
+    if len(shape.triangles):
+        mesh = Mesh(shape.corners, shape.triangles)
+        eye = mesh_picture.showing(mesh, eye, farthest)
+        mesh_picture.draw(ax, mesh, eye, colours[shape.triangles].mean(axis=1), both_sides=not mesh.closed)
+    else:
+        seen = eye.seen(shape.corners)
+        order = np.argsort(seen[:, 2])
+        ax.scatter(seen[order, 0], seen[order, 1], c=colours[order], s=min(20.0, 20_000 / len(order)), linewidths=0, rasterized=True)
+        mesh_picture.frame(ax, seen)
+    mesh_picture.ring(ax, eye.seen(farthest), FAR)
+    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+    if right > left:
+        length, under = round_length(0.4 * (right - left)), bottom - 0.03 * (top - bottom)
+        ax.plot([left, left + length], [under, under], color="black", linewidth=1.5, clip_on=False)
+        ax.text(left, under - 0.02 * (top - bottom), f"{length:g}", ha="left", va="top")
+
+
+def draw_histogram(ax: Any, shown: Histogram, colour_of: Any) -> None:
+    width = shown.edges[0]
+    left, middle = shown.edges - width, 50 * (shown.low + shown.high)
+    ax.bar(left, middle, width, align="edge", color=colour_of(shown.edges - width / 2))
+    ax.bar(left, 100 * (shown.high - shown.low), width, bottom=100 * shown.low, align="edge", facecolor=(0.2, 0.2, 0.2, 0.35), edgecolor="black",
+           linewidth=0.4, label="certainly contains the share")
+    for (low, high), dashes, name in ((shown.mean, "-", "mean"), (shown.most_of_a, "--", "95 % quantile")):
+        ax.axvline(0.5 * (low + high), color="black", linestyle=dashes, linewidth=0.9, label=name)
+        ax.axvspan(low, high, color="black", alpha=0.15, linewidth=0)
+    ax.set(xlabel="distance to B, in the unit of the files", ylabel="share of A, %", xlim=(0, shown.edges[-1]))
+    ax.legend()
+
+
+def draw(shape: Coloured, shown: Histogram | None, names: tuple[str, str]) -> Any:
+    largest = float(shape.distances.max())
+    skewed = shown is not None and shown.most_of_a[1] < 0.2 * largest
+    scale = PowerNorm(0.5, 0, largest or 1.0) if skewed else Normalize(0, largest or 1.0)
+
+    def colour_of(distances: Floats) -> Floats:
+        return np.asarray(plt.get_cmap("viridis")(scale(distances)))
+
+    figure, axes = plt.subplots(1, 2 if shown else 1, figsize=(style.DOUBLE_COLUMN, 3.2), squeeze=False, width_ratios=(1.1, 1) if shown else None)
+    draw_shape(axes[0][0], shape, colour_of(shape.distances))
+    axes[0][0].set_title(f"{names[0]}: distance to {names[1]}; ring: farthest point")
+    bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=axes[0][0], shrink=0.8, pad=0.02)
+    bar.set_label("distance" + (" (square-root scale)" if skewed else ""))
+    if shown:
+        draw_histogram(axes[0][1], shown, colour_of)
+    return figure
+
+
+def without_fields(answer: str) -> str:
+    """Leaves out what `measure` says about the temporary file of fields."""
+    if answer.startswith("{"):
+        return json.dumps({**json.loads(answer), "fields": []}, separators=(",", ":"), ensure_ascii=False) + "\n"
+    return "".join(line for line in answer.splitlines(keepends=True) if not line.startswith("fields "))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Returns the exit code of `measure`; 1 if there is nothing to draw."""
+    parser = argparse.ArgumentParser(prog="hausbench measure", allow_abbrev=False)
+    parser.add_argument("a")
+    parser.add_argument("b")
+    parser.add_argument("--picture", type=Path, required=True)
+    parser.add_argument("--fields", type=Path)
+    given, rest = parser.parse_known_args(arguments)
+    program = os.environ["HAUSBENCH_PROGRAM"]
+    with tempfile.TemporaryDirectory() as folder:
+        fields = given.fields or Path(folder) / "a.ply"
+        answered = subprocess.run([program, "measure", given.a, given.b, *rest, f"--fields={fields}"], check=False, stdout=subprocess.PIPE, text=True)
+        print(answered.stdout if given.fields else without_fields(answered.stdout), end="", flush=True)
+        if answered.returncode or not fields.exists():
+            return answered.returncode or 1
+        shape = read(fields)
+    largest = float(shape.distances.max())
+    try:
+        shown = histogram(program, given.a, given.b, largest) if largest > 0 else None
+    except subprocess.CalledProcessError as error:
+        return error.returncode
+    figure = draw(shape, shown, (Path(given.a).name, Path(given.b).name))
+    figure.savefig(given.picture)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

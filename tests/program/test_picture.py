@@ -1,0 +1,68 @@
+"""`measure --picture`: A coloured by its distance to B, and a histogram with its band."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from conftest import Program
+
+from analysis import picture
+
+
+@pytest.mark.parametrize("extension", ["png", "pdf", "svg"])
+def test_measure_draws_a_picture(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, extension: str) -> None:
+    out = tmp_path / f"out.{extension}"
+    plain = hausbench("measure", tetrahedron, raised)
+    done = hausbench("measure", tetrahedron, raised, "--picture", out)
+    assert done.returncode == 0 and done.stderr == ""
+    assert plain.stdout.split("time ")[0] == done.stdout.split("time ")[0]  # the same answer is printed
+    if extension == "png":
+        drawn = plt.imread(out)
+        assert drawn.shape[0] > 300 and len(np.unique(drawn.reshape(-1, drawn.shape[2]), axis=0)) > 50
+    else:
+        assert out.stat().st_size > 5000
+
+
+def test_json_and_fields_go_together_with_a_picture(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+    out, fields = tmp_path / "out.svg", tmp_path / "a.ply"
+    done = hausbench("measure", tetrahedron, raised, "--json", "--symmetric", "--fields", fields, "--picture", out)
+    assert done.returncode == 0 and json.loads(done.stdout)["directions"]
+    assert json.loads(done.stdout)["fields"][0]["file"] == str(fields) and fields.exists() and out.exists()
+    alone = json.loads(hausbench("measure", tetrahedron, raised, "--json", "--picture", out).stdout)
+    assert alone["fields"] == [] and alone["upper"] == json.loads(hausbench("measure", tetrahedron, raised, "--json").stdout)["upper"]
+
+
+def test_identical_shapes_and_points_are_drawn(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
+    out, points = tmp_path / "out.png", tmp_path / "points.xyz"
+    assert hausbench("measure", tetrahedron, tetrahedron, "--picture", out).returncode == 0 and out.exists()
+    points.write_text("0 0 0\n1 2 3\n4 4 4\n")
+    other = tmp_path / "other.xyz"
+    other.write_text("0 0 1\n1 2 2\n4 4 9\n")
+    assert hausbench("measure", points, other, "--picture", tmp_path / "points.png").returncode == 0
+
+
+def test_bands_contain_the_true_shares(hausbench: Program, tmp_path: Path) -> None:
+    """A slanting square above a large one: the distance is uniform between 0 and 1, so each of 30 bars has 1/30 of A."""
+    a, b = tmp_path / "a.off", tmp_path / "b.off"
+    a.write_text("OFF\n4 2 0\n0 0 0\n1 0 1\n1 1 1\n0 1 0\n3 0 1 2\n3 0 2 3\n")
+    b.write_text("OFF\n4 2 0\n-5 -5 0\n5 -5 0\n5 5 0\n-5 5 0\n3 0 1 2\n3 0 2 3\n")
+    shown = picture.histogram(hausbench.path, str(a), str(b), 1.0)
+    assert (shown.low <= 1 / 30).all() and (shown.high >= 1 / 30).all() and (shown.high - shown.low < 0.02).all()
+    assert shown.mean[0] <= 0.5 <= shown.mean[1] and shown.most_of_a[0] <= 0.95 <= shown.most_of_a[1]
+
+
+@pytest.mark.parametrize(("more", "said"), [
+    (["--picture", "out.gif"], ".png, .pdf or .svg"), (["--picture", "nowhere/out.png"], "nowhere"), (["--picture", ""], "name a file"),
+    (["--picture", "out.png", "--distribution"], "leave out --distribution"), (["--picture", "out.png", "--cutoff", "1"], "leave out --cutoff"),
+    (["--picture", "out.png", "--fields", "a.vtk"], ".ply"), (["--picture", "out.png", "--solver", "none"], "none")])
+def test_what_cannot_be_drawn_is_refused(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, more: list[str], said: str) -> None:
+    done = hausbench("measure", tetrahedron, raised, *more)
+    assert done.returncode == 2 and said in done.stderr and not list(tmp_path.glob("out.*"))
+
+
+def test_round_lengths() -> None:
+    assert [picture.round_length(x) for x in (1.0, 0.99, 2.7, 7e-9, 4e300)] == [1.0, 0.5, 2.0, pytest.approx(5e-9), pytest.approx(2e300)]
