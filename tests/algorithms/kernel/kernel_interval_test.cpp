@@ -261,6 +261,11 @@ TEST(IntervalForms, OverflowSaysNothing) {
         const LinearForm linear = evaluator.linear(box);
         EXPECT_TRUE(linear.slope.allFinite() && std::isinf(linear.rest.sup())) << text;
     }
+    box.add({0, 0, 1e8});  // z^39 overflows, z^38 does not, and x*z^39 has coefficients of 0
+    box.add({0, 0, -1e8});
+    FormEvaluator evaluator{Polynomial("y + x*z^39")};
+    const LinearForm linear = evaluator.linear(box);
+    EXPECT_TRUE(linear.slope.allFinite() && std::isinf(linear.rest.sup()));
 }
 
 // Work must grow with terms and degree. A dense expansion would have (degree + 1)^3 coefficients: 68,921 for degree 40.
