@@ -17,12 +17,13 @@ from analysis.shared.notes import clock_note, machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, ratio_by_round
-from analysis.shared.verdicts import UNTESTED, Verdict, above_one
+from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, above_one
 
 OURS: Final = "distribution"
 RIVAL: Final = "monte_carlo"
 AIM: Final = 5  # the claim: Monte Carlo takes at least so many times as long
 FINE: Final = 1e-4  # at this width of the mean, relative to it
+SLOPE: Final = -0.9  # the other claim: the width falls like this power of the number of pieces, or faster; samples give -0.5
 TITLES: Final = {"mean": "mean", "rms": "RMS", "quantile 0.95": "95 % quantile"}
 
 Key = tuple[str, str, float]  # scene with its statistic, label, tolerance
@@ -59,16 +60,53 @@ def mean_ratio(pairs: Sequence[tuple[Cell, Cell]], by: float = 1.0) -> Estimate:
 
 
 def judge(results: Results, cells: dict[Key, Cell]) -> Verdict:
-    """Judges the claim on the mean at FINE. If Monte Carlo did not end, its pair is left out and counted."""
+    """Judges the claim on the mean at FINE.
+
+    On each pair Monte Carlo counts with its narrowest interval that is at least as wide. A wider one takes less time, so the ratio is then a
+    lower bound and cannot refute the claim. A pair that one of them did not answer is left out and counted.
+    """
     claim = claims.of("hausbench", "statistics_monte_carlo", aim=AIM, width=f"{FINE:g}")
-    asked = [(scene, tolerance) for scene, label, tolerance in cells if label == OURS and np.isclose(tolerance, FINE) and scene.endswith(", mean")]
-    both = [(cells[scene, RIVAL, tolerance], cells[scene, OURS, tolerance]) for scene, tolerance in asked if (scene, RIVAL, tolerance) in cells]
-    answered = [pair for pair in both if not pair[0].failures and not pair[1].failures]
+    asked = [scene for scene, label, tolerance in cells if label == OURS and np.isclose(tolerance, FINE) and scene.endswith(", mean")]
+    answered, widths = list[tuple[Cell, Cell]](), list[float]()
+    for scene in asked:
+        ours = next(cell for (name, label, tolerance), cell in cells.items() if (name, label) == (scene, OURS) and np.isclose(tolerance, FINE))
+        rival = {tolerance: cell for (name, label, tolerance), cell in cells.items()
+                 if (name, label) == (scene, RIVAL) and tolerance >= 0.99 * FINE and not cell.failures}
+        if rival and not ours.failures:
+            widths.append(min(rival))
+            answered.append((rival[min(rival)], ours))
     if not answered:
         return Verdict(claim, UNTESTED, f"no pair answered at {FINE:g}")
-    verdict, unended = above_one(claim, mean_ratio(answered, AIM)), len(both) - len(answered)
-    return replace(verdict, evidence=f"{tables.estimate(mean_ratio(answered))} times over {len(answered)} pairs" +
-                   (f"; no ratio for {unended} that one of them did not answer" if unended else ""))
+    verdict, unended, bound = above_one(claim, mean_ratio(answered, AIM)), len(asked) - len(answered), max(widths) > 1.01 * FINE
+    evidence = f"{'at least ' * bound}{tables.estimate(mean_ratio(answered))} times over {len(answered)} pairs"
+    if bound:
+        evidence += f"; Monte Carlo was run to a width of {max(widths):g}, which takes less time"
+    if unended:
+        evidence += f"; no ratio for {unended} that one of them did not answer"
+    return replace(verdict, outcome=OPEN if bound and verdict.outcome == FAILS else verdict.outcome, evidence=evidence)
+
+
+def slope(results: Results, scene: str) -> tuple[float, float, float] | None:
+    """Fits log(width) against log(pieces) over the tolerances of a scene. Returns the slope with its interval of 95 %; None for fewer than three."""
+    points = {(int(results.extras(row)["pieces"]), width(results, row)) for row in results.rows(scene=scene, solver=OURS)
+              if results.is_bounded(row) and width(results, row) > 0 and results.extras(row).get("pieces", 0) > 0}
+    if len({pieces for pieces, _ in points}) < 3:
+        return None
+    fit = scipy.stats.linregress(*np.log(np.array(sorted(points))).T)
+    off = float(scipy.stats.t.ppf(0.975, len(points) - 2) * fit.stderr)
+    return float(fit.slope), float(fit.slope) - off, float(fit.slope) + off
+
+
+def judge_slopes(results: Results) -> Verdict:
+    """Judges that the mean's width falls like pieces^SLOPE or faster on every pair: 'holds' if every interval is below SLOPE, 'does not hold' if one is above."""
+    claim = claims.of("hausbench", "statistics_exponent", most=SLOPE)
+    found = [fit for scene in results.scenes if scene.endswith(", mean") and (fit := slope(results, scene))]
+    if not found:
+        return Verdict(claim, UNTESTED, "no pair has three widths")
+    below, above = (sum(chosen) for chosen in ([high < SLOPE for *_, high in found], [low > SLOPE for _, low, _ in found]))
+    outcome = FAILS if above else HOLDS if below == len(found) else OPEN
+    slopes = sorted(value for value, *_ in found)
+    return Verdict(claim, outcome, f"below for {below} of {len(found)} pairs, above for {above}; slopes {slopes[0]:.2f} to {slopes[-1]:.2f}")
 
 
 def make(results: Results) -> Report:
@@ -92,7 +130,7 @@ def make(results: Results) -> Report:
             records.append({"pair": pair_of(results, row), "statistic": cases.statistic[row], "solver": cases.solver[row], "tolerance": float(cases.tolerance[row]),
                             "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "relative_width": width(results, row),
                             **tables.seconds(cell.time), **{name: value for name, value in results.extras(row).items() if name in ("pieces", "samples")}})
-    table.verdicts = [judge(results, cells)]
+    table.verdicts = [judge(results, cells), judge_slopes(results)]
     table.notes += [*crossings(results, cells), f"{tables.coverage_note(cell.time for cell in cells.values())}", f"{machine_line(results)}."]
     caption = ("Width of the interval of a statistic, relative to its value, against the time to prepare and solve. Thin: each pair of meshes; bold: geometric mean over "
                "the pairs that reached the width. Intervals of Monte Carlo hold with a probability of 95 %, the others always.")

@@ -95,7 +95,7 @@ class Suite:
         self.results, self.judge = results, Judge(results)
         rows: dict[tuple[str, str], list[int]] = {}
         for row, kind in enumerate(self._kinds()):
-            rows.setdefault((str(results.cases.family[row] or results.cases.scene[row]), kind), []).append(row)
+            rows.setdefault((str(results.cases.family[row]) or self._scene(row), kind), []).append(row)
         self._takes = {(str(results.names[row]), kind) for row, kind in enumerate(self._kinds())
                        if self.judge.ending(row).legal and judge(self.judge.ending(row)) != Outcome.NOT_APPLICABLE}
         self.families = [self._family(name, kind, own) for (name, kind), own in rows.items()]
@@ -113,13 +113,18 @@ class Suite:
             found.append(kind or of_family.get(str(cases.family[row])) or (found[-1] if found else KINDS[0]))
         return found
 
+    def _scene(self, row: int) -> str:
+        """Returns the name of the scene without the statistic that load() adds: all statistics of a scene are one step."""
+        cases = self.results.cases
+        return str(cases.scene[row]).removesuffix(f", {cases.statistic[row]}") if cases.statistic[row] else str(cases.scene[row])
+
     def _family(self, name: str, kind: str, rows: Sequence[int]) -> Family:
         cases = self.results.cases
-        steps = list(dict.fromkeys((str(cases.scene[row]), int(cases.pose_index[row])) for row in rows))
-        first = {(cases.scene[row], int(cases.pose_index[row])): row for row in reversed(rows)}
+        steps = list(dict.fromkeys((self._scene(row), int(cases.pose_index[row])) for row in rows))
+        first = {(self._scene(row), int(cases.pose_index[row])): row for row in reversed(rows)}
         answers: dict[str, dict[tuple[Step, float], Answer]] = {}
         for row in rows:
-            step = (str(cases.scene[row]), int(cases.pose_index[row]))
+            step = (self._scene(row), int(cases.pose_index[row]))
             answers.setdefault(str(self.results.names[row]), {})[step, float(cases.tolerance[row])] = self._answer(row, kind)
         return Family(name, kind, steps, [float(cases.severity[first[step]]) for step in steps], answers)
 

@@ -196,8 +196,8 @@ std::string show_summary(const ResultFile& result, const Paper& paper) {
         out += wrapped(apart, 0, paper.width);
     for (const auto& rows : reasons.all()) {
         const Row& first = *rows.front();
-        const std::string where = fmt::format("{}, pose {}, tolerance {:g}", first.asked.scene, first.asked.pose_index,
-                                              first.asked.tolerance);
+        const std::string where = fmt::format("{}{}, pose {}, tolerance {:g}", first.asked.scene,
+                                              suffix_of(first.asked), first.asked.pose_index, first.asked.tolerance);
         const std::string which =
             rows.size() == 1 ? where : fmt::format("{} rows like this; the first: {}", rows.size(), where);
         out += wrapped(fmt::format("{}: {}: {} ({})", rows.size() == 1 ? shown(first.asked) : first.asked.label,

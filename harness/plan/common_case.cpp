@@ -23,7 +23,10 @@ Case common_case(const Experiment& experiment, const ScenePlan& scene, const Sce
     const bool same =
         solver.quantity == experiment.quantity && solver.statistics.size() <= 1 &&
         (solver.statistics.empty() || (solver.statistics == experiment.statistics && solver.weigh == experiment.weigh));
-    if (same) asked.exact = scene.exact;
+    const bool largest = experiment.quantity == Quantity::directed && solver.quantity == Quantity::distribution &&
+                         solver.statistics == std::vector<Statistic>{{Statistic::Kind::maximum}} &&
+                         solver.weigh == WeighBy::area;  // this is h(A,B)
+    if (same || largest) asked.exact = scene.exact;
     asked.source = scene.source;
     asked.target = scene.target;
     if (const auto* source = std::get_if<ResolvedModel>(&models.source)) {

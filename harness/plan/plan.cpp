@@ -320,9 +320,9 @@ private:
             const auto [at, fresh] = seen.emplace(asked.identity, &asked);
             if (!fresh && at->second->scene == asked.scene) {
                 throw InputError(fmt::format(
-                    "{}: '{}' and '{}' ask for the same case on scene '{}' (pose {}, tolerance {}): remove one",
-                    plan_.experiment.file.string(), shown(*at->second), shown(asked), asked.scene, asked.pose_index,
-                    asked.tolerance));
+                    "{}: '{}' and '{}' ask for the same case on scene '{}{}' (pose {}, tolerance {}): remove one",
+                    plan_.experiment.file.string(), shown(*at->second), shown(asked), asked.scene,
+                    suffix_of_statistic(asked), asked.pose_index, asked.tolerance));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,9 @@ def make(tmp_path: Path) -> Make:
     return stem_runner(tmp_path)
 
 
-def statistics(finest: float = 1e-4, times: float = 100.0, rounds: int = 7) -> ResultFile:
+def statistics(finest: float = 1e-4, times: float = 100.0, rounds: int = 7, ends: int = 4) -> ResultFile:
     """Two pairs of meshes. `distribution` takes 1, 2, ... ms, one more at each finer tolerance. Monte Carlo takes 0.1 ms at 0.1, then ten times
-    as much at each, and `times` as long as `distribution` at the finest."""
+    as much at each, and at its last, number `ends`, `times` as long as `distribution` at the finest."""
     file = ResultFile("distribution_error_vs_time", meta={"profile": "paper"})
     for pair, slower in (("hand", 1.0), ("bull", 2.0)):
         for statistic, value in (("mean", 0.01), ("quantile 0.95", 0.03)):
@@ -26,7 +27,9 @@ def statistics(finest: float = 1e-4, times: float = 100.0, rounds: int = 7) -> R
                           "source": f"{pair}/A", "target": f"{pair}/B", "prepare_seconds": 0.0}
                 file.case("distribution", pair, spread(0.001 * (k + 1) * slower, rounds), lower=value * (1 - tolerance / 2), upper=value * (1 + tolerance / 2),
                           extras=f'{{"pieces": {1000 * (k + 1)}}}', **common)
-                rival = 0.0001 * 10**k if k < 3 else times * 0.001 * (k + 1)
+                if k >= ends:
+                    continue
+                rival = 0.0001 * 10**k if k < ends - 1 else times * 0.004
                 file.case("monte_carlo", pair, spread(rival * slower, rounds), lower=value * (1 - tolerance / 2), upper=value * (1 + tolerance / 2),
                           certified=0, extras=f'{{"samples": {10**(k + 3)}}}', **common)
     return file
@@ -55,9 +58,27 @@ def test_no_verdict_without_the_width(make: Make) -> None:
     assert "Here: not tested (no pair answered at 0.0001)" in make(statistics(finest=3e-4))[2]
 
 
-def test_pairs_that_did_not_end_are_counted(make: Make) -> None:
+@pytest.mark.parametrize(("times", "said"), [(30.0, "Here it holds (at least"), (4.0, "Here: not separated (at least")])
+def test_a_wider_interval_is_a_lower_bound(make: Make, times: float, said: str) -> None:
+    text = make(statistics(times=times, ends=3))[2]
+    assert said in text and "Monte Carlo was run to a width of 0.001" in text
+
+
+@pytest.mark.parametrize(("power", "noise", "said"), [(-2.0, 0.0, "holds (below for 2 of 2"), (-0.5, 0.0, "does not hold (below for 0 of 2 pairs, above for 2"),
+                                                      (-1.0, 0.5, "not separated (below for 0 of 2 pairs, above for 0")])
+def test_slopes(make: Make, power: float, noise: float, said: str) -> None:
     file = statistics()
-    row = next(case for case in file.cases if case["solver"] == "monte_carlo" and case["scene"] == "bull" and case["tolerance"] == 1e-4 and case["statistic"] == "mean")
+    for case in file.cases:
+        if case["solver"] == "distribution":
+            k = round(-math.log10(case["tolerance"]))
+            case["extras"] = f'{{"pieces": {round(1000 * (case["tolerance"] * (1 + noise * (k % 2)))**(1 / power))}}}'
+    text = make(file)[2]
+    assert said in text and f"slopes {power:.2f} to {power:.2f}" in text or noise
+
+
+def test_pairs_without_an_answer_are_counted(make: Make) -> None:
+    file = statistics()
+    row = next(case for case in file.cases if case["solver"] == "distribution" and case["scene"] == "bull" and case["tolerance"] == 1e-4 and case["statistic"] == "mean")
     row["status"] = "timeout"
     text = make(file)[2]
     assert "over 1 pairs; no ratio for 1 that one of them did not answer" in text
