@@ -95,7 +95,8 @@ struct StatisticsChecker::Pair {
         const Standing &from = of_source ? source : target, &to = of_source ? target : source;
         if (!from.finite() || !to.finite()) return std::nullopt;
         const double largest = std::max(from.points().cwiseAbs().maxCoeff(), to.points().cwiseAbs().maxCoeff());
-        if (largest != 0 && !(largest > 1e-140 && largest < 1e140)) return std::nullopt;  // squares must not overflow
+        if (largest != 0 && !(largest > 1e-70 && largest < 1e70))
+            return std::nullopt;  // products of four lengths must fit
         const BoxTree tree(to);
         std::mt19937_64 random(of_source ? 1 : 2);
         std::uniform_real_distribution<double> uniform;

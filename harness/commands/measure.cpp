@@ -111,15 +111,15 @@ void take_arguments(CLI::App* verb, Arguments& given) {
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
     verb->add_option("--fields", request.fields,
-                     "writes A with the distance to B at each vertex, for MeshLab and CloudCompare (.ply) or ParaView "
-                     "(.vtk); with --symmetric also B, as NAME.back.ply")
+                     "writes A with the distance to B at each vertex, as .ply or .vtk; with --symmetric also B, as "
+                     "NAME.back.ply")
         ->type_name("FILE");
     verb->add_option("--resolution", request.resolution,
                      "largest error of --fields between vertices, as a fraction of h; inf: A is not cut")
         ->type_name("NUMBER")
         ->capture_default_str();
     verb->add_option("--picture", given.picture,
-                     "draws A, coloured by its distance to B, and a histogram (.png, .pdf or .svg)")
+                     "draws A coloured by its distance to B, and a histogram (.png, .pdf, .svg)")
         ->type_name("FILE");
     verb->add_option("--certificate", request.certificate,
                      "writes a proof of the upper bound, for `hausbench verify --certificate`")

@@ -16,6 +16,8 @@ constexpr std::size_t most_near = 224;  // triangles of B near a piece; with mor
 constexpr std::size_t pieces_of_part = 32,
                       pieces_of_round = 64 * pieces_of_part;  // of a thread at a time; between two looks at the clock
 constexpr int most_cuts = 200;
+// After so many cuts a piece is only halved: bisectors may cut off one sliver after another, none of which gets shorter.
+constexpr int most_cuts_at_bisectors = 60;
 
 }  // namespace
 
@@ -177,7 +179,7 @@ private:
         squares_ = bounder_.kept_squares();
         ++counters_.subdivisions;
         std::array<Piece, 3> parts;
-        const std::size_t count = along_bisector(piece, depth + 1, parts);
+        const std::size_t count = piece.cuts < most_cuts_at_bisectors ? along_bisector(piece, depth + 1, parts) : 0;
         if (count == 0) {
             for (const Piece& half : halves(piece)) cut(half, depth + 1);
         } else {

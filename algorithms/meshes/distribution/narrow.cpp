@@ -22,9 +22,13 @@ constexpr std::size_t most_pieces = 5'000'000;
 // constant in the middle of the interval, no number of pieces will narrow it.
 constexpr int rounds_without_progress = 4;
 
-// Computing one statistic from the pieces takes up to a hundredth of the time of cutting them, so that part of the time
-// limit is kept for it.
-constexpr double statistic_per_cut = 0.01;
+// Returns for how long to cut. Computing a statistic from the pieces then takes up to a hundredth of that time, and a
+// quantile up to a fifth.
+double time_to_cut(const Query& query) {
+    double all = 1;
+    for (const Statistic& statistic : query.statistics) all += statistic.kind == Kind::quantile ? 0.2 : 0.01;
+    return query.time_limit / all;
+}
 
 // If a round finds nothing to cut, the limits were too large, and shrink by this factor; after so many such rounds in a
 // row, all gaps are rounding.
@@ -91,9 +95,7 @@ void add(const Goal& goal, const Statistics& now, CutWhere& where) {
 class Narrowing {
 public:
     Narrowing(const OneWay* source, const OneWay* target, double magnitude, const Query& query)
-        : query_(query),
-          deadline_(query.time_limit / (1 + statistic_per_cut * static_cast<double>(query.statistics.size()))),
-          most_(most_pieces) {
+        : query_(query), deadline_(time_to_cut(query)), most_(most_pieces) {
         for (const OneWay* way : {source, target}) {
             if (way) most_ = std::max(most_, 8 * static_cast<std::size_t>(way->triangles.rows()));
             pieces_.push_back(!way ? std::nullopt

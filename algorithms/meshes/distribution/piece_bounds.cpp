@@ -152,8 +152,8 @@ CornerValues beside(const Piece& piece, const Triangle& s, const Triangle& t, co
 }
 
 // Returns bounds on the distance if the piece and all triangles near it are points.
-std::optional<Bounds> distance_of_points(const Piece& piece, std::span<const NearbyTriangle> near,
-                                         std::span<const std::uint16_t> among) {
+std::optional<AffineBounds> bounds_of_points(const Piece& piece, std::span<const NearbyTriangle> near,
+                                             std::span<const std::uint16_t> among) {
     const auto is_point = [](const Vec3& a, const Vec3& b, const Vec3& c) { return a == b && a == c; };
     if (!is_point(piece.corners[0], piece.corners[1], piece.corners[2])) return std::nullopt;
     Bounds d{infinity, infinity};
@@ -163,7 +163,11 @@ std::optional<Bounds> distance_of_points(const Piece& piece, std::span<const Nea
         const Bounds one = point_distance(piece.corners[0], t.a);
         d = {std::min(d.lower, one.lower), std::min(d.upper, one.upper)};
     }
-    return d;
+    AffineBounds bounds;
+    bounds.lower.fill(d.lower);
+    bounds.upper.fill(d.upper);
+    bound_means(bounds);
+    return bounds;
 }
 
 }  // namespace
@@ -193,15 +197,9 @@ AffineBounds PieceBounder::rough(const Piece& piece, const Triangle& near, doubl
 
 AffineBounds PieceBounder::bounds(const Piece& piece, std::span<const NearbyTriangle> near,
                                   std::span<const std::uint16_t> among) {
-    if (const std::optional<Bounds> d = distance_of_points(piece, near, among)) {
-        AffineBounds bounds;
-        bounds.lower.fill(d->lower);
-        bounds.upper.fill(d->upper);
-        bound_means(bounds);
-        kept_.assign(1, among[0]);
-        squares_.assign(1, {});  // a point is never cut
-        return bounds;
-    }
+    kept_.assign(1, among[0]);
+    squares_.assign(1, {});  // a point is never cut
+    if (const std::optional<AffineBounds> of_points = bounds_of_points(piece, near, among)) return *of_points;
     const double allowance = (20 + 2 * piece.level) * unit_roundoff * magnitude_;
     const Vec3 c = piece.centre();
     PointBlock points{};  // the corners and the centre

@@ -251,6 +251,7 @@ TEST(DistributionSolver, TiesOfPointsAreExact) {
         exactly({Kind::share_within, 2 * unit}, 17.0 / 20);
         exactly({Kind::quantile, 0.85}, 2 * unit);
         exactly({Kind::maximum}, 3 * unit);
+        EXPECT_LT(one(scene, {Kind::share_within, std::sqrt(2.0) * unit}).lower, 11.0 / 20);  // a double above 11/20
     }
 }
 

@@ -63,6 +63,25 @@ TEST(VerifyStatistics, AnswersWrongByTwoPercentOfTheRangeAreRefuted) {
     EXPECT_EQ(checker.check({NAN, 1}, {Kind::mean}, WeighBy::area).lower, Verdict::unsound);
 }
 
+TEST(VerifyStatistics, LengthsWhosePowersOverflowOrUnderflowAreNotRefuted) {
+    for (const int exponent : {-400, -266, -200, 200, 260, 400}) {
+        const double unit = std::ldexp(1.0, exponent);
+        Shape a = tilted, b = plane;
+        points_of(a) *= unit;
+        points_of(b) *= unit;
+        StatisticsChecker checker(a, {}, b, {});
+        for (const auto& [statistic, value] : of_tilted) {
+            Statistic scaled = statistic;
+            if (is_share(statistic)) scaled.argument *= unit;
+            const double here = is_share(statistic) ? value : value * unit;
+            const Check check = checker.check({here, here}, scaled, WeighBy::area);
+            const Verdict expected = std::abs(exponent) == 200 ? Verdict::holds : Verdict::not_checked;
+            EXPECT_EQ(check.lower, expected) << to_string(scaled) << check.reason;
+            EXPECT_EQ(check.upper, expected) << to_string(scaled) << check.reason;
+        }
+    }
+}
+
 TEST(VerifyStatistics, PointsAreMeasuredExactly) {
     const Shape points = PointSet{rows({{0, 0, 1}, {0, 0, 2}, {0, 0, 6}})};
     StatisticsChecker checker(points, {}, plane, {});
