@@ -1,7 +1,7 @@
 """Draws one pair: `hausbench measure A B --picture FILE`, which runs this file.
 
-Left: A, coloured by its distance to B, with the farthest point and a bar of known length. Right: a histogram of the distance over A, with
-the band that certainly holds each bar. The answer is printed as without --picture.
+Left: A, coloured by its distance to B, with the farthest point and a bar of known length. Right: a histogram of the distance over A. The true
+share of A in each bar certainly lies in the grey band. The answer is printed as without --picture.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,10 +25,13 @@ from matplotlib.colors import Normalize, PowerNorm
 
 from analysis.shared import mesh_picture, style
 from analysis.shared.columns import Floats
+from analysis.shared.printable import printable
 from analysis.shared.shapes import Mesh
 
 BARS: Final = 30
-SECONDS: Final = 20  # for the histogram; its band is wider if that is not enough
+END: Final = 1.017  # right end of the last bar, over the largest distance; a round number would put ends where many distances are equal
+SECONDS: Final = 20.0  # for the histogram, unless --time-limit is less; its band is wider if that is not enough
+DRAWABLE: Final = 1e250  # matplotlib draws neither greater lengths nor lengths below the inverse
 FROM: Final = (0.5, 0.4, 1.0)  # direction to the eye, used if the farthest point is visible from there
 FAR: Final = "#D55E00"
 
@@ -71,16 +75,19 @@ def read(file: Path) -> Coloured:
     return Coloured(corners, faces[0]["corners"] if faces else np.empty((0, 3), dtype=np.int32), vertices["distance"].astype(float))
 
 
-def histogram(program: str, a: str, b: str, largest: float) -> Histogram:
-    """Bounds the distribution between 0 and `largest`. Raises CalledProcessError if there is no answer; the program says why."""
-    edges = largest * np.arange(1, BARS + 1) / BARS
-    statistics = ", ".join(["mean", "quantile 0.95", *(f"within {edge!r}" for edge in edges.tolist())])
-    done = subprocess.run([program, "measure", a, b, f"--statistics={statistics}", "--tolerance=1e-4", "--share-tolerance=0.01",
-                           f"--time-limit={SECONDS}", "--json"],
-                          stdout=subprocess.PIPE, text=True, check=True)
-    found = json.loads(done.stdout)["distribution"]
+def solved(program: str, *words: str) -> Any:
+    """Runs `measure --json`. Raises CalledProcessError if there is no answer; the program says why."""
+    return json.loads(subprocess.run([program, "measure", *words, "--json"], stdout=subprocess.PIPE, text=True, check=True).stdout)
+
+
+def histogram(program: str, a: str, b: str, largest: float, seconds: float = SECONDS) -> Histogram:
+    """Bounds the distribution. No distance is above `largest`, so the last share is known."""
+    edges = END * largest * np.arange(1, BARS + 1) / BARS
+    statistics = ", ".join(["mean", "quantile 0.95", *(f"within {edge!r}" for edge in edges[:-1].tolist())])
+    found = solved(program, a, b, f"--statistics={statistics}", "--of=absolute", f"--tolerance={largest / 1000!r}", "--share-tolerance=0.01",
+                   f"--time-limit={seconds!r}")["distribution"]
     shares = sorted((float(length), bounds) for length, bounds in found["share_within"].items())
-    lower, upper = (np.array([float(bounds[end]) for _, bounds in shares]) for end in ("lower", "upper"))
+    lower, upper = (np.array([*(float(bounds[end]) for _, bounds in shares), 1.0]) for end in ("lower", "upper"))
     below_low, below_high = np.append(0.0, lower[:-1]), np.append(0.0, upper[:-1])
     return Histogram(edges, np.maximum(lower - below_high, 0.0), np.minimum(upper - below_low, 1.0),
                      *((float(one["lower"]), float(one["upper"])) for one in (found["mean"], found["quantiles"]["0.95"])))
@@ -92,18 +99,25 @@ def round_length(most: float) -> float:
     return max(step * power for step in (1, 2, 5) if step * power <= most)
 
 
-def draw_shape(ax: Any, shape: Coloured, colours: Floats) -> None:
-    farthest = shape.corners[int(np.argmax(shape.distances))]
+def outward(mesh: Mesh) -> Mesh:
+    """Returns a closed mesh with its triangles turned over if most of them face inward."""
+    a, b, c = (mesh.corners[mesh.triangles[:, k]] - mesh.corners.mean(axis=0) for k in range(3))
+    return mesh if (a * np.cross(b, c)).sum() >= 0 else Mesh(mesh.corners, mesh.triangles[:, ::-1])
+
+
+def draw_shape(ax: Any, shape: Coloured, farthest: Floats, colour_of: Any) -> None:
     eye = mesh_picture.view(FROM)
     if len(shape.triangles):
         mesh = Mesh(shape.corners, shape.triangles)
+        closed = mesh.closed
+        mesh = outward(mesh) if closed else mesh
         eye = mesh_picture.showing(mesh, eye, farthest)
-        mesh_picture.draw(ax, mesh, eye, colours[shape.triangles].mean(axis=1), both_sides=not mesh.closed)
+        mesh_picture.draw(ax, mesh, eye, colour_of(shape.distances[mesh.triangles].mean(axis=1)), both_sides=not closed, shade=0.25)
     else:
         seen = eye.seen(shape.corners)
         order = np.argsort(seen[:, 2])
-        ax.scatter(seen[order, 0], seen[order, 1], c=colours[order], s=min(20.0, 20_000 / len(order)), linewidths=0, rasterized=True)
-        mesh_picture.frame(ax, seen)
+        ax.scatter(seen[order, 0], seen[order, 1], c=colour_of(shape.distances[order]), s=min(20.0, 20_000 / len(order)), linewidths=0, rasterized=True)
+    mesh_picture.frame(ax, eye.seen(shape.corners), margin=0.06)  # room for the ring
     mesh_picture.ring(ax, eye.seen(farthest), FAR)
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     if right > left:
@@ -117,25 +131,26 @@ def draw_histogram(ax: Any, shown: Histogram, colour_of: Any) -> None:
     left, middle = shown.edges - width, 50 * (shown.low + shown.high)
     ax.bar(left, middle, width, align="edge", color=colour_of(shown.edges - width / 2))
     ax.bar(left, 100 * (shown.high - shown.low), width, bottom=100 * shown.low, align="edge", facecolor=(0.2, 0.2, 0.2, 0.35), edgecolor="black",
-           linewidth=0.4, label="certainly contains the share")
+           linewidth=0.4, label="the share is certainly here")
     for (low, high), dashes, name in ((shown.mean, "-", "mean"), (shown.most_of_a, "--", "95 % quantile")):
-        ax.axvline(0.5 * (low + high), color="black", linestyle=dashes, linewidth=0.9, label=name)
-        ax.axvspan(low, high, color="black", alpha=0.15, linewidth=0)
+        if math.isfinite(high):
+            ax.axvline(0.5 * (low + high), color="black", linestyle=dashes, linewidth=0.9, label=name)
+            ax.axvspan(low, high, color="black", alpha=0.15, linewidth=0)
     ax.set(xlabel="distance to B, in the unit of the files", ylabel="share of A, %", xlim=(0, shown.edges[-1]))
     ax.legend()
 
 
-def draw(shape: Coloured, shown: Histogram | None, names: tuple[str, str]) -> Any:
-    largest = float(shape.distances.max())
-    skewed = shown is not None and shown.most_of_a[1] < 0.2 * largest
+def draw(shape: Coloured, farthest: Floats, largest: float, shown: Histogram | None, names: tuple[str, str]) -> Any:
+    skewed = shown is not None and sum(shown.most_of_a) / 2 < 0.25 * largest  # most of A would have one colour
     scale = PowerNorm(0.5, 0, largest or 1.0) if skewed else Normalize(0, largest or 1.0)
 
     def colour_of(distances: Floats) -> Floats:
         return np.asarray(plt.get_cmap("viridis")(scale(distances)))
 
     figure, axes = plt.subplots(1, 2 if shown else 1, figsize=(style.DOUBLE_COLUMN, 3.2), squeeze=False, width_ratios=(1.1, 1) if shown else None)
-    draw_shape(axes[0][0], shape, colour_of(shape.distances))
-    axes[0][0].set_title(f"{names[0]}: distance to {names[1]}; ring: farthest point")
+    draw_shape(axes[0][0], shape, farthest, colour_of)
+    a, b = (printable(name) for name in names)
+    axes[0][0].set_title(f"{a}: distance to {b}; ring: farthest point", parse_math=False)
     bar = figure.colorbar(plt.cm.ScalarMappable(scale, "viridis"), ax=axes[0][0], shrink=0.8, pad=0.02)
     bar.set_label("distance" + (" (square-root scale)" if skewed else ""))
     if shown:
@@ -145,20 +160,33 @@ def draw(shape: Coloured, shown: Histogram | None, names: tuple[str, str]) -> An
 
 def without_fields(answer: str) -> str:
     """Leaves out what `measure` says about the temporary file of fields."""
-    if answer.startswith("{"):
+    if answer.startswith("{") and "fields" in json.loads(answer):
         return json.dumps({**json.loads(answer), "fields": []}, separators=(",", ":"), ensure_ascii=False) + "\n"
     return "".join(line for line in answer.splitlines(keepends=True) if not line.startswith("fields "))
 
 
+def seconds_of(words: Sequence[str]) -> float:
+    """Returns the time for the histogram: SECONDS, or the limit among the options of `measure` if that is less."""
+    limits = [float(word.partition("=")[2]) for word in words if word.startswith("--time-limit=")]
+    return min([SECONDS, *limits])
+
+
+def complain(why: str) -> int:
+    print(f"hausbench: --picture: {why}", file=sys.stderr)
+    return 2
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Returns the exit code of `measure`; 1 if there is nothing to draw."""
+    """Returns the exit code of `measure`; 1 if it gave nothing to draw, 2 if it cannot be drawn."""
     parser = argparse.ArgumentParser(prog="hausbench measure", allow_abbrev=False)
     parser.add_argument("a")
     parser.add_argument("b")
     parser.add_argument("--picture", type=Path, required=True)
     parser.add_argument("--fields", type=Path)
     given, rest = parser.parse_known_args(arguments)
-    program = os.environ["HAUSBENCH_PROGRAM"]
+    if any(word.startswith("--resolution=") and float(word.partition("=")[2]) > 0.5 for word in rest):
+        return complain("A is drawn from values that are close to its distance: leave out --resolution, or take at most 0.5")
+    program, limit = os.environ["HAUSBENCH_PROGRAM"], seconds_of(rest)
     with tempfile.TemporaryDirectory() as folder:
         fields = given.fields or Path(folder) / "a.ply"
         answered = subprocess.run([program, "measure", given.a, given.b, *rest, f"--fields={fields}"], check=False, stdout=subprocess.PIPE, text=True)
@@ -166,12 +194,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if answered.returncode or not fields.exists():
             return answered.returncode or 1
         shape = read(fields)
-    largest = float(shape.distances.max())
+    extent = max(float(np.abs(shape.corners).max()), float(shape.distances.max()))
+    if not (extent == 0 or 1 / DRAWABLE < extent < DRAWABLE):
+        return complain(f"lengths of {extent:g} cannot be drawn: use another unit")
     try:
-        shown = histogram(program, given.a, given.b, largest) if largest > 0 else None
+        answer = solved(program, given.a, given.b, f"--time-limit={limit!r}")
+        largest = float(answer["upper"]) if math.isfinite(float(answer["upper"])) else float(shape.distances.max())
+        differ = float(answer["lower"]) > 0 or float(shape.distances.max()) > 0
+        shown = histogram(program, given.a, given.b, largest, limit) if differ else None
     except subprocess.CalledProcessError as error:
         return error.returncode
-    figure = draw(shape, shown, (Path(given.a).name, Path(given.b).name))
+    warnings.filterwarnings("ignore", message="Glyph")  # a name may have characters that the font lacks
+    farthest = np.array(answer["source_point"], dtype=float) if answer["source_point"] else shape.corners[int(np.argmax(shape.distances))]
+    figure = draw(shape, farthest, largest if shown else 0.0, shown, (Path(given.a).name, Path(given.b).name))
     figure.savefig(given.picture)
     return 0
 

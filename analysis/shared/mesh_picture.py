@@ -52,9 +52,9 @@ def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: f
 
 
 def frame(ax: Any, corners: Floats, margin: float = 0.02) -> None:
-    """Fits the axes to these projected points, and hides ticks and border."""
+    """Fits the axes to these projected points, and hides ticks and border. A single point has room around it."""
     low, high = corners.min(axis=0), corners.max(axis=0)
-    room = margin * float((high - low)[:2].max())
+    room = margin * float((high - low)[:2].max()) or 1.0
     ax.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room), aspect="equal", xticks=[], yticks=[])
     ax.spines[:].set_visible(False)
 

@@ -11,6 +11,7 @@ import pytest
 from conftest import Program
 
 from analysis import picture
+from analysis.shared.shapes import Mesh
 
 
 @pytest.mark.parametrize("extension", ["png", "pdf", "svg"])
@@ -36,6 +37,47 @@ def test_json_and_fields_go_together_with_a_picture(hausbench: Program, tetrahed
     assert alone["fields"] == [] and alone["upper"] == json.loads(hausbench("measure", tetrahedron, raised, "--json").stdout)["upper"]
 
 
+SQUARE = "OFF\n4 2 0\n0 0 {0}\n1 0 {0}\n1 1 {0}\n0 1 {0}\n3 0 1 2\n3 0 2 3\n"
+
+
+def test_names_units_and_shapes_that_are_hard_to_draw(hausbench: Program, tmp_path: Path) -> None:
+    flat, above = tmp_path / "a$_$.off", tmp_path / "cost_$5_vs_$6{.off"
+    flat.write_text(SQUARE.format(0))
+    above.write_text(SQUARE.format(0.1))
+    assert hausbench("measure", flat, above, "--picture", tmp_path / "names.png").returncode == 0
+    point, origin = tmp_path / "one.xyz", tmp_path / "origin.xyz"
+    point.write_text("1 2 3\n")
+    origin.write_text("0 0 0\n")
+    done = hausbench("measure", point, origin, "--picture", tmp_path / "one.png")
+    assert done.returncode == 0 and done.stderr == ""
+    for length in ("1e-322", "1e308"):
+        point.write_text(f"{length} 0 0\n0 {length} 0\n")
+        done = hausbench("measure", point, origin, "--picture", tmp_path / "far.png")
+        assert done.returncode == 2 and "another unit" in done.stderr and not (tmp_path / "far.png").exists()
+        assert "h(A,B)" in done.stdout  # the answer is there
+
+
+def test_equal_distances_fill_one_bar(hausbench: Program, tmp_path: Path) -> None:
+    """A plate above a plate, and voxels: the share of the bar is known although its distance is that of all points."""
+    a, b = tmp_path / "a.off", tmp_path / "b.off"
+    a.write_text(SQUARE.format(0.1))
+    b.write_text(SQUARE.format(0))
+    shown = picture.histogram(hausbench.path, str(a), str(b), 0.1)
+    assert shown.low[-1] == pytest.approx(1, abs=1e-9) and shown.high[:-1].max() < 1e-9
+    a, b = tmp_path / "a.xyz", tmp_path / "b.xyz"
+    a.write_text("".join(f"{x} 0 {z}\n" for x in range(20) for z in (1, 2, 3)))
+    b.write_text("".join(f"{x} 0 0\n" for x in range(20)))
+    shown = picture.histogram(hausbench.path, str(a), str(b), 3.0)
+    assert (shown.high - shown.low).max() < 1e-9 and sorted(shown.low)[-4:] == pytest.approx([0, 1 / 3, 1 / 3, 1 / 3])
+
+
+def test_triangles_that_face_inward_are_turned_over() -> None:
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    assert (picture.outward(Mesh(corners, triangles)).triangles == triangles).all()
+    assert (picture.outward(Mesh(corners, triangles[:, ::-1])).triangles == triangles).all()
+
+
 def test_identical_shapes_and_points_are_drawn(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:
     out, points = tmp_path / "out.png", tmp_path / "points.xyz"
     assert hausbench("measure", tetrahedron, tetrahedron, "--picture", out).returncode == 0 and out.exists()
@@ -46,19 +88,21 @@ def test_identical_shapes_and_points_are_drawn(hausbench: Program, tetrahedron: 
 
 
 def test_bands_contain_the_true_shares(hausbench: Program, tmp_path: Path) -> None:
-    """A slanting square above a large one: the distance is uniform between 0 and 1, so each of 30 bars has 1/30 of A."""
+    """A slanting square above a large one: the distance is uniform between 0 and 1, so each bar's share is its width."""
     a, b = tmp_path / "a.off", tmp_path / "b.off"
     a.write_text("OFF\n4 2 0\n0 0 0\n1 0 1\n1 1 1\n0 1 0\n3 0 1 2\n3 0 2 3\n")
     b.write_text("OFF\n4 2 0\n-5 -5 0\n5 -5 0\n5 5 0\n-5 5 0\n3 0 1 2\n3 0 2 3\n")
     shown = picture.histogram(hausbench.path, str(a), str(b), 1.0)
-    assert (shown.low <= 1 / 30).all() and (shown.high >= 1 / 30).all() and (shown.high - shown.low < 0.02).all()
+    shares = np.diff(np.minimum(shown.edges, 1.0), prepend=0.0)
+    assert (shown.low <= shares).all() and (shown.high >= shares).all() and (shown.high - shown.low < 0.02).all()
     assert shown.mean[0] <= 0.5 <= shown.mean[1] and shown.most_of_a[0] <= 0.95 <= shown.most_of_a[1]
 
 
 @pytest.mark.parametrize(("more", "said"), [
     (["--picture", "out.gif"], ".png, .pdf or .svg"), (["--picture", "nowhere/out.png"], "nowhere"), (["--picture", ""], "name a file"),
     (["--picture", "out.png", "--distribution"], "leave out --distribution"), (["--picture", "out.png", "--cutoff", "1"], "leave out --cutoff"),
-    (["--picture", "out.png", "--fields", "a.vtk"], ".ply"), (["--picture", "out.png", "--solver", "none"], "none")])
+    (["--picture", "out.png", "--fields", "a.vtk"], ".ply"), (["--picture", "out.png", "--solver", "none"], "none"),
+    (["--picture", "out.png", "--resolution", "inf"], "leave out --resolution")])
 def test_what_cannot_be_drawn_is_refused(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, more: list[str], said: str) -> None:
     done = hausbench("measure", tetrahedron, raised, *more)
     assert done.returncode == 2 and said in done.stderr and not list(tmp_path.glob("out.*"))
