@@ -14,7 +14,7 @@ struct Statistic {
         rms,           // root of the mean of d^2
         deviation,     // standard deviation: root of the mean of (d - mean)^2
         maximum,       // of d
-        quantile,      // the least t with F(t) >= argument; 0 < argument <= 1. 18 of 20 points are a share of 0.9
+        quantile,      // the least t with F(t) >= argument; 0 < argument <= 1. Shares of points are rounded to doubles
         share_within,  // F(argument), a number from 0 to 1; the argument is a length
     };
     // The points whose distances count. docs/conventions.md says which tool means what.

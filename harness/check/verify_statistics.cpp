@@ -27,6 +27,17 @@ double exact_area(const Element& e) {
     return 0.5 * root_at_most(squared);
 }
 
+bool has_tiny_edge(const Standing& shape) {
+    for (Index i = 0; i < shape.count(); ++i) {
+        const Element e = shape[i];
+        for (std::size_t k = 0; k < e.size(); ++k) {
+            const double edge = (e[(k + 1) % e.size()] - e[k]).cwiseAbs().maxCoeff();
+            if (edge > 0 && edge < 1e-70) return true;
+        }
+    }
+    return false;
+}
+
 // The interval of an estimate.
 struct Around {
     double low, high;
@@ -95,8 +106,9 @@ struct StatisticsChecker::Pair {
         const Standing &from = of_source ? source : target, &to = of_source ? target : source;
         if (!from.finite() || !to.finite()) return std::nullopt;
         const double largest = std::max(from.points().cwiseAbs().maxCoeff(), to.points().cwiseAbs().maxCoeff());
-        if (largest != 0 && !(largest > 1e-70 && largest < 1e70))
-            return std::nullopt;  // products of four lengths must fit
+        // Products of four lengths must fit into doubles.
+        if (largest != 0 && !(largest > 1e-70 && largest < 1e70)) return std::nullopt;
+        if (has_tiny_edge(from) || has_tiny_edge(to)) return std::nullopt;
         const BoxTree tree(to);
         std::mt19937_64 random(of_source ? 1 : 2);
         std::uniform_real_distribution<double> uniform;

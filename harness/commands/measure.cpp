@@ -140,6 +140,9 @@ void check_picture(const CLI::App& verb, const Arguments& given) {
         throw InputError("--picture: not with several pairs, which are written as CSV");
     if (!given.request.fields.empty() && given.request.fields.extension() != ".ply")
         throw InputError("--picture: is drawn from the fields in PLY: end the name after --fields with .ply");
+    if (!given.request.certificate.empty() && is_same_file(given.picture, given.request.certificate))
+        throw InputError(
+            fmt::format("--picture {}: --certificate is the same file: choose another name", given.picture.string()));
     check_place_to_write(given.picture);
 }
 

@@ -43,7 +43,8 @@ std::vector<std::string> words_of(const CLI::App& verb) {
         if (option->count() == 0) continue;
         const std::vector<std::string>& values = option->results();
         if (option->get_lnames().empty()) {
-            positionals.insert(positionals.end(), values.begin(), values.end());
+            for (const std::string& value : values)
+                positionals.push_back(value.starts_with('-') ? "./" + value : value);
             continue;
         }
         const std::string name = "--" + option->get_lnames().front();

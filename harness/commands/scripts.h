@@ -12,7 +12,7 @@ class App;
 namespace hausbench {
 
 // Returns the command line of a verb for a script. Positional arguments come first, because an option with several
-// values would swallow them.
+// values would swallow them; a file -a.off becomes ./-a.off.
 std::vector<std::string> words_of(const CLI::App& verb);
 
 // Returns the folder that contains this file: the checkout, or share/hausbench of the installation. Throws InputError

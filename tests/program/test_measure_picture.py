@@ -57,6 +57,11 @@ def test_names_units_and_shapes_that_are_hard_to_draw(hausbench: Program, tmp_pa
         assert "h(A,B)" in done.stdout  # the answer is there
 
 
+def test_names_may_begin_with_a_dash(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path) -> None:
+    (tmp_path / "-a.off").write_bytes(tetrahedron.read_bytes())
+    assert hausbench("measure", "--picture", "-p.png", "--", "-a.off", raised).returncode == 0 and (tmp_path / "-p.png").exists()
+
+
 def test_equal_distances_fill_one_bar(hausbench: Program, tmp_path: Path) -> None:
     """A plate above a plate, and voxels: the share of the bar is known although its distance is that of all points."""
     a, b = tmp_path / "a.off", tmp_path / "b.off"
@@ -102,7 +107,8 @@ def test_bands_contain_the_true_shares(hausbench: Program, tmp_path: Path) -> No
     (["--picture", "out.gif"], ".png, .pdf or .svg"), (["--picture", "nowhere/out.png"], "nowhere"), (["--picture", ""], "name a file"),
     (["--picture", "out.png", "--distribution"], "leave out --distribution"), (["--picture", "out.png", "--cutoff", "1"], "leave out --cutoff"),
     (["--picture", "out.png", "--fields", "a.vtk"], ".ply"), (["--picture", "out.png", "--solver", "none"], "none"),
-    (["--picture", "out.png", "--resolution", "inf"], "leave out --resolution")])
+    (["--picture", "out.png", "--resolution", "inf"], "leave out --resolution"),
+    (["--picture", "out.svg", "--certificate", "out.svg"], "the same file")])
 def test_what_cannot_be_drawn_is_refused(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, more: list[str], said: str) -> None:
     done = hausbench("measure", tetrahedron, raised, *more)
     assert done.returncode == 2 and said in done.stderr and not list(tmp_path.glob("out.*"))

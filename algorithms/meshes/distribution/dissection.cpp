@@ -16,7 +16,7 @@ constexpr std::size_t most_near = 224;  // triangles of B near a piece; with mor
 constexpr std::size_t pieces_of_part = 32,
                       pieces_of_round = 64 * pieces_of_part;  // of a thread at a time; between two looks at the clock
 constexpr int most_cuts = 200;
-// After so many cuts a piece is only halved: bisectors may cut off one sliver after another, none of which gets shorter.
+// After so many cuts a piece is only halved. Cuts along bisectors may go on to make slivers that are as long as the piece.
 constexpr int most_cuts_at_bisectors = 60;
 
 }  // namespace
@@ -83,10 +83,10 @@ bool CutWhere::operator()(const AffineBounds& b, double weight) const {
 // Cuts pieces, each down to pieces within the limits.
 class Dissection::Worker {
 public:
-    Worker(const Dissection& all, const CutWhere& where, const Deadline& deadline, std::size_t most)
-        : all_(all), where_(where), deadline_(deadline), most_(most), bounder_(all.magnitude_) {}
+    Worker(const Dissection& all, const CutWhere& where, const Stop& stop, std::size_t most)
+        : all_(all), where_(where), stop_(stop), most_(most), bounder_(all.magnitude_) {}
 
-    // Cuts a piece into at most about `most` parts; not any further when the deadline passes.
+    // Cuts a piece into at most about `most` parts.
     void open(const Piece& piece) {
         enough_ = leaves_.size() + most_;
         gather_and_cut(piece);
@@ -100,9 +100,9 @@ public:
     }
 
 private:
-    // Returns whether this piece is cut. Looks at the clock now and then.
+    // Returns whether this piece is cut. Asks now and then whether to stop.
     bool is_cut(const Piece& piece, const AffineBounds& bounds) {
-        if (++counters_.bound_tests % 256 == 0 && deadline_.passed()) enough_ = 0;
+        if (++counters_.bound_tests % 256 == 0 && stop_(all_.leaves_.size() + leaves_.size())) enough_ = 0;
         return leaves_.size() < enough_ && where_(bounds, all_.weight_of(piece));
     }
 
@@ -308,7 +308,7 @@ private:
 
     const Dissection& all_;
     const CutWhere& where_;
-    const Deadline& deadline_;
+    const Stop& stop_;
     std::size_t most_, enough_ = 0;
     PieceBounder bounder_;
     std::vector<Leaf> leaves_;
@@ -345,7 +345,7 @@ Leaf Dissection::unknown(const Piece& piece) const {
     return {piece, PieceBounder(magnitude_).rough(piece, triangle_of(target_.mesh(), 0), 0), weight_of(piece), false};
 }
 
-bool Dissection::refine(const CutWhere& where, const Deadline& deadline, std::size_t most_leaves) {
+bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t most_leaves) {
     std::vector<Leaf> open;
     const bool first = leaves_.empty();
     if (first) {
@@ -373,7 +373,7 @@ bool Dissection::refine(const CutWhere& where, const Deadline& deadline, std::si
     std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads_.most()));
     for (std::size_t begin = 0; begin < open.size(); begin += pieces_of_round) {
         const std::size_t end = std::min(open.size(), begin + pieces_of_round);
-        if (deadline.passed()) {
+        if (stop(leaves_.size())) {
             for (std::size_t i = begin; i < open.size(); ++i)
                 leaves_.push_back(first ? unknown(open[i].piece) : open[i]);
             break;
@@ -383,7 +383,7 @@ bool Dissection::refine(const CutWhere& where, const Deadline& deadline, std::si
         std::vector<Counters> counters(parts);
         threads_.for_each(parts, [&](std::size_t p, int number) {
             std::unique_ptr<Worker>& worker = workers[static_cast<std::size_t>(number)];
-            if (!worker) worker = std::make_unique<Worker>(*this, where, deadline, most);
+            if (!worker) worker = std::make_unique<Worker>(*this, where, stop, most);
             const std::size_t from = begin + p * pieces_of_part;
             for (std::size_t i = from; i < std::min(end, from + pieces_of_part); ++i) worker->open(open[i].piece);
             made[p] = worker->take_leaves();

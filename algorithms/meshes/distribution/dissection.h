@@ -2,12 +2,12 @@
 #pragma once
 
 #include "algorithms/kernel/counters.h"
-#include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/meshes/distribution/piece_bounds.h"
 #include "algorithms/statistic.h"
 #include "algorithms/structures/triangle_blocks.h"
 
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -63,10 +63,12 @@ public:
                WeighBy weigh, int threads);
 
     // Cuts pieces, and their parts, as long as they exceed a limit of `where`. Returns false if there was nothing to
-    // cut. If the deadline passes, the remaining pieces stay as they are. Stops cutting a piece when it has many parts, so
+    // cut. If `stop` returns true, given the number of pieces so far, the remaining pieces stay as they are, and a piece that
+    // is being cut soon stays as it is, too. Threads call `stop` concurrently. Stops cutting a piece when it has many parts, so
     // that there will be fewer than 5 * most_leaves + 16 * (the pieces so far) in all. The result is the same for any
     // number of threads.
-    bool refine(const CutWhere& where, const Deadline& deadline, std::size_t most_leaves);
+    using Stop = std::function<bool(std::size_t pieces)>;
+    bool refine(const CutWhere& where, const Stop& stop, std::size_t most_leaves);
 
     const std::vector<Leaf>& leaves() const { return leaves_; }
     const Counters& counters() const { return counters_; }
@@ -75,7 +77,7 @@ public:
     // triangles that are nearly segments have uncertain areas.
     double extra_weight() const { return extra_; }
 
-    // Whether every leaf has the weight 1: points are never cut.
+    // Whether every leaf has the weight 1. This holds for points, because they are never cut.
     bool counted() const { return counted_; }
 
 private:

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -21,14 +22,6 @@ constexpr std::size_t most_pieces = 5'000'000;
 // A round counts as progress if it narrows a quantile by a tenth. If this many rounds in a row do not, and F is known and
 // constant in the middle of the interval, no number of pieces will narrow it.
 constexpr int rounds_without_progress = 4;
-
-// Returns for how long to cut. Computing a statistic from the pieces then takes up to a hundredth of that time, and a
-// quantile up to a fifth.
-double time_to_cut(const Query& query) {
-    double all = 1;
-    for (const Statistic& statistic : query.statistics) all += statistic.kind == Kind::quantile ? 0.2 : 0.01;
-    return query.time_limit / all;
-}
 
 // If a round finds nothing to cut, the limits were too large, and shrink by this factor; after so many such rounds in a
 // row, all gaps are rounding.
@@ -95,7 +88,7 @@ void add(const Goal& goal, const Statistics& now, CutWhere& where) {
 class Narrowing {
 public:
     Narrowing(const OneWay* source, const OneWay* target, double magnitude, const Query& query)
-        : query_(query), deadline_(time_to_cut(query)), most_(most_pieces) {
+        : query_(query), most_(most_pieces) {
         for (const OneWay* way : {source, target}) {
             if (way) most_ = std::max(most_, 8 * static_cast<std::size_t>(way->triangles.rows()));
             pieces_.push_back(!way ? std::nullopt
@@ -117,7 +110,7 @@ public:
         while (true) {
             bool more = false;
             for (std::size_t way = 0; way < 2; ++way)
-                if (pieces_[way]) more |= pieces_[way]->refine(where_[way], deadline_, most_);
+                if (pieces_[way]) more |= pieces_[way]->refine(where_[way], stop_of(way), most_);
             if (const auto status = narrower(more)) return result(*status);
         }
     }
@@ -137,6 +130,19 @@ private:
         for (const std::optional<Dissection>& one : pieces_)
             if (one) sum += one->leaves().size();
         return sum;
+    }
+
+    // Returns whether the time limit would pass while the statistics of this number of pieces are computed.
+    bool is_over(std::size_t pieces) const {
+        if (std::isinf(query_.time_limit)) return false;
+        return seconds() + seconds_per_piece_ * static_cast<double>(pieces) >= query_.time_limit;
+    }
+
+    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
+
+    Dissection::Stop stop_of(std::size_t way) const {
+        const std::size_t others = pieces_[1 - way] ? pieces_[1 - way]->leaves().size() : 0;
+        return [this, others](std::size_t pieces) { return is_over(pieces + others); };
     }
 
     // Computes all bounds from the pieces, and the next places to cut. Returns why to stop, if there is a reason;
@@ -159,13 +165,15 @@ private:
             }
             return *one;
         };
+        const double begin = seconds();
         for (Goal& one : goals_) {
             one.bounds = now(one.statistic.over).of(one.statistic);
             one.allowed = infinity;
         }
+        seconds_per_piece_ = std::max(seconds_per_piece_, (seconds() - begin) / static_cast<double>(pieces() + 1));
         const bool done = answer();
         if (done) return Status::converged;
-        if (deadline_.passed()) return Status::time_limit;
+        if (is_over(pieces())) return Status::time_limit;
         if (pieces() > most_) return Status::budget;
         without_cuts_ = more ? 0 : without_cuts_ + 1;
         for (Goal& one : goals_) look_for_plateau(one, now(one.statistic.over));
@@ -267,7 +275,8 @@ private:
     }
 
     const Query& query_;
-    Deadline deadline_;
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    double seconds_per_piece_ = 0;  // to compute all statistics
     std::size_t most_;
     int without_cuts_ = 0;
     std::vector<std::optional<Dissection>> pieces_;  // of A and of B

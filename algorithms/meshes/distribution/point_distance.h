@@ -1,6 +1,5 @@
-// The distance between two points, as close as doubles can hold it. Whole coordinates, such as voxels, have many
-// distances that are equal, or equal to the length that a query asks about, so that rounding would leave open which
-// points count.
+// The distance between two points, rounded only if it is no double. Voxels have many distances that are equal, or equal to
+// the length that a query asks about. With rounding errors it would be open which points count.
 #pragma once
 
 #include "algorithms/kernel/rounding.h"

@@ -17,7 +17,7 @@ public:
     // exactly 1. O(n).
     Statistics(std::vector<std::span<const Leaf>> leaves, double extra_weight, bool counted);
 
-    // O(n) each; a quantile takes about five times as long as the others.
+    // O(n) each; a quantile takes several times as long as the others.
     Bounds of(const Statistic& statistic) const;
 
     // The sum of all weights, as computed.

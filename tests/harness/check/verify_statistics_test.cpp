@@ -82,6 +82,16 @@ TEST(VerifyStatistics, LengthsWhosePowersOverflowOrUnderflowAreNotRefuted) {
     }
 }
 
+TEST(VerifyStatistics, ATinyTriangleIsNotRefuted) {
+    const auto triangle = [](double size) -> Points { return rows({{0, 0, 0}, {size, 0, 0}, {0, size, 0}}); };
+    Points both(6, 3);
+    both << triangle(1e-81), triangle(1e-69);
+    both.bottomRows(3).col(2).setConstant(1e-69);
+    const Shape a = soup(triangle(1e-82)), b = soup(both);  // a lies on b
+    StatisticsChecker checker(a, {}, b, {});
+    EXPECT_NE(checker.check({0, 1e-84}, {Kind::maximum}, WeighBy::number).upper, Verdict::unsound);
+}
+
 TEST(VerifyStatistics, PointsAreMeasuredExactly) {
     const Shape points = PointSet{rows({{0, 0, 1}, {0, 0, 2}, {0, 0, 6}})};
     StatisticsChecker checker(points, {}, plane, {});
