@@ -15,7 +15,7 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -26,7 +26,7 @@ from matplotlib.colors import Normalize, PowerNorm
 from analysis.shared import mesh_picture, style
 from analysis.shared.columns import Floats
 from analysis.shared.printable import printable
-from analysis.shared.shapes import Mesh
+from analysis.shared.shapes import Coloured
 
 BARS: Final = 30
 END: Final = 1.017  # right end of the last bar, over the largest distance; a round number would put ends where many distances are equal
@@ -34,15 +34,6 @@ SECONDS: Final = 20.0  # for the histogram, unless --time-limit is less; its ban
 DRAWABLE: Final = 1e250  # matplotlib draws neither greater lengths nor lengths below the inverse
 FROM: Final = (0.5, 0.4, 1.0)  # direction to the eye, used if the farthest point is visible from there
 FAR: Final = "#D55E00"
-
-
-@dataclass(frozen=True)
-class Coloured:
-    """A shape cut into small triangles (none: a point set), with the distance to B at each vertex."""
-
-    corners: Floats
-    triangles: Any
-    distances: Floats
 
 
 @dataclass(frozen=True)
@@ -76,7 +67,7 @@ def read(file: Path) -> Coloured:
 
 
 def solved(program: str, *words: str) -> Any:
-    """Runs `measure --json`. Raises CalledProcessError if there is no answer; the program says why."""
+    """Returns the answer of `measure --json`. Raises CalledProcessError if there is none; the program has then printed the reason."""
     return json.loads(subprocess.run([program, "measure", *words, "--json"], stdout=subprocess.PIPE, text=True, check=True).stdout)
 
 
@@ -99,20 +90,19 @@ def round_length(most: float) -> float:
     return max(step * power for step in (1, 2, 5) if step * power <= most)
 
 
-def outward(mesh: Mesh) -> Mesh:
+def outward(shape: Coloured) -> Coloured:
     """Returns a closed mesh with its triangles turned over if most of them face inward."""
-    a, b, c = (mesh.corners[mesh.triangles[:, k]] - mesh.corners.mean(axis=0) for k in range(3))
-    return mesh if (a * np.cross(b, c)).sum() >= 0 else Mesh(mesh.corners, mesh.triangles[:, ::-1])
+    a, b, c = (shape.corners[shape.triangles[:, k]] - shape.corners.mean(axis=0) for k in range(3))
+    return shape if (a * np.cross(b, c)).sum() >= 0 else replace(shape, triangles=shape.triangles[:, ::-1])
 
 
 def draw_shape(ax: Any, shape: Coloured, farthest: Floats, colour_of: Any) -> None:
     eye = mesh_picture.view(FROM)
     if len(shape.triangles):
-        mesh = Mesh(shape.corners, shape.triangles)
-        closed = mesh.closed
-        mesh = outward(mesh) if closed else mesh
-        eye = mesh_picture.showing(mesh, eye, farthest)
-        mesh_picture.draw(ax, mesh, eye, colour_of(shape.distances[mesh.triangles].mean(axis=1)), both_sides=not closed, shade=0.25)
+        closed = shape.closed
+        shape = outward(shape) if closed else shape
+        eye = mesh_picture.showing(shape, eye, farthest)
+        mesh_picture.draw(ax, shape, eye, colour_of(shape.colours), both_sides=not closed, shade=0.25)
     else:
         seen = eye.seen(shape.corners)
         order = np.argsort(seen[:, 2])
@@ -172,7 +162,7 @@ def seconds_of(words: Sequence[str]) -> float:
 
 
 def complain(why: str) -> int:
-    print(f"hausbench: --picture: {why}", file=sys.stderr)
+    print(printable(f"hausbench: --picture: {why}"), file=sys.stderr)
     return 2
 
 
@@ -207,7 +197,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     warnings.filterwarnings("ignore", message="Glyph")  # a name may have characters that the font lacks
     farthest = np.array(answer["source_point"], dtype=float) if answer["source_point"] else shape.corners[int(np.argmax(shape.distances))]
     figure = draw(shape, farthest, largest if shown else 0.0, shown, (Path(given.a).name, Path(given.b).name))
-    figure.savefig(given.picture)
+    try:
+        figure.savefig(given.picture)
+    except OSError as problem:
+        return complain(f"{given.picture}: {problem}: make room, or choose another place")
     return 0
 
 

@@ -82,10 +82,9 @@ def mesh(results: Results, model: str) -> Mesh:
 
 
 @dataclass(frozen=True)
-class Drawn(Mesh):
-    """A in its pose, subdivided finely enough to colour it by the distance to B."""
+class Coloured(Mesh):
+    """A subdivided finely enough to colour it by the distance to B; a point set has no triangles."""
 
-    elements: Indices  # for each triangle here, the triangle of A that contains it
     distances: Floats  # distance of each corner to B; A's own vertices come first
 
     @property
@@ -94,14 +93,21 @@ class Drawn(Mesh):
         return np.asarray(self.distances[self.triangles].mean(axis=1))
 
 
+@dataclass(frozen=True)
+class Drawn(Coloured):
+    """A in its pose."""
+
+    elements: Indices  # for each triangle here, the triangle of A that contains it
+
+
 def drawn(results: Results, case: int) -> Drawn:
     """Returns A coloured by the field `distance`, which the case must have. Files of older programs lack the subdivision."""
     fields = results.fields_of(case)
     if {"x", "y", "z", "a", "b", "c", "element"} <= fields.keys():
         corners, triangles = (np.column_stack([fields[name] for name in names]) for names in ("xyz", "abc"))
-        return Drawn(corners, triangles.astype(np.int64), fields["element"].astype(np.int64), fields["distance"])
+        return Drawn(corners, triangles.astype(np.int64), fields["distance"], fields["element"].astype(np.int64))
     whole = mesh(results, results.cases.source[case])
-    return Drawn(posed(whole.corners, results.cases.pose[case]), whole.triangles, np.arange(len(whole.triangles)), fields["distance"])
+    return Drawn(posed(whole.corners, results.cases.pose[case]), whole.triangles, fields["distance"], np.arange(len(whole.triangles)))
 
 
 def points(results: Results, model: str) -> Floats | None:

@@ -46,7 +46,7 @@ std::vector<Statistic> parse_statistics(const std::string& list) {
     return all;
 }
 
-// What the command line gives.
+// The values of the options and arguments of `measure`.
 struct Arguments {
     MeasureRequest request;
     std::vector<std::string> parameters;

@@ -11,7 +11,7 @@ import pytest
 from conftest import Program
 
 from analysis import picture
-from analysis.shared.shapes import Mesh
+from analysis.shared.shapes import Coloured
 
 
 @pytest.mark.parametrize("extension", ["png", "pdf", "svg"])
@@ -63,7 +63,7 @@ def test_names_may_begin_with_a_dash(hausbench: Program, tetrahedron: Path, rais
 
 
 def test_equal_distances_fill_one_bar(hausbench: Program, tmp_path: Path) -> None:
-    """A plate above a plate, and voxels: the share of the bar is known although its distance is that of all points."""
+    """If all points of A, or a third of them, are equally far from B, the histogram has exactly this share in one bar."""
     a, b = tmp_path / "a.off", tmp_path / "b.off"
     a.write_text(SQUARE.format(0.1))
     b.write_text(SQUARE.format(0))
@@ -79,8 +79,8 @@ def test_equal_distances_fill_one_bar(hausbench: Program, tmp_path: Path) -> Non
 def test_triangles_that_face_inward_are_turned_over() -> None:
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    assert (picture.outward(Mesh(corners, triangles)).triangles == triangles).all()
-    assert (picture.outward(Mesh(corners, triangles[:, ::-1])).triangles == triangles).all()
+    assert (picture.outward(Coloured(corners, triangles, np.zeros(4))).triangles == triangles).all()
+    assert (picture.outward(Coloured(corners, triangles[:, ::-1], np.zeros(4))).triangles == triangles).all()
 
 
 def test_identical_shapes_and_points_are_drawn(hausbench: Program, tetrahedron: Path, tmp_path: Path) -> None:

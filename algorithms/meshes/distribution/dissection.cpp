@@ -16,7 +16,7 @@ constexpr std::size_t most_near = 224;  // triangles of B near a piece; with mor
 constexpr std::size_t pieces_of_part = 32,
                       pieces_of_round = 64 * pieces_of_part;  // of a thread at a time; between two looks at the clock
 constexpr int most_cuts = 200;
-// After so many cuts a piece is only halved. Cuts along bisectors may go on to make slivers that are as long as the piece.
+// After so many cuts a piece is only halved, because bisectors can make ever thinner slivers that stay as long.
 constexpr int most_cuts_at_bisectors = 60;
 
 }  // namespace

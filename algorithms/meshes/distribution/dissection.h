@@ -62,12 +62,13 @@ public:
     Dissection(const Triangles& triangles, const Points& points, const TriangleBlocks& target, double magnitude,
                WeighBy weigh, int threads);
 
-    // Cuts pieces, and their parts, as long as they exceed a limit of `where`. Returns false if there was nothing to
-    // cut. If `stop` returns true, given the number of pieces so far, the remaining pieces stay as they are, and a piece that
-    // is being cut soon stays as it is, too. Threads call `stop` concurrently. Stops cutting a piece when it has many parts, so
-    // that there will be fewer than 5 * most_leaves + 16 * (the pieces so far) in all. The result is the same for any
-    // number of threads.
+    // Tells whether to stop, given the number of pieces so far. Threads call it concurrently.
     using Stop = std::function<bool(std::size_t pieces)>;
+
+    // Cuts pieces, and their parts, as long as they exceed a limit of `where`. Returns false if there was nothing to
+    // cut. After `stop` has returned true, no piece is cut much further. Stops cutting a piece when it has many parts,
+    // so that there will be fewer than 5 * most_leaves + 16 * (the pieces so far) in all. Unless stopped, the result is
+    // the same for any number of threads.
     bool refine(const CutWhere& where, const Stop& stop, std::size_t most_leaves);
 
     const std::vector<Leaf>& leaves() const { return leaves_; }

@@ -1,5 +1,6 @@
-// The distance between two points, rounded only if it is no double. Voxels have many distances that are equal, or equal to
-// the length that a query asks about. With rounding errors it would be open which points count.
+// Bounds on the distance between two points: exact for coordinates with few digits, such as voxels. There many
+// distances are equal, or equal to the length that a query asks about, and wider bounds would not tell which points
+// count.
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
@@ -18,9 +19,9 @@ inline bool is_exact_difference(double x, double y) {
 
 // Returns bounds on |a - b|. |Coordinates| must be at most largest_safe_coordinate.
 //
-// If no step of the sum of squares rounds, the sum s is exact, and so is the sign of root^2 - s, which tells on which side
-// of the distance the root lies. Squares of numbers below 2^-480 may underflow and count as rounded; the others are
-// multiples of 2^-1064, as are their errors. Otherwise the bounds for a computed sum hold (kernel/rounding.h).
+// If no step of the sum of squares rounds, the sum s is exact, and so is the sign of root^2 - s, which tells on which
+// side of the distance the root lies. Squares of numbers below 2^-480 may underflow and count as rounded; the others
+// are multiples of 2^-1064, as are their errors. Otherwise the bounds for a computed sum hold (kernel/rounding.h).
 inline Bounds point_distance(const Vec3& a, const Vec3& b) {
     double sum = 0;
     bool exact = true;

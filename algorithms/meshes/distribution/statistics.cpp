@@ -6,9 +6,9 @@
 // inverse factor: the quotient grows with the weight that has the largest v. The factor 1 - 2^-40 (or 1 + 2^-40)
 // also covers the rounding errors of values, products and sums, which are below 2^-46, and of the next operation.
 //
-// Counted leaves have the exact weight 1, so a share of them is a quotient of integers that rounds once. A quantile compares
-// this double with its level. Then 18 of 20 points reach the level 0.9, although the double 0.9 is greater than 9/10: both
-// numbers are the double nearest to 9/10.
+// Counted leaves have the exact weight 1, so a share of them is a quotient of integers that rounds once. A quantile
+// compares this double with its level. Then 18 of 20 points reach the level 0.9, although the double 0.9 is greater
+// than 9/10: both numbers are the double nearest to 9/10.
 #include "algorithms/meshes/distribution/statistics.h"
 
 #include "algorithms/kernel/rounding.h"

@@ -98,7 +98,7 @@ TEST(Distribution, SliversGetShorter) {
 }
 
 // Some of these distances are doubles, and some squares, differences or sums round.
-TEST(Distribution, DistancesOfPointsAreAsCloseAsDoublesAllow) {
+TEST(Distribution, DistancesOfPointsHoldAndAreOftenExact) {
     Random random(3);
     int equal = 0, next = 0, wider = 0;
     for (int i = 0; i < 20000; ++i) {
