@@ -39,7 +39,7 @@ void count(benchmark::State& state, std::size_t items) {
         static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-Vec3 random_vector(const Random& random, std::uint64_t& next) {
+Vec3 random_vector(const RandomNumbers& random, std::uint64_t& next) {
     const double x = random.uniform(next++), y = random.uniform(next++), z = random.uniform(next++);
     return {2 * x - 1, 2 * y - 1, 2 * z - 1};
 }
@@ -60,7 +60,7 @@ struct Pairs {
 const Pairs& random_pairs() {
     static const Pairs made = [] {
         Pairs all;
-        const Random random(7);
+        const RandomNumbers random(7);
         std::uint64_t next = 0;
         TriangleMesh mesh{Points(3 * pairs, 3), Triangles(pairs, 3)};
         for (Index i = 0; i < static_cast<Index>(pairs); ++i) {
@@ -159,7 +159,7 @@ std::unique_ptr<Subject> subject(const std::string& name) {
     made->mesh =
         model.starts_with("torus:") ? bumpy_torus(std::max(4, std::atoi(model.c_str() + 6))) : model_mesh(model);
     made->queries = made->mesh.vertices;
-    const Random random(8);
+    const RandomNumbers random(8);
     std::uint64_t next = 0;
     const double size = 0.01 * diagonal(made->queries);
     for (Index i = 0; i < made->queries.rows(); ++i) made->queries.row(i) += size * random_vector(random, next);

@@ -28,7 +28,7 @@ TriangleMesh model_mesh(const std::string& name) {
 TriangleMesh bumpy_torus(Index n) {
     TriangleMesh mesh =
         std::get<TriangleMesh>(generate("torus", {{"rings", n}, {"sides", n}, {"major", 0.4}, {"minor", 0.15}}));
-    const Random random(1);
+    const RandomNumbers random(1);
     const double most = 0.1 * 0.4 / n;
     for (Eigen::Index i = 0; i < mesh.vertices.size(); ++i) {
         mesh.vertices.data()[i] += most * (2 * random.uniform(static_cast<std::uint64_t>(i)) - 1);

@@ -32,7 +32,7 @@ Points rows_of(const Points& points, const std::vector<Index>& rows) {
 PointSet choose_points(const Points& points, Index count, std::uint64_t seed) {
     if (count > points.rows())
         throw InputError(fmt::format("sample: cannot choose {1} points of a point set of {0}", points.rows(), count));
-    std::vector<Index> rows = random_order(points.rows(), Random(seed), 0);
+    std::vector<Index> rows = random_order(points.rows(), RandomNumbers(seed), 0);
     rows.resize(static_cast<std::size_t>(count));
     std::sort(rows.begin(), rows.end());
     return {rows_of(points, rows)};
@@ -56,7 +56,7 @@ PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t see
         area_up_to.push_back(area);
     }
     if (!(area > 0) || !std::isfinite(area)) throw InputError("sample: the mesh has no area");
-    const Random random(seed);
+    const RandomNumbers random(seed);
     PointSet set{Points(count, 3)};
     for (Index i = 0; i < count; ++i) {
         const std::uint64_t counter = 3 * static_cast<std::uint64_t>(i);
@@ -70,7 +70,7 @@ PointSet sample_surface(const TriangleMesh& mesh, Index count, std::uint64_t see
 }
 
 Shape with_noise(const Given& g) {
-    const Random random(g.seed());
+    const RandomNumbers random(g.seed());
     Points points = g.points();
     const double amplitude = g.real("amplitude") * diagonal(points);
     for (Eigen::Index i = 0; i < points.rows(); ++i)
@@ -186,7 +186,7 @@ Shape with_points(const Given& g, const Points& points) {
     return shape;
 }
 
-std::vector<Index> random_order(Eigen::Index count, const Random& random, std::uint64_t first) {
+std::vector<Index> random_order(Eigen::Index count, const RandomNumbers& random, std::uint64_t first) {
     std::vector<std::pair<std::uint64_t, Index>> lots;
     for (Index i = 0; i < count; ++i) lots.emplace_back(random.bits(first + static_cast<std::uint64_t>(i)), i);
     std::sort(lots.begin(), lots.end());

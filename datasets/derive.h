@@ -6,7 +6,7 @@
 
 namespace hausbench {
 
-class Random;  // random.h
+class RandomNumbers;  // random.h
 
 // All operations. `hausbench list keys` prints them with their explanations.
 const std::vector<Recipe>& operations();
@@ -19,7 +19,7 @@ void check_operation(const std::string& where, const Recipe& operation, const Nu
 Shape with_points(const Given& g, const Points& points);
 
 // Returns 0, ..., count - 1 in random order. Uses the random numbers `first`, ..., first + count - 1.
-std::vector<Index> random_order(Eigen::Index count, const Random& random, std::uint64_t first);
+std::vector<Index> random_order(Eigen::Index count, const RandomNumbers& random, std::uint64_t first);
 
 // Returns whether the operation must run in a separate process (separate_process.h), because CGAL performs it and may
 // crash or take very long on some meshes.

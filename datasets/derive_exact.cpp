@@ -55,7 +55,7 @@ Shape repeated(const Given& g) {
 
 Shape shuffled(const Given& g) {
     const Points& points = g.points();
-    const Random random(g.seed());
+    const RandomNumbers random(g.seed());
     const std::vector<Index> order = random_order(points.rows(), random, 0);
     Points moved(points.rows(), 3);
     std::vector<Index> place(order.size());

@@ -8,7 +8,7 @@ namespace {
 
 // Returns a random vector whose coordinates are close to normally distributed, with mean 0 and variance 1: each is the
 // sum of 12 uniform numbers, minus 6. Uses the random numbers 36 * which, ..., 36 * which + 35.
-Vec3 normal(const Random& random, std::uint64_t which) {
+Vec3 normal(const RandomNumbers& random, std::uint64_t which) {
     Vec3 vector;
     std::uint64_t counter = 36 * which;
     for (int k = 0; k < 3; ++k) {
@@ -20,13 +20,13 @@ Vec3 normal(const Random& random, std::uint64_t which) {
 }
 
 // Returns a random point of the cube [0, 1)^3, from the random numbers 3 * which, ..., 3 * which + 2.
-Vec3 uniform(const Random& random, std::uint64_t which) {
+Vec3 uniform(const RandomNumbers& random, std::uint64_t which) {
     return {random.uniform(3 * which), random.uniform(3 * which + 1), random.uniform(3 * which + 2)};
 }
 
 // Returns the points point(random, i) for all i below the number `count` of the recipe.
 template <class F> PointSet each(const Given& g, F&& point) {
-    const Random random(g.seed());
+    const RandomNumbers random(g.seed());
     PointSet set{Points(g.whole("count"), 3)};
     for (Index i = 0; i < set.points.rows(); ++i)
         set.points.row(i) = point(random, static_cast<std::uint64_t>(i)).transpose();
@@ -35,18 +35,18 @@ template <class F> PointSet each(const Given& g, F&& point) {
 
 PointSet gaussian_points(const Given& g) {
     const double sigma = g.real("sigma");
-    return each(g, [&, centre = g.xyz()](const Random& random, std::uint64_t i) -> Vec3 {
+    return each(g, [&, centre = g.xyz()](const RandomNumbers& random, std::uint64_t i) -> Vec3 {
         return centre + sigma * normal(random, i);
     });
 }
 
 PointSet box_points(const Given& g, const Vec3& size) {
-    return each(g,
-                [&](const Random& random, std::uint64_t i) -> Vec3 { return uniform(random, i).cwiseProduct(size); });
+    return each(
+        g, [&](const RandomNumbers& random, std::uint64_t i) -> Vec3 { return uniform(random, i).cwiseProduct(size); });
 }
 
 PointSet curve_points(const Given& g) {
-    return each(g, [](const Random& random, std::uint64_t i) -> Vec3 {
+    return each(g, [](const RandomNumbers& random, std::uint64_t i) -> Vec3 {
         const double t = random.uniform(i);
         return {t, t * t, t * t * t};
     });
@@ -54,7 +54,7 @@ PointSet curve_points(const Given& g) {
 
 PointSet shell_points(const Given& g) {
     const double radius = g.real("radius");
-    return each(g, [&, centre = g.xyz()](const Random& random, std::uint64_t i) -> Vec3 {
+    return each(g, [&, centre = g.xyz()](const RandomNumbers& random, std::uint64_t i) -> Vec3 {
         const Vec3 v = normal(random, i);
         const double length = std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
         return length > 0 ? Vec3(centre + radius * (v / length)) : Vec3(centre + Vec3(radius, 0, 0));
@@ -62,7 +62,7 @@ PointSet shell_points(const Given& g) {
 }
 
 PointSet cluster_points(const Given& g) {
-    const Random layout(g.seed("layout"));
+    const RandomNumbers layout(g.seed("layout"));
     std::vector<Vec3> centres;
     std::vector<double> sigmas;
     double sigma = g.real("sigma");
@@ -71,7 +71,7 @@ PointSet cluster_points(const Given& g) {
         sigmas.push_back(sigma);
         sigma *= g.real("shrink");
     }
-    return each(g, [&](const Random& random, std::uint64_t i) -> Vec3 {
+    return each(g, [&](const RandomNumbers& random, std::uint64_t i) -> Vec3 {
         const auto c = static_cast<std::size_t>(i) % centres.size();
         return centres[c] + sigmas[c] * normal(random, i);
     });

@@ -6,9 +6,9 @@
 
 namespace hausbench {
 
-class Random {
+class RandomNumbers {
 public:
-    explicit Random(std::uint64_t seed) : key_(splitmix(seed + golden_step)) {}
+    explicit RandomNumbers(std::uint64_t seed) : key_(splitmix(seed + golden_step)) {}
 
     // Returns 64 random bits: number `counter` of the sequence. The order of calls does not matter.
     std::uint64_t bits(std::uint64_t counter) const { return splitmix(key_ + (counter + 1) * golden_step); }

@@ -1,6 +1,7 @@
 """No room includes one above it, no file includes itself indirectly, and files and functions are short."""
 
 import json
+import re
 import subprocess
 from pathlib import Path
 
@@ -83,3 +84,34 @@ def test_functions_and_files_are_short() -> None:
     assert len(all_functions) > 2000
     assert [place for length, place in all_functions if length > LONGEST_FUNCTION] == []
     assert [file for file, length in lines.items() if length > LONGEST_FILE] == []
+
+
+def classes_in(text: str) -> list[str]:
+    """Returns the classes that a source defines, with their namespaces; not those of a namespace without a name, which other files do not see."""
+    found, spaces = list[str](), list[str]()
+    for line in text.splitlines():
+        if opened := re.match(r"(?:inline )?namespace ?([\w:]*) ?\{", line):
+            spaces.append(opened[1])
+        elif line.startswith("}  // namespace"):
+            spaces.pop()
+        elif (defined := re.match(r"(?:template <[^>]*> )?(?:class|struct|enum class|union) (\w+)(?: final)?(?: :[^;{]*)? \{", line)) and "" not in spaces:
+            found.append("::".join([*spaces, defined[1]]))
+    return found
+
+
+def test_no_two_files_define_one_class() -> None:
+    """The linker would take the functions of one for those of the other, without a word."""
+    defined: dict[str, set[str]] = {}
+    separate = ("tests/outside_plugin/", "datasets/recorder/", "tests/fuzz/")  # linked to programs of their own
+    for name in subprocess.run(["git", "ls-files", "*.h", "*.cpp"], cwd=rooms.ROOT, capture_output=True, text=True, check=True).stdout.split():
+        if name.startswith(separate) or (name.startswith("tests/") and name.endswith(".cpp")):
+            continue
+        for one in classes_in((rooms.ROOT / name).read_text()):
+            defined.setdefault(one, set()).add(name)
+    assert len(defined) > 300
+    assert {one: sorted(files) for one, files in defined.items() if len(files) > 1} == {}
+
+
+def test_classes_are_found_with_their_namespaces() -> None:
+    text = "namespace a {\nstruct X {\n};\nclass Y;\nnamespace {\nclass Hidden final : B {\n};\n}  // namespace\nnamespace b {\nenum class Z { one };\n}  // namespace b\n}  // namespace a\n"
+    assert classes_in(text) == ["a::X", "a::b::Z"]

@@ -138,7 +138,7 @@ Plan bunnies(Models& models, bool soft) {
     plan.settings.steps_per_frame = soft ? 100 : 24;
     plan.settings.frames = soft ? 30 : 40;
     const Model& bunny = models["bunny_1k"];
-    const hausbench::Random random(2009);
+    const hausbench::RandomNumbers random(2009);
     for (std::uint64_t i = 0; i < 50; ++i) {
         const auto number = [&](std::uint64_t k) { return 2 * random.uniform(8 * i + k) - 1; };
         const double layer = static_cast<double>(i / 7), place = static_cast<double>(i % 7);

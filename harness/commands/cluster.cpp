@@ -106,7 +106,7 @@ public:
     // Distributes the plan's jobs over shards and writes this split to a file. Keeps the shards of an earlier split if
     // `shards` is 0 or their number.
     void divide(int shards) {
-        const Split earlier = is_split() ? read_split(split_file()) : Split{0, {}};
+        const Shards earlier = is_split() ? read_split(split_file()) : Shards{0, {}};
         if (shards > 0 && earlier.of > 0 && shards != earlier.of && !queue().shards.empty())
             throw InputError(
                 fmt::format("--shards {}: tasks of {} shards are in the queue: wait until they end, or "
@@ -124,7 +124,7 @@ public:
     };
 
     std::vector<Shard> shards(const std::map<int, std::string>& states) const {
-        const Split split = read_split(split_file());
+        const Shards split = read_split(split_file());
         const std::vector<int> of_jobs = split.of_jobs(plan_);
         std::vector<Shard> all(std::size_t(split.of));
         for (int number = 1; number <= split.of; ++number) {

@@ -177,15 +177,16 @@ std::string as_markdown(const ResultFile& result, const std::vector<std::size_t>
 
 }  // namespace
 
-std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, Form form, const Paper& paper) {
+std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, TableForm form,
+                      const Paper& paper) {
     switch (form) {
-        case Form::csv:
+        case TableForm::csv:
             return as_csv(result, rows);
-        case Form::json:
+        case TableForm::json:
             return as_json(result, rows);
-        case Form::markdown:
+        case TableForm::markdown:
             return as_markdown(result, rows);
-        case Form::text:
+        case TableForm::text:
             break;
     }
     return as_text(result, rows, paper);

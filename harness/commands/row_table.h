@@ -10,7 +10,8 @@
 
 namespace hausbench {
 
-enum class Form { text, csv, json, markdown };
-std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, Form form, const Paper& paper);
+enum class TableForm { text, csv, json, markdown };
+std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, TableForm form,
+                      const Paper& paper);
 
 }  // namespace hausbench

@@ -31,7 +31,7 @@ struct RunArguments : ExperimentArguments {
 // Removes the jobs of all other shards from the plan. `split_file` gives the shard of each job; if it is empty, splits
 // the plan here.
 void take_shard(Plan& plan, const Shard& shard, const std::filesystem::path& split_file) {
-    const Split parts = split_file.empty() ? split(plan, Estimates({}), shard.of) : read_split(split_file);
+    const Shards parts = split_file.empty() ? split(plan, Estimates({}), shard.of) : read_split(split_file);
     if (parts.of != shard.of)
         throw InputError(
             fmt::format("{}: has {} shards, not {}: submit again", split_file.string(), parts.of, shard.of));

@@ -16,11 +16,11 @@ namespace hausbench {
 namespace {
 
 // Returns the metadata of a result: how, where and with which program it was measured.
-std::string show_meta(const ResultFile& result, Form form) {
+std::string show_meta(const ResultFile& result, TableForm form) {
     nlohmann::ordered_json all;
     for (const auto& [name, value] : result.texts) all[name] = value;
     for (const auto& [name, value] : result.integers) all[name] = value;
-    if (form == Form::json) return all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+    if (form == TableForm::json) return all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
     std::string text;
     for (const auto& [name, value] : all.items()) {
         const std::string words = value.is_string() ? value.get<std::string>() : value.dump();
@@ -32,8 +32,8 @@ std::string show_meta(const ResultFile& result, Form form) {
     return text;
 }
 
-std::string show_ledger(const ResultFile& result, Form form, const Paper& paper) {
-    if (form == Form::json) {
+std::string show_ledger(const ResultFile& result, TableForm form, const Paper& paper) {
+    if (form == TableForm::json) {
         nlohmann::json all = nlohmann::json::array();
         for (const LedgerEntry& entry : result.ledger) all.push_back(row_json(ledger_columns(), entry));
         return all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
@@ -51,7 +51,7 @@ std::string show_ledger(const ResultFile& result, Form form, const Paper& paper)
     return table.text(paper);
 }
 
-std::string show(const std::filesystem::path& file, const RowChoice& choice, Form form, bool summary) {
+std::string show(const std::filesystem::path& file, const RowChoice& choice, TableForm form, bool summary) {
     ResultFile result = read_result(file);
     const auto rows = chosen_rows(result, choice);
     if (!summary) return show_rows(result, rows, form, paper_of_output());
@@ -91,7 +91,10 @@ void add_show(CLI::App& app, int&) {
     auto* as_json = verb->add_flag("--json", json, "as one JSON object, with all digits")->excludes(as_csv);
     verb->add_flag("--md", markdown, "as a table in Markdown")->excludes(as_csv)->excludes(as_json);
     verb->callback([] {
-        const Form form = csv ? Form::csv : json ? Form::json : markdown ? Form::markdown : Form::text;
+        const TableForm form = csv        ? TableForm::csv
+                               : json     ? TableForm::json
+                               : markdown ? TableForm::markdown
+                                          : TableForm::text;
         if (meta || ledger) {
             const ResultFile result = read_result(file);
             print(meta ? show_meta(result, form) : show_ledger(result, form, paper_of_output()));

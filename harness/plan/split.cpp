@@ -46,7 +46,7 @@ std::vector<int> balanced(const std::vector<double>& seconds, int parts) {
     return dealt(seconds, std::vector<double>(std::size_t(parts)));
 }
 
-std::vector<int> Split::of_jobs(const Plan& plan) const {
+std::vector<int> Shards::of_jobs(const Plan& plan) const {
     std::vector<int> all;
     for (const Job& job : plan.jobs) {
         const auto at = shards.find(key_of(plan, job));
@@ -60,8 +60,8 @@ std::vector<int> Split::of_jobs(const Plan& plan) const {
     return all;
 }
 
-Split split(const Plan& plan, const Estimates& estimates, int of, const Split& earlier) {
-    Split now{of, earlier.of == of ? earlier.shards : std::map<std::string, int>()};
+Shards split(const Plan& plan, const Estimates& estimates, int of, const Shards& earlier) {
+    Shards now{of, earlier.of == of ? earlier.shards : std::map<std::string, int>()};
     const auto parts_wanted = std::size_t(of);
     std::vector<double> taken(parts_wanted), seconds;
     std::vector<std::string> keys;
@@ -87,12 +87,12 @@ Split split(const Plan& plan, const Estimates& estimates, int of, const Split& e
     return now;
 }
 
-Split read_split(const fs::path& file) {
+Shards read_split(const fs::path& file) {
     try {
         std::ifstream in(file);
         const json told = json::parse(in);
         if (told.at("hausbench_split") != split_schema) throw std::runtime_error("it is of another version");
-        Split split{told.at("of").get<int>(), told.at("shards").get<std::map<std::string, int>>()};
+        Shards split{told.at("of").get<int>(), told.at("shards").get<std::map<std::string, int>>()};
         const bool good = split.of >= 1 && std::all_of(split.shards.begin(), split.shards.end(), [&](const auto& one) {
                               return one.second >= 1 && one.second <= split.of;
                           });
@@ -104,7 +104,7 @@ Split read_split(const fs::path& file) {
     }
 }
 
-void write_split(const fs::path& file, const Split& split) {
+void write_split(const fs::path& file, const Shards& split) {
     write_whole_file(
         file, json{{"hausbench_split", split_schema}, {"of", split.of}, {"shards", split.shards}}.dump(1) + "\n");
 }

@@ -17,7 +17,7 @@ namespace hausbench {
 std::vector<int> balanced(const std::vector<double>& seconds, int parts);
 
 // Maps each job to a shard. When the experiment changes, jobs that have not changed keep their shard.
-struct Split {
+struct Shards {
     int of = 1;
     // Shard number of each job, from 1. The key is a hash of the identities of the job's cases.
     std::map<std::string, int> shards;
@@ -30,10 +30,10 @@ struct Split {
 // Distributes the jobs of a plan over `of` shards. Jobs in `earlier` keep their shards, because tasks in the queue of a
 // cluster may rely on them; other jobs go to the shards with the least work. If `earlier` has another number of shards,
 // all jobs are distributed anew.
-Split split(const Plan& plan, const Estimates& estimates, int of, const Split& earlier = {});
+Shards split(const Plan& plan, const Estimates& estimates, int of, const Shards& earlier = {});
 
 // Reads a split. Throws InputError if the file is not a split.
-Split read_split(const std::filesystem::path& file);
-void write_split(const std::filesystem::path& file, const Split& split);
+Shards read_split(const std::filesystem::path& file);
+void write_split(const std::filesystem::path& file, const Shards& split);
 
 }  // namespace hausbench

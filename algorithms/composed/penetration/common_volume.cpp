@@ -139,7 +139,7 @@ struct Solid::Faces {
     SurfaceMesh mesh;  // vertex i is row i of vertices_
 };
 
-struct Cutting {
+struct VolumeCutting {
     static SurfaceMesh placed(const Solid& solid, const Pose& pose) {
         SurfaceMesh mesh = solid.faces_->mesh;
         const Points points = solid.posed(pose);
@@ -202,7 +202,7 @@ std::size_t Solid::bytes() const {
 }
 
 CommonVolume common_volume(const Solid& source, const Pose& source_pose, const Solid& target, const Pose& target_pose) {
-    SurfaceMesh a = Cutting::placed(source, source_pose), b = Cutting::placed(target, target_pose), volume;
+    SurfaceMesh a = VolumeCutting::placed(source, source_pose), b = VolumeCutting::placed(target, target_pose), volume;
     Origins::Found found;
     CommonVolume common;
     try {

@@ -30,7 +30,7 @@ public:
 
 private:
     struct Faces;
-    friend struct Cutting;
+    friend struct VolumeCutting;
 
     Points vertices_;
     std::string flaw_;

@@ -138,7 +138,7 @@ TEST(Show, BoundsHoldAsShown) {
     const ResultFile result = result_of(rows);
     std::vector<std::size_t> all(rows.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-    const auto lines = lines_of(show_rows(result, all, Form::text, {}));
+    const auto lines = lines_of(show_rows(result, all, TableForm::text, {}));
     for (std::size_t i = 0; i < rows.size(); ++i) {
         std::istringstream in(lines[i + 1]);
         std::string solver, scene;
@@ -191,17 +191,17 @@ TEST(Show, NoControlCharactersInTables) {
     hostile.outcome.status = RowStatus::failed;
     hostile.outcome.reason = "it said \033[2J\a and\nmore";
     const ResultFile result = result_of({hostile});
-    for (const Form form : {Form::text, Form::markdown}) {
+    for (const TableForm form : {TableForm::text, TableForm::markdown}) {
         for (const std::size_t width : {0, 20, 60}) {
             const std::string text = show_rows(result, {0}, form, {width, false});
             EXPECT_EQ(text.find_first_of("\033\a\r"), std::string::npos);
             EXPECT_EQ(text.find("\xC2\x9B"), std::string::npos);
         }
     }
-    EXPECT_EQ(lines_of(show_rows(result, {0}, Form::markdown, {})).size(), 3u);
-    EXPECT_EQ(lines_of(show_rows(result, {0}, Form::text, {})).size(), 4u) << "title, row, reason, counts";
+    EXPECT_EQ(lines_of(show_rows(result, {0}, TableForm::markdown, {})).size(), 3u);
+    EXPECT_EQ(lines_of(show_rows(result, {0}, TableForm::text, {})).size(), 4u) << "title, row, reason, counts";
     EXPECT_EQ(show_summary(result, {}).find_first_of("\033\a\r"), std::string::npos);
-    EXPECT_EQ(lines_of(show_rows(result_of({row("a\rb", "s", 1, 2)}), {0}, Form::csv, {}))[1].substr(0, 11),
+    EXPECT_EQ(lines_of(show_rows(result_of({row("a\rb", "s", 1, 2)}), {0}, TableForm::csv, {}))[1].substr(0, 11),
               "\"a\rb\",\"a\rb\"");
 }
 
@@ -211,7 +211,7 @@ TEST(Show, ARowThatNobodyCheckedDoesNotHold) {
     Row refuted = row("cgal", "a", 1, 2);
     refuted.check.upper = Verdict::unsound;
     const ResultFile result = result_of({row("guthe", "a", 1, 2), without, refuted});
-    const auto lines = lines_of(show_rows(result, {0, 1, 2}, Form::csv, {}));
+    const auto lines = lines_of(show_rows(result, {0, 1, 2}, TableForm::csv, {}));
     EXPECT_NE(lines[1].find(",holds,"), std::string::npos);
     EXPECT_NE(lines[2].find(",not checked,"), std::string::npos);
     EXPECT_NE(lines[3].find(",unsound,"), std::string::npos);
@@ -345,7 +345,7 @@ TEST(Show, SaysWhichTimesDoNotCompare) {
     for (Row& one : rows) time_it(one, {{1}, {2}});
     const auto said = [&] {
         const ResultFile result = result_of(rows);
-        const std::string table = show_rows(result, {0, 1, 2}, Form::text, {}), summary = show_summary(result, {});
+        const std::string table = show_rows(result, {0, 1, 2}, TableForm::text, {}), summary = show_summary(result, {});
         const auto line = [](const std::string& text) {
             const auto at = text.find("not all of these times are comparable");
             return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);

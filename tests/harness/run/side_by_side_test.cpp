@@ -156,9 +156,9 @@ Plan plan_of(const std::vector<std::int64_t>& elements) {
 
 TEST(SplitOfAPlan, AJobStaysWhereItIsWhileOthersComeAndGo) {
     const Estimates estimates("/no/such/folder");
-    const Split first = split(plan_of({100, 200, 300, 400}), estimates, 2);
+    const Shards first = split(plan_of({100, 200, 300, 400}), estimates, 2);
     const Plan changed = plan_of({400, 50, 300, 1000000});
-    const Split second = split(changed, estimates, 2, first);
+    const Shards second = split(changed, estimates, 2, first);
     EXPECT_EQ(second.of_jobs(changed)[0], first.of_jobs(plan_of({400})).front());
     EXPECT_EQ(second.of_jobs(changed)[2], first.of_jobs(plan_of({300})).front());
     EXPECT_EQ(second.shards.size(), 6u) << "what was dealt out before stays: tasks may wait for it";
@@ -176,9 +176,9 @@ TEST(SplitOfAPlan, JobsOfTheSameCasesStayTogether) {
 
 TEST(SplitOfAPlan, IsReadAsItWasWritten) {
     const fs::path file = fs::path(testing::TempDir()) / "split.json";
-    const Split one = split(plan_of({10, 20, 30}), Estimates(""), 2);
+    const Shards one = split(plan_of({10, 20, 30}), Estimates(""), 2);
     write_split(file, one);
-    const Split again = read_split(file);
+    const Shards again = read_split(file);
     EXPECT_EQ(again.of, 2);
     EXPECT_EQ(again.shards, one.shards);
     for (const char* text : {"", "{}", "[1]", R"({"hausbench_split": 2, "of": 1, "shards": {}})",
