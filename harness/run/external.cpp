@@ -3,7 +3,8 @@
 //
 // The program gets the tolerance on the command line, and two files: A, moved by its pose, and B. Coordinates have 17
 // digits. B is written once, before the clock starts. Regular expressions find the bounds in the program's output. A
-// bound that the program does not print is 0 (lower) or infinity (upper). The bounds are not certified.
+// bound that the program does not print is 0 (lower) or infinity (upper). The bounds are not certified. They are bounds
+// on h(A,B), or on the one statistic of the query.
 //
 // The time of a solve includes writing A, starting the program, and the program's reading of both files. The parameter
 // `seconds` finds the time that the program itself reports. Relative paths in the command line start from the folder of
@@ -136,6 +137,12 @@ public:
 
     Result solve(const Query& query, State*, Trace&) const override {
         Result result;
+        for (const Statistic& one : query.statistics)
+            result.statistics.push_back(is_share(one) ? Bounds{0, 1} : Bounds{});
+        if (query.statistics.size() > 1) {
+            result.note = "the expressions find one statistic, but the query asks for several";
+            return result;
+        }
         Shape a = scene_->source;
         points_of(a) = posed(points_of(scene_->source), query.source_pose);
         const bool needs_length = command_.find("tolerance}") != std::string::npos;
@@ -194,7 +201,12 @@ private:
             return;
         }
         result.bounds = bounds;
-        if (const auto answer = query.answer(bounds.lower, bounds.upper)) {
+        std::optional<Status> answer = query.answer(bounds.lower, bounds.upper);
+        if (query.quantity == Quantity::distribution) {
+            result.statistics = {bounds};
+            answer = query.within_tolerance(result.statistics) ? std::optional(Status::converged) : std::nullopt;
+        }
+        if (answer) {
             result.status = *answer;
         } else {
             result.status = Status::precision_floor;  // the program ended normally
@@ -221,6 +233,7 @@ SolverEntry external_solver() {
     info.title = "external program";
     info.source = info.target = {.points = true, .mesh = true};
     info.original_coordinates = true;
+    info.quantities = {Quantity::directed, Quantity::distribution};
     const auto place = [](const char* name, const char* what) -> ParameterSpec {
         return {.name = name, .default_value = std::string(), .description = what, .problem = expression_problem};
     };

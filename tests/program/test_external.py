@@ -114,6 +114,21 @@ def test_a_program_that_leaves_its_work_to_others_is_timed_by_wall(sweep: Sweep)
     assert rows["good clock"] == ["cpu", "cpu"]
 
 
+def test_a_statistic(sweep: Sweep) -> None:
+    """The expressions find the one statistic of the solver, here the mean over vertices, and the check agrees with it."""
+    text = sweep.write(lower=r"mean of vertices (\S+)", upper=r"mean of vertices (\S+)", other="distribution", source="sphere1", target="sphere0")
+    statistic = 'quantity = "distribution"\nstatistics = ["mean"]\nweigh = "number"\n'
+    text.write_text(text.read_text().replace("repeats = 1\n", "repeats = 1\n" + statistic).replace("tolerances = [1.0]", "tolerances = [1e-6]"))
+    assert sweep.hausbench("run", text, "--results", sweep.folder, "--fresh").returncode == 0
+    with h5py.File(sweep.folder / "outside.h5") as f:
+        rows = {name: list(f[f"cases/{name}"].asstr()[:]) for name in ("label", "status", "lower_check", "upper_check", "reason")}
+        lower, upper = f["cases/lower"][:], f["cases/upper"][:]
+    assert rows["status"] == ["ok"] * 4 and rows["lower_check"] == rows["upper_check"] == ["holds"] * 4, rows["reason"]
+    for row, label in enumerate(rows["label"]):
+        other = [i for i, name in enumerate(rows["label"]) if name != label]
+        assert 0 < lower[row] and any(abs(lower[row] - lower[i]) <= 1e-6 for i in other), (label, lower, upper)
+
+
 def test_points(sweep: Sweep) -> None:
     rows = sweep(source="gaussian_1k_a", target="gaussian_1k_b", other="naive")
     assert rows["status"] == ["ok", "ok"], rows["reason"]
