@@ -112,8 +112,9 @@ Query scaled(const Query& query, int exponent) {
 
 // Scales the bounds of statistics back to the unit of the input. If scaling or posing rounded the shapes (`wider` > 0),
 // their areas may have changed by any factor, because a triangle may be as small as the rounding error, so the bounds
-// become trivial. They also become trivial for the share within a length that scaling rounds.
-void scale_statistics_back(const Query& query, Result& result, int exponent, double wider) {
+// become trivial. They also become trivial for the share within a length that scaling rounds. If scaling back rounded
+// the witness of the first statistic, the lower bound decreases by as much, see scale_back().
+void scale_statistics_back(const Query& query, Result& result, int exponent, double wider, bool witness_rounded) {
     for (std::size_t i = 0; i < std::min(result.statistics.size(), query.statistics.size()); ++i) {
         const Statistic& one = query.statistics[i];
         Bounds& bounds = result.statistics[i];
@@ -125,6 +126,7 @@ void scale_statistics_back(const Query& query, Result& result, int exponent, dou
             bounds = {};
         } else {
             bounds = {scaled_back(bounds.lower, exponent, next_down), scaled_back(bounds.upper, exponent, next_up)};
+            if (i == 0 && witness_rounded) bounds.lower = next_down(bounds.lower);
             bounds.lower = std::max(bounds.lower, 0.0);
         }
     }
@@ -132,7 +134,8 @@ void scale_statistics_back(const Query& query, Result& result, int exponent, dou
 }
 
 // Scales an answer back to the unit of the input, after widening its bounds by `wider`, a length in scaled units.
-void scale_back(Result& result, Trace& trace, int exponent, double wider) {
+// Returns whether this rounded the far point of the witness.
+bool scale_back(Result& result, Trace& trace, int exponent, double wider) {
     const bool source_rounded = scaled_back(result.witness.source_point, exponent);
     const bool target_rounded = scaled_back(result.witness.target_point, exponent);
     const bool forward = result.witness.direction == Witness::Direction::source_to_target;
@@ -154,6 +157,7 @@ void scale_back(Result& result, Trace& trace, int exponent, double wider) {
         auto* length = std::get_if<double>(&value);
         if (length && name.starts_with(length_prefix)) *length = std::ldexp(*length, -exponent);
     }
+    return point_rounded;
 }
 
 }  // namespace
@@ -252,9 +256,9 @@ Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Quer
     trace.start(exponent);
     Result result = solver.solve(scaled(query, exponent), state, trace);
     const double wider = widening(*pair.source, query.source_pose) + widening(*pair.target, query.target_pose);
-    scale_back(result, trace, exponent, wider);
+    const bool witness_rounded = scale_back(result, trace, exponent, wider);
     if (query.quantity == Quantity::distribution) {
-        scale_statistics_back(query, result, exponent, wider);
+        scale_statistics_back(query, result, exponent, wider, witness_rounded);
         if (result.status == Status::converged && !query.within_tolerance(result.statistics))
             result.status = Status::precision_floor;
         return result;

@@ -52,6 +52,13 @@ std::string excess(double high, double low) {
                             : fmt::format("by {:.3g} ({:.2g} ulps)", high - low, double(ulps));
 }
 
+// Returns the distance that a case asks for. The largest distance among statistics by area is one, too.
+Quantity distance_of(const Case& c) {
+    const bool largest = c.quantity == Quantity::distribution && c.weigh == WeighBy::area;
+    if (largest && c.statistic == "maximum") return Quantity::directed;
+    return largest && c.statistic == "maximum larger" ? Quantity::symmetric : c.quantity;
+}
+
 // The index of a row on a pair of shapes. `turned` is true if the row's source is the second shape of the pair.
 struct Member {
     std::size_t row;
@@ -94,7 +101,7 @@ private:
     enum Distance { of_first, of_second, of_both };
 
     Distance distance(const Member& m) const {
-        return rows_[m.row].asked.quantity == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
+        return distance_of(rows_[m.row].asked) == Quantity::symmetric ? of_both : m.turned ? of_second : of_first;
     }
 
     // Returns the poses of the first and second shape, which all rows share.
@@ -119,7 +126,7 @@ private:
             return;
         }
         const bool forward = witness.direction == Witness::Direction::source_to_target;
-        if (row.asked.quantity == Quantity::directed && !forward) {
+        if (distance_of(row.asked) == Quantity::directed && !forward) {
             row.check.lower = Verdict::unsound;
             row.check.reason = "the witness is one of h(B,A), and the row one of h(A,B)";
             return;
@@ -163,7 +170,7 @@ private:
         const bool forward = witness.direction == Witness::Direction::source_to_target;
         const Vec3& p = forward ? witness.source_point : witness.target_point;
         if (!std::isfinite(beyond) || !p.allFinite() || (surfaces_ && row.outcome.bounds.lower > 0) ||
-            (row.asked.quantity == Quantity::directed && !forward))
+            (distance_of(row.asked) == Quantity::directed && !forward))
             return;
         double shown = 0;
         if (by_witness(m, beyond, shown) == Verdict::holds) best_[distance(m)] = std::max(best_[distance(m)], beyond);
@@ -286,10 +293,6 @@ void check_depths(std::vector<Row>& rows, const std::vector<std::size_t>& member
 
 bool finite(const Pose& pose) { return pose.rotation.allFinite() && pose.translation.allFinite(); }
 
-}  // namespace
-
-namespace {
-
 // The question of a row: two shapes in their poses, and a quantity. Rows with the same question have the same exact
 // answer.
 using Question = std::tuple<Placed, Placed, Quantity, std::string>;
@@ -349,7 +352,7 @@ void verify_rows(std::vector<Row>& rows, const std::function<const Shape*(const 
         }
         if (!finite(c.pose) || !finite(c.target_pose)) continue;  // only a damaged file holds such a pose
         const Placed source = placed(c.source, c.pose), target = placed(c.target, c.target_pose);
-        if (c.quantity == Quantity::distribution) {
+        if (distance_of(c) == Quantity::distribution) {
             statistics[{source, target}].push_back(i);
             continue;
         }

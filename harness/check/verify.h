@@ -23,7 +23,8 @@
 // Reference answers (plan/references.h) are compared with the rows in the same way. A lower bound counts once its
 // witness is checked, an upper bound only if it is proven, by a checked certificate or point by point (verify_upper.h).
 //
-// Penetration depths and statistics have their own checks, see verify_penetration.h and verify_statistics.h.
+// The largest distance among statistics ("maximum" and "maximum larger", by area) is checked like h(A,B) and H(A,B).
+// Penetration depths and other statistics have their own checks, see verify_penetration.h and verify_statistics.h.
 //
 // Certified bounds must hold exactly. Other bounds may be off by as much as rounding explains, 84 * 2^-53 of the
 // largest |coordinate| (verify.cpp derives it).

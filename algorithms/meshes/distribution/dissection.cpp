@@ -2,6 +2,7 @@
 
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/meshes/distribution/cuts.h"
 #include "algorithms/meshes/distribution/weights.h"
 
 #include <algorithm>
@@ -15,9 +16,11 @@ namespace {
 constexpr std::size_t most_near = 224;  // triangles of B near a piece; with more, the piece is halved
 constexpr std::size_t pieces_of_part = 32,
                       pieces_of_round = 64 * pieces_of_part;  // of a thread at a time; between two looks at the clock
+constexpr std::size_t work_between_looks = 8192;              // triangles gathered or compared, of a thread
 constexpr int most_cuts = 200;
-// After so many cuts a piece is only halved, because bisectors can make ever thinner slivers that stay as long.
-constexpr int most_cuts_at_bisectors = 60;
+// After so many cuts a piece is only halved, because cuts where the nearest triangle changes can make ever thinner
+// slivers that stay as long.
+constexpr int most_cuts_at_change = 60;
 
 }  // namespace
 
@@ -86,9 +89,9 @@ public:
     Worker(const Dissection& all, const CutWhere& where, const Stop& stop, std::size_t most)
         : all_(all), where_(where), stop_(stop), most_(most), bounder_(all.magnitude_) {}
 
-    // Cuts a piece into at most about `most` parts.
+    // Cuts a piece into at most about `most` parts. Once it was told to stop, cuts no piece any more.
     void open(const Piece& piece) {
-        enough_ = leaves_.size() + most_;
+        enough_ = stopped_ ? 0 : leaves_.size() + most_;
         gather_and_cut(piece);
     }
 
@@ -100,9 +103,15 @@ public:
     }
 
 private:
-    // Returns whether this piece is cut. Asks now and then whether to stop.
-    bool is_cut(const Piece& piece, const AffineBounds& bounds) {
-        if (++counters_.bound_tests % 256 == 0 && stop_(all_.leaves_.size() + leaves_.size())) enough_ = 0;
+    // Returns whether this piece is cut. `near` triangles were compared for its bounds. Asks now and then whether to stop.
+    bool is_cut(const Piece& piece, const AffineBounds& bounds, std::size_t near) {
+        ++counters_.bound_tests;
+        work_ += 16 + near;
+        if (work_ >= work_between_looks) {
+            work_ = 0;
+            stopped_ = stopped_ || stop_(all_.leaves_.size() + leaves_.size());
+            if (stopped_) enough_ = 0;
+        }
         return leaves_.size() < enough_ && where_(bounds, all_.weight_of(piece));
     }
 
@@ -155,7 +164,7 @@ private:
             const double least = all_.target_.certified_distance(c, counters_);
             const AffineBounds bounds = bounder_.rough(piece, triangle_of(all_.target_.mesh(), piece.near), least);
             const bool small = too_small(piece);
-            if (!is_cut(piece, bounds) || small) return emit(piece, bounds, small);
+            if (!is_cut(piece, bounds, near_.count()) || small) return emit(piece, bounds, small);
             for (const Piece& half : halves(piece)) gather_and_cut(half);
             return;
         }
@@ -173,132 +182,18 @@ private:
     void cut(Piece piece, std::size_t depth) {
         const AffineBounds bounds = bounder_.bounds(piece, triangles_, lists_at(depth));
         piece.near = triangles_[bounder_.kept()[0]].index;
-        if (!is_cut(piece, bounds)) return emit(piece, bounds, false);
+        if (!is_cut(piece, bounds, lists_at(depth).size())) return emit(piece, bounds, false);
         if (too_small(piece) || only_rounding(piece, bounds)) return emit(piece, bounds, true);
         lists_at(depth + 1) = bounder_.kept();
-        squares_ = bounder_.kept_squares();
         ++counters_.subdivisions;
-        std::array<Piece, 3> parts;
-        const std::size_t count = piece.cuts < most_cuts_at_bisectors ? along_bisector(piece, depth + 1, parts) : 0;
-        if (count == 0) {
+        Parts parts;
+        if (piece.cuts < most_cuts_at_change)
+            parts = cut_at_change(piece, triangles_, lists_at(depth + 1), bounder_.kept_squares(), all_.magnitude_);
+        if (parts.count > 0) {
+            for (const Piece& part : parts) cut(part, depth + 1);
+        } else {
             for (const Piece& half : halves(piece)) cut(half, depth + 1);
-        } else {
-            for (std::size_t i = 0; i < count; ++i) cut(parts[i], depth + 1);
         }
-    }
-
-    std::array<Piece, 2> halves(const Piece& piece) {
-        std::size_t a = 0;
-        double longest = -1;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double length = squared_length(piece.corners[(k + 1) % 3] - piece.corners[k]);
-            if (length > longest) {
-                longest = length;
-                a = k;
-            }
-        }
-        const std::size_t b = (a + 1) % 3;
-        Piece first = piece, second = piece;
-        const Vec3 middle = 0.5 * (piece.corners[a] + piece.corners[b]);
-        first.corners[a] = second.corners[b] = middle;
-        first.share = second.share = 0.5 * piece.share;
-        first.level = second.level = piece.level + 1;
-        first.cuts = second.cuts = piece.cuts + 1;
-        return {first, second};
-    }
-
-    // Cuts where the nearest triangle changes: between the triangle nearest to the centre and one that is nearer to a
-    // corner. Returns the number of parts; 0: no such cut.
-    std::size_t along_bisector(const Piece& piece, std::size_t depth, std::array<Piece, 3>& parts) {
-        const std::vector<std::uint16_t>& kept = lists_at(depth);
-        const Triangle& s = triangles_[kept[0]].corners;
-        const std::vector<CornerValues>& squares = squares_;
-        double best = 0;
-        std::size_t other = 0;
-        for (std::size_t i = 1; i < kept.size(); ++i) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const double gain = std::sqrt(squares[0][k]) - std::sqrt(squares[i][k]);
-                if (gain > best) {
-                    best = gain;
-                    other = i;
-                }
-            }
-        }
-        const double size = std::sqrt(squared_length(piece.corners[0] - piece.corners[1]));
-        std::array<double, 3> f;
-        if (best > 1e-5 * size) {
-            const Triangle& t = triangles_[kept[other]].corners;
-            if (const std::optional<Bisector> bisector = bisector_of(s, t)) {
-                for (std::size_t k = 0; k < 3; ++k) f[k] = bisector->side(piece.corners[k]);
-                if (const std::size_t count = parts_of(piece, f, parts)) return count;
-            }
-            // For triangles in one plane, the signed roots of the differences of squares are affine; for bisectors of
-            // planes, the differences of distances are.
-            std::size_t one = 0, two = 0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                f[k] = squares[0][k] - squares[other][k];
-                if (f[k] < f[one]) one = k;
-                if (f[k] > f[two]) two = k;
-            }
-            const Vec3 x = closest_point(piece.corners[one], s).point - piece.corners[one],
-                       y = closest_point(piece.corners[two], t).point - piece.corners[two];
-            const bool flat = dot(x, y) > 0.9 * std::sqrt(squared_length(x) * squared_length(y)) ||
-                              squared_length(x) == 0 || squared_length(y) == 0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                f[k] = flat ? std::copysign(std::sqrt(std::abs(f[k])), f[k])
-                            : std::sqrt(squares[0][k]) - std::sqrt(squares[other][k]);
-            }
-            return parts_of(piece, f, parts);
-        }
-        const Vec3 n = (s.b - s.a).cross(s.c - s.a).normalized();
-        for (std::size_t k = 0; k < 3; ++k) f[k] = dot(n, piece.corners[k] - s.a);
-        const double least = std::min({f[0], f[1], f[2]}), most = std::max({f[0], f[1], f[2]});
-        if (least < -1e-5 * size && most > 1e-5 * size) return parts_of(piece, f, parts);
-        return 0;
-    }
-
-    // Cuts a piece where an affine function, given at the corners, is 0. Returns the number of parts; 0: no such cut.
-    std::size_t parts_of(const Piece& piece, const CornerValues& f, std::array<Piece, 3>& parts) {
-        // The corner whose sign is alone.
-        std::size_t alone = 3;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
-            if ((f[k] > 0 && f[l] <= 0 && f[m] <= 0) || (f[k] <= 0 && f[l] > 0 && f[m] > 0)) alone = k;
-        }
-        if (alone == 3) return 0;
-        const std::size_t b = (alone + 1) % 3, c = (alone + 2) % 3;
-        double tb = f[alone] / (f[alone] - f[b]), tc = f[alone] / (f[alone] - f[c]);
-        constexpr double near_end = 0.02;
-        if (tb < near_end && tc < near_end) return 0;
-        if (tb > 1 - near_end && tc > 1 - near_end) return 0;
-        if (tb < near_end) tb = near_end;
-        if (tc < near_end) tc = near_end;
-        const Vec3 at = piece.corners[alone], pb = piece.corners[b], pc = piece.corners[c];
-        const double longest = std::max((pb - at).cwiseAbs().maxCoeff(), (pc - at).cwiseAbs().maxCoeff());
-        Piece part = piece;
-        part.level = piece.level + level_of_point_of_edge(longest, all_.magnitude_);
-        part.cuts = piece.cuts + 2;
-        const bool whole_b = tb > 1 - near_end, whole_c = tc > 1 - near_end;
-        const Vec3 q = whole_b ? pb : point_of_edge(at, pb, tb), r = whole_c ? pc : point_of_edge(at, pc, tc);
-        if (whole_b) tb = 1;
-        if (whole_c) tc = 1;
-        std::size_t count = 0;
-        const auto add = [&](const Vec3& one, const Vec3& two, const Vec3& three, double share) {
-            parts[count] = part;
-            parts[count].corners = {one, two, three};
-            parts[count].share = piece.share * share;
-            ++count;
-        };
-        add(at, q, r, tb * tc);
-        if (!whole_b && !whole_c) {
-            add(q, pb, pc, 1 - tb);
-            add(q, pc, r, tb * (1 - tc));
-        } else if (whole_c) {
-            add(q, pb, pc, 1 - tb);
-        } else {
-            add(r, pb, pc, 1 - tc);
-        }
-        return count;
     }
 
     std::vector<std::uint16_t>& lists_at(std::size_t depth) {
@@ -309,13 +204,13 @@ private:
     const Dissection& all_;
     const CutWhere& where_;
     const Stop& stop_;
-    std::size_t most_, enough_ = 0;
+    std::size_t most_, enough_ = 0, work_ = 0;  // `work_` since the last look at the clock
+    bool stopped_ = false;
     PieceBounder bounder_;
     std::vector<Leaf> leaves_;
     Counters counters_;
     NearTriangles<float> near_;
     std::vector<NearbyTriangle> triangles_;
-    std::vector<CornerValues> squares_;
     std::vector<std::unique_ptr<std::vector<std::uint16_t>>> lists_;
 };
 

@@ -9,6 +9,7 @@
 #include "algorithms/structures/triangle_blocks.h"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -45,6 +46,7 @@ public:
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
+        const auto begin = std::chrono::steady_clock::now();
         Result result;
         for (const Statistic& statistic : query.statistics)
             result.statistics.push_back(is_share(statistic) ? Bounds{0, 1} : Bounds{});
@@ -70,11 +72,17 @@ public:
         std::optional<OneWay> from_b;
         if (back)
             from_b.emplace(OneWay{of_b, target_->vertices, of_moved ? *of_moved : *of_source_, weigh(points_.second)});
-        const Narrowed narrowed = narrow(there ? &from_a : nullptr, back ? &*from_b : nullptr, most, query);
+        Query left = query;
+        left.time_limit -= std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        const Narrowed narrowed = narrow(there ? &from_a : nullptr, back ? &*from_b : nullptr, most, left);
         result.status = narrowed.status;
         result.note = narrowed.note;
         result.statistics = narrowed.bounds;
         result.counters = narrowed.counters;
+        result.witness = narrowed.witness;
+        // Vertices that count once each have numbers of their own.
+        if (number && !points_.first) result.witness.source_element = -1;
+        if (number && !points_.second) result.witness.target_element = -1;
         result.reported["pieces"] = static_cast<double>(narrowed.pieces);
         return result;
     }

@@ -262,7 +262,7 @@ private:
     }
 
     Narrowed result(Status status) const {
-        Narrowed narrowed{status, {}, answers_, pieces(), {}};
+        Narrowed narrowed{status, {}, answers_, pieces(), {}, witness()};
         for (const Goal& one : goals_) {
             if (one.bounds.gap() <= one.allowed || !one.flat()) continue;
             narrowed.note = to_string(one.statistic) +
@@ -272,6 +272,33 @@ private:
         for (const std::optional<Dissection>& one : pieces_)
             if (one) narrowed.counters += one->counters();
         return narrowed;
+    }
+
+    // Returns the corner of a piece with the largest lower bound. A corner of level k is off its triangle by at most
+    // 2k * uM, and its lower bound was lowered by more (piece_bounds.cpp), so the bound also holds for the corner as
+    // computed, less its distance from the triangle.
+    Witness witness() const {
+        Witness found;
+        const Statistic& first = query_.statistics.front();
+        if (first.kind != Kind::maximum || first.over == Over::mean_of_both || first.over == Over::harmonic_mean)
+            return found;
+        double most = -infinity;
+        for (std::size_t way = 0; way < 2; ++way) {
+            if (!pieces_[way] || (first.over == Over::source && way == 1) || (first.over == Over::target && way == 0))
+                continue;
+            for (const Leaf& leaf : pieces_[way]->leaves()) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if (!(leaf.bounds.lower[k] > most)) continue;
+                    most = leaf.bounds.lower[k];
+                    found = {};
+                    (way == 0 ? found.source_point : found.target_point) = leaf.piece.corners[k];
+                    (way == 0 ? found.source_element : found.target_element) = leaf.piece.source;
+                    found.direction =
+                        way == 0 ? Witness::Direction::source_to_target : Witness::Direction::target_to_source;
+                }
+            }
+        }
+        return found;
     }
 
     const Query& query_;

@@ -22,6 +22,7 @@ struct Narrowed {
     std::vector<Bounds> bounds;  // of each statistic
     std::size_t pieces = 0;
     Counters counters;
+    Witness witness;  // of the largest distance, if that is the first statistic, over A, over B, larger or pooled
 };
 
 // Bounds the statistics of `query`. `source` has the distances from A to B, `target` those from B to A; either may be

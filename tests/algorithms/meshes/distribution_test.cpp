@@ -1,15 +1,19 @@
 // The statistics of the distance to B: closed forms, random pairs against bounds found in another way, and hostile
 // shapes.
+#include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/distribution/narrow.h"
 #include "algorithms/meshes/distribution/point_distance.h"
 #include "algorithms/meshes/distribution/weights.h"
+#include "tests/support/exact.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -97,6 +101,146 @@ TEST(Distribution, SliversGetShorter) {
     EXPECT_LE(one(a, b, {Kind::maximum}, 1e-6).gap(), 1e-6);
 }
 
+using Real = long double;
+using RealVec3 = Eigen::Matrix<Real, 3, 1>;
+
+// Nodes and weights of Gauss and Legendre for n points on [0, 1].
+std::vector<std::pair<Real, Real>> gauss(int n) {
+    std::vector<std::pair<Real, Real>> rule;
+    for (int i = 0; i < n; ++i) {
+        Real x = std::cos(std::numbers::pi_v<Real> * (i + 0.75L) / (n + 0.5L)), slope = 0;
+        for (int step = 0; step < 50; ++step) {
+            Real before = 1, value = x;
+            for (int k = 2; k <= n; ++k)
+                before = std::exchange(value, ((2 * k - 1) * x * value - (k - 1) * before) / k);
+            slope = n * (x * value - before) / (x * x - 1);
+            x -= value / slope;
+        }
+        rule.emplace_back((1 + x) / 2, 1 / ((1 - x * x) * slope * slope));
+    }
+    return rule;
+}
+
+Real squared_distance(const RealVec3& p, const std::array<RealVec3, 3>& t) {
+    const RealVec3 e = t[1] - t[0], f = t[2] - t[0], r = p - t[0];
+    const Real ee = e.dot(e), ef = e.dot(f), ff = f.dot(f), re = r.dot(e), rf = r.dot(f), det = ee * ff - ef * ef;
+    const Real x = (re * ff - rf * ef) / det, y = (rf * ee - re * ef) / det;
+    if (x >= 0 && y >= 0 && x + y <= 1) return (r - x * e - y * f).squaredNorm();
+    Real least = std::numeric_limits<Real>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const RealVec3 side = t[(k + 1) % 3] - t[k], from = p - t[k];
+        const Real at = std::clamp(from.dot(side) / side.dot(side), Real(0), Real(1));
+        least = std::min(least, (from - at * side).squaredNorm());
+    }
+    return least;
+}
+
+// The means of d and d^2 over a piece, from 16 parts of it.
+std::array<Real, 2> means_of(const std::array<RealVec3, 3>& piece, const std::array<RealVec3, 3>& t) {
+    static const std::vector<std::pair<Real, Real>> rule = gauss(12);
+    std::array<Real, 2> sums{};
+    const auto add = [&](int i, int j, int way) {  // a triangle of the grid with the corner (i, j)
+        for (const auto& [x, weight_x] : rule) {
+            for (const auto& [y, weight_y] : rule) {
+                const Real u = (i + way * x * (1 - y)) / 4, v = (j + way * x * y) / 4;
+                const Real d = squared_distance((1 - u - v) * piece[0] + u * piece[1] + v * piece[2], t);
+                const Real weight = 2 * x * weight_x * weight_y / 16;
+                sums[0] += weight * std::sqrt(d);
+                sums[1] += weight * d;
+            }
+        }
+    };
+    for (int i = 0; i < 4; ++i) {
+        for (int j = 0; i + j < 4; ++j) {
+            add(i, j, 1);
+            if (i + j < 3) add(i + 1, j + 1, -1);
+        }
+    }
+    return sums;
+}
+
+// One piece and one triangle of B, of which the inside, an edge or a corner is nearest, or two of these. The bounds must
+// also hold for corners that are off as far as their level says: here towards B or away from it.
+TEST(Distribution, BoundsOfAPieceHoldUnderRounding) {
+    enum Nearest { inside, edge, corner, edge_and_corner, inside_and_edge };
+    Random random(21);
+    double closest = infinity;
+    for (int i = 0; i < 5000; ++i) {
+        const auto nearest = static_cast<Nearest>(i % 5);
+        const int level = i % 2 == 0 ? 0 : 1000;
+        const Vec3 v = random.vector();
+        const Vec3 e(random.real(-0.1, 0.1), random.real(0.9, 1.1), random.real(-0.1, 0.1)),
+            g(random.real(-1.1, -0.9), random.real(-0.1, 0.1), random.real(-0.1, 0.1));
+        const Triangle t{v, v + e, v + g};
+        const double h = random.real(0.02, 0.2);
+        const Vec3 at = nearest == inside            ? 0.25 * (e + g) + Vec3(0, 0, h)
+                        : nearest == edge            ? 0.5 * e + Vec3(h, 0, random.real(-h, h))
+                        : nearest == corner          ? Vec3(h, -h, random.real(-h, h))
+                        : nearest == edge_and_corner ? Vec3(h, 0, random.real(-h, h))
+                                                     : 0.5 * e + Vec3(0, 0, h);
+        Piece piece{{}, 1, 0, -1, level, 0};
+        for (Vec3& p : piece.corners) p = v + at + random.vector(0.15 * h);
+        double magnitude = 0;
+        for (const Vec3& p : {piece.corners[0], piece.corners[1], piece.corners[2], t.a, t.b, t.c})
+            magnitude = std::max(magnitude, p.cwiseAbs().maxCoeff());
+        const NearbyTriangle near{t, 0};
+        const std::uint16_t first = 0;
+        const AffineBounds bounds = PieceBounder(magnitude).bounds(piece, {&near, 1}, {&first, 1});
+
+        const double off = (i % 4 < 2 ? 1 : -1) * 2 * level * unit_roundoff * magnitude * (1 - 0x1p-20);
+        std::array<RealVec3, 3> moved, of_t{t.a.cast<Real>(), t.b.cast<Real>(), t.c.cast<Real>()};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3 away = (piece.corners[k] - closest_point(piece.corners[k], t).point).normalized();
+            const exact::RVec3 p = exact::along(exact::vector(piece.corners[k]), off, exact::vector(away));
+            const exact::Rational squared =
+                exact::squared_distance_to_triangle(p, exact::vector(t.a), exact::vector(t.b), exact::vector(t.c));
+            const exact::Rational low = std::max(bounds.lower[k], 0.0), high = bounds.upper[k];
+            ASSERT_LE(low * low, squared) << "case " << i;
+            ASSERT_GE(high * high, squared) << "case " << i;
+            moved[k] = piece.corners[k].cast<Real>() + Real(off) * away.cast<Real>();
+        }
+        const auto [mean, mean_of_squares] = means_of(moved, of_t);
+        const Real error = nearest > corner ? 1e-5L * h : 0x1p-60L;  // the sums converge slowly for two features
+        ASSERT_LE(bounds.mean_lower, mean + error) << "case " << i;
+        ASSERT_GE(bounds.mean_upper, mean - error) << "case " << i;
+        ASSERT_LE(bounds.square_lower, mean_of_squares + error * h) << "case " << i;
+        ASSERT_GE(bounds.square_upper, mean_of_squares - error * h) << "case " << i;
+        if (level == 0 && nearest == corner) closest = std::min(closest, bounds.mean_upper - bounds.mean_lower);
+    }
+    EXPECT_LT(closest, 1e-6);
+}
+
+// The mean of (d - about)^2 for a d that is one of the two bounds, and for one that only the means bound. Both are near
+// to `about`, so most digits cancel.
+TEST(Distribution, SpreadsHoldUnderRounding) {
+    using exact::Rational;
+    Random random(4);
+    for (int i = 0; i < 3000; ++i) {
+        const double about = random.real(1, 2);
+        AffineBounds narrow{{}, {}, 0, 2, 0, 4};
+        for (std::size_t k = 0; k < 3; ++k) {
+            narrow.lower[k] = about + std::ldexp(random.real(-1, 1), -40 - i % 12);
+            narrow.upper[k] = narrow.lower[k] + static_cast<double>(random.below(3)) * 0x1p-52;
+        }
+        const SpreadBounds spread = spread_about(narrow, about);
+        for (const CornerValues& d : {narrow.lower, narrow.upper}) {
+            std::array<Rational, 3> x;
+            for (std::size_t k = 0; k < 3; ++k) x[k] = Rational(d[k]) - Rational(about);
+            const Rational mean =
+                (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1] + x[1] * x[2] + x[2] * x[0]) / Rational(6);
+            ASSERT_LE(Rational(spread.lower), mean) << "case " << i;
+            ASSERT_GE(Rational(spread.upper), mean) << "case " << i;
+        }
+        const double mean = about + std::ldexp(random.real(-1, 1), -30), square = mean * mean * (1 + 0x1p-30);
+        const SpreadBounds by_means = spread_about({{0, 0, 0}, {4, 4, 4}, mean, mean, square, square}, about);
+        const Rational truth =
+            Rational(square) - Rational(2) * Rational(about) * Rational(mean) + Rational(about) * Rational(about);
+        ASSERT_LE(Rational(by_means.lower), truth) << "case " << i;
+        ASSERT_GE(Rational(by_means.upper), truth) << "case " << i;
+        ASSERT_LT(by_means.upper, 1e-8);
+    }
+}
+
 // Some of these distances are doubles, and some squares, differences or sums round.
 TEST(Distribution, DistancesOfPointsHoldAndAreOftenExact) {
     Random random(3);
@@ -116,6 +260,10 @@ TEST(Distribution, DistancesOfPointsHoldAndAreOftenExact) {
         ASSERT_LE(CGAL::Exact_rational(d.lower) * CGAL::Exact_rational(d.lower), squared) << a << " and " << b;
         ASSERT_GE(CGAL::Exact_rational(d.upper) * CGAL::Exact_rational(d.upper), squared) << a << " and " << b;
         ++(d.lower == d.upper ? equal : next_up(d.lower) == d.upper ? next : wider);
+        AffineBounds means{{d.lower, d.lower, d.lower}, {d.upper, d.upper, d.upper}, 0, 0, 0, 0};
+        bound_means(means);
+        ASSERT_LE(means.mean_lower, d.lower);
+        ASSERT_GE(means.mean_upper, d.upper);
     }
     EXPECT_GT(equal, 100);
     EXPECT_GT(next, 1000);
@@ -377,6 +525,24 @@ TEST(Distribution, ABudgetEndsTheSearch) {
     const Narrowed result = answer(a, b, query);
     EXPECT_EQ(result.status, Status::budget);
     EXPECT_LE(result.pieces, 10'000U);
+}
+
+// Every triangle of a fan is near every piece, so that a look at one takes long.
+TEST(Distribution, ASlowSearchStopsSoon) {
+    std::vector<Triangle> fan;
+    const auto at = [](int i) { return Vec3(0.5 + 0.01 * std::cos(0.0314 * i), 0.5 + 0.01 * std::sin(0.0314 * i), 0); };
+    for (int i = 0; i < 200; ++i) fan.push_back({{0.5, 0.5, 0}, at(i), at(i + 1)});
+    const TriangleMesh a = sheet(6, 1), b = mesh_of(fan);
+    const TriangleBlocks blocks(b);
+    Dissection pieces(a.triangles, a.vertices, blocks, 1, WeighBy::area, 1);
+    CutWhere where;
+    where.mean = 0;
+    int looks = 0;
+    pieces.refine(
+        where, [&](std::size_t) { return ++looks >= 4; }, 1'000'000);
+    // Between two looks are at most 8192 / 16 tests. After the last look, each triangle is tested once.
+    EXPECT_LE(pieces.counters().bound_tests, 4 * 512 + static_cast<std::uint64_t>(a.triangles.rows()));
+    EXPECT_EQ(looks, 4);
 }
 
 TEST(Distribution, TheNumberOfThreadsDoesNotMatter) {

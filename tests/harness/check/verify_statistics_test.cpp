@@ -1,6 +1,9 @@
 // The harness's own check of statistics: right answers hold, and wrong ones are found.
 #include "harness/check/verify_statistics.h"
 
+#include "algorithms/kernel/rounding.h"
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
 #include "tests/support/scenes.h"
 
 #include <cmath>
@@ -141,6 +144,48 @@ TEST(VerifyStatistics, BothDirections) {
     EXPECT_TRUE(other_mean(Over::harmonic_mean, 0));
     EXPECT_TRUE(other_mean(Over::pooled, 1));
     EXPECT_FALSE(other_mean(Over::pooled, 0.75));
+}
+
+// The witness of the solver proves its lower bound on the largest distance, and refutes a larger one. Some shapes are so
+// small that the witness is rounded.
+TEST(VerifyStatistics, TheLargestDistanceIsCheckedByItsWitness) {
+    Random random(5);
+    const SolverEntry& entry = find_solver("distribution");
+    int of_target = 0;
+    for (int i = 0; i < 60; ++i) {
+        const double unit = std::ldexp(1.0, i % 3 == 0 ? -1060 : i % 3 == 1 ? 500 : 0);
+        Shape a = soup(cloud(random, 12)), b = soup(cloud(random, 15));
+        for (Shape* shape : {&a, &b})
+            points_of(*shape) = points_of(*shape).unaryExpr([&](double x) { return std::round(256 * x) / 256 * unit; });
+        QuerySet both;
+        both.both_ways = true;
+        const Session session(entry, Options("distribution", entry.info.parameters, {}), {a, b}, both);
+        for (const Over over : {Over::source, Over::larger}) {
+            Query query;
+            query.quantity = Quantity::distribution;
+            query.statistics = {{Kind::maximum, 0, over}};
+            query.tolerance = {Tolerance::Of::absolute, std::max(1e-9 * unit, 0x1p-1074)};
+            Trace untraced;
+            const Result result = session.solve(query, untraced);
+            Row row;
+            row.asked.source = "a";
+            row.asked.target = "b";
+            row.asked.quantity = query.quantity;
+            row.asked.statistic = to_string(query.statistics[0]);
+            row.asked.certified = 1;
+            row.outcome.bounds = result.statistics[0];
+            row.outcome.witness = result.witness;
+            of_target += result.witness.direction == Witness::Direction::target_to_source;
+            std::vector<Row> rows(2, row);
+            Bounds& larger = rows[1].outcome.bounds;
+            larger.lower = larger.upper = std::max(larger.upper * (1 + 1e-12), next_up(larger.upper));
+            verify_rows(rows, [&](const std::string& name) { return name == "a" ? &a : &b; });
+            EXPECT_EQ(rows[0].check.lower, Verdict::holds) << row.asked.statistic << ": " << rows[0].check.reason;
+            EXPECT_EQ(rows[0].check.upper, Verdict::holds) << row.asked.statistic << ": " << rows[0].check.reason;
+            EXPECT_EQ(rows[1].check.lower, Verdict::unsound) << row.asked.statistic;
+        }
+    }
+    EXPECT_GT(of_target, 5);
 }
 
 TEST(VerifyStatistics, PosesMoveBothShapes) {

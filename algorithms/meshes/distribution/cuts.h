@@ -1,0 +1,31 @@
+// Where a piece is cut.
+#pragma once
+
+#include "algorithms/meshes/distribution/piece_bounds.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace hausbench {
+
+// Cuts the longest edge in the middle.
+std::array<Piece, 2> halves(const Piece& piece);
+
+// Parts of a piece: none if it cannot be cut this way.
+struct Parts {
+    std::array<Piece, 3> pieces;
+    std::size_t count = 0;
+
+    const Piece* begin() const { return pieces.data(); }
+    const Piece* end() const { return pieces.data() + count; }
+};
+
+// Cuts a piece where the nearest triangle of B changes: between the triangle nearest to the centre, which is the first
+// of `kept`, and the one that is nearer to a corner by most. If none is, cuts along the plane of the nearest triangle.
+// `kept` and `squares` are kept() and kept_squares() of a PieceBounder, `magnitude` is M of kernel/rounding.h. The place
+// of the cut is computed in floating point; it only affects how far the piece is from its limits afterwards.
+Parts cut_at_change(const Piece& piece, std::span<const NearbyTriangle> near, std::span<const std::uint16_t> kept,
+                    std::span<const CornerValues> squares, double magnitude);
+
+}  // namespace hausbench
