@@ -92,6 +92,11 @@ void lower_to(CornerValues& x, const CornerValues& y) {
 
 }  // namespace
 
+// Rounding. Let u be the unit roundoff, x a side of a triangle from v, and h the part of x that is orthogonal to e.
+// Subtractions err by u |x| and u |e|. The first projection leaves h off by 10u |x|, most of it along e; the second
+// removes that part and leaves 5u |x|. So the unit vector along h errs by 5u |x| / |h| + 4u <= 9u |x| / |h|. The sum of
+// two errs by at most 9u times `conditions`, and its direction by that over its length, and 4u: less than half of `tilt`.
+// For needles |x| / |h| is large, and `tilt` with it, so beside() proves less but nothing wrong.
 std::optional<Bisector> bisector_of(const Triangle& s, const Triangle& t) {
     const std::array<Vec3, 3> a{s.a, s.b, s.c}, b{t.a, t.b, t.c};
     std::array<std::size_t, 2> in_a{}, in_b{};
