@@ -87,7 +87,7 @@ def test_functions_and_files_are_short() -> None:
 
 
 def classes_in(text: str) -> list[str]:
-    """Returns the classes that a source defines, with their namespaces; not those of a namespace without a name, which other files do not see."""
+    """Returns the classes that a source file defines, with their namespaces. Skips unnamed namespaces, because they are private to the file."""
     found, spaces = list[str](), list[str]()
     for line in text.splitlines():
         if opened := re.match(r"(?:inline )?namespace ?([\w:]*) ?\{", line):
@@ -100,7 +100,7 @@ def classes_in(text: str) -> list[str]:
 
 
 def test_no_two_files_define_one_class() -> None:
-    """The linker would take the functions of one for those of the other, without a word."""
+    """Two such classes break the one-definition rule: the linker keeps one copy of each function and reports nothing."""
     defined: dict[str, set[str]] = {}
     separate = ("tests/outside_plugin/", "datasets/recorder/", "tests/fuzz/")  # linked to programs of their own
     for name in subprocess.run(["git", "ls-files", "*.h", "*.cpp"], cwd=rooms.ROOT, capture_output=True, text=True, check=True).stdout.split():

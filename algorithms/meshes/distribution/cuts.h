@@ -1,4 +1,4 @@
-// Where a piece is cut.
+// Cuts a piece in two or three: in the middle of an edge, or along the line on which the nearest triangle of B changes.
 #pragma once
 
 #include "algorithms/meshes/distribution/piece_bounds.h"
@@ -12,7 +12,7 @@ namespace hausbench {
 // Cuts the longest edge in the middle.
 std::array<Piece, 2> halves(const Piece& piece);
 
-// Parts of a piece: none if it cannot be cut this way.
+// The parts of a piece. Empty if it cannot be cut this way.
 struct Parts {
     std::array<Piece, 3> pieces;
     std::size_t count = 0;
@@ -23,8 +23,8 @@ struct Parts {
 
 // Cuts a piece where the nearest triangle of B changes: between the triangle nearest to the centre, which is the first
 // of `kept`, and the one that is nearer to a corner by most. If none is, cuts along the plane of the nearest triangle.
-// `kept` and `squares` are kept() and kept_squares() of a PieceBounder, `magnitude` is M of kernel/rounding.h. The place
-// of the cut is computed in floating point; it only affects how far the piece is from its limits afterwards.
+// `kept` and `squares` are kept() and kept_squares() of a PieceBounder, `magnitude` is M of kernel/rounding.h. The cut
+// need not be exact: any cut is valid, and the level of the parts covers the rounding errors of their corners.
 Parts cut_at_change(const Piece& piece, std::span<const NearbyTriangle> near, std::span<const std::uint16_t> kept,
                     std::span<const CornerValues> squares, double magnitude);
 

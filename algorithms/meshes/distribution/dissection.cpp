@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t most_near = 224;  // triangles of B near a piece; with more, the piece is halved
 constexpr std::size_t pieces_of_part = 32,
                       pieces_of_round = 64 * pieces_of_part;  // of a thread at a time; between two looks at the clock
-constexpr std::size_t work_between_looks = 8192;              // triangles gathered or compared, of a thread
+constexpr std::size_t work_between_looks = 8192;              // triangles that a thread gathers or compares
 constexpr int most_cuts = 200;
 // After so many cuts a piece is only halved, because cuts where the nearest triangle changes can make ever thinner
 // slivers that stay as long.

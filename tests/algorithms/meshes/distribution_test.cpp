@@ -527,7 +527,7 @@ TEST(Distribution, ABudgetEndsTheSearch) {
     EXPECT_LE(result.pieces, 10'000U);
 }
 
-// Every triangle of a fan is near every piece, so that a look at one takes long.
+// All triangles of the fan are near every piece, so each test of a piece takes long.
 TEST(Distribution, ASlowSearchStopsSoon) {
     std::vector<Triangle> fan;
     const auto at = [](int i) { return Vec3(0.5 + 0.01 * std::cos(0.0314 * i), 0.5 + 0.01 * std::sin(0.0314 * i), 0); };
