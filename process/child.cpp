@@ -175,10 +175,11 @@ Child::Child(Launch launch) : launch_(std::move(launch)) {
     });
 }
 
-// Writes as much of Launch::input as fits into the pipe now, and closes the pipe after the last byte.
+// Writes as much of Launch::input as fits into the pipe now. Closes the pipe after the last byte, unless more may follow.
 void Child::feed() {
     while (input_ >= 0) {
         const std::string_view rest = std::string_view(launch_.input).substr(fed_);
+        if (rest.empty() && launch_.more_input) return;
         const ssize_t written = rest.empty() ? -1 : write_some(input_, rest);
         if (written == 0) return;  // the pipe is full
         if (written > 0) {
@@ -188,6 +189,14 @@ void Child::feed() {
         ::close(input_);  // everything is written, or the child has closed the pipe; wait() tells whether it has ended
         input_ = -1;
     }
+}
+
+void Child::write(std::string input) {
+    read_output();
+    said_.clear();
+    launch_.input = std::move(input);
+    fed_ = 0;
+    feed();
 }
 
 Child::~Child() {
@@ -233,7 +242,8 @@ Child::Heard Child::listen(milliseconds wait, std::string& line) {
         }
         searched = buffer_.size();
         const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
-        pollfd on[3] = {{events_, POLLIN, 0}, {output_, POLLIN, 0}, {input_, POLLOUT, 0}};
+        const int hungry = fed_ < launch_.input.size() ? input_ : -1;  // the pipe, if there is input to write
+        pollfd on[3] = {{events_, POLLIN, 0}, {output_, POLLIN, 0}, {hungry, POLLOUT, 0}};
         const int ready = ::poll(on, 3, int(std::max<std::int64_t>(0, left.count())));
         if (on[1].revents) read_output();
         if (on[2].revents) feed();

@@ -29,6 +29,7 @@ struct Launch {
 
     std::filesystem::path folder;  // working folder of the program; empty: the current one
     std::string input;             // written to standard input of the child; empty: none
+    bool more_input = false;       // keeps standard input open after `input`, for Child::write()
     bool events = false;           // adds the descriptor of the pipe for events to the arguments of the program
     // For a program: discards its standard output and keeps only its standard error. For `work`: keeps both, instead of
     // passing them to the standard error of this process.
@@ -74,6 +75,9 @@ public:
     enum class End { by_itself, time, memory, interrupt };
     End wait(const ChildLimits& limits);
     bool ended_within(std::chrono::milliseconds wait);  // waits up to `wait`
+
+    // Sends more input to a child with Launch::more_input that has read all input so far. Forgets its output so far.
+    void write(std::string input);
 
     void kill();  // kills the child and its descendants, without waiting for their end
 

@@ -7,7 +7,7 @@
 #include "harness/commands/help.h"
 #include "harness/commands/verb.h"
 #include "harness/plan/experiment.h"
-#include "harness/run/worker.h"
+#include "harness/run/worker_main.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -74,8 +74,8 @@ struct Experiment {
     WeighBy weigh = WeighBy::area;
     int threads = 1;  // most threads that a solver may use, see Query
     int repeats = 5;  // timed repeats per round
-    // Number of rounds. Each round runs every case in fresh processes. Every other round runs the solvers in reverse
-    // order (ABBA), so that no solver always runs first.
+    // Number of rounds. Each round runs every case in fresh processes, copies of a program that it starts anew for each
+    // scene. Every other round runs the solvers in reverse order (ABBA), so that no solver always runs first.
     int rounds = 1;
     // Records how the bounds improve over time, if the solver supports it. Answers to coarser tolerances can then be
     // read off this trace instead of being run.

@@ -26,6 +26,7 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <set>
 
 namespace hausbench {
@@ -84,18 +85,15 @@ private:
         }
         progress_.left_by([this](double gone_by) { return seconds_left(expected_parts(), gone_by); });
 
-        if (options_.jobs > 1) {
-            run_several();
-            return;
-        }
+        if (options_.jobs > 1) return run_several();
         // Runs scene by scene, so that solvers to be compared run close in time. Every other round is reversed (ABBA).
         std::map<std::size_t, std::vector<const Job*>> by_scene;
         for (const Job& job : plan_.jobs) by_scene[job.scene].push_back(&job);
         for (auto& [scene, jobs] : by_scene) {
             for (int round = 0; round < rounds && !HoldInterrupts::came(); ++round) {
+                std::optional<Child> worker;  // started anew, at other random addresses, in each round
                 for (const Job* job : jobs) {
-                    if (HoldInterrupts::came()) break;
-                    run_job(*job, round);
+                    if (!HoldInterrupts::came()) run_job(*job, round, worker);
                 }
                 std::reverse(jobs.begin(), jobs.end());
             }
@@ -173,8 +171,10 @@ private:
         run_side_by_side(
             demands, Room(cores_here(options_.jobs), spare_bytes()),
             [&](std::size_t number, const std::vector<int>& cores) {
-                for (int round = 0; round < plan_.experiment.rounds && !HoldInterrupts::came(); ++round)
-                    run_job(plan_.jobs[number], round, cores);
+                for (int round = 0; round < plan_.experiment.rounds && !HoldInterrupts::came(); ++round) {
+                    std::optional<Child> worker;
+                    run_job(plan_.jobs[number], round, worker, cores);
+                }
             },
             HoldInterrupts::came);
     }
@@ -209,7 +209,7 @@ private:
     }
 
     // Runs one round of a job on `cores`, or on any core if it is empty. Holds lock_ while it uses shared state.
-    void run_job(const Job& job, int round, const std::vector<int>& cores = {}) {
+    void run_job(const Job& job, int round, std::optional<Child>& worker, const std::vector<int>& cores = {}) {
         std::unique_lock lock(lock_);
         std::vector<std::size_t> places = places_to_run(job, round);
         progress_.done(job.cases.size() - places.size());
@@ -222,20 +222,20 @@ private:
             WorkOrder asked = order(job, round, places);
             asked.cores = cores;
             lock.unlock();
-            supervise(asked, {.prepared =
-                                  [&](const std::vector<std::string>& left_out) {
-                                      const std::lock_guard held(lock_);
-                                      note_left_out(job, left_out);
-                                  },
-                              .finished =
-                                  [&](std::size_t row, Outcome outcome) {
-                                      const std::lock_guard held(lock_);
-                                      ++statuses[outcome.status];
-                                      keep(row, round, std::move(outcome));
-                                      end_one(job, begun);
-                                      ended.insert(row);
-                                  },
-                              .interrupted = HoldInterrupts::came});
+            Supervision report;
+            report.prepared = [&](const std::vector<std::string>& left_out) {
+                const std::lock_guard held(lock_);
+                note_left_out(job, left_out);
+            };
+            report.finished = [&](std::size_t row, Outcome outcome) {
+                const std::lock_guard held(lock_);
+                ++statuses[outcome.status];
+                keep(row, round, std::move(outcome));
+                end_one(job, begun);
+                ended.insert(row);
+            };
+            report.interrupted = HoldInterrupts::came;
+            supervise(asked, report, worker);
             lock.lock();
             std::erase_if(places, [&](std::size_t place) { return ended.contains(job.cases[place]); });
         }

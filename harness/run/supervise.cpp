@@ -2,7 +2,7 @@
 
 #include "datasets/paths.h"
 #include "harness/record/json.h"
-#include "process/child.h"
+#include "harness/run/worker_main.h"
 
 #include <fmt/format.h>
 
@@ -27,7 +27,8 @@ struct NotAnEvent {};
 Launch launch(const WorkOrder& order) {
     Launch launch;
     launch.command = {program_path().string(), "worker", "--events"};
-    launch.input = packed(order);
+    launch.input = message_of(order);
+    launch.more_input = true;
     launch.events = true;
     launch.scratch = "worker";
     launch.cores = order.cores;
@@ -36,40 +37,40 @@ Launch launch(const WorkOrder& order) {
 
 class Supervisor {
 public:
-    Supervisor(const WorkOrder& order, const Supervision& report)
+    Supervisor(const WorkOrder& order, const Supervision& report, Child& worker)
         : order_(order),
           report_(report),
-          worker_(launch(order)),
+          worker_(worker),
           chain_end_(order.chain_end(0)),
           new_shapes_(order.new_shapes()) {
         allow(seconds_to_prepare());
     }
 
-    void run() {
+    // Processes events until the order is carried out. Returns whether the worker can take another order.
+    bool run() {
         std::string line;
         for (;;) {
-            if (report_.interrupted()) return;  // the case in flight is run again on resume
-            if (kill_if_too_large()) return;
+            if (report_.interrupted()) return false;  // the case in flight is run again on resume
+            if (kill_if_too_large()) return false;
             switch (worker_.listen(turn, line)) {
                 case Child::Heard::nothing:
-                    if (kill_if_late()) return;
+                    if (kill_if_late()) return false;
                     break;
                 case Child::Heard::closed: {
-                    if (finished_ == order_.items.size()) return;
-                    if (!worker_.ended_within(std::chrono::seconds(1))) {
-                        fail(RowStatus::failed, "the worker closed its events and went on");
-                        return;
-                    }
                     const std::string how = worker_.how_it_ended();
-                    if (report_.interrupted()) return;  // the same signal may have ended both
-                    fail(worker_.signal() ? RowStatus::signal : RowStatus::failed,
-                         how.empty() ? "the worker ended early" : "ended by " + how);
-                    return;
+                    if (report_.interrupted()) return false;  // the same signal may have ended both
+                    fail(worker_.signal() ? RowStatus::signal : RowStatus::failed, "ended by " + how);
+                    return false;
                 }
                 case Child::Heard::line:
+                    if (line == order_done) {
+                        if (finished_ == order_.items.size()) return true;
+                        fail(RowStatus::failed, "the worker ended early");
+                        return false;
+                    }
                     if (!hear(line)) {
                         fail(RowStatus::failed, "the worker wrote something that is not an event");
-                        return;
+                        return false;
                     }
             }
         }
@@ -265,7 +266,7 @@ private:
 
     const WorkOrder& order_;
     const Supervision& report_;
-    Child worker_;
+    Child& worker_;
     Clock::time_point deadline_, next_look_ = Clock::now();
     bool prepared_ = false, began_ = false;
     std::size_t finished_ = 0,
@@ -277,6 +278,13 @@ private:
 
 }  // namespace
 
-void supervise(const WorkOrder& order, const Supervision& report) { Supervisor(order, report).run(); }
+void supervise(const WorkOrder& order, const Supervision& report, std::optional<Child>& worker) {
+    if (worker && worker->ended_within(std::chrono::milliseconds(0))) worker.reset();
+    if (worker)
+        worker->write(message_of(order));
+    else
+        worker.emplace(launch(order));
+    if (!Supervisor(order, report, *worker).run()) worker.reset();
+}
 
 }  // namespace hausbench

@@ -1,9 +1,11 @@
-// Runs one worker process: reads its events (worker.cpp), kills it at a limit, and makes an outcome for each case.
+// Supervises a worker: reads its events (worker.cpp), kills it at a limit, and makes an outcome for each case.
 #pragma once
 
 #include "harness/run/work_order.h"
+#include "process/child.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +19,12 @@ struct Supervision {
     std::function<bool()> interrupted;                               // polled; true ends the worker
 };
 
-// Starts a worker and processes its events until it ends. A case gets its outcome when the worker sends "end" for it.
-// The caller starts another worker for cases that have no outcome when supervise() returns.
+// Gives the order to a worker and processes its events until it ends. A case gets its outcome when the worker sends
+// "end" for it. The caller gives cases that have no outcome when supervise() returns to another worker.
+//
+// `worker` is the process that starts workers, as copies of itself: loading the program and its libraries takes longer
+// than many cases. If it is empty, it is started on the cores of the order. After a worker that was killed or crashed,
+// it is empty again. The order must be for the same cores as earlier orders to the same process.
 //
 // The worker is killed if it exceeds its time or memory limit, or if it writes something that is not an event. If it is
 // killed or crashes, the case that it was answering gets an outcome with the reason and the end of the worker's output:
@@ -30,6 +36,6 @@ struct Supervision {
 //   The next worker may have room for it, because it holds fewer shapes.
 //
 // Each call gives at least one case an outcome, unless the run is interrupted.
-void supervise(const WorkOrder& order, const Supervision& report);
+void supervise(const WorkOrder& order, const Supervision& report, std::optional<Child>& worker);
 
 }  // namespace hausbench

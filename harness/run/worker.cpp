@@ -15,19 +15,14 @@
 #include "harness/record/json.h"
 #include "harness/result/field_file.h"
 #include "harness/run/timing.h"
-#include "harness/run/work_order.h"
 #include "process/memory.h"
-#include "process/watch.h"
 
 #include <fmt/format.h>
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <iostream>
-#include <iterator>
-#include <set>
+#include <cstdlib>
 
 namespace hausbench {
 
@@ -372,10 +367,7 @@ private:
 
 }  // namespace
 
-int worker_main(int events) {
-    end_family_with_parent();
-    ::fcntl(events, F_SETFD, FD_CLOEXEC);  // not inherited by programs that a solver starts
-    WorkOrder order = unpacked({std::istreambuf_iterator<char>(std::cin), {}});
+int carry_out(WorkOrder order, int events) {
     for (const auto& [file, hash] : order.plugins) {
         if (sha256_of_file(file) != hash)
             throw InputError(fmt::format("{}: was rebuilt during the run: run it again", file.string()));

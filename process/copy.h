@@ -1,0 +1,15 @@
+// Runs pieces of work in copies of a process that has done nothing yet, one after the other.
+#pragma once
+
+namespace hausbench {
+
+// Makes a copy of this process (fork) and returns true in it. In the original, waits for the end of the copy, kills the
+// descendants that it left behind, and returns false if it ended with exit code 0. If the copy ended in another way, the
+// original ends in the same way: by the same signal, or with the same exit code.
+//
+// The copy is killed when the original ends. It has one thread, the caller, so the caller's locks must be free. The
+// original must be a subreaper (prctl) to find descendants whose parents have ended. Throws std::runtime_error if no
+// process can be started.
+bool in_a_copy();
+
+}  // namespace hausbench
