@@ -43,6 +43,8 @@ def width(results: Results, case: int) -> float:
 def cells_of(results: Results) -> dict[Key, Cell]:
     cases, found = results.cases, dict[Key, list[int]]()
     for row in range(len(cases)):
+        if cases.solver[row] == "external":  # drawn by statistics_programs
+            continue
         found.setdefault((str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])), []).append(row)
     return {key: Cell(results, rows) for key, rows in found.items()}
 
@@ -126,6 +128,8 @@ def make(results: Results) -> Report:
             table.rows.append([*(head if i == 0 else ["", "", ""]), tables.number(tolerance, 1), text(ours), counted(results, ours, "pieces"),
                                text(rival), counted(results, rival, "samples"), tables.estimate(ratio)])
         for row in results.rows(scene=scene):
+            if cases.solver[row] == "external":
+                continue
             cell = cells[scene, str(cases.label[row]), float(cases.tolerance[row])]
             records.append({"pair": pair_of(results, row), "statistic": cases.statistic[row], "solver": cases.solver[row], "tolerance": float(cases.tolerance[row]),
                             "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "relative_width": width(results, row),
@@ -175,7 +179,7 @@ def line(results: Results, cells: dict[Key, Cell], statistic: str, label: str) -
 def draw(results: Results, cells: dict[Key, Cell]) -> Any:
     cases = results.cases
     statistics = list(dict.fromkeys(map(str, cases.statistic)))
-    labels = style.order(zip(cases.solver, cases.label))
+    labels = style.order((solver, label) for solver, label in zip(cases.solver, cases.label) if solver != "external")
     figure, axes = plt.subplots(1, len(statistics), figsize=(style.DOUBLE_COLUMN, 2.4), sharex=True, sharey=True, squeeze=False)
     for ax, statistic in zip(axes[0], statistics):
         for solver, label in labels:

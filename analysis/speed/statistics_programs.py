@@ -1,0 +1,153 @@
+"""Programs that estimate the mean distance from samples (MeshLab, CloudCompare): their error, held against the interval of `distribution`, and their time.
+
+Draws the external programs of `distribution_error_vs_time`. Their labels are "PROGRAM, N samples".
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final, NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+import scipy.stats
+
+from analysis.shared import claims, scales, style, tables
+from analysis.shared.notes import machine_line
+from analysis.shared.report import Report
+from analysis.shared.results import Results
+from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round
+from analysis.shared.verdicts import Verdict, above_one
+from analysis.speed.distribution_error_vs_time import OURS, pair_of
+
+RESULTS_OF: Final = "distribution_error_vs_time"
+ERRORS: Final = (1e-2, 1e-3)  # relative to the mean
+COLOURS: Final = ("#AA4499", "#117733", "#CC6677", "#332288")
+MARKERS: Final = "^vsD"
+
+
+class Estimated(NamedTuple):
+    """A run of a program on a pair of meshes."""
+
+    row: int
+    samples: int
+    error: float  # relative to the mean
+
+
+class Runs:
+    """All runs of the programs, and ours, on the mean of each pair."""
+
+    def __init__(self, results: Results) -> None:
+        cases = results.cases
+        self.results = results
+        self.scenes = [scene for scene in results.scenes if cases.statistic[results.rows(scene=scene)[0]] == "mean"]
+        self.programs: dict[str, dict[str, list[Estimated]]] = {}  # by program and scene, fewest samples first
+        self.failed: dict[str, dict[str, str]] = {}  # by program: the status of a scene of which no run ended
+        for row in range(len(cases)):
+            named = re.fullmatch(r"(.+), (\d+) samples", str(cases.label[row]))
+            if cases.solver[row] != "external" or not named or (scene := str(cases.scene[row])) not in self.scenes:
+                continue
+            runs = self.programs.setdefault(named[1], {}).setdefault(scene, [])
+            if cases.status[row] in ("ok", "unsound"):  # a mean that the check by random points refutes counts with its error
+                runs.append(Estimated(row, int(named[2]), results.error(row) / results.middle(row)))
+                runs.sort(key=lambda run: run.samples)
+            else:
+                self.failed.setdefault(named[1], {}).setdefault(scene, str(cases.status[row]))
+
+    def enough(self, program: str, scene: str, error: float) -> Estimated | None:
+        """Returns the run with the fewest samples that has at most this error, as have all runs with more; None if the largest run has not."""
+        found = None
+        for run in reversed(self.programs[program].get(scene, [])):
+            if not run.error <= error:
+                break
+            found = run
+        return found
+
+    def ours(self, scene: str, error: float) -> int | None:
+        rows = [row for row in self.results.rows(scene=scene, label=OURS)
+                if np.isclose(self.results.cases.tolerance[row], error) and self.results.cases.status[row] == "ok"]
+        return rows[0] if rows else None
+
+    def times(self, row: int) -> dict[int, float]:
+        """Returns the wall time by round: a program's own, or ours to prepare and solve."""
+        return self.results.reported_by_round(row) or self.results.total_by_round(row, "wall")
+
+    def mean_ratio(self, pairs: Sequence[tuple[int, int]]) -> Estimate:
+        """Returns the geometric mean over pairs of (time of the first row / time of the second), over the rounds that all have."""
+        times = [(self.times(one), self.times(other)) for one, other in pairs]
+        shared = set[int]().union(*(one.keys() for one, _ in times)).intersection(*(own.keys() for pair in times for own in pair))
+        if not shared:
+            return NO_DATA
+        above, below = ({number: float(scipy.stats.gmean([pair[side][number] for pair in times])) for number in shared} for side in (0, 1))
+        return ratio_by_round(above, below)
+
+
+def judge(runs: Runs, program: str, error: float) -> Verdict:
+    claim = claims.of("hausbench", "statistics_programs", program=program, error=f"{error:g}")
+    pairs, never = list[tuple[int, int]](), 0
+    for scene in runs.scenes:
+        ours, enough = runs.ours(scene, error), runs.enough(program, scene, error)
+        if ours is not None and enough is not None:
+            pairs.append((enough.row, ours))
+        never += enough is None and bool(runs.programs[program].get(scene))
+    verdict = above_one(claim, runs.mean_ratio(pairs), f"over {len(pairs)} pairs, ratio")
+    more = f"; its largest number of samples is not enough for {never} more" if never else ""
+    slower = sum(runs.mean_ratio([pair]).high < 1 for pair in pairs)
+    more += f"; it is faster on {slower}" if slower else ""
+    return replace(verdict, evidence=verdict.evidence + more)
+
+
+def make(results: Results) -> Report:
+    runs = Runs(results)
+    table = tables.Table("The mean distance by programs that sample A: the fewest samples that gave a mean with at most this error, its error, and the program's "
+                         "time for them, ms, and how many times as long that is as distribution takes to prove an interval as narrow as the error.",
+                         ["pair", "error", f"{style.title(OURS)}, ms", *[f"{program}{what}" for program in runs.programs for what in (", samples", ", error", ", ms", " / ours")]], left=2)
+    for scene in runs.scenes:
+        table.rules.add(len(table.rows))
+        for error in ERRORS:
+            ours = runs.ours(scene, error)
+            first = pair_of(results, results.rows(scene=scene)[0])
+            row = [first if error == ERRORS[0] else "", tables.number(error, 1), tables.estimate(median(list(runs.times(ours).values())), 1e3) if ours is not None else tables.NOTHING]
+            for program, own in runs.programs.items():
+                enough = runs.enough(program, scene, error)
+                if enough is None:
+                    word = "more" if own.get(scene) else style.status_word(runs.failed.get(program, {}).get(scene, ""))
+                    row += [word, tables.number(own[scene][-1].error, 2) if own.get(scene) else tables.NOTHING, tables.NOTHING, tables.NOTHING]
+                    continue
+                ratio = runs.mean_ratio([(enough.row, ours)]) if ours is not None else NO_DATA
+                row += [f"{enough.samples:,}", tables.number(enough.error, 2), tables.estimate(median(list(runs.times(enough.row).values())), 1e3), tables.estimate(ratio)]
+            table.rows.append(row)
+    records = [{"pair": pair_of(results, run.row), "program": program, "samples": run.samples, "relative_error": run.error, "status": str(results.cases.status[run.row]),
+                **tables.seconds(median(list(runs.times(run.row).values())))} for program, own in runs.programs.items() for found in own.values() for run in found]
+    table.verdicts = [judge(runs, program, error) for program in runs.programs for error in ERRORS]
+    table.notes += ["The error is |mean - true mean| / true mean, by the interval of distribution. 'more': the largest number of samples that was tried has the error shown. "
+                    "Times of programs are without starting them and reading the files; ours include the preparation. One core each.",
+                    "No such program was run: it is installed neither here nor by make." if not runs.programs else f"{machine_line(results)}."]
+    caption = ("Error of the mean, relative to it, against time. Programs that sample A: each pair of meshes with each number of samples; ours: the width of the proven interval.")
+    return Report(lambda: draw(runs), table, records, caption=caption, clock="Times are wall time.")
+
+
+def draw(runs: Runs) -> Any:
+    results = runs.results
+    figure, ax = plt.subplots(figsize=(style.SINGLE_COLUMN, 2.6))
+    handles = []
+    for k, (program, own) in enumerate(runs.programs.items()):
+        points = [(float(np.median(list(runs.times(run.row).values()))), run.error) for found in own.values() for run in found if run.error > 0]
+        looks: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)], "markersize": 3, "linestyle": "none"}
+        ax.plot([time for time, _ in points], [error for _, error in points], **looks)
+        handles.append(plt.Line2D([], [], label=program, **looks))
+    mine = [(float(np.median(list(runs.times(row).values()))), results.gap(row) / results.middle(row))
+            for scene in runs.scenes for row in results.rows(scene=scene, label=OURS) if results.is_bounded(row) and results.gap(row) > 0]
+    look = style.filled_marker(style.look(OURS, OURS)) | {"linestyle": "none"}
+    ax.plot([time for time, _ in mine], [width for _, width in mine], **look)
+    handles.append(plt.Line2D([], [], label=style.title(OURS), **look))
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_xlabel("time (s)")
+    ax.set_ylabel("error of the mean / mean")
+    scales.log_ticks(ax.xaxis)
+    scales.log_ticks(ax.yaxis)
+    style.legend_above(figure, handles)
+    return figure
