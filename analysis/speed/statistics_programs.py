@@ -1,6 +1,7 @@
-"""Programs that estimate the mean distance from samples (MeshLab, CloudCompare): their error, held against the interval of `distribution`, and their time.
+"""Error and time of programs that estimate the mean distance from samples of A (MeshLab, CloudCompare), beside `distribution`.
 
-Draws the external programs of `distribution_error_vs_time`. Their labels are "PROGRAM, N samples".
+Draws the external programs of `distribution_error_vs_time`. Their labels are "PROGRAM, N samples". The error is the
+largest difference between the estimate and a value in the interval that is proven for the mean.
 """
 
 from __future__ import annotations
@@ -44,20 +45,20 @@ class Runs:
         self.results = results
         self.scenes = [scene for scene in results.scenes if cases.statistic[results.rows(scene=scene)[0]] == "mean"]
         self.programs: dict[str, dict[str, list[Estimated]]] = {}  # by program and scene, fewest samples first
-        self.failed: dict[str, dict[str, str]] = {}  # by program: the status of a scene of which no run ended
+        self.failed: dict[str, dict[str, str]] = {}  # by program and scene: the status of the first run without an answer
         for row in range(len(cases)):
             named = re.fullmatch(r"(.+), (\d+) samples", str(cases.label[row]))
             if cases.solver[row] != "external" or not named or (scene := str(cases.scene[row])) not in self.scenes:
                 continue
             runs = self.programs.setdefault(named[1], {}).setdefault(scene, [])
-            if cases.status[row] in ("ok", "unsound"):  # a mean that the check by random points refutes counts with its error
+            if cases.status[row] in ("ok", "unsound"):  # an estimate that is refuted still has an error
                 runs.append(Estimated(row, int(named[2]), results.error(row) / results.middle(row)))
                 runs.sort(key=lambda run: run.samples)
             else:
                 self.failed.setdefault(named[1], {}).setdefault(scene, str(cases.status[row]))
 
     def enough(self, program: str, scene: str, error: float) -> Estimated | None:
-        """Returns the run with the fewest samples that has at most this error, as have all runs with more; None if the largest run has not."""
+        """Returns the run with the fewest samples such that it and all larger runs have at most this error; None if the largest run has a larger one."""
         found = None
         for run in reversed(self.programs[program].get(scene, [])):
             if not run.error <= error:
@@ -91,18 +92,18 @@ def judge(runs: Runs, program: str, error: float) -> Verdict:
         ours, enough = runs.ours(scene, error), runs.enough(program, scene, error)
         if ours is not None and enough is not None:
             pairs.append((enough.row, ours))
-        never += enough is None and bool(runs.programs[program].get(scene))
+        never += enough is None and any(run.error > error for run in runs.programs[program].get(scene, []))
     verdict = above_one(claim, runs.mean_ratio(pairs), f"over {len(pairs)} pairs, ratio")
-    more = f"; its largest number of samples is not enough for {never} more" if never else ""
-    slower = sum(runs.mean_ratio([pair]).high < 1 for pair in pairs)
-    more += f"; it is faster on {slower}" if slower else ""
+    more = f"; on {never} more, its largest number of samples is not enough" if never else ""
+    faster = sum(runs.mean_ratio([pair]).high < 1 for pair in pairs)
+    more += f"; {program} is faster on {faster}" if faster else ""
     return replace(verdict, evidence=verdict.evidence + more)
 
 
 def make(results: Results) -> Report:
     runs = Runs(results)
-    table = tables.Table("The mean distance by programs that sample A: the fewest samples that gave a mean with at most this error, its error, and the program's "
-                         "time for them, ms, and how many times as long that is as distribution takes to prove an interval as narrow as the error.",
+    table = tables.Table("The mean distance by programs that sample A. For each error: the fewest samples such that their mean, and the mean of every larger run, is "
+                         "within this error; the error of their mean; the program's time; and this time divided by the time in which distribution proves an interval of this width.",
                          ["pair", "error", f"{style.title(OURS)}, ms", *[f"{program}{what}" for program in runs.programs for what in (", samples", ", error", ", ms", " / ours")]], left=2)
     for scene in runs.scenes:
         table.rules.add(len(table.rows))
@@ -113,8 +114,9 @@ def make(results: Results) -> Report:
             for program, own in runs.programs.items():
                 enough = runs.enough(program, scene, error)
                 if enough is None:
-                    word = "more" if own.get(scene) else style.status_word(runs.failed.get(program, {}).get(scene, ""))
-                    row += [word, tables.number(own[scene][-1].error, 2) if own.get(scene) else tables.NOTHING, tables.NOTHING, tables.NOTHING]
+                    largest = own[scene][-1].error if own.get(scene) else np.nan  # without a proven interval, the error is not a number
+                    word = tables.NOTHING if own.get(scene) else style.status_word(runs.failed.get(program, {}).get(scene, ""))
+                    row += [word, tables.NOTHING, tables.NOTHING, tables.NOTHING] if np.isnan(largest) else ["more", tables.number(largest, 2), tables.NOTHING, tables.NOTHING]
                     continue
                 ratio = runs.mean_ratio([(enough.row, ours)]) if ours is not None else NO_DATA
                 row += [f"{enough.samples:,}", tables.number(enough.error, 2), tables.estimate(median(list(runs.times(enough.row).values())), 1e3), tables.estimate(ratio)]
@@ -122,11 +124,15 @@ def make(results: Results) -> Report:
     records = [{"pair": pair_of(results, run.row), "program": program, "samples": run.samples, "relative_error": run.error, "status": str(results.cases.status[run.row]),
                 **tables.seconds(median(list(runs.times(run.row).values())))} for program, own in runs.programs.items() for found in own.values() for run in found]
     table.verdicts = [judge(runs, program, error) for program in runs.programs for error in ERRORS]
-    table.notes += ["The error is |mean - true mean| / true mean, by the interval of distribution. 'more': the largest number of samples that was tried has the error shown. "
-                    "Times of programs are without starting them and reading the files; ours include the preparation. One core each.",
-                    "No such program was run: it is installed neither here nor by make." if not runs.programs else f"{machine_line(results)}."]
-    caption = ("Error of the mean, relative to it, against time. Programs that sample A: each pair of meshes with each number of samples; ours: the width of the proven interval.")
-    return Report(lambda: draw(runs), table, records, caption=caption, clock="Times are wall time.")
+    table.notes += ["The error is the largest difference between the estimate and a value in the proven interval of the mean, divided by the mean. 'more': even the largest number of samples is not "
+                    "enough; its error is shown. Times of programs exclude starting them and reading files and, for CloudCompare, sampling. Our times include preparation. "
+                    "All run on one core.",
+                    f"{machine_line(results)}." if runs.programs else
+                    "No program was run. They run in profile paper, if they are installed (Debian packages meshlab, xvfb and cloudcompare)."]
+    caption = ("Error of the mean, as a fraction of the mean, against time. A point of a program is one pair of meshes and one number of samples. "
+               "A point of distribution (ours) is one pair and one tolerance; its error is the width of the proven interval.")
+    drawn = any(run.error > 0 for own in runs.programs.values() for found in own.values() for run in found)
+    return Report((lambda: draw(runs)) if drawn else None, table, records, caption=caption, clock="Times are wall time.")
 
 
 def draw(runs: Runs) -> Any:

@@ -2,11 +2,12 @@
 
     statistics_peer.py MeshLab|CloudCompare A.off B.off SAMPLES
 
-One core. Times are without starting the program and reading files. MeshLab's is that of a run less the median of three that only start and read;
-CloudCompare prints its own. Both compute with floats. Coordinates are scaled, because MeshLab prints six digits after the point.
+Runs the program on one core. The time excludes starting the program and reading files. For MeshLab, it is the time of a run minus the median of
+three runs that only start and read. For CloudCompare, it is the time that the program prints, which also excludes sampling. Both programs compute
+with floats. Coordinates are scaled, because MeshLab prints only six digits after the point.
 
-MeshLab takes the same samples in each run, CloudCompare others each time, so it gets samples made here, and its time is without sampling. It prints
-the mean of signed distances, so its distances are read from the file that it saves.
+MeshLab takes the same samples in every run. CloudCompare does not, so this script makes its samples. CloudCompare prints the mean of the signed
+distances, so the unsigned mean is computed from the distances that it saves.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 int touched = 0;  // changed by copies only
 
-// Runs `work` in a child of the test, which must not become a copy itself.
+// Starts a child process that runs `work`, so that the test itself is never copied.
 Child child_that(std::function<int()> work) {
     Launch launch;
     launch.silent = true;
