@@ -1,8 +1,9 @@
 """Tiers 1 and 2: work counters and instructions of the tracked cases, compared with the committed baseline.toml.
 
 Counters are the same on every machine and must be equal. Instructions of the solves, counted by valgrind, vary so little that half
-a per cent shows. They depend on the compiler and the libraries, so the baseline has a table for each combination; without a table
-for this machine, none are counted. valgrind supports AVX2 at most, so AVX-512 code is not counted. If a case has other shapes than
+a per cent shows. malloc and free are left out: how long they search depends on what lies where in memory, even on the lengths of
+paths. Instructions depend on the compiler and the libraries, so the baseline has a table for each combination; without a table for
+this machine, none are counted. valgrind supports AVX2 at most, so AVX-512 code is not counted. If a case has other shapes than
 in the baseline, or lacks a mesh, it is not measured. A case without an answer or a baseline is red.
 
 The baseline also holds work counters of small scenes, for tests/algorithms/counters_test.cpp.
@@ -18,7 +19,7 @@ import shutil
 import subprocess
 import tempfile
 import tomllib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
@@ -149,6 +150,29 @@ def unknown_instruction(logs: Path) -> NotMeasured | None:
     return None
 
 
+def instructions_in(out: Iterable[str]) -> int:
+    """Adds up the instructions in the lines of a file that callgrind wrote, without those of glibc's malloc.c.
+
+    The format is in valgrind's manual ("Callgrind Format Specification"): `fl`, `fi` or `fe` name the file of the lines of costs
+    that follow, and a name is written only the first time; after `calls` comes the cost of what was called, which is counted where
+    it arose.
+    """
+    names: dict[str, str] = {}
+    total, counts, lines = 0, True, iter(out)
+    for line in lines:
+        if named := re.match(r"(c?f[lie])=(\(\d+\))(?: (.+))?$", line):
+            kind, key, name = named.groups()
+            if name:
+                names[key] = name
+            if kind in ("fl", "fi", "fe"):
+                counts = not names[key].endswith("/malloc.c")
+        elif line.startswith("calls="):
+            next(lines)
+        elif counts and (cost := re.match(r"[+-]?\d+ (\d+)$|\* (\d+)$", line)):
+            total += int(cost[1] or cost[2])
+    return total
+
+
 def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, ...] = (0,)) -> int:
     """Counts instructions in `function` and its callees, for the command and its children. Raises NotMeasured if there are none."""
     with tempfile.TemporaryDirectory(dir=folder) as out:
@@ -160,7 +184,7 @@ def callgrind(function: str, command: list[str], folder: Path, good: tuple[int, 
             raise unknown_instruction(Path(out)) or why from None
         if unknown := unknown_instruction(Path(out)):  # in a worker: the program itself has ended normally
             raise unknown
-        total = sum(int(found[1]) for file in Path(out).iterdir() if (found := re.search(r"^totals: (\d+)$", file.read_text(), re.M)))
+        total = sum(instructions_in(file.read_text().splitlines()) for file in Path(out).iterdir() if not file.name.startswith("log."))
     if total == 0:
         raise NotMeasured(f"callgrind counted nothing in {function}: was the program built with `make build`?")
     return total

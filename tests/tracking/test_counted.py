@@ -223,6 +223,68 @@ def test_instructions_are_the_same_from_run_to_run(tmp_path: Path) -> None:
     assert first > 1_000_000 and counted.instructions_of(PROGRAM, case, tmp_path) == first
 
 
+OUT = """\
+positions: line
+events: Ir
+summary: 1111111
+
+ob=(1) /usr/bin/program
+fl=(1) solve.cpp
+fn=(1) solve
+10 1
++2 20
+* 300
+cob=(2) /lib/libc.so.6
+cfi=(2) ./malloc/./malloc/malloc.c
+cfn=(2) malloc
+calls=7 5
+-1 70000
+fi=(3) vector.h
+8 4000
+fe=(1)
+9 50000
+
+ob=(2)
+fl=(2)
+fn=(2)
+5 600000
+cfn=(3) _int_malloc
+calls=7 6
+5 8000000
+
+totals: 1111111
+"""
+
+
+def test_instructions_of_a_file_without_those_of_malloc_and_without_what_was_called() -> None:
+    assert counted.instructions_in(OUT.splitlines()) == 54321
+    assert counted.instructions_in(OUT.replace("malloc.c", "mine.c").splitlines()) == 654321
+    assert counted.instructions_in(["totals: 0"]) == 0
+
+
+@needs_valgrind
+@pytest.mark.skipif(not shutil.which("c++"), reason="there is no compiler")
+def test_what_lies_in_memory_before_does_not_change_the_count(tmp_path: Path) -> None:
+    """Free pieces of memory make malloc search longer; only the calls of it are counted."""
+    (tmp_path / "new.cpp").write_text("""
+        #include <cstdlib>
+        #include <vector>
+        std::vector<void*> kept;
+        void solve() { for (std::size_t i = 0; i < 1000; ++i) kept.push_back(std::malloc(2000 + 16 * (i % 50))); }
+        int main(int arguments, char**) {
+            kept.reserve(10000);
+            kept.push_back(std::malloc(1));  // the loader finds malloc at its first call
+            std::vector<void*> freed;
+            for (std::size_t i = 0; arguments > 1 && i < 4000; ++i) (i % 2 ? kept : freed).push_back(std::malloc(1500 + 16 * (i % 77)));
+            for (void* each : freed) std::free(each);
+            solve();
+        }""")
+    subprocess.run(["c++", "-g", "-O1", "-o", "new", "new.cpp"], cwd=tmp_path, check=True)
+    program = str(tmp_path / "new")
+    counts = [counted.callgrind("solve()", command, tmp_path) for command in ([program], [program, "full"])]
+    assert 5_000 < counts[0] < 200_000 and abs(counts[1] - counts[0]) < 1_000, counts  # some calls of sbrk
+
+
 @needs_valgrind
 def test_a_program_that_cannot_be_counted(tmp_path: Path) -> None:
     why = counted.instructions_of(Path("/bin/false"), CASE, tmp_path)
@@ -254,8 +316,9 @@ def test_counts_of_all_processes_are_added_up_over_one_repeat(monkeypatch: pytes
     def run(command: list[str], folder: Path, good: tuple[int, ...], limit: float) -> str:
         out = Path(next(word for word in command if word.startswith("--callgrind-out-file=")).split("=")[1]).parent
         (out / "1").write_text("totals: 0\n")
-        (out / "2").write_text("events: Ir\ntotals: 700\n")
-        (out / "3").write_text("totals: 20\n")
+        (out / "2").write_text("events: Ir\n\nfl=(1) solve.cpp\nfn=(1) solve\n3 700\n")
+        (out / "3").write_text("fl=(1) solve.cpp\nfn=(1) solve\n3 20\n")
+        (out / "log.3").write_text("3 1000\n")
         asked.append((tomllib.loads(Path(command[command.index("run") + 1]).read_text())["repeats"], limit))
         return ""
 
