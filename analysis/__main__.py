@@ -7,9 +7,15 @@ all other stems whose scripts use these results; such a stem can be named alone,
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
+import io
+import multiprocessing
+import os
 import sys
+import traceback
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from analysis.shared import style
@@ -20,29 +26,57 @@ from analysis.shared.results import ResultError
 from analysis.shared.stems import drawn_with, module_of, results_of
 
 
+def draw(stem: str, folder: Path, out: Path) -> int:
+    """Draws a stem, prints what was written, and returns the exit code: 2 if the result file is unusable."""
+    try:
+        results = load(folder / f"{results_of(stem)}.h5")
+        style.introduce(results)
+        for each in drawn_with(stem):
+            report: Report = importlib.import_module(module_of(each)).make(results)
+            print(*report.save(results, out, each), sep="\n")
+            for verdict in table.verdicts if (table := report.printed(results, each)) else ():
+                print(printable(verdict.line()))
+    except ResultError as problem:
+        print(printable(str(problem)), file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(printable(f"{stem}: cannot be drawn: {problem}: make room, or choose another folder with --out"), file=sys.stderr)
+        return 2
+    return 0
+
+
+def draw_apart(stem: str, folder: Path, out: Path) -> tuple[int, str, str]:
+    """Draws a stem and returns the exit code and what was printed; an error in a script becomes part of it."""
+    said, complained = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
+        try:
+            code = draw(stem, folder, out)
+        except Exception:  # the other stems go on
+            print(f"{stem}: its script failed:\n{traceback.format_exc()}", file=sys.stderr)
+            code = 1
+    return code, said.getvalue(), complained.getvalue()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Draws the stems and returns the exit code: 2 if a result file is unusable, which does not stop the other stems."""
+    """Draws the stems and returns the exit code, which is not 0 if one could not be drawn; that does not stop the others.
+
+    Several stems are drawn side by side, each in a process of its own, so that none sees the looks that another gave to
+    solvers (style.introduce).
+    """
     parser = argparse.ArgumentParser(prog="analysis", description="Draws figures and tables of experiments from their result files.")
     parser.add_argument("stems", nargs="+", metavar="STEM", help="an experiment, such as zhang2017_table3")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
     parser.add_argument("--out", type=Path, default=Path("results"), help="figures/ and tables/ go there (default: results)")
-    chosen, code = parser.parse_args(arguments), 0
-    for stem in chosen.stems:
-        try:
-            results = load(chosen.results / f"{results_of(stem)}.h5")
-            style.introduce(results)
-            for each in drawn_with(stem):
-                report: Report = importlib.import_module(module_of(each)).make(results)
-                print(*report.save(results, chosen.out, each), sep="\n")
-                for verdict in table.verdicts if (table := report.printed(results, each)) else ():
-                    print(printable(verdict.line()))
-        except ResultError as problem:
-            print(printable(str(problem)), file=sys.stderr)
-            code = 2
-        except OSError as problem:
-            print(printable(f"{stem}: cannot be drawn: {problem}: make room, or choose another folder with --out"), file=sys.stderr)
-            code = 2
-    return code
+    chosen = parser.parse_args(arguments)
+    if len(chosen.stems) == 1:
+        return draw(chosen.stems[0], chosen.results, chosen.out)
+    worst = 0
+    with multiprocessing.get_context("fork").Pool(len(os.sched_getaffinity(0)), maxtasksperchild=1) as pool:
+        for code, said, complained in pool.imap(partial(draw_apart, folder=chosen.results, out=chosen.out), chosen.stems):
+            print(said, end="", flush=True)
+            print(complained, end="", file=sys.stderr, flush=True)
+            worst = max(worst, code)
+    return worst
 
 
 if __name__ == "__main__":
