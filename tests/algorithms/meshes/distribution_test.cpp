@@ -3,16 +3,12 @@
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/distribution/narrow.h"
-#include "algorithms/meshes/distribution/point_distance.h"
-#include "algorithms/meshes/distribution/weights.h"
-#include "tests/support/exact.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -63,30 +59,6 @@ void expect_closed(const TriangleMesh& a, const TriangleMesh& b, const Statistic
     EXPECT_LE(bounds.gap(), 1e-9);
 }
 
-TEST(Distribution, MeansOfThePositivePartOfAnAffineFunction) {
-    EXPECT_DOUBLE_EQ(PositivePart({-1, 0.5, 0.5}).mean(), 4.0 / 27);  // not 1/3, as with corners clamped to 0
-    EXPECT_DOUBLE_EQ(PositivePart({-1, -1, 1}).share(), 0.25);
-    EXPECT_DOUBLE_EQ(PositivePart({-1, -1, 1}).mean(), 0.25 / 3);
-    EXPECT_DOUBLE_EQ(PositivePart({1, 2, 3}).mean_square(), 25.0 / 6);
-    EXPECT_DOUBLE_EQ(PositivePart({0, 0, 3}).mean(), 1);
-    EXPECT_EQ(PositivePart({-1, -2, 0}).count, 0);
-    EXPECT_EQ(share_at_most({2, 2, 2}, 2), 1);
-    EXPECT_EQ(share_above({2, 2, 2}, 2), 0);
-    EXPECT_DOUBLE_EQ(share_at_most({0, 1, 1}, 0.5), 0.25);
-    EXPECT_DOUBLE_EQ(share_above({0, 1, 1}, 0.5), 0.75);
-}
-
-TEST(Distribution, AreasOfNeedlesAreCertain) {
-    const Area needle = area_of({{0, 0, 0}, {1, 0, 0}, {0.5, 0x1p-60, 0}});
-    EXPECT_NEAR(needle.value, 0x1p-61, 0x1p-61 * area_error);
-    EXPECT_LE(needle.extra, 0x1p-61 * area_error);
-    const Area segment = area_of({{0.1, 0.2, 0.3}, {0.2, 0.4, 0.6}, {0.4, 0.8, 0.9}});
-    EXPECT_GT(segment.value, 0);
-    const Area nothing = area_of({{0.1, 0.2, 0.3}, {0.1, 0.2, 0.3}, {0.4, 0.8, 0.9}});
-    EXPECT_EQ(nothing.value, 0);
-    EXPECT_GT(nothing.extra, 0);
-}
-
 // Here bisectors cut off one sliver after another, each as long as the last.
 TEST(Distribution, SliversGetShorter) {
     const TriangleMesh a = mesh_of({{{0.75, 0.5, 0.25}, {0.25, 0.25, 0.25}, {0.5, 0.75, 0.5}},
@@ -99,177 +71,6 @@ TEST(Distribution, SliversGetShorter) {
                                     {{1, 1, 0.75}, {1, 0.25, 1}, {0.75, 0, 0}},
                                     {{1, 0.75, 0.75}, {1, 1, 0.5}, {0.75, 0.75, 1}}});
     EXPECT_LE(one(a, b, {Kind::maximum}, 1e-6).gap(), 1e-6);
-}
-
-using Real = long double;
-using RealVec3 = Eigen::Matrix<Real, 3, 1>;
-
-// Nodes and weights of Gauss and Legendre for n points on [0, 1].
-std::vector<std::pair<Real, Real>> gauss(int n) {
-    std::vector<std::pair<Real, Real>> rule;
-    for (int i = 0; i < n; ++i) {
-        Real x = std::cos(std::numbers::pi_v<Real> * (i + 0.75L) / (n + 0.5L)), slope = 0;
-        for (int step = 0; step < 50; ++step) {
-            Real before = 1, value = x;
-            for (int k = 2; k <= n; ++k)
-                before = std::exchange(value, ((2 * k - 1) * x * value - (k - 1) * before) / k);
-            slope = n * (x * value - before) / (x * x - 1);
-            x -= value / slope;
-        }
-        rule.emplace_back((1 + x) / 2, 1 / ((1 - x * x) * slope * slope));
-    }
-    return rule;
-}
-
-Real squared_distance(const RealVec3& p, const std::array<RealVec3, 3>& t) {
-    const RealVec3 e = t[1] - t[0], f = t[2] - t[0], r = p - t[0];
-    const Real ee = e.dot(e), ef = e.dot(f), ff = f.dot(f), re = r.dot(e), rf = r.dot(f), det = ee * ff - ef * ef;
-    const Real x = (re * ff - rf * ef) / det, y = (rf * ee - re * ef) / det;
-    if (x >= 0 && y >= 0 && x + y <= 1) return (r - x * e - y * f).squaredNorm();
-    Real least = std::numeric_limits<Real>::infinity();
-    for (std::size_t k = 0; k < 3; ++k) {
-        const RealVec3 side = t[(k + 1) % 3] - t[k], from = p - t[k];
-        const Real at = std::clamp(from.dot(side) / side.dot(side), Real(0), Real(1));
-        least = std::min(least, (from - at * side).squaredNorm());
-    }
-    return least;
-}
-
-// The means of d and d^2 over a piece, from 16 parts of it.
-std::array<Real, 2> means_of(const std::array<RealVec3, 3>& piece, const std::array<RealVec3, 3>& t) {
-    static const std::vector<std::pair<Real, Real>> rule = gauss(12);
-    std::array<Real, 2> sums{};
-    const auto add = [&](int i, int j, int way) {  // a triangle of the grid with the corner (i, j)
-        for (const auto& [x, weight_x] : rule) {
-            for (const auto& [y, weight_y] : rule) {
-                const Real u = (i + way * x * (1 - y)) / 4, v = (j + way * x * y) / 4;
-                const Real d = squared_distance((1 - u - v) * piece[0] + u * piece[1] + v * piece[2], t);
-                const Real weight = 2 * x * weight_x * weight_y / 16;
-                sums[0] += weight * std::sqrt(d);
-                sums[1] += weight * d;
-            }
-        }
-    };
-    for (int i = 0; i < 4; ++i) {
-        for (int j = 0; i + j < 4; ++j) {
-            add(i, j, 1);
-            if (i + j < 3) add(i + 1, j + 1, -1);
-        }
-    }
-    return sums;
-}
-
-// One piece and one triangle of B, of which the inside, an edge or a corner is nearest, or two of these. The bounds must
-// also hold for corners that are off as far as their level says: here towards B or away from it.
-TEST(Distribution, BoundsOfAPieceHoldUnderRounding) {
-    enum Nearest { inside, edge, corner, edge_and_corner, inside_and_edge };
-    Random random(21);
-    double closest = infinity;
-    for (int i = 0; i < 5000; ++i) {
-        const auto nearest = static_cast<Nearest>(i % 5);
-        const int level = i % 2 == 0 ? 0 : 1000;
-        const Vec3 v = random.vector();
-        const Vec3 e(random.real(-0.1, 0.1), random.real(0.9, 1.1), random.real(-0.1, 0.1)),
-            g(random.real(-1.1, -0.9), random.real(-0.1, 0.1), random.real(-0.1, 0.1));
-        const Triangle t{v, v + e, v + g};
-        const double h = random.real(0.02, 0.2);
-        const Vec3 at = nearest == inside            ? 0.25 * (e + g) + Vec3(0, 0, h)
-                        : nearest == edge            ? 0.5 * e + Vec3(h, 0, random.real(-h, h))
-                        : nearest == corner          ? Vec3(h, -h, random.real(-h, h))
-                        : nearest == edge_and_corner ? Vec3(h, 0, random.real(-h, h))
-                                                     : 0.5 * e + Vec3(0, 0, h);
-        Piece piece{{}, 1, 0, -1, level, 0};
-        for (Vec3& p : piece.corners) p = v + at + random.vector(0.15 * h);
-        double magnitude = 0;
-        for (const Vec3& p : {piece.corners[0], piece.corners[1], piece.corners[2], t.a, t.b, t.c})
-            magnitude = std::max(magnitude, p.cwiseAbs().maxCoeff());
-        const NearbyTriangle near{t, 0};
-        const std::uint16_t first = 0;
-        const AffineBounds bounds = PieceBounder(magnitude).bounds(piece, {&near, 1}, {&first, 1});
-
-        const double off = (i % 4 < 2 ? 1 : -1) * 2 * level * unit_roundoff * magnitude * (1 - 0x1p-20);
-        std::array<RealVec3, 3> moved, of_t{t.a.cast<Real>(), t.b.cast<Real>(), t.c.cast<Real>()};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 away = (piece.corners[k] - closest_point(piece.corners[k], t).point).normalized();
-            const exact::RVec3 p = exact::along(exact::vector(piece.corners[k]), off, exact::vector(away));
-            const exact::Rational squared =
-                exact::squared_distance_to_triangle(p, exact::vector(t.a), exact::vector(t.b), exact::vector(t.c));
-            const exact::Rational low = std::max(bounds.lower[k], 0.0), high = bounds.upper[k];
-            ASSERT_LE(low * low, squared) << "case " << i;
-            ASSERT_GE(high * high, squared) << "case " << i;
-            moved[k] = piece.corners[k].cast<Real>() + Real(off) * away.cast<Real>();
-        }
-        const auto [mean, mean_of_squares] = means_of(moved, of_t);
-        const Real error = nearest > corner ? 1e-5L * h : 0x1p-60L;  // the sums converge slowly for two features
-        ASSERT_LE(bounds.mean_lower, mean + error) << "case " << i;
-        ASSERT_GE(bounds.mean_upper, mean - error) << "case " << i;
-        ASSERT_LE(bounds.square_lower, mean_of_squares + error * h) << "case " << i;
-        ASSERT_GE(bounds.square_upper, mean_of_squares - error * h) << "case " << i;
-        if (level == 0 && nearest == corner) closest = std::min(closest, bounds.mean_upper - bounds.mean_lower);
-    }
-    EXPECT_LT(closest, 1e-6);
-}
-
-// The mean of (d - about)^2 for a d that is one of the two bounds, and for one that only the means bound. Both are near
-// to `about`, so most digits cancel.
-TEST(Distribution, SpreadsHoldUnderRounding) {
-    using exact::Rational;
-    Random random(4);
-    for (int i = 0; i < 3000; ++i) {
-        const double about = random.real(1, 2);
-        AffineBounds narrow{{}, {}, 0, 2, 0, 4};
-        for (std::size_t k = 0; k < 3; ++k) {
-            narrow.lower[k] = about + std::ldexp(random.real(-1, 1), -40 - i % 12);
-            narrow.upper[k] = narrow.lower[k] + static_cast<double>(random.below(3)) * 0x1p-52;
-        }
-        const SpreadBounds spread = spread_about(narrow, about);
-        for (const CornerValues& d : {narrow.lower, narrow.upper}) {
-            std::array<Rational, 3> x;
-            for (std::size_t k = 0; k < 3; ++k) x[k] = Rational(d[k]) - Rational(about);
-            const Rational mean =
-                (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1] + x[1] * x[2] + x[2] * x[0]) / Rational(6);
-            ASSERT_LE(Rational(spread.lower), mean) << "case " << i;
-            ASSERT_GE(Rational(spread.upper), mean) << "case " << i;
-        }
-        const double mean = about + std::ldexp(random.real(-1, 1), -30), square = mean * mean * (1 + 0x1p-30);
-        const SpreadBounds by_means = spread_about({{0, 0, 0}, {4, 4, 4}, mean, mean, square, square}, about);
-        const Rational truth =
-            Rational(square) - Rational(2) * Rational(about) * Rational(mean) + Rational(about) * Rational(about);
-        ASSERT_LE(Rational(by_means.lower), truth) << "case " << i;
-        ASSERT_GE(Rational(by_means.upper), truth) << "case " << i;
-        ASSERT_LT(by_means.upper, 1e-8);
-    }
-}
-
-// Some of these distances are doubles, and some squares, differences or sums round.
-TEST(Distribution, DistancesOfPointsHoldAndAreOftenExact) {
-    Random random(3);
-    int equal = 0, next = 0, wider = 0;
-    for (int i = 0; i < 20000; ++i) {
-        const int digits = i % 4 == 0 ? 0 : i % 4 == 1 ? 20 : i % 4 == 2 ? 28 : 52;
-        const auto rounded = [&](double x) { return std::ldexp(std::round(std::ldexp(x, digits)), -digits); };
-        const Vec3 a(rounded(random.real(4, 5)), 0.5 * static_cast<double>(random.below(13) - 6),
-                     i % 8 < 4 ? 0 : 0x1p-30 * static_cast<double>(random.below(10)));
-        const Vec3 b(0, i % 64 < 32 ? 0 : 0x1p-70, i % 16 < 8 ? 0 : i % 32 < 16 ? -0x1p-60 : 0x1p-600);
-        const Bounds d = point_distance(a, b);
-        CGAL::Exact_rational squared = 0;
-        for (int k = 0; k < 3; ++k) {
-            const CGAL::Exact_rational x = CGAL::Exact_rational(a[k]) - CGAL::Exact_rational(b[k]);
-            squared += x * x;
-        }
-        ASSERT_LE(CGAL::Exact_rational(d.lower) * CGAL::Exact_rational(d.lower), squared) << a << " and " << b;
-        ASSERT_GE(CGAL::Exact_rational(d.upper) * CGAL::Exact_rational(d.upper), squared) << a << " and " << b;
-        ++(d.lower == d.upper ? equal : next_up(d.lower) == d.upper ? next : wider);
-        AffineBounds means{{d.lower, d.lower, d.lower}, {d.upper, d.upper, d.upper}, 0, 0, 0, 0};
-        bound_means(means);
-        ASSERT_LE(means.mean_lower, d.lower);
-        ASSERT_GE(means.mean_upper, d.upper);
-    }
-    EXPECT_GT(equal, 100);
-    EXPECT_GT(next, 1000);
-    EXPECT_GT(wider, 1000);
-    EXPECT_EQ(point_distance({1e-300, 0, 0}, {1e-300, 0, 0}).upper, 0);
-    EXPECT_GT(point_distance({1e-300, 0, 0}, {0, 0, 0}).upper, 1e-300);
 }
 
 TEST(Distribution, ParallelPlates) {
@@ -348,7 +149,8 @@ TEST(Distribution, ConcentricCubes) {
 }
 
 // Bounds on the statistics from small equal parts of each triangle of A. In a part, the distance to B is within r of the
-// distance of its centre, where r is the distance of the farthest corner from the centre. Shares no code with the solver but the closest point of one triangle.
+// distance of its centre, where r is the distance of the farthest corner from the centre. Shares no code with the solver
+// but the closest point of one triangle.
 struct Exhaustive {
     struct Part {
         double low, high, weight;
