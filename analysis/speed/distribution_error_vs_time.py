@@ -1,4 +1,8 @@
-"""Statistics of the distance against run time: relative width of the interval of `distribution` and of Monte Carlo."""
+"""Statistics of the distance against run time: relative width of the interval of `distribution` and of Monte Carlo.
+
+`sampling` measures the largest distance of the same pairs, with a certain gap, the covering radius of its samples. From its times follows
+how long a mean takes that is certain because of such a radius.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +25,7 @@ from analysis.shared.verdicts import FAILS, HOLDS, OPEN, UNTESTED, Verdict, abov
 
 OURS: Final = "distribution"
 RIVAL: Final = "monte_carlo"
+SAMPLES: Final = "sampling"
 AIM: Final = 5  # the claim: Monte Carlo takes at least so many times as long
 FINE: Final = 1e-4  # at this width of the mean, relative to it
 SLOPE: Final = -0.9  # the other claim: the width falls like this power of the number of pieces, or faster; samples give -0.5
@@ -43,9 +48,8 @@ def width(results: Results, case: int) -> float:
 def cells_of(results: Results) -> dict[Key, Cell]:
     cases, found = results.cases, dict[Key, list[int]]()
     for row in range(len(cases)):
-        if cases.solver[row] == "external":  # drawn by statistics_programs
-            continue
-        found.setdefault((str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])), []).append(row)
+        if cases.solver[row] in (OURS, RIVAL):  # programs are drawn by statistics_programs
+            found.setdefault((str(cases.scene[row]), str(cases.label[row]), float(cases.tolerance[row])), []).append(row)
     return {key: Cell(results, rows) for key, rows in found.items()}
 
 
@@ -113,13 +117,14 @@ def judge_slopes(results: Results) -> Verdict:
 
 def make(results: Results) -> Report:
     cases, cells = results.cases, cells_of(results)
+    scenes = list(dict.fromkeys(scene for scene, *_ in cells))
     table = tables.Table("Time to prepare and solve, ms, until the interval of a statistic has the asked width relative to its value; samples or pieces; and how "
                          "many times as long Monte Carlo takes. Its intervals hold with 95 %, the others always.",
                          ["pair", "statistic", "value / diagonal", "asked", style.title(OURS), "pieces", style.title(RIVAL), "samples", "times"], left=2)
     records: list[tables.Record] = []
-    for scene in results.scenes:
+    for scene in scenes:
         first = results.rows(scene=scene)[0]
-        tolerances = sorted({float(t) for t in cases.tolerance[results.rows(scene=scene)]}, reverse=True)
+        tolerances = sorted({tolerance for name, _, tolerance in cells if name == scene}, reverse=True)
         table.rules.add(len(table.rows))
         for i, tolerance in enumerate(tolerances):
             ours, rival = cells.get((scene, OURS, tolerance)), cells.get((scene, RIVAL, tolerance))
@@ -128,14 +133,14 @@ def make(results: Results) -> Report:
             table.rows.append([*(head if i == 0 else ["", "", ""]), tables.number(tolerance, 1), text(ours), counted(results, ours, "pieces"),
                                text(rival), counted(results, rival, "samples"), tables.estimate(ratio)])
         for row in results.rows(scene=scene):
-            if cases.solver[row] == "external":
+            if cases.solver[row] not in (OURS, RIVAL):
                 continue
             cell = cells[scene, str(cases.label[row]), float(cases.tolerance[row])]
             records.append({"pair": pair_of(results, row), "statistic": cases.statistic[row], "solver": cases.solver[row], "tolerance": float(cases.tolerance[row]),
                             "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "relative_width": width(results, row),
                             **tables.seconds(cell.time), **{name: value for name, value in results.extras(row).items() if name in ("pieces", "samples")}})
     table.verdicts = [judge(results, cells), judge_slopes(results)]
-    table.notes += [*crossings(results, cells), f"{tables.coverage_note(cell.time for cell in cells.values())}", f"{machine_line(results)}."]
+    table.notes += [*crossings(results, cells), *extrapolated(results, cells), f"{tables.coverage_note(cell.time for cell in cells.values())}", f"{machine_line(results)}."]
     caption = ("Width of the interval of a statistic, relative to its value, against the time to prepare and solve. Thin: each pair of meshes; bold: geometric mean over "
                "the pairs that reached the width. Intervals of Monte Carlo hold with a probability of 95 %, the others always.")
     return Report(lambda: draw(results, cells), table, records, caption=caption, clock=clock_note(results))
@@ -154,7 +159,7 @@ def counted(results: Results, cell: Cell | None, name: str) -> str:
 def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
     """Returns a note on the widths at which the two solvers take the same time, by the lines of the figure."""
     found = []
-    for statistic in dict.fromkeys(map(str, results.cases.statistic)):
+    for statistic in statistics_of(results):
         ours, rival = (line(results, cells, statistic, label) for label in (OURS, RIVAL))
         shared = sorted(ours.keys() & rival.keys(), reverse=True)
         logs = [float(np.log(rival[t] / ours[t])) for t in shared]
@@ -163,6 +168,35 @@ def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
                 at = np.exp(np.log(t) + (np.log(u) - np.log(t)) * -a / (b - a))
                 found.append(f"{TITLES.get(statistic, statistic)}: {tables.number(float(at), 2)}")
     return [f"Relative widths at which both take the same time (geometric mean over pairs): {'; '.join(found)}. Narrower intervals take Monte Carlo longer."] if found else []
+
+
+def extrapolated(results: Results, cells: dict[Key, Cell]) -> list[str]:
+    """Returns a note on how much longer than OURS a mean takes that is certain because its samples have a covering radius.
+
+    A power of the radius is fitted to the times of SAMPLES on each pair, and followed from its finest samples to a radius as small as the
+    finest width of OURS. That favours the samples: they only make the mean certain to twice the radius.
+    """
+    factors, powers, finest = list[float](), list[float](), min((tolerance for _, label, tolerance in cells if label == OURS), default=0.0)
+    for (scene, label, tolerance), ours in cells.items():
+        if label != OURS or tolerance != finest or not scene.endswith(", mean") or ours.failures:
+            continue
+        rows = [row for row in results.rows(scene=scene.removesuffix(", mean"), solver=SAMPLES) if results.is_bounded(row)]
+        points = sorted((results.gap(row), float(np.median(list(results.total_by_round(row).values())))) for row in rows)
+        if len({gap for gap, _ in points}) < 3:
+            continue
+        powers.append(float(scipy.stats.linregress(*np.log(np.array(points)).T).slope))
+        (gap, time), radius = points[0], finest * results.middle(ours.cases[0])
+        factors.append(time * (radius / gap) ** powers[-1] / ours.time.value)
+    if not factors:
+        return []
+    return [f"Samples make a mean certain only to their covering radius. Of {style.title(SAMPLES)}, whose gap is this radius, the time grows like radius^{max(powers):.2f} to "
+            f"radius^{min(powers):.2f}. Extrapolated to a radius of {finest:g} times the mean, it takes about {scipy.stats.gmean(factors):.0e} times as long as {style.title(OURS)} takes for a width of "
+            f"{finest:g} (geometric mean over {len(factors)} pairs; {min(factors):.0e} to {max(factors):.0e})."]
+
+
+def statistics_of(results: Results) -> list[str]:
+    """Returns the names of the statistics; rows of SAMPLES have none."""
+    return [statistic for statistic in dict.fromkeys(map(str, results.cases.statistic)) if statistic]
 
 
 def line(results: Results, cells: dict[Key, Cell], statistic: str, label: str) -> dict[float, float]:
@@ -178,8 +212,8 @@ def line(results: Results, cells: dict[Key, Cell], statistic: str, label: str) -
 
 def draw(results: Results, cells: dict[Key, Cell]) -> Any:
     cases = results.cases
-    statistics = list(dict.fromkeys(map(str, cases.statistic)))
-    labels = style.order((solver, label) for solver, label in zip(cases.solver, cases.label) if solver != "external")
+    statistics = statistics_of(results)
+    labels = style.order((solver, label) for solver, label in zip(cases.solver, cases.label) if solver in (OURS, RIVAL))
     figure, axes = plt.subplots(1, len(statistics), figsize=(style.DOUBLE_COLUMN, 2.4), sharex=True, sharey=True, squeeze=False)
     for ax, statistic in zip(axes[0], statistics):
         for solver, label in labels:
