@@ -15,7 +15,7 @@ exit "$(cat "$2")"
 """
 # A fake Python that records the requested figures.
 PYTHON = """#!/bin/bash
-echo "$3" >> drawn
+printf '%s\\n' "${@:3}" >> drawn
 """
 
 
