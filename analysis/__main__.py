@@ -12,10 +12,12 @@ import importlib
 import io
 import multiprocessing
 import os
+import signal
 import sys
 import traceback
 from collections.abc import Sequence
-from functools import partial
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from analysis.shared import style
@@ -45,24 +47,55 @@ def draw(stem: str, folder: Path, out: Path) -> int:
     return 0
 
 
-def draw_apart(stem: str, folder: Path, out: Path) -> tuple[int, str, str]:
-    """Draws a stem and returns the exit code and what was printed; an error in a script becomes part of it."""
+def draw_apart(stem: str, folder: Path, out: Path, to: Connection) -> None:
+    """Draws a stem and sends the exit code and what was printed; an error in its script becomes part of that."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it without a traceback
     said, complained = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
         try:
             code = draw(stem, folder, out)
-        except Exception:  # the other stems go on
+        except Exception:
             print(f"{stem}: its script failed:\n{traceback.format_exc()}", file=sys.stderr)
             code = 1
-    return code, said.getvalue(), complained.getvalue()
+    to.send((code, said.getvalue(), complained.getvalue()))
+
+
+def draw_side_by_side(stems: Sequence[str], folder: Path, out: Path) -> int:
+    """Draws each stem in a process of its own, so that none sees the looks that another gave to solvers (style.introduce).
+
+    Prints what they say in the order of `stems`, and returns the largest exit code; 1 for a process that was killed.
+    """
+    context, most = multiprocessing.get_context("fork"), min(8, len(os.sched_getaffinity(0)))
+    waiting, running = list(enumerate(stems)), dict[Connection, tuple[int, BaseProcess]]()
+    said, worst = dict[int, tuple[int, str, str]](), 0
+    for number in range(len(stems)):
+        while number not in said:
+            while waiting and len(running) < most:
+                at, stem = waiting.pop(0)
+                receiver, sender = context.Pipe(duplex=False)
+                process = context.Process(target=draw_apart, args=(stem, folder, out, sender))
+                process.start()
+                sender.close()
+                running[receiver] = at, process
+            for ready in wait(list(running)):
+                assert isinstance(ready, Connection)
+                at, ended = running.pop(ready)
+                try:
+                    said[at] = ready.recv()
+                    ended.join()
+                except EOFError:
+                    ended.join()
+                    said[at] = 1, "", f"{stems[at]}: its script was killed (exit code {ended.exitcode})\n"
+                ready.close()
+        code, printed, complained = said.pop(number)
+        print(printed, end="", flush=True)
+        print(complained, end="", file=sys.stderr, flush=True)
+        worst = max(worst, code)
+    return worst
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Draws the stems and returns the exit code, which is not 0 if one could not be drawn; that does not stop the others.
-
-    Several stems are drawn side by side, each in a process of its own, so that none sees the looks that another gave to
-    solvers (style.introduce).
-    """
+    """Draws the stems and returns the exit code, which is not 0 if one could not be drawn; that does not stop the others."""
     parser = argparse.ArgumentParser(prog="analysis", description="Draws figures and tables of experiments from their result files.")
     parser.add_argument("stems", nargs="+", metavar="STEM", help="an experiment, such as zhang2017_table3")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
@@ -70,13 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     if len(chosen.stems) == 1:
         return draw(chosen.stems[0], chosen.results, chosen.out)
-    worst = 0
-    with multiprocessing.get_context("fork").Pool(len(os.sched_getaffinity(0)), maxtasksperchild=1) as pool:
-        for code, said, complained in pool.imap(partial(draw_apart, folder=chosen.results, out=chosen.out), chosen.stems):
-            print(said, end="", flush=True)
-            print(complained, end="", file=sys.stderr, flush=True)
-            worst = max(worst, code)
-    return worst
+    return draw_side_by_side(chosen.stems, chosen.results, chosen.out)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +14,7 @@ from stem_runner import MAGIC, STEMS, Make, stem_runner
 from synthetic import ResultFile, spread
 
 from analysis.__main__ import main
-from analysis.zhang2017 import zhang2017_fig8, zhang2017_table3
+from analysis.zhang2017 import zhang2017_fig8, zhang2017_fig9, zhang2017_table3
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -191,16 +193,18 @@ def test_a_stem_without_results(stem: str, tmp_path: Path, capsys: pytest.Captur
 
 
 def test_several_stems_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    """One cannot be read and the script of another fails; the others are drawn, and told in the order of the stems."""
+    """One cannot be read, the script of another fails, a third is killed; the others are drawn, and told in the order of the stems."""
     def fails(_: object) -> None:
         raise ZeroDivisionError("on purpose")
 
     monkeypatch.setattr(zhang2017_fig8, "make", fails)
-    for file in (STEMS["zhang2017_table3"](), STEMS["zhang2017_fig8"](), STEMS["points_speed"]()):
+    monkeypatch.setattr(zhang2017_fig9, "make", lambda _: os.kill(os.getpid(), signal.SIGKILL))
+    for file in (STEMS[stem]() for stem in ("zhang2017_table3", "zhang2017_fig8", "zhang2017_fig9", "points_speed")):
         file.write(tmp_path)
-    stems = ["zhang2017_table3", "cliffs", "zhang2017_fig8", "points_speed"]
+    stems = ["zhang2017_table3", "cliffs", "zhang2017_fig8", "zhang2017_fig9", "points_speed"]
     assert main([*stems, "--results", str(tmp_path), "--out", str(tmp_path)]) == 2
     said = capsys.readouterr()
     assert 0 < said.out.index("tables/zhang2017_table3.md") < said.out.index("tables/points_speed.md")
     assert "cliffs.h5" in said.err.splitlines()[0] and "zhang2017_fig8: its script failed" in said.err and "on purpose" in said.err
+    assert "zhang2017_fig9: its script was killed (exit code -9)" in said.err
     assert main(["zhang2017_fig8", "points_speed", "--results", str(tmp_path), "--out", str(tmp_path)]) == 1
