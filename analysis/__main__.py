@@ -60,6 +60,17 @@ def draw_apart(stem: str, folder: Path, out: Path, to: Connection) -> None:
     to.send((code, said.getvalue(), complained.getvalue()))
 
 
+def outcome(stem: str, ready: Connection, process: BaseProcess) -> tuple[int, str, str]:
+    """Returns what draw_apart() sent, or the reason why its process sent nothing; waits for the end of the process."""
+    with ready:
+        try:
+            sent: tuple[int, str, str] | None = ready.recv()
+        except EOFError:
+            sent = None
+    process.join()
+    return sent or (1, "", f"{stem}: its script was killed (exit code {process.exitcode})\n")
+
+
 def draw_side_by_side(stems: Sequence[str], folder: Path, out: Path) -> int:
     """Draws each stem in a process of its own, so that none sees the looks that another gave to solvers (style.introduce).
 
@@ -80,13 +91,7 @@ def draw_side_by_side(stems: Sequence[str], folder: Path, out: Path) -> int:
             for ready in wait(list(running)):
                 assert isinstance(ready, Connection)
                 at, ended = running.pop(ready)
-                try:
-                    said[at] = ready.recv()
-                    ended.join()
-                except EOFError:
-                    ended.join()
-                    said[at] = 1, "", f"{stems[at]}: its script was killed (exit code {ended.exitcode})\n"
-                ready.close()
+                said[at] = outcome(stems[at], ready, ended)
         code, printed, complained = said.pop(number)
         print(printed, end="", flush=True)
         print(complained, end="", file=sys.stderr, flush=True)

@@ -1,7 +1,7 @@
 """Statistics of the distance against run time: relative width of the interval of `distribution` and of Monte Carlo.
 
-`sampling` measures the largest distance of the same pairs, with a certain gap, the covering radius of its samples. From its times follows
-how long a mean takes that is certain because of such a radius.
+`sampling` bounds the largest distance of the same pairs. Its gap is the covering radius of its samples, so its times show how long it takes
+to reach a radius. A note extrapolates them to a mean that is proven by such a radius.
 """
 
 from __future__ import annotations
@@ -171,25 +171,26 @@ def crossings(results: Results, cells: dict[Key, Cell]) -> list[str]:
 
 
 def extrapolated(results: Results, cells: dict[Key, Cell]) -> list[str]:
-    """Returns a note on how much longer than OURS a mean takes that is certain because its samples have a covering radius.
+    """Returns a note that compares the times of OURS with the times in which samples would prove the mean by their covering radius.
 
-    A power of the radius is fitted to the times of SAMPLES on each pair, and followed from its finest samples to a radius as small as the
-    finest width of OURS. That favours the samples: they only make the mean certain to twice the radius.
+    Fits a power of the radius to the times of SAMPLES on each pair, and follows it from the finest samples to a radius equal to the finest
+    width of OURS. This favours the samples: a radius r proves the mean only to a width of 2 r. Skips pairs whose mean is 0.
     """
     factors, powers, finest = list[float](), list[float](), min((tolerance for _, label, tolerance in cells if label == OURS), default=0.0)
     for (scene, label, tolerance), ours in cells.items():
         if label != OURS or tolerance != finest or not scene.endswith(", mean") or ours.failures:
             continue
-        rows = [row for row in results.rows(scene=scene.removesuffix(", mean"), solver=SAMPLES) if results.is_bounded(row)]
+        radius = finest * results.middle(ours.cases[0])
+        rows = [row for row in results.rows(scene=scene.removesuffix(", mean"), solver=SAMPLES, status="ok") if results.gap(row) > 0]
         points = sorted((results.gap(row), float(np.median(list(results.total_by_round(row).values())))) for row in rows)
-        if len({gap for gap, _ in points}) < 3:
+        if len({gap for gap, _ in points}) < 3 or not radius > 0:
             continue
         powers.append(float(scipy.stats.linregress(*np.log(np.array(points)).T).slope))
-        (gap, time), radius = points[0], finest * results.middle(ours.cases[0])
+        gap, time = points[0]
         factors.append(time * (radius / gap) ** powers[-1] / ours.time.value)
     if not factors:
         return []
-    return [f"Samples make a mean certain only to their covering radius. Of {style.title(SAMPLES)}, whose gap is this radius, the time grows like radius^{max(powers):.2f} to "
+    return [f"Samples prove a mean only to within their covering radius. The gap of {style.title(SAMPLES)} is this radius, and its time grows like radius^{max(powers):.2f} to "
             f"radius^{min(powers):.2f}. Extrapolated to a radius of {finest:g} times the mean, it takes about {scipy.stats.gmean(factors):.0e} times as long as {style.title(OURS)} takes for a width of "
             f"{finest:g} (geometric mean over {len(factors)} pairs; {min(factors):.0e} to {max(factors):.0e})."]
 

@@ -151,7 +151,7 @@ def unknown_instruction(logs: Path) -> NotMeasured | None:
 
 
 def instructions_in(out: Iterable[str]) -> int:
-    """Adds up the instructions in the lines of a file that callgrind wrote, without those of glibc's malloc.c.
+    """Adds up the instructions in the lines of a file that callgrind wrote. Leaves out glibc's malloc.c.
 
     The format is in valgrind's manual ("Callgrind Format Specification"): `fl`, `fi` or `fe` name the file of the lines of costs
     that follow, and a name is written only the first time; after `calls` comes the cost of what was called, which is counted where

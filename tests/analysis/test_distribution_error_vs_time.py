@@ -78,14 +78,19 @@ def test_slopes(make: Make, power: float, noise: float, said: str) -> None:
 
 @pytest.mark.parametrize(("power", "fine"), [(-2.0, 1e-4), (-4.0, 1e-4), (-2.0, 1e-5)])
 def test_the_time_of_samples_is_extrapolated(make: Make, power: float, fine: float) -> None:
-    """With a gap of 0.003, or 0.3 means, they take 2.4 s."""
+    """With a gap of 0.003, or 0.3 times the mean, they take 2.4 s. A time limit makes a row useless, and so does a mean of 0."""
     file = statistics(fine)
+    nothing: dict[str, Any] = {"lower": 0.0, "upper": 0.0, "tolerance_of": "lower"}
+    file.case("distribution", "same", spread(0.001, 7), quantity="distribution", statistic="mean", tolerance=fine, prepare_seconds=0.0, **nothing)
+    for gap in (0.03, 0.01, 0.003):
+        file.case("sampling", "same", spread(1.0, 7), options={"step": gap}, lower=0.0, upper=gap, tolerance=1.0, tolerance_of="lower")
+    file.case("sampling", "hand", spread(9.0, 7), options={"step": 1e-3}, lower=0.1, upper=0.101, tolerance=1.0, tolerance_of="lower", status="timeout")
     for pair, slower in (("hand", 1.0), ("bull", 2.0)):
         for gap in (0.03, 0.01, 0.003):
             file.case("sampling", pair, spread(2.4 * slower * (gap / 0.003) ** power, 7), options={"step": gap}, lower=0.1, upper=0.1 + gap, tolerance=1.0, tolerance_of="lower")
     records, rows, text = make(file)
     factor = 2.4 * (fine / 0.3) ** power / 0.004
-    assert f"the time grows like radius^{power:.2f} to radius^{power:.2f}. Extrapolated to a radius of {fine:g} times the mean" in text
+    assert f"its time grows like radius^{power:.2f} to radius^{power:.2f}. Extrapolated to a radius of {fine:g} times the mean" in text
     assert f"about {factor:.0e} times as long as distribution takes for a width of {fine:g} (geometric mean over 2 pairs; {factor:.0e} to {factor:.0e})" in text
     assert {row[2] for row in rows["hand"]} <= {"0.1", "0.01", "0.001", "0.0001", "1e-5"}  # they have no row in the table
     assert {record["solver"] for record in records} == {"distribution", "monte_carlo"}
