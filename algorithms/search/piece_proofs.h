@@ -1,5 +1,5 @@
 // The certificate of a search that cuts triangles of A into pieces at midpoints (subdivision.h) and bounds each piece:
-// guthe and the solvers of meshes/cascade. The certificate repeats the search's own cuts and reasons, which the search
+// guthe, kang, zheng and sacht. The certificate repeats the search's own cuts and reasons, which the search
 // reports while it runs:
 //
 // - The cuts. The certificate format only has cuts into two, so a cut into four pieces takes three of them: each cuts

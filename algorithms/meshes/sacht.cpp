@@ -16,7 +16,7 @@
 // Budget: subdivisions; in addition max_factor, as published, limits the number of triangles of A and pieces together.
 // Time: O(n log m) for the vertices and O(log m) per subdivision on well-behaved data, for n triangles of A and m of B.
 // Memory: O(n + m), and 152 bytes per piece in the queue.
-#include "algorithms/meshes/cascade/cascade.h"
+#include "algorithms/meshes/cascade.h"
 
 #include "algorithms/error.h"
 

@@ -10,7 +10,7 @@
 //
 // Fields: as in guthe.cpp, and "bound", the last bound computed for a piece of the triangle: 3, or 0 if it was exact.
 // Budget: subdivisions.
-#include "algorithms/meshes/cascade/cascade.h"
+#include "algorithms/meshes/cascade.h"
 
 namespace hausbench {
 

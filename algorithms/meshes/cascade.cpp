@@ -1,4 +1,4 @@
-#include "algorithms/meshes/cascade/cascade.h"
+#include "algorithms/meshes/cascade.h"
 
 #include "algorithms/search/bounds.h"
 #include "algorithms/search/element_bounds.h"
