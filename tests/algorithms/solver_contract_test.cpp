@@ -13,6 +13,7 @@
 #include "tests/support/truth.h"
 
 #include <algorithm>
+#include <iostream>
 #include <map>
 #include <set>
 
@@ -90,7 +91,7 @@ bool needs_to_be_told(const SolverEntry& entry) {
                        [](const auto& p) { return p.required(); });
 }
 
-// Calls f(entry, case, "solver on scene") for all cases that fit a solver.
+// Calls f(entry, case, "solver on scene") for all cases that fit a solver, and prints the number of cases.
 template <class F> void for_each_fitting(F&& f) {
     for (const SolverEntry& entry : solvers()) {
         if (needs_to_be_told(entry)) continue;
@@ -102,6 +103,7 @@ template <class F> void for_each_fitting(F&& f) {
             ++tried;
             f(entry, c, entry.info.name + " on " + c.test.name);
         }
+        std::cout << "    " << entry.info.name << ": " << tried << " scenes\n";
         EXPECT_GE(tried, 12) << entry.info.name;
     }
 }
