@@ -1,25 +1,16 @@
 #include "algorithms/registry.h"
 
+#include "algorithms/built_solvers.h"
 #include "algorithms/error.h"
 
 #include <set>
 
 namespace hausbench {
 
-// Declares the function NAME_solver() of each solver, which the solver's own file defines. CMake writes solvers.inc: it
-// has a line SOLVER(NAME) for each hausbench_solver(NAME ...) in a CMakeLists.txt.
-#define SOLVER(name) SolverEntry name##_solver();
-#include "solvers.inc"
-#undef SOLVER
-
 namespace {
 
 std::vector<SolverEntry>& list_of_solvers() {
-    static std::vector<SolverEntry> list = {
-#define SOLVER(name) name##_solver(),
-#include "solvers.inc"
-#undef SOLVER
-    };
+    static std::vector<SolverEntry> list = built_solvers();
     return list;
 }
 
@@ -40,15 +31,6 @@ void add_solvers(const std::vector<SolverEntry>& more, const std::string& origin
         }
     }
     list_of_solvers().insert(list_of_solvers().end(), more.begin(), more.end());
-}
-
-const std::vector<NotBuilt>& solvers_not_built() {
-    static const std::vector<NotBuilt> list = {
-#define NOT_BUILT(name, reason) {#name, reason},
-#include "not_built.inc"
-#undef NOT_BUILT
-    };
-    return list;
 }
 
 const SolverEntry& find_solver(std::string_view name) {

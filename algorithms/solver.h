@@ -21,6 +21,7 @@
 #pragma once
 
 #include "algorithms/kernel/counters.h"
+#include "algorithms/kernel/deadline.h"
 #include "algorithms/options.h"
 #include "algorithms/prepared.h"
 #include "algorithms/scene.h"
@@ -188,12 +189,16 @@ struct Query {
     std::uint64_t budget = std::numeric_limits<std::uint64_t>::max();  // most units of work, see Status::budget
     int threads = 1;  // most threads to use; the bounds must not depend on the number
     Wanted wanted;
+    const Interrupt* interrupt = nullptr;  // ends the solve early, as the time limit does; null: none
 
     // For Quantity::distribution. `floor` and `cutoff` are then ignored, and the tolerance holds for each statistic but
     // shares, which have a tolerance of their own.
     std::vector<Statistic> statistics = {};
     WeighBy weigh = WeighBy::area;
     double share_tolerance = 1e-3;
+
+    // Returns a deadline that begins now and passes at the time limit, or when the interrupt asks to stop.
+    Deadline deadline() const { return Deadline(time_limit, interrupt); }
 
     // Returns the largest gap allowed for a statistic, given its lower bound so far.
     double allowed_gap(const Statistic& statistic, double lower) const {

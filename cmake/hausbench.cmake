@@ -21,12 +21,28 @@ function(hausbench_vector_sources target)
   endif()
 endfunction()
 
-# hausbench_solver(NAME SOURCE ... [ALONE] [IF CONDITION ELSE WHY]): adds a solver to the program. One of its sources defines NAME_solver(). If the
-# variable CONDITION is off, the solver is not built, and is listed with the reason WHY. Its group in a unity build is its folder, or none if ALONE.
+# Sets the properties of an OBJECT library whose sources are part of the program and of the C library.
+function(hausbench_shared_objects target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    UNITY_BUILD_MODE GROUP)
+endfunction()
+
+# hausbench_solver(NAME SOURCE ... [ALONE] [GPL] [IF CONDITION ELSE WHY]): adds a solver to the program. One of its sources defines NAME_solver(). If
+# the variable CONDITION is off, the solver is not built, and is listed with the reason WHY. Its group in a unity build is its folder, or none if ALONE.
+# The C library leaves out solvers marked GPL, which need libraries under the GPL, and SURFACES, which accept only shapes that it does not have.
 function(hausbench_solver name)
-  cmake_parse_arguments(PARSE_ARGV 1 solver "ALONE" "IF;ELSE" "")
+  cmake_parse_arguments(PARSE_ARGV 1 solver "ALONE;GPL;SURFACES" "IF;ELSE" "")
+  if(solver_GPL)
+    set_property(GLOBAL APPEND PROPERTY HAUSBENCH_LIBRARY_NOT_BUILT "NOT_BUILT(${name}, \"it needs code under the GPL, which this library leaves out\")")
+  elseif(solver_SURFACES)
+    set_property(GLOBAL APPEND PROPERTY HAUSBENCH_LIBRARY_NOT_BUILT "NOT_BUILT(${name}, \"this library has no algebraic surfaces\")")
+  endif()
   if(solver_IF AND NOT ${solver_IF})
-    set_property(GLOBAL APPEND PROPERTY HAUSBENCH_NOT_BUILT "NOT_BUILT(${name}, \"${solver_ELSE}\")")
+    set(why "NOT_BUILT(${name}, \"${solver_ELSE}\")")
+    set_property(GLOBAL APPEND PROPERTY HAUSBENCH_NOT_BUILT "${why}")
+    if(NOT solver_GPL AND NOT solver_SURFACES)
+      set_property(GLOBAL APPEND PROPERTY HAUSBENCH_LIBRARY_NOT_BUILT "${why}")
+    endif()
     return()
   endif()
   cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME folder)
@@ -35,14 +51,22 @@ function(hausbench_solver name)
   endif()
   hausbench_sources(hausbench_algorithms ${folder} ${solver_UNPARSED_ARGUMENTS})
   set_property(GLOBAL APPEND PROPERTY HAUSBENCH_SOLVERS "SOLVER(${name})")
+  if(NOT solver_GPL AND NOT solver_SURFACES)
+    set_property(GLOBAL APPEND PROPERTY HAUSBENCH_LIBRARY_SOLVERS "SOLVER(${name})")
+  endif()
 endfunction()
 
-# Writes the lists that registry.cpp includes, from all calls of hausbench_solver().
+# Writes the lists that built_solvers.cpp includes, from all calls of hausbench_solver(): for the program to generated/, for the C library to
+# generated/library/.
 function(hausbench_write_solvers)
   foreach(list SOLVERS NOT_BUILT)
-    get_property(lines GLOBAL PROPERTY HAUSBENCH_${list})
-    list(JOIN lines "\n" lines)
     string(TOLOWER ${list} file)
-    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/${file}.inc CONTENT "// Written by CMake: the lines hausbench_solver(...).\n${lines}\n")
+    foreach(of "" LIBRARY_)
+      get_property(lines GLOBAL PROPERTY HAUSBENCH_${of}${list})
+      list(JOIN lines "\n" lines)
+      string(TOLOWER "${of}" folder)
+      string(REPLACE _ / folder "${folder}")
+      file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/${folder}${file}.inc CONTENT "// Written by CMake: the lines hausbench_solver(...).\n${lines}\n")
+    endforeach()
   endforeach()
 endfunction()

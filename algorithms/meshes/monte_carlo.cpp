@@ -168,7 +168,7 @@ public:
         if (query.weigh == WeighBy::number && !of_points_) result.note = "only weights by area are offered";
         const Points points = posed(source_->vertices, query.source_pose);
         if (!result.note.empty() || !(magnitude(points) <= largest_safe_magnitude)) return result;
-        const Deadline deadline(query.time_limit);
+        const Deadline deadline = query.deadline();
         const std::uint64_t most = std::min<std::uint64_t>(query.budget, most_samples);
         Drawing drawing(*source_, points, *target_, !of_points_, splitmix(seed_ + golden_step));
         if (drawing.empty()) return result;

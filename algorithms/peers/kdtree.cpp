@@ -66,7 +66,7 @@ public:
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
 
-        const Deadline deadline(query.time_limit);
+        const Deadline deadline = query.deadline();
         Counters counters;
         FarthestPoint farthest;
         const std::vector<Index> order = likely_farthest_first(a, b, counters);

@@ -48,7 +48,7 @@ public:
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
 
-        const Deadline deadline(query.time_limit);
+        const Deadline deadline = query.deadline();
         Counters counters;
         FarthestPoint farthest;
         const bool traced = trace.on();

@@ -47,7 +47,7 @@ public:
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};  // status `stalled`, bounds [0, infinity]
 
-        const Deadline deadline(query.time_limit);
+        const Deadline deadline = query.deadline();
         constexpr Index block = 4096;  // points of B between two checks of the clock
         Counters counters;
         FarthestPoint farthest;

@@ -38,7 +38,7 @@ public:
           counters_(counters),
           trace_(trace),
           elements_(elements),
-          deadline_(query.time_limit) {}
+          deadline_(query.deadline()) {}
 
     bool out_of_time() const { return deadline_.passed(); }
 

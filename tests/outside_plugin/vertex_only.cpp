@@ -42,7 +42,7 @@ public:
         const double size = std::max(magnitude(a), target_magnitude_);
         if (size != 0 && !(size >= smallest_safe_magnitude && size <= largest_safe_magnitude)) return {};
 
-        const Deadline deadline(query.time_limit);
+        const Deadline deadline = query.deadline();
         Result result;
         double upper = 0;
         Field lowers{"lower", Field::Of::elements, Field::Meaning::lower, {}}, uppers = lowers;

@@ -84,7 +84,7 @@ public:
                                         : std::nullopt),
           stages_(query.wanted.stages),
           bounds_(query, pair.target, {pair.magnitude, true}, counters_, trace, elements_ ? &*elements_ : nullptr),
-          deadline_(query.time_limit),
+          deadline_(query.deadline()),
           proofs_(query.wanted.certificate ? std::make_optional<CoverProofs>(pair.source.triangles.rows())
                                            : std::nullopt),
           scene_{pair.source,

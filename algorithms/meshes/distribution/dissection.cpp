@@ -244,6 +244,7 @@ bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t mos
     std::vector<Leaf> open;
     const bool first = leaves_.empty();
     if (first) {
+        open.reserve(static_cast<std::size_t>(triangles_.rows()));
         for (Eigen::Index i = 0; i < triangles_.rows(); ++i) {
             const auto v = triangles_.row(i);
             open.push_back(
@@ -269,6 +270,7 @@ bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t mos
     for (std::size_t begin = 0; begin < open.size(); begin += pieces_of_round) {
         const std::size_t end = std::min(open.size(), begin + pieces_of_round);
         if (stop(leaves_.size())) {
+            leaves_.reserve(leaves_.size() + open.size() - begin);
             for (std::size_t i = begin; i < open.size(); ++i)
                 leaves_.push_back(first ? unknown(open[i].piece) : open[i]);
             break;

@@ -111,6 +111,7 @@ public:
             bool more = false;
             for (std::size_t way = 0; way < 2; ++way)
                 if (pieces_[way]) more |= pieces_[way]->refine(where_[way], stop_of(way), most_);
+            if (is_interrupted()) return interrupted();
             if (const auto status = narrower(more)) return result(*status);
         }
     }
@@ -132,8 +133,20 @@ private:
         return sum;
     }
 
-    // Returns whether the time limit would pass while the statistics of this number of pieces are computed.
+    bool is_interrupted() const { return query_.interrupt && query_.interrupt->stop_requested(); }
+
+    // Returns the bounds of the last round at once, without computing those of the pieces made since. Before the first
+    // round, only trivial ones are known.
+    Narrowed interrupted() {
+        while (answers_.size() < query_.statistics.size())
+            answers_.push_back({0, is_share(query_.statistics[answers_.size()]) ? 1 : infinity});
+        return result(Status::time_limit);
+    }
+
+    // Returns whether the time limit would pass while the statistics of this number of pieces are computed, or whether
+    // the interrupt asks to stop.
     bool is_over(std::size_t pieces) const {
+        if (is_interrupted()) return true;
         if (std::isinf(query_.time_limit)) return false;
         return seconds() + seconds_per_piece_ * static_cast<double>(pieces) >= query_.time_limit;
     }

@@ -63,7 +63,7 @@ public:
           query_(query),
           trace_(trace),
           a_box_(query.source_pose.is_identity() ? Box{} : box_of(a)),
-          deadline_(query.time_limit) {}
+          deadline_(query.deadline()) {}
 
     Result run() {
         const auto root = [](const RTree& tree) { return static_cast<Id>(tree.nodes().size() - 1); };

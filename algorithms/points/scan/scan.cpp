@@ -69,7 +69,7 @@ public:
         const Extent source = extent_of(a, threads);
         if (std::max(source.magnitude(), target_.magnitude()) > largest_safe_coordinate) return {};
 
-        const Deadline deadline(query.time_limit);
+        const Deadline deadline = query.deadline();
         ScanState state;
         const ScanWork work{query, deadline, threads, a, b, grid_, target_.box, cells_from_, tree_from_};
         Status stopped = work.stop(state);

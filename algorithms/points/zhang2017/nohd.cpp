@@ -39,7 +39,7 @@ public:
           early_break_(early_break),
           trace_(trace),
           a_box_(query.source_pose.is_identity() ? Box{} : box_of(a)),
-          deadline_(query.time_limit) {}
+          deadline_(query.deadline()) {}
 
     Result run() {
         std::vector<NohdEntry> queue{{std::numeric_limits<double>::infinity(), 0, root_of(tree_)}};

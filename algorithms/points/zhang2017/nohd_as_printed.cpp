@@ -35,7 +35,7 @@ public:
         const Points& b = points_of(scene_->target);
         if (out_of_range(a, b)) return {};
         const Box around = box_of(a);
-        const Deadline deadline(query.time_limit);
+        const Deadline deadline = query.deadline();
         Counters counters;
         FarthestPoint farthest;
         double max_lb = 0;                        // the lower bound so far, squared; the paper's MaxLB

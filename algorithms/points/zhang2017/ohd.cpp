@@ -30,7 +30,7 @@ namespace {
 class OhdSearch {
 public:
     OhdSearch(const PointOctree& tree, const Points& a, const Points& b, const Query& query, Trace& trace)
-        : tree_(tree), a_(a), b_(b), query_(query), trace_(trace), deadline_(query.time_limit) {}
+        : tree_(tree), a_(a), b_(b), query_(query), trace_(trace), deadline_(query.deadline()) {}
 
     // Algorithm 6 of the paper: gets the first lower bound from the sample, then examines all points of A.
     Result run(std::span<const Index> sample, const ShuffledTarget& target, bool culling) {

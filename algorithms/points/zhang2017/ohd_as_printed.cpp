@@ -142,7 +142,7 @@ Result OhdAsPrinted::solve(const Query& query, State*, Trace&) const {
     const Points a = posed(points_of(scene_->source), query.source_pose);
     const Points& b = points_of(scene_->target);
     if (out_of_range(a, b)) return {};
-    const Deadline deadline(query.time_limit);
+    const Deadline deadline = query.deadline();
     Counters counters;
     FarthestPoint farthest;
     std::uint64_t taken = 0, culled = 0;

@@ -94,7 +94,7 @@ public:
         : most_cells_(most_cells),
           query_(query),
           trace_(trace),
-          deadline_(query.time_limit),
+          deadline_(query.deadline()),
           a_(source),
           feet_(target, deadline_, result_.counters) {
         result_.bounds = {0, farthest_corners()};

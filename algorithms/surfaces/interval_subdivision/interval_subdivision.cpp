@@ -43,7 +43,7 @@ public:
     std::size_t prepared_bytes() const override { return source_.bytes() + target_.bytes(); }
 
     Result solve(const Query& query, State*, Trace& trace) const override {
-        const Deadline deadline(query.time_limit);
+        const Deadline deadline = query.deadline();
         VoxelWork work{query, deadline, {}, {}};
         work.counters.polynomial_evaluations = source_.evaluations + target_.evaluations;
         VoxelDistances squared =

@@ -1,0 +1,20 @@
+#include "algorithms/kernel/deadline.h"
+
+#include <cfenv>
+
+namespace hausbench {
+
+bool Interrupt::ask_hook() const {
+    if (!hook_) return false;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(2)) return false;
+    last_ = now;
+    const int rounding = std::fegetround();
+    std::fesetround(FE_TONEAREST);
+    const bool stop = hook_(data_) != 0;
+    std::fesetround(rounding);
+    if (stop) requested_.store(true, std::memory_order_relaxed);
+    return stop;
+}
+
+}  // namespace hausbench
