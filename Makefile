@@ -8,7 +8,6 @@ SHELL := /bin/bash
 MAKEFLAGS += --no-builtin-rules
 # Timings must not compete with each other; ninja and ctest run compilers and tests in parallel.
 .NOTPARALLEL:
-.DEFAULT_GOAL := help
 
 export PROFILE ?= quick
 export PYTHON ?= /usr/bin/python3
@@ -29,8 +28,8 @@ STEMS := $(filter-out tracking,$(sort $(basename $(notdir $(shell find experimen
 # zhang2017_table3 belongs to the group zhang2017, like everything else in experiments/zhang2017.
 GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(subst _, ,$(stem))))))
 stems_of = $(sort $(filter $(1)_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$(1)/*.toml))))
-SOURCES = $(sort $(shell find algorithms bench datasets harness process tests -name '*.cpp'))
-HEADERS = $(sort $(shell find algorithms bench datasets harness process tests -name '*.h'))
+SOURCES = $(sort $(shell find algorithms bench datasets harness library process python tests -name '*.cpp'))
+HEADERS = $(sort $(shell find algorithms bench datasets harness library process python tests -name '*.h'))
 
 help:
 	@sed -nE 's/^([a-z][a-z-]*):.*## (.*)/make \1\t\2/p' Makefile | expand -t 22
@@ -69,6 +68,8 @@ $(GROUPS): %: build
 stability_error stability_time: stability_matrix
 # Its script also reads the results of another experiment (RESULTS_OF).
 tang2009_nearest: tang2009_similarity
+python: $(DEPS)  ## install the Python package into the virtual environment build/venv, and test it there
+	tools/python
 documents: $(DEPS)  ## collect the figures and tables of each paper in results/tables/PAPER.tex, and with pdflatex in results/documents/PAPER.pdf
 	$(PYTHON) -m analysis.document --compile
 check-reference: $(DEPS)  ## compare bounds and counted work in results/ with results/reference/counts; STEM=... for some
@@ -102,8 +103,7 @@ asan: $(DEPS)  ## run the C++ tests with the address and undefined behaviour san
 asan-kernels: $(DEPS)  ## the same for the tests of kernels, contracts and cover only; part of .ci/run
 	tools/build asan kernel_tests
 	ctest --preset asan -j $(JOBS) --no-tests=error -L kernels
-# The tests that GTEST_FILTER leaves out have no threads and would take minutes.
-tsan: $(DEPS)  ## run the tests of shared sessions with the thread sanitizer, which must find a planted race
+tsan: $(DEPS)  ## run the tests of shared sessions, without those that have no threads, with the thread sanitizer, which must find a planted race
 	tools/build tsan threaded_tests
 	GTEST_FILTER='-*RandomPairs*:*RandomScenes*:*ReferenceIsRight*' ctest --preset tsan -j $(JOBS) --no-tests=error -L threaded
 fuzz: $(DEPS)  ## run the fuzz targets, FUZZ_SECONDS each (TARGET=... for one); inputs accumulate in build/fuzz (see tests/fuzz/report.py)

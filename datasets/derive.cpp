@@ -2,7 +2,6 @@
 
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
-#include "algorithms/kernel/splitmix.h"
 #include "algorithms/surfaces/surface_mesh.h"
 #include "datasets/random.h"
 
@@ -11,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <unordered_map>
 
@@ -21,12 +19,6 @@ namespace {
 const TriangleMesh& mesh_of(const Given& g, const std::string& operation) {
     if (const auto* mesh = std::get_if<TriangleMesh>(g.origin)) return *mesh;
     throw InputError(operation + " takes a mesh, but its origin is a point set");
-}
-
-Points rows_of(const Points& points, const std::vector<Index>& rows) {
-    Points chosen(static_cast<Eigen::Index>(rows.size()), 3);
-    for (std::size_t i = 0; i < rows.size(); ++i) chosen.row(static_cast<Eigen::Index>(i)) = points.row(rows[i]);
-    return chosen;
 }
 
 PointSet choose_points(const Points& points, Index count, std::uint64_t seed) {
@@ -193,38 +185,6 @@ std::vector<Index> random_order(Eigen::Index count, const RandomNumbers& random,
     std::vector<Index> order;
     for (const auto& [lot, i] : lots) order.push_back(i);
     return order;
-}
-
-std::vector<Index> first_equal(const Points& points) {
-    using Coordinates = std::array<double, 3>;
-    const auto hash = [](const Coordinates& p) {
-        std::uint64_t mixed = 0;
-        for (const double value : p) {
-            mixed = (mixed ^ std::bit_cast<std::uint64_t>(value)) * golden_step;
-            mixed ^= mixed >> 32;
-        }
-        return static_cast<std::size_t>(mixed);
-    };
-    const auto count = static_cast<std::size_t>(points.rows());
-    std::unordered_map<Coordinates, Index, decltype(hash)> first(count, hash);
-    std::vector<Index> firsts(count);
-    for (Index v = 0; v < points.rows(); ++v) {  // + 0.0 turns -0 into +0
-        const Coordinates p{points(v, 0) + 0.0, points(v, 1) + 0.0, points(v, 2) + 0.0};
-        firsts[static_cast<std::size_t>(v)] = first.try_emplace(p, v).first->second;
-    }
-    return firsts;
-}
-
-TriangleMesh without_unused(const Points& vertices, const Triangles& triangles) {
-    std::vector<Index> becomes(static_cast<std::size_t>(vertices.rows()), -1), kept;
-    for (const Index v : triangles.reshaped()) becomes[static_cast<std::size_t>(v)] = 0;
-    for (std::size_t v = 0; v < becomes.size(); ++v) {
-        if (becomes[v] < 0) continue;
-        becomes[v] = static_cast<Index>(kept.size());
-        kept.push_back(static_cast<Index>(v));
-    }
-    const auto renumbered = [&](Index v) { return becomes[static_cast<std::size_t>(v)]; };
-    return {rows_of(vertices, kept), triangles.unaryExpr(renumbered)};
 }
 
 TriangleMesh weld(const TriangleMesh& mesh) {

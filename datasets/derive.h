@@ -3,6 +3,7 @@
 
 #include "datasets/generate.h"
 #include "datasets/load.h"
+#include "datasets/merge_points.h"
 
 namespace hausbench {
 
@@ -32,13 +33,6 @@ LoadedShape derive(const std::string& operation, const Numbers& numbers, const L
 // Splits each triangle in four at the midpoints of its edges. New vertices follow the old ones; two triangles that
 // share an edge also share its midpoint. O(n) expected.
 TriangleMesh subdivide(const TriangleMesh& mesh);
-
-// Returns, for each point, the index of the first point with the same coordinates (-0 equals +0). No coordinate may be
-// NaN. O(n) expected.
-std::vector<Index> first_equal(const Points& points);
-
-// Returns the mesh without the vertices that no triangle uses. The other vertices keep their order.
-TriangleMesh without_unused(const Points& vertices, const Triangles& triangles);
 
 // Merges vertices with equal coordinates into the first of them.
 TriangleMesh weld(const TriangleMesh& mesh);

@@ -63,4 +63,23 @@ std::string sha256_of_file(const std::filesystem::path& file) {
     return hash.hex();
 }
 
+namespace {
+
+template <class Matrix> void add_matrix(Sha256& hash, const Matrix& matrix) {
+    const std::int64_t rows = matrix.rows();
+    hash.add(&rows, sizeof rows);
+    hash.add(matrix.data(), sizeof(typename Matrix::Scalar) * static_cast<std::size_t>(matrix.size()));
+}
+
+}  // namespace
+
+std::string content_hash(const Shape& shape) {
+    Sha256 hash;
+    hash.add(to_string(kind_of(shape)));
+    add_matrix(hash, points_of(shape));
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) add_matrix(hash, mesh->triangles);
+    if (const auto* surface = std::get_if<AlgebraicSurface>(&shape)) hash.add(surface->polynomial);
+    return hash.hex();
+}
+
 }  // namespace hausbench

@@ -1,6 +1,8 @@
 // SHA-256, through OpenSSL.
 #pragma once
 
+#include "algorithms/scene.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -30,5 +32,9 @@ private:
 
 // Returns the hash of the file's bytes. Throws InputError if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);
+
+// Returns the SHA-256 (hexadecimal) of the kind, counts, coordinates and indices of a shape, or of the polynomial and
+// box of a surface. Two shapes with the same hash count as the same input.
+std::string content_hash(const Shape& shape);
 
 }  // namespace hausbench

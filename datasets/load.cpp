@@ -1,10 +1,9 @@
 #include "datasets/load.h"
 
 #include "algorithms/error.h"
-#include "datasets/derive.h"
+#include "datasets/merge_points.h"
 #include "datasets/parse.h"
 #include "datasets/readers.h"
-#include "datasets/surface_file.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -173,11 +172,7 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     if (std::filesystem::is_directory(status)) throw InputError(name + ": is a folder: name a file in it");
     if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0)
         throw InputError(name + ": is empty: save or fetch it again");
-    if (format.empty() && lower_case(name).ends_with(".surface.toml")) {
-        LoadedShape loaded{read_surface_file(file), {}};
-        loaded.report.format = "surface";
-        return loaded;
-    }
+    if (format.empty() && lower_case(name).ends_with(".surface.toml")) return readers::load_foreign(file, "surface");
     const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
     if (kind.empty())
         throw InputError(name +
@@ -198,7 +193,7 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
         {"pts", readers::read_xyz},   {"csv", readers::read_csv}, {"wrl", readers::read_vrml},
         {"vrml", readers::read_vrml}, {"wrz", readers::read_vrml}};
     const auto read = own.find(kind);
-    if (read == own.end()) return readers::load_with_assimp(file, format);
+    if (read == own.end()) return readers::load_foreign(file, format);
     const std::string bytes = read_all(file);
     if (bytes.empty()) throw InputError(name + ": is empty: save or fetch it again");
     LoadReport report;

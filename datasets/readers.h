@@ -48,6 +48,11 @@ std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& cor
 // empty: the extension counts.
 LoadedShape load_with_assimp(const std::filesystem::path& file, const std::string& format);
 
+// Reads a file that none of the functions above reads: a surface if `format` is "surface", else through assimp. The
+// program defines it in load_foreign.cpp. The C library has a definition of its own, which refuses every file, because
+// it links neither assimp nor a reader of TOML.
+LoadedShape load_foreign(const std::filesystem::path& file, const std::string& format);
+
 // Makes the shape from a soup: checks all coordinates and indices, drops faces with fewer than three corners, splits
 // the other faces into triangles, and drops unused vertices. A soup without faces becomes a point set. `merge` is for
 // formats that repeat shared vertices: vertices with equal coordinates (-0 equals +0) are merged before unused ones are

@@ -2,7 +2,6 @@
 
 #include "algorithms/error.h"
 #include "algorithms/kernel/polynomial.h"
-#include "datasets/hash.h"
 #include "datasets/hdf5.h"
 
 #include <fmt/format.h>
@@ -19,12 +18,6 @@ constexpr std::int64_t shape_schema = 1;
 template <class Matrix, class Value> Matrix rows_of_three(const std::vector<Value>& values) {
     if (values.size() % 3 != 0) throw std::runtime_error("its coordinates or indices do not come by three");
     return Eigen::Map<const Matrix>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3);
-}
-
-template <class Matrix> void add_matrix(Sha256& hash, const Matrix& matrix) {
-    const std::int64_t rows = matrix.rows();
-    hash.add(&rows, sizeof rows);
-    hash.add(matrix.data(), sizeof(typename Matrix::Scalar) * static_cast<std::size_t>(matrix.size()));
 }
 
 LoadedShape read_unchecked(const std::filesystem::path& path, const std::string& made_from) {
@@ -131,15 +124,6 @@ std::string shape_problem(const Shape& shape) {
     for (std::size_t v = 0; v < used.size(); ++v)
         if (!used[v]) return fmt::format("vertex {} (from 0) belongs to no triangle", v);
     return "";
-}
-
-std::string content_hash(const Shape& shape) {
-    Sha256 hash;
-    hash.add(to_string(kind_of(shape)));
-    add_matrix(hash, points_of(shape));
-    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) add_matrix(hash, mesh->triangles);
-    if (const auto* surface = std::get_if<AlgebraicSurface>(&shape)) hash.add(surface->polynomial);
-    return hash.hex();
 }
 
 }  // namespace hausbench

@@ -2,6 +2,7 @@
 // bits that were written.
 #pragma once
 
+#include "datasets/hash.h"
 #include "datasets/load.h"
 
 #include <filesystem>
@@ -17,10 +18,6 @@ void write_shape(const std::filesystem::path& file, const LoadedShape& shape, co
 // Reads a file of write_shape(). Throws InputError if that is not possible, if the shape is invalid, or if the file was
 // written with another `made_from`; an empty `made_from` is not compared.
 LoadedShape read_shape(const std::filesystem::path& file, const std::string& made_from = "");
-
-// Returns the SHA-256 (hexadecimal) of the kind, counts, coordinates and indices of a shape, or of the polynomial and
-// box of a surface. Two shapes with the same hash count as the same input.
-std::string content_hash(const Shape& shape);
 
 // Returns the reason why a shape is invalid: no points, a coordinate that is not finite, an index
 // out of range, no triangles, a vertex without a triangle, an invalid surface

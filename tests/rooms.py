@@ -11,7 +11,8 @@ INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 STAIRCASE = [
     ["main"],
     ["commands"],
-    ["run"],
+    ["run", "python"],
+    ["library"],
     ["check", "plan"],
     ["result"],
     ["record"],
@@ -29,6 +30,8 @@ WHAT = {
     "main": "harness/main.cpp: the program",
     "commands": "harness/commands/: what each verb takes and prints",
     "run": "harness/run/: workers, their limits, timing, the journal",
+    "python": "python/core/: the C interface for Python",
+    "library": "library/: the C interface",
     "check": "harness/check/: rows, re-checked",
     "plan": "harness/plan/: what to run",
     "result": "harness/result/: result files, written and read",
@@ -63,7 +66,7 @@ def room_of(path: Path) -> str:
 
 def sources() -> list[Path]:
     """Returns the C++ files of all rooms."""
-    folders = ("algorithms", "process", "datasets", "harness")
+    folders = ("algorithms", "process", "datasets", "harness", "library", "python")
     return sorted(p for f in folders for p in (ROOT / f).rglob("*") if p.suffix in (".h", ".cpp") and "recorder" not in p.parts)
 
 

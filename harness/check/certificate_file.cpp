@@ -3,10 +3,9 @@
 #include "algorithms/error.h"
 #include "algorithms/printable.h"
 #include "datasets/hash.h"
-#include "datasets/shape_file.h"
 #include "harness/check/verify.h"
-#include "harness/record/json.h"
-#include "harness/record/row.h"
+#include "harness/record/json_values.h"
+#include "harness/record/tolerance.h"
 #include "process/whole_file.h"
 
 #include <fmt/format.h>

@@ -118,31 +118,18 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
             mesh ? connected_parts(*mesh) : std::vector<Index>()};
 }
 
-// Returns the tolerance as a length, or as a fraction of the lower bound. The default tolerance must be meaningful for
-// every legal input: if the box of A has no extent, it is a fraction of the diagonal of both shapes. If they have no
-// extent either, it is a length.
-Tolerance resolve_tolerance(const MeasureRequest& request, const Points& a, Measured& measured) {
-    measured.tolerance_of = request.of;
-    if (request.of == "lower") {
-        measured.tolerance_absolute = std::numeric_limits<double>::quiet_NaN();
-        return {Tolerance::Of::lower, request.tolerance};
-    }
-    double& unit = measured.unit;
-    unit = unit_of(request.of, diagonal(a), longest_side(a));
-    if (unit == 0 && request.tolerance_given)
+// Returns the tolerance of the request. Throws InputError if it was given in a unit that has no length.
+Tolerance tolerance_of(const MeasureRequest& request, const Points& a, Measured& measured) {
+    const ResolvedTolerance resolved = resolve_tolerance(request.tolerance, request.of, a, measured.extent);
+    if (resolved.fell_back && request.tolerance_given)
         throw InputError(fmt::format(
             "{}: its box has no {}, so a tolerance relative to it has no meaning: use --of absolute or --of lower",
             request.source.string(), name_of_unit(request.of)));
-    if (unit == 0) {
-        measured.tolerance_of = "diagonal of both";
-        unit = measured.extent;
-    }
-    if (unit == 0) {
-        measured.tolerance_of = "absolute";
-        unit = 1;
-    }
-    measured.tolerance_absolute = tolerance_as_length(request.tolerance, unit);
-    return {Tolerance::Of::absolute, measured.tolerance_absolute};
+    const bool relative = resolved.tolerance.of == Tolerance::Of::lower;
+    measured.tolerance_of = resolved.of;
+    measured.unit = resolved.unit;
+    measured.tolerance_absolute = relative ? std::numeric_limits<double>::quiet_NaN() : resolved.tolerance.value;
+    return resolved.tolerance;
 }
 
 std::string default_solver(ShapeKind source, ShapeKind target) {
@@ -214,7 +201,7 @@ Measured measure(const MeasureRequest& asked) {
                                      request.certificate.string(), entry.info.name, solvers_with_certificates(a, b)));
     measured.certified = promises(entry, request.options);
     measured.extent = diagonal_of_both(points_of(source.shape), points_of(target.shape));
-    const Tolerance tolerance = resolve_tolerance(request, points_of(source.shape), measured);
+    const Tolerance tolerance = tolerance_of(request, points_of(source.shape), measured);
     const MeasureWork work{entry, request, tolerance};
     if (request.in_process)
         prepare_and_solve(work, std::move(source.shape), std::move(target.shape), measured, {});

@@ -13,8 +13,6 @@
 
 namespace hausbench {
 
-inline constexpr double question_seconds = 10;  // default time limit with a cutoff
-
 struct MeasureRequest {
     std::filesystem::path source, target;
     // Empty: cover for meshes, scan for point sets, surface_enclosure for surfaces.

@@ -2,9 +2,9 @@
 
 #include "algorithms/error.h"
 #include "algorithms/session/session.h"
-#include "algorithms/session/symmetric.h"
 #include "datasets/shape_file.h"
 #include "harness/check/certificate_file.h"
+#include "harness/record/both_ways.h"
 #include "harness/result/field_file.h"
 #include "process/memory.h"
 
@@ -22,40 +22,6 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-// A solver computes h(B,A) with the shapes swapped. Swaps the ends of the witness back, so that its source point is on
-// A again, and marks the direction.
-Result turned(Result result) {
-    std::swap(result.witness.source_point, result.witness.target_point);
-    std::swap(result.witness.source_element, result.witness.target_element);
-    result.witness.direction = Witness::Direction::target_to_source;
-    for (Certificate& one : result.certificates) one.direction = Witness::Direction::target_to_source;
-    return result;
-}
-
-// Combines both directions into H(A,B). If both gaps are within the tolerance, so is the gap of H. The upper bound of H
-// is the larger of the two upper bounds. The lower bound of H is at least the lower bound of the direction that has
-// this upper bound, so the gap of H is at most the gap of that direction.
-Result larger_of(const Query& query, const Result& forward, const Result& backward) {
-    for (const Result* one : {&forward, &backward}) {
-        if (!may_bound_a_distance(one->bounds)) return *one;
-    }
-    Result whole = forward;
-    keep_larger(whole, backward);
-    whole.outside_bytes = std::max(forward.outside_bytes, backward.outside_bytes);
-    whole.certificates.clear();
-    whole.why_no_certificate =
-        forward.why_no_certificate.empty() ? backward.why_no_certificate : forward.why_no_certificate;
-    if (!forward.certificates.empty() && !backward.certificates.empty()) {
-        whole.certificates = forward.certificates;
-        whole.certificates.insert(whole.certificates.end(), backward.certificates.begin(), backward.certificates.end());
-    }
-    if (const auto answer = query.answer(whole.bounds.lower, whole.bounds.upper)) {
-        whole.status = *answer;
-        whole.note.clear();
-    }
-    return whole;
-}
 
 class Solving {
 public:

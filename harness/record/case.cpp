@@ -10,23 +10,6 @@
 
 namespace hausbench {
 
-double unit_of(const std::string& of, double diagonal, double longest_side) {
-    return of == "diagonal" ? diagonal : of == "longest" ? longest_side : 1;
-}
-
-double diagonal_of_both(const Points& a, const Points& b) {
-    Points corners(4, 3);
-    corners << a.colwise().minCoeff(), a.colwise().maxCoeff(), b.colwise().minCoeff(), b.colwise().maxCoeff();
-    return diagonal(corners);
-}
-
-// The lower limit is for an A that is a point, or so small that the product rounds to 0: the answer should then be as
-// tight as doubles allow. The upper limit is for an A whose diagonal overflows.
-double tolerance_as_length(double tolerance, double unit) {
-    using Limit = std::numeric_limits<double>;
-    return std::clamp(tolerance * unit, Limit::denorm_min(), Limit::max());
-}
-
 Tolerance Case::resolved_tolerance() const {
     if (tolerance_of == "lower") return {Tolerance::Of::lower, tolerance};
     return {Tolerance::Of::absolute, tolerance_as_length(tolerance, unit())};

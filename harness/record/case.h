@@ -3,6 +3,7 @@
 
 #include "algorithms/options.h"
 #include "algorithms/solver.h"
+#include "harness/record/tolerance.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -21,19 +22,6 @@ struct Limits {
     double prepare_seconds = 120;                       // for loading and preparing
     std::int64_t memory_bytes = std::int64_t(8) << 30;  // resident set of a worker
 };
-
-// Units of a tolerance: the diagonal or the longest side of the bounding box of A, a plain length, or the lower bound.
-inline const std::vector<std::string> tolerance_units = {"diagonal", "longest", "absolute", "lower"};
-
-// Returns the length of one unit of a tolerance; 1 for `absolute` and `lower`. `diagonal` and `longest_side` are
-// measured on the bounding box of A as loaded, whatever the pose, and also for h(B,A).
-double unit_of(const std::string& of, double diagonal, double longest_side);
-
-// Returns the diagonal of the bounding box of both point sets together.
-double diagonal_of_both(const Points& a, const Points& b);
-
-// Returns tolerance * unit, clamped to a finite length above 0.
-double tolerance_as_length(double tolerance, double unit);
 
 struct Case {
     std::string identity;  // SHA-256, see identify()

@@ -17,7 +17,6 @@
 #include <utility>
 
 namespace hausbench {
-
 namespace {
 
 Points standing(const PreparedShape& shape, const Pose& pose, const char* name) {
@@ -60,12 +59,15 @@ class FieldCutter {
 public:
     // Interpolation errors and lengths up to `floor` cause no cuts, because they may be rounding errors.
     FieldCutter(const Points& vertices, const Triangles& triangles, const DistanceTo& distance_to, double floor,
-                std::size_t most_pieces)
+                std::size_t most_pieces, const Deadline& deadline)
         : distance_to_(distance_to),
           floor_(floor),
           longest_(std::max(floor, longest_edge * diagonal(vertices))),
           most_(std::max(most_pieces, static_cast<std::size_t>(triangles.rows()))) {
-        for (Index i = 0; i < vertices.rows(); ++i) add(vertices.row(i).transpose(), i > 0 ? nearest.back() : -1);
+        for (Index i = 0; i < vertices.rows(); ++i) {
+            late_ = late_ || (i % 64 == 0 && deadline.passed());
+            add(vertices.row(i).transpose(), i > 0 ? nearest.back() : -1);
+        }
         pieces.reserve(static_cast<std::size_t>(triangles.rows()));
         for (Index t = 0; t < triangles.rows(); ++t)
             pieces.push_back({{triangles(t, 0), triangles(t, 1), triangles(t, 2)}, t, false});
@@ -112,7 +114,7 @@ private:
     using Edge = std::uint64_t;  // the numbers of its two vertices: the smaller one times 2^32, plus the larger one
 
     Index add(const Vec3& p, Index near) {
-        const auto found = distance_to_(p, near);
+        const auto found = late_ ? DistanceTo::Found{infinity, -1} : distance_to_(p, near);
         points.push_back(p);
         distances.push_back(found.distance);
         nearest.push_back(found.element);
@@ -251,6 +253,7 @@ private:
 
     const DistanceTo& distance_to_;
     double floor_, longest_, resolution_ = 0;
+    bool late_ = false;                                    // the deadline has passed
     std::size_t most_, due_ = 0;                           // the limit on pieces; how many the marked edges will add
     std::vector<std::pair<Edge, std::size_t>> pieces_of_;  // each edge with each of its pieces, sorted
     std::unordered_map<Edge, Index> marks_;                // marked edges, each with the vertex at its midpoint
@@ -273,7 +276,7 @@ DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, c
     const DistanceTo distance_to(to);
     const double floor = std::ldexp(4 * field_error(largest), exponent);  // so that rounding causes no cuts
     FieldCutter cutter(points_of(from.shape()), mesh ? mesh->triangles : Triangles(0, 3), distance_to, floor,
-                       drawing.most_pieces);
+                       drawing.most_pieces, drawing.deadline ? *drawing.deadline : Deadline(infinity));
     DrawnField drawn;
     if (mesh && std::isfinite(drawing.fraction)) {
         const double farthest = *std::max_element(cutter.distances.begin(), cutter.distances.end());
@@ -387,13 +390,11 @@ void add_own(Fields& fields, Fields own) {
 double field_error(double magnitude) { return 320 * unit_roundoff * magnitude + 0x1p-1072; }
 
 std::string_view to_string(Field::Of of) {
-    constexpr std::string_view names[] = {"vertices", "elements", "pieces"};
-    return names[static_cast<std::size_t>(of)];
+    return std::array{"vertices", "elements", "pieces"}[static_cast<std::size_t>(of)];
 }
 
 std::string_view to_string(Field::Meaning meaning) {
-    constexpr std::string_view names[] = {"lower", "upper", "number"};
-    return names[static_cast<std::size_t>(meaning)];
+    return std::array{"lower", "upper", "number"}[static_cast<std::size_t>(meaning)];
 }
 
 }  // namespace hausbench

@@ -20,6 +20,9 @@ struct Drawing {
     Vec3 witness = Vec3::Zero();
     Index witness_element = -1;
     std::size_t most_pieces = 2'000'000;  // no limit on the triangles of A itself
+    // Once it has passed, the remaining vertices of A get an infinite distance and the element -1. Null: none. Only for
+    // an A that is not cut.
+    const Deadline* deadline = nullptr;
 };
 
 // A in its pose, cut into small triangles called *pieces*, with the distance from each vertex to B in its pose.

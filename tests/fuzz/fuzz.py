@@ -26,11 +26,11 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "tests" / "fuzz"
 BUILD = ROOT / "build" / "fuzz"
-TARGETS = ["certificates", "differential", "experiments", "journals", "kernels", "polynomials", "readers", "results"]
+TARGETS = ["arrays", "certificates", "differential", "experiments", "journals", "kernels", "polynomials", "readers", "results"]
 # The longest input that a target can use, in bytes.
-LENGTHS = {"differential": 600, "kernels": 256, "polynomials": 220, "certificates": 2000, "results": 600}
+LENGTHS = {"arrays": 800, "differential": 600, "kernels": 256, "polynomials": 220, "certificates": 2000, "results": 600}
 # Executions of a short run, which take less than ten seconds on an idle machine.
-SHORT = {"certificates": 3000, "differential": 300, "experiments": 2000, "journals": 2000, "kernels": 5000,
+SHORT = {"arrays": 3000, "certificates": 3000, "differential": 300, "experiments": 2000, "journals": 2000, "kernels": 5000,
          "polynomials": 2000, "readers": 20000, "results": 300}
 SHORT_SECONDS = 10
 KEPT_BYTES = 22_000  # limit for each target's corpus

@@ -14,7 +14,7 @@ import pytest
 from conftest import ROOT, Program
 from test_run import run
 
-LIBRARIES = ("kernel", "algorithms", "datasets", "harness")
+LIBRARIES = ("kernel", "algorithms", "readers", "datasets", "answers", "checker", "harness")
 
 
 def library_of(command: dict[str, str]) -> str:

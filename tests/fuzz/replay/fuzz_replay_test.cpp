@@ -34,7 +34,8 @@ TEST_P(FuzzReplay, NoFileOfTheCorpusFails) {
 }
 
 std::vector<std::string> names() {
-    return {"certificates", "differential", "experiments", "journals", "kernels", "polynomials", "readers", "results"};
+    return {"arrays",  "certificates", "differential", "experiments", "journals",
+            "kernels", "polynomials",  "readers",      "results"};
 }
 INSTANTIATE_TEST_SUITE_P(, FuzzReplay, testing::ValuesIn(names()), [](const auto& info) { return info.param; });
 

@@ -1,0 +1,167 @@
+#include "library/question.h"
+
+#include "harness/record/both_ways.h"
+#include "library/errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hausbench::library {
+namespace {
+
+Pose pose_of(const double* matrix, const char* name, int argument) {
+    Pose pose;
+    if (!matrix) return pose;
+    for (int k = 0; k < 3; ++k) {
+        for (int j = 0; j < 3; ++j) pose.rotation(k, j) = matrix[4 * k + j];
+        pose.translation[k] = matrix[4 * k + 3];
+    }
+    if (!(matrix[12] == 0 && matrix[13] == 0 && matrix[14] == 0 && matrix[15] == 1))
+        throw ArgumentError(argument,
+                            fmt::format("query: the last row of {} is {} {} {} {}, not 0 0 0 1: give the rows of "
+                                        "the matrix one after the other",
+                                        name, matrix[12], matrix[13], matrix[14], matrix[15]));
+    if (!pose.rotation.allFinite() || !pose.translation.allFinite())
+        throw ArgumentError(argument, fmt::format("query: {} has an entry that is not finite: give numbers", name));
+    return pose;
+}
+
+void check(const hausbench_query& query, int argument) {
+    const auto fail = [&](const std::string& what) { throw ArgumentError(argument, "query: " + what); };
+    if (!(query.tolerance > 0) || std::isinf(query.tolerance))
+        fail(fmt::format("tolerance is {}: give a number above 0", query.tolerance));
+    if (query.relative_to < HAUSBENCH_OF_DIAGONAL || query.relative_to > HAUSBENCH_OF_LOWER)
+        fail(fmt::format("relative_to is {}: give OF_DIAGONAL, OF_LENGTH or OF_LOWER", query.relative_to));
+    if (query.threads < 1) fail(fmt::format("threads is {}: give at least 1", query.threads));
+    if (!(query.time_limit >= 0))
+        fail(fmt::format("time_limit is {}: give seconds, or INFINITY for none", query.time_limit));
+    if (!(query.share_tolerance > 0) || std::isinf(query.share_tolerance))
+        fail(fmt::format("share_tolerance is {}: give a number above 0", query.share_tolerance));
+    if (query.weigh_by_number != 0 && query.weigh_by_number != 1)
+        fail(fmt::format("weigh_by_number is {}: give 0 or 1", query.weigh_by_number));
+    if (query.reserved != 0) fail("reserved must be 0");
+}
+
+const char* unit_named(std::int32_t relative_to) {
+    return relative_to == HAUSBENCH_OF_DIAGONAL ? "diagonal"
+           : relative_to == HAUSBENCH_OF_LENGTH ? "absolute"
+                                                : "lower";
+}
+
+}  // namespace
+
+Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argument)
+    : pair_(given(pair, "pair", 1)->pair),
+      asked_(taken<hausbench_query>(theirs, HAUSBENCH_QUERY_INIT, "query", argument)),
+      interrupt_(asked_.cancel, asked_.cancel_data) {
+    check(asked_, argument);
+    tolerance = resolve_tolerance(asked_.tolerance, unit_named(asked_.relative_to), points_of(pair_->source().shape()),
+                                  pair_->extent());
+    query.tolerance = tolerance.tolerance;
+    query.threads = asked_.threads;
+    query.time_limit = asked_.time_limit;
+    query.source_pose = pose_of(asked_.source_pose, "source_pose", argument);
+    query.target_pose = pose_of(asked_.target_pose, "target_pose", argument);
+    query.weigh = asked_.weigh_by_number ? WeighBy::number : WeighBy::area;
+    query.share_tolerance = asked_.share_tolerance;
+    if (asked_.cancel) query.interrupt = &interrupt_;
+    if (!asked_.chain) return;
+    chain_ = &asked_.chain->chain;
+    if (chain_->pair != pair_)
+        throw ArgumentError(argument, "query: the chain belongs to another pair: begin one for this pair");
+    chain_->moves.moves |= !query.source_pose.is_identity();
+    chain_->moves.target_moves |= !query.target_pose.is_identity();
+}
+
+// Returns the query as a question about the source and target of this direction, and its session.
+Question::Way Question::way(Query one, bool backward) {
+    if (backward) std::swap(one.source_pose, one.target_pose);
+    Pair::Kind moves = pair_->planned();
+    if (chain_) {
+        moves.moves |= chain_->moves.moves;
+        moves.target_moves |= chain_->moves.target_moves;
+    }
+    const Pair::Kind kind = pair_->kind_for(one, backward, moves);
+    return {one, kind, pair_->session(kind, one.threads)};
+}
+
+Result Question::ask(const Way& way, const WallClock& clock) {
+    Query one = way.query;
+    one.time_limit = clock.left(one.time_limit);
+    State* state = nullptr;
+    if (chain_) {
+        auto [at, fresh] = chain_->states.try_emplace(way.kind);
+        if (fresh) at->second = way.session->begin();
+        state = at->second.get();
+    }
+    Trace untraced;
+    return way.session->solve(one, state, untraced);
+}
+
+Result Question::solve() {
+    const WallClock preparing;
+    const Way only = way(query, false);
+    prepare_seconds_ = preparing.elapsed();
+    const WallClock clock;
+    Result result = ask(only, clock);
+    solve_seconds_ = clock.elapsed();
+    return result;
+}
+
+// Like `hausbench measure --symmetric`, so that the answers have the same bits: by two directions, or at once if the
+// tolerance is a fraction of the lower bound.
+Result Question::solve_symmetric() {
+    if (query.tolerance.of == Tolerance::Of::lower) {
+        query.quantity = Quantity::symmetric;
+        return solve();
+    }
+    const WallClock preparing;
+    const Way there = way(query, false), back = way(query, true);
+    prepare_seconds_ = preparing.elapsed();
+    const WallClock clock;
+    const Result forward = ask(there, clock);
+    Result result = larger_of(query, forward, turned(ask(back, clock)));
+    solve_seconds_ = clock.elapsed();
+    return result;
+}
+
+int Question::status_of(const Result& result) const {
+    switch (result.status) {
+        case Status::converged:
+            return HAUSBENCH_CONVERGED;
+        case Status::below_floor:
+            return HAUSBENCH_WITHIN;
+        case Status::above_cutoff:
+            return HAUSBENCH_ABOVE;
+        default:
+            break;
+    }
+    if (interrupt_.stopped()) return HAUSBENCH_CANCELLED;
+    if (result.status == Status::time_limit) return HAUSBENCH_TIME_LIMIT;
+    return result.status == Status::precision_floor ? HAUSBENCH_PRECISION : HAUSBENCH_STALLED;
+}
+
+void Question::answer(const Result& result, hausbench_answer& answer) const {
+    hausbench_answer ours = HAUSBENCH_ANSWER_INIT;
+    ours.prepare_seconds = prepare_seconds_;
+    ours.solve_seconds = solve_seconds_;
+    ours.status = status_of(result);
+    if (!may_bound_a_distance(result.bounds)) {
+        ours.status = HAUSBENCH_STALLED;
+        give(answer, ours);
+        return;
+    }
+    ours.bounds = {result.bounds.lower, result.bounds.upper};
+    const Witness& witness = result.witness;
+    ours.to_source = witness.direction == Witness::Direction::target_to_source ? 1 : 0;
+    std::copy_n(witness.source_point.data(), 3, ours.source_point);
+    std::copy_n(witness.target_point.data(), 3, ours.target_point);
+    ours.source_row = witness.source_element;
+    ours.target_row = witness.target_element;
+    give(answer, ours);
+}
+
+}  // namespace hausbench::library

@@ -1,0 +1,48 @@
+// A query of the C interface, checked, and how it is solved.
+#pragma once
+
+#include "algorithms/session/adapter.h"
+#include "harness/record/tolerance.h"
+#include "library/hausbench.h"
+#include "library/pair.h"
+
+namespace hausbench::library {
+
+// One question about a pair. Make it in the thread that called the library, which calls the cancel function.
+class Question {
+public:
+    // `argument` is the number of the argument `query` of the function that was called. Throws ArgumentError.
+    Question(hausbench_pair* pair, const hausbench_query* query, int argument);
+    Question(const Question&) = delete;
+
+    Query query;  // tolerance, poses, limits; the caller sets the rest
+    ResolvedTolerance tolerance;
+
+    // Return the answer for h(A,B), or another quantity of `query`; and for H(A,B).
+    Result solve();
+    Result solve_symmetric();
+
+    // Writes what solve() returned.
+    void answer(const Result& result, hausbench_answer& answer) const;
+
+    Pair& pair() const { return *pair_; }
+    const hausbench_query& asked() const { return asked_; }
+
+private:
+    struct Way {
+        Query query;
+        Pair::Kind kind;
+        std::shared_ptr<const Session> session;
+    };
+    Way way(Query one, bool backward);
+    Result ask(const Way& way, const WallClock& clock);
+    int status_of(const Result& result) const;
+
+    std::shared_ptr<Pair> pair_;
+    hausbench_query asked_;
+    Interrupt interrupt_;
+    Chain* chain_ = nullptr;
+    double prepare_seconds_ = 0, solve_seconds_ = 0;
+};
+
+}  // namespace hausbench::library

@@ -1,0 +1,55 @@
+// Shapes behind the handles of the C interface.
+#pragma once
+
+#include "algorithms/prepared.h"
+#include "library/hausbench.h"
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace hausbench::library {
+
+// A mesh or point set as the caller gave it, and the structures built over it. Thread-safe.
+class Model {
+public:
+    // `given` has the rows as given. `name` names the file it was read from, or says "arrays".
+    Model(Shape given, std::string name);
+
+    // The shape that is measured: without the vertices that no face uses. Its triangles have the numbers of the rows.
+    const Shape& shape() const { return measured_; }
+    ShapeKind kind() const { return kind_of(shape()); }
+
+    // All vertices, also those that no face uses, and the faces that refer to them.
+    const Points& given_points() const { return given_ ? given_->vertices : points_of(shape()); }
+    const Triangles* given_faces() const;
+
+    const std::string& name() const { return name_; }
+
+    double largest() const { return largest_; }  // the largest |coordinate| of shape()
+
+    // Returns the shape scaled by 2^exponent, with the structures over it. The same object for the same exponent.
+    std::shared_ptr<PreparedShape> prepared(int exponent);
+
+    // Lock it while a session is constructed over prepared().
+    std::mutex& building() { return building_; }
+
+private:
+    std::optional<TriangleMesh> given_;  // only if some vertices are not used
+    SharedShape measured_;
+    std::string name_;
+    double largest_;
+    std::mutex building_, keeping_;
+    std::map<int, std::shared_ptr<PreparedShape>> prepared_;
+};
+
+// Returns the model behind a handle. Throws ArgumentError if the handle is null.
+std::shared_ptr<Model> model_of(const hausbench_shape* handle, const char* name, int argument);
+
+}  // namespace hausbench::library
+
+struct hausbench_shape {
+    std::shared_ptr<hausbench::library::Model> model;
+};

@@ -1,0 +1,513 @@
+// Answers of the C interface: right, with the bits of a session, from several threads, cancelled, and posed.
+#include "algorithms/registry.h"
+#include "algorithms/session/session.h"
+#include "tests/library/c_interface.h"
+#include "tests/support/scenes.h"
+#include "tests/support/temporary_folder.h"
+
+#include <CGAL/Exact_rational.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/squared_distance_3.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <xmmintrin.h>
+
+#include <atomic>
+#include <bit>
+#include <cfenv>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <thread>
+
+namespace hausbench {
+namespace {
+
+std::vector<double> numbers_of(const Points& points) { return {points.data(), points.data() + points.size()}; }
+ShapeHandle handle_of(const TriangleMesh& mesh) {
+    const Triangles& t = mesh.triangles;
+    return shape_of(numbers_of(mesh.vertices), std::vector<std::int64_t>(t.data(), t.data() + t.size()));
+}
+
+TriangleMesh random_mesh(std::uint64_t seed, Index triangles, double size = 1) {
+    Random random(seed);
+    TriangleMesh mesh{cloud(random, 3 * triangles, size), Triangles(triangles, 3)};
+    for (Index i = 0; i < 3 * triangles; ++i) mesh.triangles(i / 3, i % 3) = i;
+    return mesh;
+}
+
+Result by_session(const char* solver, const Shape& a, const Shape& b, double tolerance) {
+    const SolverEntry& entry = find_solver(solver);
+    const Session session(entry, Options(entry.info.name, entry.info.parameters, {}), Scene{a, b}, {});
+    Query query;
+    query.tolerance.value = tolerance;
+    Trace trace;
+    return session.solve(query, trace);
+}
+
+void expect_same_bits(const hausbench_interval& found, const Bounds& expected) {
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(found.lower), std::bit_cast<std::uint64_t>(expected.lower));
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(found.upper), std::bit_cast<std::uint64_t>(expected.upper));
+}
+
+const std::vector<double> two_points = {0, 0, 0, 3, 4, 0}, origin = {0, 0, 0};
+
+TEST(Library, BoundsTheDistanceOfPoints) {
+    const ShapeHandle a = shape_of(two_points), b = shape_of(origin);
+    const hausbench_answer there = directed(pair_of(a, b)), back = directed(pair_of(b, a));
+    EXPECT_EQ(there.status, HAUSBENCH_CONVERGED);
+    EXPECT_LE(there.bounds.lower, 5);
+    EXPECT_GE(there.bounds.upper, 5);
+    EXPECT_NEAR(there.bounds.upper, there.bounds.lower, 1e-5);
+    EXPECT_EQ(there.source_row, 1);
+    EXPECT_EQ(there.target_row, 0);
+    EXPECT_EQ(there.source_point[0], 3);
+    EXPECT_EQ(there.to_source, 0);
+    EXPECT_EQ(back.bounds.lower, 0);
+    EXPECT_LE(back.bounds.upper, 5e-6);
+}
+
+TEST(Library, SaysWhichShapeHasTheWitness) {
+    const ShapeHandle a = shape_of(two_points), b = shape_of(origin);
+    const hausbench_answer one = symmetric(pair_of(a, b)), other = symmetric(pair_of(b, a));
+    EXPECT_EQ(one.to_source, 0);
+    EXPECT_EQ(other.to_source, 1);
+    EXPECT_EQ(other.target_row, 1);
+    EXPECT_EQ(other.target_point[1], 4);
+    EXPECT_EQ(other.source_row, 0);
+    EXPECT_EQ(one.bounds.lower, other.bounds.lower);
+}
+
+TEST(Library, HasTheBitsOfASession) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const TriangleMesh a = random_mesh(seed, 12), b = random_mesh(seed + 100, 20, seed % 3 == 0 ? 40 : 1);
+        const double length = 1e-6 * diagonal(a.vertices);
+        const ShapeHandle one = handle_of(a), other = handle_of(b);
+        const PairHandle pair = pair_of(one, other);
+        const Result there = by_session("cover", a, b, length), back = by_session("cover", b, a, length);
+        expect_same_bits(directed(pair).bounds, there.bounds);
+        expect_same_bits(symmetric(pair).bounds, {std::max(there.bounds.lower, back.bounds.lower),
+                                                  std::max(there.bounds.upper, back.bounds.upper)});
+    }
+}
+
+TEST(Library, ToleranceOfASinglePointIsAFractionOfBothShapes) {
+    hausbench_query coarse = initial_query();
+    coarse.tolerance = 1e-3;
+    // The box of the mesh contains the point, so its diagonal is the diagonal of both.
+    const TriangleMesh large = sheet(30, 0, 0.5);
+    const PointSet middle{rows({Vec3(14.3, 14.2, 0)})};
+    const ShapeHandle point = shape_of({14.3, 14.2, 0}), mesh = handle_of(large);
+    for (const bool back : {false, true}) {
+        hausbench_interval found = directed(back ? pair_of(mesh, point) : pair_of(point, mesh), coarse).bounds;
+        const double length = 1e-3 * diagonal(large.vertices);
+        expect_same_bits(
+            found,
+            (back ? by_session("cover", large, middle, length) : by_session("cover", middle, large, length)).bounds);
+    }
+    coarse.tolerance = 0.25;
+    const ShapeHandle one = shape_of(origin), other = shape_of({0, 0, 0, 0, 0, 0});
+    const hausbench_answer answer = directed(pair_of(one, other), coarse);  // no extent at all: a length
+    EXPECT_EQ(answer.status, HAUSBENCH_CONVERGED);
+    EXPECT_LE(answer.bounds.upper, 0.25);
+}
+
+TEST(Library, UnitsOfTheTolerance) {
+    const TriangleMesh a = sheet(8, 0), b = sheet(8, 1, 0.4);
+    const ShapeHandle one = handle_of(a), other = handle_of(b);
+    const PairHandle pair = pair_of(one, other);
+    hausbench_query query = initial_query();
+    query.tolerance = 1e-3;
+    query.relative_to = HAUSBENCH_OF_LENGTH;
+    hausbench_answer answer = directed(pair, query);
+    expect_same_bits(answer.bounds, by_session("cover", a, b, 1e-3).bounds);
+    query.relative_to = HAUSBENCH_OF_LOWER;
+    for (const bool both : {false, true}) {
+        answer = both ? symmetric(pair, query) : directed(pair, query);
+        EXPECT_EQ(answer.status, HAUSBENCH_CONVERGED);
+        EXPECT_LE(answer.bounds.upper - answer.bounds.lower, 1e-3 * answer.bounds.lower);
+    }
+}
+
+TEST(Library, AsksWhetherADistanceIsWithinALength) {
+    const ShapeHandle a = shape_of(two_points), b = shape_of(origin);
+    const PairHandle pair = pair_of(a, b);
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    for (const auto& [length, status] : {std::pair{5.1, HAUSBENCH_WITHIN}, std::pair{4.9, HAUSBENCH_ABOVE}}) {
+        hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+        expect_ok(hausbench_within(pair.get(), length, nullptr, &answer, &error), error);
+        EXPECT_EQ(answer.status, status);
+        EXPECT_LE(answer.bounds.lower, 5);
+        EXPECT_GE(answer.bounds.upper, 5);
+    }
+    for (const double bad : {-1.0, double(NAN), double(INFINITY)}) {
+        hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+        EXPECT_EQ(hausbench_within(pair.get(), bad, nullptr, &answer, &error), HAUSBENCH_BAD_INPUT);
+        EXPECT_EQ(error.argument, 2);
+    }
+}
+
+TEST(Library, StatisticsOfTheDistance) {
+    const ShapeHandle a = shape_of(two_points), b = shape_of(origin);
+    const PairHandle pair = pair_of(a, b, nullptr, HAUSBENCH_DISTRIBUTION);
+    const char* names[] = {"mean", "maximum", "within 1", "mean target"};
+    const double expected[] = {2.5, 5, 0.5, 0};
+    hausbench_interval values[4];
+    hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_distribution(pair.get(), names, 4, nullptr, values, &answer, &error), error);
+    EXPECT_EQ(answer.status, HAUSBENCH_CONVERGED);
+    for (int i = 0; i < 4; ++i) {
+        EXPECT_LE(values[i].lower, expected[i]) << names[i];
+        EXPECT_GE(values[i].upper, expected[i]) << names[i];
+        EXPECT_NEAR(values[i].lower, values[i].upper, 1e-4) << names[i];
+    }
+    EXPECT_EQ(answer.bounds.lower, values[0].lower);
+    const char* wrong[] = {"mean", "mode"};
+    EXPECT_EQ(hausbench_distribution(pair.get(), wrong, 2, nullptr, values, &answer, &error), HAUSBENCH_BAD_INPUT);
+    EXPECT_EQ(error.argument, 2);
+    EXPECT_EQ(error.row, 1);
+    EXPECT_EQ(hausbench_distribution(pair.get(), names, 0, nullptr, values, &answer, &error), HAUSBENCH_BAD_INPUT);
+}
+
+// --- fields ------------------------------------------------------------------------------------------------------
+
+using Rational = CGAL::Exact_rational;
+using Exact = CGAL::Simple_cartesian<Rational>;
+
+Exact::Point_3 exact(const Points& points, Index i) { return {points(i, 0), points(i, 1), points(i, 2)}; }
+
+Rational squared_distance(const Points& from, Index row, const TriangleMesh& to, Index triangle) {
+    const Triangles& t = to.triangles;
+    const Exact::Triangle_3 corners(exact(to.vertices, t(triangle, 0)), exact(to.vertices, t(triangle, 1)),
+                                    exact(to.vertices, t(triangle, 2)));
+    return CGAL::squared_distance(exact(from, row), corners);
+}
+
+// Points around the origin or far from it, small or large beside B.
+class LibraryFields : public testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(LibraryFields, HoldUnderRounding) {
+    const auto [size, away] = GetParam();
+    Random random(5);
+    Points from = cloud(random, 200, size);
+    from.rowwise() += Eigen::RowVector3d(away, away, -away);
+    TriangleMesh to = random_mesh(6, 12);
+    to.vertices.rowwise() += Eigen::RowVector3d(away, away, -away);
+    const ShapeHandle a = shape_of(numbers_of(from)), b = handle_of(to);
+    std::vector<hausbench_interval> values(200);
+    std::vector<std::int64_t> nearest(200, -7);
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_field(pair_of(a, b).get(), nullptr, values.data(), nearest.data(), &error), error);
+    for (Index i = 0; i < 200; ++i) {
+        Rational least = squared_distance(from, i, to, 0);
+        for (Index t = 1; t < 12; ++t) least = std::min(least, squared_distance(from, i, to, t));
+        const auto [lower, upper] = values[std::size_t(i)];
+        EXPECT_LE(Rational(lower) * Rational(lower), least);
+        EXPECT_GE(Rational(upper) * Rational(upper), least);
+        EXPECT_LE(upper - lower, 1e-12 * std::max({1.0, size, away}));
+        const std::int64_t row = nearest[std::size_t(i)];
+        ASSERT_TRUE(row >= 0 && row < 12);
+        EXPECT_LE(squared_distance(from, i, to, Index(row)), Rational(upper) * Rational(upper));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, LibraryFields,
+                         testing::Values(std::pair(1.0, 0.0), std::pair(1e-9, 0.0), std::pair(1e9, 0.0),
+                                         std::pair(1.0, 1e6)));
+
+TEST(Library, FieldsCoverVerticesThatNoFaceUses) {
+    const ShapeHandle mesh = shape_of({9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 1, 0, -5, 0, 0}, {1, 2, 3});
+    const ShapeHandle b = shape_of(origin);
+    const PairHandle pair = pair_of(mesh, b);
+    std::vector<hausbench_interval> values(5);
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_field(pair.get(), nullptr, values.data(), nullptr, &error), error);
+    const double expected[] = {std::sqrt(243.0), 0, 1, 1, 5};
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(values[i].upper, expected[i], 1e-12) << i;
+    EXPECT_LE(directed(pair).bounds.upper, 1 + 1e-5);  // the unused vertices are no part of the mesh
+}
+
+TEST(Library, FieldsThatRunOutOfTimeHold) {
+    const ShapeHandle a = shape_of(two_points), b = shape_of(origin);
+    hausbench_query query = initial_query();
+    query.time_limit = 0;
+    std::vector<hausbench_interval> values(2);
+    std::vector<std::int64_t> nearest(2);
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_field(pair_of(a, b).get(), &query, values.data(), nearest.data(), &error), error);
+    EXPECT_EQ(values[1].lower, 0);
+    EXPECT_EQ(values[1].upper, INFINITY);
+    EXPECT_EQ(nearest[1], -1);
+}
+
+// --- poses and chains --------------------------------------------------------------------------------------------
+
+std::array<double, 16> moved_by(double x, double y, double z) {
+    return {1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z, 0, 0, 0, 1};
+}
+
+TEST(Library, PosesMoveEitherShape) {
+    const ShapeHandle a = shape_of(origin), b = shape_of(origin);
+    const PairHandle pair = pair_of(a, b);
+    const auto away = moved_by(3, 4, 0);
+    hausbench_query query = initial_query();
+    query.source_pose = away.data();
+    EXPECT_NEAR(directed(pair, query).bounds.upper, 5, 1e-5);
+    EXPECT_NEAR(symmetric(pair, query).bounds.lower, 5, 1e-5);
+    query.target_pose = away.data();
+    EXPECT_NEAR(directed(pair, query).bounds.upper, 0, 1e-5);
+    query.source_pose = nullptr;
+    EXPECT_NEAR(symmetric(pair, query).bounds.upper, 5, 1e-5);
+    // h(B,A) is the larger direction: A moves to (-3, -4, 0), and (3, 4, 0) of B is 10 away.
+    const auto back = moved_by(-3, -4, 0);
+    const ShapeHandle c = shape_of(two_points);
+    query = initial_query();
+    query.source_pose = back.data();
+    EXPECT_NEAR(symmetric(pair_of(a, c), query).bounds.lower, 10, 1e-4);
+    query = initial_query();
+    query.target_pose = back.data();
+    EXPECT_NEAR(symmetric(pair_of(a, c), query).bounds.upper, 5, 1e-4);
+}
+
+TEST(Library, ChainsGiveTrueBounds) {
+    const ShapeHandle a = handle_of(sheet(10, 0, 0.3)), b = handle_of(sheet(12, 1, 0.2));
+    const PairHandle pair = pair_of(a, b);
+    hausbench_chain* begun = nullptr;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_chain_begin(pair.get(), &begun, &error), error);
+    const ChainHandle chain(begun);
+    for (int step = 0; step < 8; ++step) {
+        const auto pose = moved_by(0.01 * step, 0.02 * step, 0);
+        hausbench_query query = initial_query();
+        query.source_pose = pose.data();
+        const hausbench_answer cold = directed(pair, query), cold_both = symmetric(pair, query);
+        query.chain = chain.get();
+        const hausbench_answer warm = directed(pair, query), both = symmetric(pair, query);
+        EXPECT_EQ(warm.status, HAUSBENCH_CONVERGED);
+        EXPECT_LE(warm.bounds.lower, cold.bounds.upper);
+        EXPECT_GE(warm.bounds.upper, cold.bounds.lower);
+        EXPECT_LE(both.bounds.lower, cold_both.bounds.upper);
+        EXPECT_GE(both.bounds.upper, cold_both.bounds.lower);
+    }
+    hausbench_query query = initial_query();
+    query.chain = chain.get();
+    hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+    EXPECT_EQ(hausbench_directed(pair_of(a, b).get(), &query, &answer, &error), HAUSBENCH_BAD_INPUT);
+}
+
+TEST(Library, APairOutlivesItsShapesAndAChainItsPair) {
+    hausbench_chain* begun = nullptr;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    PairHandle pair;
+    {
+        const ShapeHandle a = shape_of(two_points), b = shape_of(origin);
+        pair = pair_of(a, b);
+    }
+    EXPECT_NEAR(directed(pair).bounds.upper, 5, 1e-4);
+    expect_ok(hausbench_chain_begin(pair.get(), &begun, &error), error);
+    pair.reset();
+    hausbench_chain_release(begun);
+    hausbench_chain_release(nullptr);
+    hausbench_pair_release(nullptr);
+    hausbench_shape_release(nullptr);
+}
+
+// --- cancelling, threads, the caller's arithmetic ----------------------------------------------------------------
+
+TEST(Interrupt, OnlyItsOwnThreadCallsTheHook) {
+    struct Seen {
+        int calls = 0, rounding = -1;
+    } seen;
+    const auto hook = [](void* data) {
+        auto& one = *static_cast<Seen*>(data);
+        ++one.calls;
+        one.rounding = std::fegetround();
+        return 1;
+    };
+    const Interrupt interrupt(hook, &seen);
+    bool before = true, after = false;
+    std::thread([&] { before = interrupt.stop_requested(); }).join();
+    EXPECT_FALSE(before);
+    EXPECT_EQ(seen.calls, 0);
+    std::fesetround(FE_UPWARD);
+    const bool stop = Deadline(infinity, &interrupt).passed();
+    const int rounding = std::fegetround();
+    std::fesetround(FE_TONEAREST);
+    EXPECT_TRUE(stop);
+    EXPECT_EQ(rounding, FE_UPWARD);
+    EXPECT_EQ(seen.rounding, FE_TONEAREST);
+    std::thread([&] { after = interrupt.stop_requested(); }).join();
+    EXPECT_TRUE(after);
+    EXPECT_FALSE(Deadline(infinity).passed());
+}
+
+struct Cancelling {
+    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+    std::thread::id thread = std::this_thread::get_id();
+    int calls = 0, elsewhere = 0, not_to_nearest = 0;
+    double stopped = INFINITY;  // when it asked to stop, in seconds of this thread's processor time
+
+    static double processor_seconds() {
+        std::timespec now{};
+        ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+        return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+    }
+
+    static double seconds_since(std::chrono::steady_clock::time_point begin) {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    }
+    static int after_50_ms(void* data) {
+        auto& self = *static_cast<Cancelling*>(data);
+        ++self.calls;
+        self.elsewhere += self.thread != std::this_thread::get_id();
+        self.not_to_nearest += std::fegetround() != FE_TONEAREST;
+        const bool stop = seconds_since(self.begin) > 0.05;
+        if (stop) self.stopped = processor_seconds();
+        return stop;
+    }
+};
+
+void expect_cancelled(const std::function<hausbench_answer(const hausbench_query&)>& ask, int threads) {
+    Cancelling cancelling;
+    hausbench_query query = initial_query();
+    query.threads = threads;
+    query.tolerance = 1e-12;
+    query.share_tolerance = 1e-12;
+    query.cancel = Cancelling::after_50_ms;
+    query.cancel_data = &cancelling;
+    const hausbench_answer answer = ask(query);
+    EXPECT_LT(Cancelling::processor_seconds() - cancelling.stopped,
+              0.1);  // wall time depends on the load
+    EXPECT_EQ(answer.status, HAUSBENCH_CANCELLED);
+    EXPECT_LE(answer.bounds.lower, answer.bounds.upper);
+    EXPECT_GT(cancelling.calls, 1);
+    EXPECT_EQ(cancelling.elsewhere, 0);
+    EXPECT_EQ(cancelling.not_to_nearest, 0);
+}
+
+TEST(Library, CancelsALongCall) {
+    Random random(1);
+    const ShapeHandle a = shape_of(numbers_of(cloud(random, 60000))), b = shape_of(numbers_of(cloud(random, 60000)));
+    const PairHandle points = pair_of(a, b, "naive");
+    expect_cancelled([&](const hausbench_query& query) { return directed(points, query); }, 1);
+    expect_cancelled([&](const hausbench_query& query) { return symmetric(points, query); }, 1);
+    const ShapeHandle c = handle_of(sheet(40, 0, 0.4)), d = handle_of(sheet(37, 0.3, 0.4));
+    const PairHandle meshes = pair_of(c, d, nullptr, HAUSBENCH_DISTRIBUTION);
+    for (const int threads : {1, 2})
+        expect_cancelled(
+            [&](const hausbench_query& query) {
+                const char* names[] = {"mean", "median"};
+                hausbench_interval values[2];
+                hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+                hausbench_error error = HAUSBENCH_ERROR_INIT;
+                expect_ok(hausbench_distribution(meshes.get(), names, 2, &query, values, &answer, &error), error);
+                return answer;
+            },
+            threads);
+}
+
+TEST(Library, EndsAtTheTimeLimit) {
+    Random random(1);
+    const ShapeHandle a = shape_of(numbers_of(cloud(random, 60000))), b = shape_of(numbers_of(cloud(random, 60000)));
+    hausbench_query query = initial_query();
+    query.time_limit = 0.01;
+    EXPECT_EQ(directed(pair_of(a, b, "naive"), query).status, HAUSBENCH_TIME_LIMIT);
+}
+
+TEST(Library, SeveralThreadsMayShareAPair) {
+    const ShapeHandle a = handle_of(sheet(12, 0, 0.3)), b = handle_of(sheet(13, 1, 0.3));
+    const PairHandle alone = pair_of(a, b), shared = pair_of(a, b, nullptr, HAUSBENCH_NOTHING);
+    const hausbench_answer one = directed(alone), both = symmetric(alone);
+    std::atomic<int> different{0};
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 4; ++t)
+        threads.emplace_back([&] {
+            for (int i = 0; i < 10; ++i) {
+                const PairHandle fresh = pair_of(b, a);  // over the same shapes
+                different += directed(shared).bounds.lower != one.bounds.lower;
+                different += symmetric(shared).bounds.upper != both.bounds.upper;
+                different += symmetric(fresh).bounds.upper != both.bounds.upper;
+            }
+        });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(different, 0);
+}
+
+TEST(Library, DoesNotDependOnTheArithmeticOfTheCaller) {
+    const ShapeHandle a = handle_of(random_mesh(1, 20, 1e-310)), b = handle_of(random_mesh(2, 20, 1e-310));
+    const hausbench_answer expected = directed(pair_of(a, b));
+    const unsigned before = _mm_getcsr();
+    _mm_setcsr((before & ~0x6000u) | 0x8040u | 0x4000u);  // subnormal numbers are 0, rounding upward
+    const unsigned set = _mm_getcsr() & 0xe040u;
+    const hausbench_answer found = directed(pair_of(a, b));
+    const unsigned after = _mm_getcsr() & 0xe040u;
+    _mm_setcsr(before);
+    EXPECT_EQ(after, set);
+    expect_same_bits(found.bounds, {expected.bounds.lower, expected.bounds.upper});
+    EXPECT_GT(expected.bounds.lower, 0);
+}
+
+TEST(Library, GivesItsMemoryBack) {
+    const auto use = [] {
+        const ShapeHandle a = handle_of(sheet(4, 0)), b = handle_of(sheet(4, 1));
+        const PairHandle pair = pair_of(a, b);
+        directed(pair);
+        symmetric(pair);
+    };
+    for (int i = 0; i < 20; ++i) use();
+    const std::size_t before = ::mallinfo2().uordblks;
+    for (int i = 0; i < 500; ++i) use();
+    EXPECT_LE(::mallinfo2().uordblks, before + 10'000);
+}
+
+// --- certificates ------------------------------------------------------------------------------------------------
+
+TEST(Library, CertificatesAreWrittenAndChecked) {
+    const TemporaryFolder folder;
+    const std::string file = folder.path() / "proof";
+    const ShapeHandle a = handle_of(sheet(5, 0, 0.2)), b = handle_of(sheet(6, 1, 0.2));
+    const PairHandle pair = pair_of(a, b);
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    for (const int both : {0, 1}) {
+        hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+        expect_ok(hausbench_certify(pair.get(), both, nullptr, file.c_str(), &answer, &error), error);
+        EXPECT_EQ(answer.bounds.upper, (both ? symmetric(pair) : directed(pair)).bounds.upper);
+        hausbench_verdict verdict = HAUSBENCH_VERDICT_INIT;
+        expect_ok(hausbench_verify(file.c_str(), a.get(), b.get(), &verdict, &error), error);
+        EXPECT_EQ(verdict.accepted, 1) << verdict.text;
+        EXPECT_EQ(verdict.bounds.upper, answer.bounds.upper);
+        EXPECT_NEAR(verdict.proven, answer.bounds.upper, 1e-9);
+        EXPECT_EQ(hausbench_verify(file.c_str(), b.get(), a.get(), &verdict, &error), HAUSBENCH_BAD_INPUT);
+    }
+    std::fstream damaged(file, std::ios::in | std::ios::out | std::ios::binary);
+    damaged.seekp(40).put('!');
+    damaged.close();
+    hausbench_verdict verdict = HAUSBENCH_VERDICT_INIT;
+    EXPECT_EQ(hausbench_verify(file.c_str(), a.get(), b.get(), &verdict, &error), HAUSBENCH_BAD_INPUT);
+}
+
+TEST(Library, NoCertificateIsWrittenWithoutAProof) {
+    const TemporaryFolder folder;
+    const std::string file = folder.path() / "proof";
+    const ShapeHandle a = shape_of(two_points), b = shape_of(origin);
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+    EXPECT_EQ(hausbench_certify(pair_of(a, b, "naive").get(), 0, nullptr, file.c_str(), &answer, &error),
+              HAUSBENCH_BAD_INPUT);
+    EXPECT_NE(std::string(error.text).find("cover"), std::string::npos) << error.text;
+    // A pose that makes A smaller is no motion: its proof would be refused.
+    const std::array<double, 16> smaller = {0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1};
+    hausbench_query query = initial_query();
+    query.source_pose = smaller.data();
+    const ShapeHandle c = handle_of(sheet(9, 0, 0.2)), d = handle_of(sheet(8, 1, 0.2));
+    EXPECT_EQ(hausbench_certify(pair_of(c, d).get(), 0, &query, file.c_str(), &answer, &error), HAUSBENCH_BAD_INPUT);
+    EXPECT_NE(std::string(error.text).find("rotation"), std::string::npos) << error.text;
+    EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+}  // namespace
+}  // namespace hausbench

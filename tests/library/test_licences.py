@@ -1,0 +1,99 @@
+"""Everything that is compiled or linked into libhausbench.so has a licence in licences.toml, and none is the GPL. The linker's map names the object files,
+and ninja the headers of each."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from c_library import ROOT, run
+
+TABLE = tomllib.loads(Path(__file__).with_name("licences.toml").read_text())
+HEAVY = ("hdf5", "assimp", "matplotlib", "toml", "curl", "mpfr", "python")  # never loaded
+SPDX = re.compile(r"SPDX-License-Identifier: (.*)")
+
+
+def entry_of(header: str) -> dict[str, Any] | None:
+    """Returns the first entry that fits a header."""
+    for entry in TABLE["header"]:
+        if not header.startswith(entry["path"]):
+            continue
+        folder = Path(header.removeprefix("/usr/include/").removeprefix("x86_64-linux-gnu/")).parts[0]
+        if not entry.get("directly") or folder.endswith(".h") or folder in entry["folders"]:
+            return dict(entry)
+    return None
+
+
+def linked_objects(build: Path) -> set[str]:
+    """Returns the object files of the library by name; those in an archive as "archive(name)"."""
+    text = (build / "library" / "linked.txt").read_text()
+    names = re.findall(r"^LOAD (\S+\.o)$", text, re.MULTILINE)
+    pulled = re.findall(r"^(\S*libhausbench_\w+\.a\(\S+\.o\))", text, re.MULTILINE)
+    return {*names, *pulled}
+
+
+def headers(build: Path) -> dict[str, set[str]]:
+    """Returns the files outside the tree that each linked object file includes."""
+    wanted = linked_objects(build)
+    members = {name.split("(")[1].rstrip(")") for name in wanted if "(" in name}
+    found: dict[str, set[str]] = {}
+    output = subprocess.run(["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True).stdout
+    for block in output.split("\n\n"):
+        first, *files = block.splitlines() or [""]
+        name = first.split(":")[0]
+        if name in wanted or (name.startswith("algorithms/") and Path(name).name in members):
+            outside = (file.strip() for file in files if file.strip().startswith("/") and not file.strip().startswith(str(ROOT)))
+            found[name] = {str(Path(file).resolve()) for file in outside}
+    return found
+
+
+@pytest.fixture(scope="module")
+def included(build: Path, library: Path) -> dict[str, set[str]]:
+    if not (build / "build.ninja").exists():
+        pytest.skip("the library was not built by ninja here")
+    found = headers(build)
+    assert len(found) > 30
+    return found
+
+
+def test_every_header_has_a_licence(included: dict[str, set[str]]) -> None:
+    unknown = {header for some in included.values() for header in some if not entry_of(header)}
+    assert unknown == set(), "list them in licences.toml"
+
+
+def test_no_header_is_under_the_gpl(included: dict[str, set[str]]) -> None:
+    """Each header of CGAL names its own licence."""
+    seen = {header for some in included.values() for header in some if "/CGAL/" in header}
+    assert len(seen) > 100
+    named = {header: match[1] for header in seen if (match := SPDX.search(Path(header).read_text(errors="replace")))}
+    assert {header: text for header, text in named.items() if not text.startswith(("LGPL", "MIT", "BSL"))} == {}
+
+
+def test_only_the_checker_needs_cgal(included: dict[str, set[str]]) -> None:
+    """So HAUSBENCH_WITH_CHECKER=OFF leaves it out."""
+    checker = ("hausbench_checker.dir", "datasets/hash.cpp.o")
+    others = {f"{name}: {header}" for name, some in included.items() if not any(part in name for part in checker) for header in some
+              if (entry_of(header) or {}).get("checker")}
+    assert others == set()
+
+
+def test_every_library_has_a_licence(library: Path) -> None:
+    needed = set(re.findall(r"NEEDED.*\[(.*)\]", run("readelf", "-d", library).stdout))
+    assert needed <= {entry["name"] for entry in TABLE["library"]}
+    assert not [line for line in run("ldd", library).stdout.splitlines() if any(heavy in line for heavy in HEAVY)]
+
+
+def test_a_gpl_solver_is_not_linked(build: Path) -> None:
+    linked = " ".join(linked_objects(build))
+    assert "cover" in linked
+    assert [name for name in ("penetration", "cgal", "surfaces", "plugin.cpp") if name in linked] == []
+
+
+def test_an_unlisted_header_is_found() -> None:
+    assert entry_of("/usr/include/hdf5/serial/hdf5.h") is None
+    assert entry_of("/usr/include/stdio.h") is not None
