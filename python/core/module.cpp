@@ -1,0 +1,47 @@
+// The extension module hausbench._core. hausbench/_core.pyi has its types.
+#include "library/hausbench.h"
+#include "python/core/errors.h"
+#include "python/core/pair.h"
+#include "python/core/shape.h"
+#include "python/core/working.h"
+
+#include <cstddef>
+#include <string>
+
+namespace py = pybind11;
+
+namespace hausbench_python {
+namespace {
+
+py::tuple verify(const py::bytes& path, const Shape& source, const Shape& target) {
+    const std::string name = path;
+    if (name.find('\0') != std::string::npos) throw_input_error("the path contains a null character: remove it");
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    hausbench_verdict verdict = HAUSBENCH_VERDICT_INIT;
+    Working working;
+    const int code =
+        working.run([&] { return hausbench_verify(name.c_str(), source.get(), target.get(), &verdict, &error); });
+    check(code, error);
+    return py::make_tuple(verdict.accepted != 0, verdict.bounds.lower, verdict.bounds.upper, verdict.proven,
+                          verdict.text);
+}
+
+py::list solvers() {
+    py::list names;
+    for (std::size_t i = 0; const char* name = hausbench_solver(i); ++i) names.append(name);
+    return names;
+}
+
+}  // namespace
+}  // namespace hausbench_python
+
+PYBIND11_MODULE(_core, module) {
+    using namespace hausbench_python;
+    if (hausbench_interface() != HAUSBENCH_INTERFACE)
+        throw py::import_error("libhausbench.so has another interface than this package: install both anew");
+    define_shape(module);
+    define_pair(module);
+    module.def("verify", &verify, py::arg("path"), py::arg("source"), py::arg("target"));
+    module.def("solvers", &solvers);
+    module.def("version", &hausbench_version);
+}

@@ -1,0 +1,38 @@
+// hausbench.Shape: a mesh or a point set, made from numpy arrays or a file.
+#pragma once
+
+#include "library/hausbench.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+
+namespace hausbench_python {
+
+class Shape {
+public:
+    // Copies arrays; `faces` is None for a point set. Arrays that the library does not read as they are go through
+    // hausbench.arrays first. Keeps the GIL, so that no Python code changes an array meanwhile.
+    Shape(pybind11::object vertices, pybind11::object faces);
+
+    // Reads a file. `path` is in the encoding of the file system.
+    static Shape read(const pybind11::bytes& path);
+
+    const hausbench_shape* get() const { return shape_.get(); }
+    hausbench_description describe() const;
+    pybind11::array_t<double> vertices() const;
+    pybind11::object faces() const;  // None for a point set
+
+private:
+    struct Release {
+        void operator()(hausbench_shape* shape) const { hausbench_shape_release(shape); }
+    };
+    explicit Shape(hausbench_shape* shape) : shape_(shape) {}
+
+    std::unique_ptr<hausbench_shape, Release> shape_;
+};
+
+void define_shape(pybind11::module_& module);
+
+}  // namespace hausbench_python

@@ -1,0 +1,35 @@
+#include "python/core/working.h"
+
+namespace py = pybind11;
+
+namespace hausbench_python {
+namespace {
+
+bool in_main_thread() {
+    const py::object main = py::module_::import("threading").attr("main_thread")();
+    return main.attr("ident").cast<unsigned long>() == PyThread_get_thread_ident();
+}
+
+// Returns whether a signal handler raised an exception, which stays set.
+bool signal_raised() { return PyErr_CheckSignals() != 0; }
+
+}  // namespace
+
+int Working::cancel(void* data) {
+    Working& working = *static_cast<Working*>(data);
+    if (working.interrupted_ || _Py_IsFinalizing()) return 1;
+    if (!working.handles_signals_ || Clock::now() < working.next_) return 0;
+    PyEval_RestoreThread(working.thread_);
+    try {
+        working.handles_signals_ = in_main_thread();
+        working.interrupted_ = working.handles_signals_ && signal_raised();
+    } catch (py::error_already_set& error) {  // no caller in C++ may see it
+        error.restore();
+        working.interrupted_ = true;
+    }
+    working.thread_ = PyEval_SaveThread();
+    working.next_ = Clock::now() + between;
+    return working.interrupted_ ? 1 : 0;
+}
+
+}  // namespace hausbench_python

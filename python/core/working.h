@@ -1,0 +1,37 @@
+// Runs the library without the GIL, and answers Ctrl-C meanwhile.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <chrono>
+
+namespace hausbench_python {
+
+// One call of the library that may take long. Other Python threads run meanwhile.
+class Working {
+public:
+    // Calls `call`, which is given no GIL, and returns its result. Throws KeyboardInterrupt, or what another signal
+    // handler raised, if that happened meanwhile.
+    template <typename Call> int run(Call call) {
+        thread_ = PyEval_SaveThread();
+        const int code = call();
+        PyEval_RestoreThread(thread_);
+        if (interrupted_) throw pybind11::error_already_set();
+        return code;
+    }
+
+    // A cancel callback of the library; its data are a Working. It takes the GIL at most every 50 ms, and only in the
+    // main thread after the first time, because no other thread handles signals.
+    static int cancel(void* working);
+
+private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr std::chrono::milliseconds between{50};
+
+    PyThreadState* thread_ = nullptr;
+    Clock::time_point next_ = Clock::now() + between;
+    bool handles_signals_ = true;
+    bool interrupted_ = false;
+};
+
+}  // namespace hausbench_python

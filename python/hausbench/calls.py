@@ -1,0 +1,144 @@
+"""The questions about two shapes. A is the source and B the target.
+
+A and B are each one of
+    (vertices, faces)   a mesh: a tuple of arrays (n, 3) and (m, 3)
+    an array (n, 3)     a point set
+    a path              a str or os.PathLike, see `read`
+    a Shape             which is not copied, and keeps the structures that are built over it
+    an object           with .vertices and .faces (trimesh), .vertices and .triangles, or .points (open3d)
+Arrays may have any strides. Numbers are converted only if none changes; everything else raises InputError.
+
+Keyword arguments of all questions:
+    tolerance     the largest width of the interval that you accept, above 0, in units of `relative_to`:
+    relative_to   "diagonal": of A's bounding box (of both, if A is a point); "length": the tolerance is a length; "lower": of the lower bound
+    threads       most threads to use; the answer does not depend on them
+    time_limit    seconds for solving; the interval is then wider, and still holds
+    solver        see `solvers()`; None: `cover` if a mesh is among the shapes, else `scan`
+    options       parameters of the solver, by name
+    pose          moves A before measuring: a matrix (4, 4), a rotation (3, 3), or a tuple (rotation, translation)
+    target_pose   moves B
+Ctrl-C raises KeyboardInterrupt. Other Python threads run while a question is answered.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from hausbench import _core
+from hausbench.answers import Answer, Field, Verdict
+from hausbench.errors import Undecided
+from hausbench.interval import Interval
+from hausbench.options import number, pair_of, query_of
+from hausbench.shapes import shape_of
+
+if TYPE_CHECKING:
+    from hausbench._core import Chain, Pair, Query
+    from hausbench.statistics import Distribution
+    from hausbench.typing import Pose, ShapeLike
+
+
+def directed(A: ShapeLike, B: ShapeLike, *, tolerance: float = 1e-6, relative_to: str = "diagonal", threads: int = 1,
+             time_limit: float | None = None, solver: str | None = None, options: Mapping[str, object] | None = None,
+             pose: Pose | None = None, target_pose: Pose | None = None) -> Answer:
+    """Bounds h(A,B), the largest distance of a point of A to B, in the unit of the input.
+
+    h(A,B) ignores parts of B that A lacks: see `symmetric`. The module hausbench.calls describes the arguments.
+    """
+    query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
+    pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
+    return Answer("h(A,B)", pair.directed(query))
+
+
+def symmetric(A: ShapeLike, B: ShapeLike, *, tolerance: float = 1e-6, relative_to: str = "diagonal", threads: int = 1,
+              time_limit: float | None = None, solver: str | None = None, options: Mapping[str, object] | None = None,
+              pose: Pose | None = None, target_pose: Pose | None = None) -> Answer:
+    """Bounds H(A,B), the larger of h(A,B) and h(B,A). Arguments as in `directed`."""
+    query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
+    pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
+    return Answer("H(A,B)", pair.symmetric(query))
+
+
+def within(A: ShapeLike, B: ShapeLike, d: float, *, threads: int = 1, time_limit: float | None = None,
+           solver: str | None = None, options: Mapping[str, object] | None = None, pose: Pose | None = None,
+           target_pose: Pose | None = None) -> bool:
+    """Returns whether h(A,B) <= d: whether every point of A is at most d from B. Often much faster than `directed`.
+
+    `d` is a length. Raises Undecided if neither is proven: the distance equals d up to rounding, or time ran out.
+    """
+    query = query_of(1e-6, "diagonal", threads, time_limit, pose, target_pose)
+    pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
+    return decide(pair, d, query, None)
+
+
+def decide(pair: Pair, d: float, query: Query, chain: Chain | None) -> bool:
+    answer = Answer("h(A,B)", pair.within(number(d, "d"), query, chain))
+    if answer.status == "within":
+        return True
+    if answer.status == "above":
+        return False
+    remedy = "allow more time" if answer.status == "time_limit" else "ask about a length a little larger or smaller"
+    raise Undecided(f"h(A,B) is in {answer.interval}, so h(A,B) <= {d!r} is undecided ({answer.status}): {remedy}",
+                    answer.interval)
+
+
+def distribution(A: ShapeLike, B: ShapeLike, *, statistics: Iterable[str] = ("mean", "rms"), quantiles: Iterable[float] = (),
+                 within: Iterable[float] = (), over: str = "source", weigh: str = "area", tolerance: float = 1e-6,
+                 share_tolerance: float = 1e-3, relative_to: str = "diagonal", threads: int = 1,
+                 time_limit: float | None = None, pose: Pose | None = None, target_pose: Pose | None = None) -> Distribution:
+    """Bounds statistics of the distance of the points of A to B, each by an Interval.
+
+    Computes at once, in one run, what you list: `statistics` (of "mean", "rms", "deviation", "maximum", "median"), `quantiles`
+    (levels from 0 to 1) and the shares of A `within` lengths. The result computes others when you ask for them, each in a
+    run of its own, and keeps them.
+
+    over             "source": distances of A to B; "target": of B to A; "larger", "mean_of_both", "harmonic_mean" or
+                     "pooled": of both (docs/conventions.md)
+    weigh            "area": parts of a mesh count by area; "vertex": each vertex counts once
+    share_tolerance  the largest width of a share
+    """
+    from hausbench.statistics import Distribution
+
+    query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose, share_tolerance, weigh)
+    pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), None, None, threads, pose, target_pose)
+    return Distribution(pair, query, over, statistics, quantiles, within)
+
+
+def field(A: ShapeLike, B: ShapeLike, *, threads: int = 1, time_limit: float | None = None, pose: Pose | None = None,
+          target_pose: Pose | None = None) -> Field:
+    """Bounds the distance to B of each vertex of A, as narrow as rounding permits, with the row of B nearest to it.
+
+    Vertices alone say little about the inside of triangles: for the maximum over a mesh see `directed`. If the time limit ends
+    the call early, the other vertices have the bounds 0 and infinity, and the row -1.
+    """
+    query = query_of(1e-6, "diagonal", threads, time_limit, pose, target_pose)
+    source = shape_of(A, "A")
+    return field_of(pair_of(source, shape_of(B, "B"), None, None, threads, pose, target_pose), query, source)
+
+
+def field_of(pair: Pair, query: Query, source: _core.Shape) -> Field:
+    bounds, nearest = pair.field(query, source.vertex_count)
+    return Field(bounds[:, 0], bounds[:, 1], nearest)
+
+
+def certify(A: ShapeLike, B: ShapeLike, path: str | os.PathLike[str], *, symmetric: bool = False, tolerance: float = 1e-6,
+            relative_to: str = "diagonal", threads: int = 1, time_limit: float | None = None, solver: str | None = None,
+            options: Mapping[str, object] | None = None, pose: Pose | None = None, target_pose: Pose | None = None) -> Answer:
+    """Bounds h(A,B), or H(A,B) if `symmetric`, and writes a proof of the upper bound to a file, see `verify`.
+
+    Raises InputError, and writes nothing, if the solver writes no proofs or had no time to write this one.
+    """
+    query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
+    pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
+    return Answer("H(A,B)" if symmetric else "h(A,B)", pair.certify(symmetric, query, os.fsencode(path)))
+
+
+def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike) -> Verdict:
+    """Checks a proof written by `certify`, by code that shares nothing with the solvers.
+
+    The verdict is true in an `if` exactly if the proof holds. Raises InputError if the file cannot be read or is about other
+    shapes.
+    """
+    accepted, lower, upper, proven, text = _core.verify(os.fsencode(path), shape_of(A, "A"), shape_of(B, "B"))
+    return Verdict(accepted, Interval(lower, upper), proven, text)

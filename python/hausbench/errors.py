@@ -1,0 +1,38 @@
+"""The exceptions of this package."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hausbench.interval import Interval
+
+
+class InputError(ValueError):
+    """An argument, array or file is wrong. The text is one line: its name, the place, and what to do.
+
+    `row` is the wrong row of the array, from 0, or None.
+    """
+
+    row: int | None
+
+    def __init__(self, text: str, row: int | None = None) -> None:
+        super().__init__(text)
+        self.row = row
+
+    def about(self, name: str) -> InputError:
+        """Returns the same error, with the name of the argument before it."""
+        return InputError(f"{name}: {self}", self.row)
+
+
+class Undecided(Exception):
+    """An interval contains both answers to a yes/no question. `interval` holds, and says how much is known.
+
+    A finer tolerance, or more time, may decide.
+    """
+
+    interval: Interval | None
+
+    def __init__(self, text: str, interval: Interval | None = None) -> None:
+        super().__init__(text)
+        self.interval = interval

@@ -1,0 +1,103 @@
+"""Statistics of the distance between two shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from hausbench.answers import STATUSES
+from hausbench.errors import InputError
+from hausbench.interval import Interval
+from hausbench.options import number
+
+if TYPE_CHECKING:
+    from hausbench._core import Pair, Query
+
+NAMES = ("mean", "rms", "deviation", "maximum", "median")
+OVER = ("source", "target", "larger", "mean_of_both", "harmonic_mean", "pooled")
+
+
+def _quantile(level: float) -> str:
+    value = number(level, "quantiles")
+    if not 0 <= value <= 1:
+        raise InputError(f"quantiles: the level {level!r} is not from 0 to 1: the 95 % quantile has the level 0.95")
+    return f"quantile {value!r}"
+
+
+def _share(length: float) -> str:
+    value = number(length, "within")
+    if not 0 <= value < float("inf"):
+        raise InputError(f"within: {length!r} is not a length: give a number from 0")
+    return f"within {value!r}"
+
+
+class Distribution:
+    """Bounds of statistics, made by `hausbench.distribution`. What was not listed there is computed on first use and kept."""
+
+    def __init__(self, pair: Pair, query: Query, over: str, statistics: Iterable[str], quantiles: Iterable[float],
+                 within: Iterable[float]) -> None:
+        if over not in OVER:
+            raise InputError(f"over: {over!r} is not one of {', '.join(OVER)}")
+        if isinstance(statistics, str):
+            statistics = (statistics,)
+        names = list(statistics)
+        for name in names:
+            if name not in NAMES:
+                raise InputError(f"statistics: {name!r} is not one of {', '.join(NAMES)}; for others see quantiles and within")
+        self._pair, self._query = pair, query
+        self._over = "" if over == "source" else f" {over}"
+        self._known: dict[str, Interval] = {}
+        self._status = "converged"
+        self._ask([*names, *map(_quantile, quantiles), *map(_share, within)])
+
+    def _ask(self, wanted: list[str]) -> None:
+        names = list(dict.fromkeys(wanted))
+        if not names:
+            return
+        bounds, answer = self._pair.distribution([name + self._over for name in names], self._query)
+        self._status = STATUSES[answer[0]]
+        self._known.update((name, Interval(lower, upper)) for name, (lower, upper) in zip(names, bounds))
+
+    def _get(self, name: str) -> Interval:
+        if name not in self._known:
+            self._ask([name])
+        return self._known[name]
+
+    @property
+    def status(self) -> str:
+        """Why the last run ended, see Answer."""
+        return self._status
+
+    @property
+    def mean(self) -> Interval:
+        return self._get("mean")
+
+    @property
+    def rms(self) -> Interval:
+        """The root of the mean of the squared distance."""
+        return self._get("rms")
+
+    @property
+    def deviation(self) -> Interval:
+        """The standard deviation."""
+        return self._get("deviation")
+
+    @property
+    def maximum(self) -> Interval:
+        """The largest distance: h(A,B) over the source, H(A,B) for "larger"."""
+        return self._get("maximum")
+
+    @property
+    def median(self) -> Interval:
+        return self._get("median")
+
+    def quantile(self, level: float) -> Interval:
+        """Returns the least length t such that a share of at least `level`, from 0 to 1, is at most t away."""
+        return self._get(_quantile(level))
+
+    def share_within(self, length: float) -> Interval:
+        """Returns the share, from 0 to 1, that is at most `length` away."""
+        return self._get(_share(length))
+
+    def __repr__(self) -> str:
+        return f"<Distribution: {', '.join(f'{name} {value}' for name, value in self._known.items()) or 'nothing asked yet'}>"

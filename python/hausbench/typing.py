@@ -1,0 +1,40 @@
+"""Types for annotations. No other module of the package loads this one."""
+
+from __future__ import annotations
+
+import os
+from typing import Protocol, Union
+
+import numpy.typing as npt
+
+from hausbench._core import Shape
+
+
+class HasFaces(Protocol):
+    """A mesh of another package, such as trimesh."""
+
+    @property
+    def vertices(self) -> npt.ArrayLike: ...
+    @property
+    def faces(self) -> npt.ArrayLike: ...
+
+
+class HasTriangles(Protocol):
+    """A mesh of open3d."""
+
+    @property
+    def vertices(self) -> npt.ArrayLike: ...
+    @property
+    def triangles(self) -> npt.ArrayLike: ...
+
+
+class HasPoints(Protocol):
+    """A point set of another package, such as open3d."""
+
+    @property
+    def points(self) -> npt.ArrayLike: ...
+
+
+ShapeLike = Union[Shape, HasFaces, HasTriangles, HasPoints, npt.ArrayLike, tuple[npt.ArrayLike, npt.ArrayLike], str,
+                  "os.PathLike[str]"]
+Pose = Union[npt.ArrayLike, tuple[npt.ArrayLike, npt.ArrayLike]]
