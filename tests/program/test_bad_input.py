@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import EXPERIMENT, Program
+from program import EXPERIMENT, Program
 
 BAD_MESHES = {
     "empty.off": (b"", "empty"),

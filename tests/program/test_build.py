@@ -11,7 +11,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 from test_run import run
 
 LIBRARIES = ("kernel", "algorithms", "readers", "datasets", "answers", "checker", "harness")

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from conftest import Program
+from program import Program
 
 File = tuple[dict[str, Any], bytes]
 

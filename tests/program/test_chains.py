@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from conftest import Program
+from program import Program
 from test_results import run_in
 from test_run import numbers, run, same_answers, start, texts, wait_for
 

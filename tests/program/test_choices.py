@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, Program, head
+from program import ROOT, Program, head
 from test_run import numbers, run, texts
 from test_show import result, seen  # noqa: F401  (fixtures)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from conftest import Program
+from program import Program
 
 EXPERIMENT = Path(__file__).resolve().parents[2] / "experiments" / "speed" / "cliffs.toml"
 

@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import pytest
 
-from conftest import Program
+from program import Program
 from test_hostile_results import seal
 from test_run import numbers, run, texts
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, Program, head
+from program import ROOT, Program, head
 
 
 @pytest.fixture

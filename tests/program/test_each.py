@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import TETRAHEDRON, Program
+from program import TETRAHEDRON, Program
 from test_results import run_in
 from test_run import numbers, texts
 

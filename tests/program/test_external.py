@@ -17,7 +17,7 @@ from typing import Any
 import h5py
 import pytest
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 from test_run import wait_for
 
 PEER = ROOT / "tests" / "program" / "external_peer.py"

@@ -13,7 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
-from conftest import Program
+from program import Program
 from test_run import numbers, run, same_answers, texts
 
 Fields = dict[tuple[int, str], Any]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 
 VERBS = ("measure", "run", "explain", "status", "show", "compare", "verify", "draw", "merge", "list", "fetch", "export", "track")
 SCRIPTS = {"draw": ("-m", "analysis.draw"), "fetch": ("datasets/fetch.py",), "track": ("-m", "bench.tracking")}

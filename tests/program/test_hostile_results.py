@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 import pytest
 
-from conftest import EXPERIMENT, Program
+from program import EXPERIMENT, Program
 from test_run import run, texts
 
 

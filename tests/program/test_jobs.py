@@ -13,7 +13,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 
 SMOKE = ROOT / "experiments" / "smoke.toml"
 ANSWERS = ("identity", "status", "reason", "lower", "upper", "witness_source", "counter_node_visits")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from conftest import Program
+from program import Program
 
 
 def test_text_and_json_name_the_same_keys(hausbench: Program) -> None:

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from conftest import ROOT
+from program import ROOT
 
 # A fake program; its exit code is the content of the experiment file.
 PROGRAM = """#!/bin/bash

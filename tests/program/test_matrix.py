@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-from conftest import Program
+from program import Program
 from test_results import run_in
 from test_run import numbers, texts
 

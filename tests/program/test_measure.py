@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from conftest import Program
+from program import Program
 from test_run import wait_for
 
 

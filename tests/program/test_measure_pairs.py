@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 
 
 @pytest.fixture

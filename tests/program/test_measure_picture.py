@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from conftest import Program
+from program import Program
 
 from analysis import picture
 from analysis.shared.shapes import Coloured

@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from conftest import Program
+from program import Program
 from test_run import numbers, run, texts
 
 MOVED = """

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 from test_run import run
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from conftest import Program
+from program import Program
 
 EXPERIMENT = """\
 title = "own models"

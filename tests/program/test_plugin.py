@@ -12,7 +12,7 @@ from typing import Any
 import h5py
 import pytest
 
-from conftest import RECIPE, SOURCES, Program, built, head
+from program import RECIPE, SOURCES, Program, built, head
 from test_run import wait_for
 
 def compiled(results: Path) -> dict[str, str]:

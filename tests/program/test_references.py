@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
-from conftest import EXPERIMENT, Program
+from program import EXPERIMENT, Program
 from test_run import numbers, run, texts
 
 # A program that prints given bounds, without a witness.

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 from test_run import numbers, run, same_answers, slow, start, texts  # noqa: F401  (slow is a fixture)
 
 SMOKE = ROOT / "experiments" / "smoke.toml"

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 import pytest
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 
 
 def run(hausbench: Program, experiment: Path, folder: Path, *more: str) -> Path:

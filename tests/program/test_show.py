@@ -20,7 +20,7 @@ import h5py
 import pytest
 import signal
 
-from conftest import ROOT, Program
+from program import ROOT, Program
 from test_run import numbers, run, same_answers, texts
 
 EXPERIMENT = """\

@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 import pytest
 
-from conftest import Program
+from program import Program
 
 MEGABYTE = 1 << 20
 # Differences between two equal processes: pages touched for the first time, memory that the allocator keeps, and

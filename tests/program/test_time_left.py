@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from conftest import Program
+from program import Program
 
 EXPERIMENT = """title = "The longest last"
 tolerances = [1e-3]

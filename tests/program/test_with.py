@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from conftest import EXPERIMENT, Program
+from program import EXPERIMENT, Program
 from test_run import texts
 
 # The file's claims, labels and expectations name its own solvers, and so does a profile.

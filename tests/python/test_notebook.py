@@ -16,6 +16,7 @@ def test_the_notebook_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     pytest.importorskip("ipykernel"), pytest.importorskip("matplotlib")
     package = str(Path(hausbench.__file__).resolve().parents[1])  # the kernel is another interpreter, of the system
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([package, os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep))
+    monkeypatch.delenv("MPLBACKEND", raising=False)  # the kernel chooses its own, which gives pictures
     for variable in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR", "MPLCONFIGDIR"):
         monkeypatch.setenv(variable, str(tmp_path / variable))
     notebook = nbformat.read(NOTEBOOK, as_version=4)
