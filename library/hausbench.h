@@ -212,8 +212,8 @@ typedef struct hausbench_answer {
     int32_t status;
     int32_t to_source;         /* 1: the witness is the farthest point of B from A (H(A,B) alone); 0: of A from B */
     hausbench_interval bounds; /* lower <= the quantity <= upper, whatever the status */
-    double source_point[3];    /* the witness of the lower bound: a point of A and one of B that is nearest to it, */
-    double target_point[3];    /* or the reverse if to_source is 1; NaN if there is none */
+    double source_point[3];    /* the witness of the lower bound: a point of A, and */
+    double target_point[3];    /* a point of B; one is nearest to the other, see to_source; NaN if unknown */
     int64_t source_row;        /* the triangle or point that each lies on; -1: unknown */
     int64_t target_row;
     double prepare_seconds; /* wall time of this call: for preparing, and for solving */
@@ -245,7 +245,8 @@ HAUSBENCH_API int hausbench_distribution(hausbench_pair* pair, const char* const
                                          hausbench_answer* answer, hausbench_error* error);
 
 /* Bounds the distance to B of each vertex of A, with those that no face uses, into values[vertex]; `nearest`, unless it
-   is NULL, gets the row of B nearest to it. The intervals are as wide as rounding makes them; the tolerance is ignored.
+   is NULL, gets the row of B nearest to it. The width of each is the rounding error at the
+   largest coordinate of both shapes; the tolerance is ignored. Each call builds a tree over B.
    If the time limit or `cancel` ends the call early, the other vertices have [0, INFINITY] and the row -1.
    O((|A| + |B|) log |B|) on well-behaved shapes. */
 HAUSBENCH_API int hausbench_field(hausbench_pair* pair, const hausbench_query* query, hausbench_interval* values,
@@ -272,8 +273,8 @@ typedef struct hausbench_verdict {
         sizeof(hausbench_verdict), 0, 0, {0, INFINITY}, INFINITY, { 0 } \
     }
 
-/* Checks a proof by code that shares nothing with the solvers. A refused proof is no error: see verdict->accepted.
-   Fails with BAD_INPUT if the file cannot be read or is about other shapes. */
+/* Checks a proof with code that shares nothing with the solvers. The call also succeeds if the proof is refused: see
+   verdict->accepted. Fails with BAD_INPUT if the file cannot be read or is about other shapes. */
 HAUSBENCH_API int hausbench_verify(const char* path, const hausbench_shape* source, const hausbench_shape* target,
                                    hausbench_verdict* verdict, hausbench_error* error);
 

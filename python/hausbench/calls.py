@@ -6,7 +6,8 @@ A and B are each one of
     a path              a str or os.PathLike, see `read`
     a Shape             which is not copied, and keeps the structures that are built over it
     an object           with .vertices and .faces (trimesh), .vertices and .triangles, or .points (open3d)
-Arrays may have any strides. Numbers are converted only if none changes; everything else raises InputError.
+Arrays may have any strides. Coordinates may be integers and floats up to float64, as long as none changes as a float64; faces
+must be integers. Everything else raises InputError.
 
 Keyword arguments of all questions:
     tolerance     the largest width of the interval that you accept, above 0, in units of `relative_to`:
@@ -65,7 +66,8 @@ def within(A: ShapeLike, B: ShapeLike, d: float, *, threads: int = 1, time_limit
            target_pose: Pose | None = None) -> bool:
     """Returns whether h(A,B) <= d: whether every point of A is at most d from B. Often much faster than `directed`.
 
-    `d` is a length. Raises Undecided if neither is proven: the distance equals d up to rounding, or time ran out.
+    `d` is a length. Raises Undecided if neither is proven: the distance equals d up to rounding, or time ran out. Without a
+    time limit that is after 10 seconds.
     """
     query = query_of(1e-6, "diagonal", threads, time_limit, pose, target_pose)
     pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
@@ -90,7 +92,7 @@ def distribution(A: ShapeLike, B: ShapeLike, *, statistics: Iterable[str] = ("me
     """Bounds statistics of the distance of the points of A to B, each by an Interval.
 
     Computes at once, in one run, what you list: `statistics` (of "mean", "rms", "deviation", "maximum", "median"), `quantiles`
-    (levels from 0 to 1) and the shares of A `within` lengths. The result computes others when you ask for them, each in a
+    (levels above 0, at most 1) and the shares of A `within` lengths. The result computes others when you ask for them, each in a
     run of its own, and keeps them.
 
     over             "source": distances of A to B; "target": of B to A; "larger", "mean_of_both", "harmonic_mean" or
@@ -107,7 +109,7 @@ def distribution(A: ShapeLike, B: ShapeLike, *, statistics: Iterable[str] = ("me
 
 def field(A: ShapeLike, B: ShapeLike, *, threads: int = 1, time_limit: float | None = None, pose: Pose | None = None,
           target_pose: Pose | None = None) -> Field:
-    """Bounds the distance to B of each vertex of A, as narrow as rounding permits, with the row of B nearest to it.
+    """Bounds the distance to B of each vertex of A, up to rounding, with the row of B nearest to it.
 
     Vertices alone say little about the inside of triangles: for the maximum over a mesh see `directed`. If the time limit ends
     the call early, the other vertices have the bounds 0 and infinity, and the row -1.

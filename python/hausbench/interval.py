@@ -25,8 +25,8 @@ def _outward(value: float, digits: int, up: bool) -> str:
 class Interval:
     """A value between `lower` and `upper`, ends included: a distance with the unit of the input, or a share from 0 to 1.
 
-    Comparisons never guess: `interval < 0.1` is True or False if that holds for every value inside, and raises Undecided
-    if it does not. There is no float(interval); quote `upper` if you need one number. `==` compares the ends of two
+    Comparisons never guess: `interval < 0.1` is True if every value inside is below 0.1, False if none is, and raises
+    Undecided otherwise. There is no float(interval); quote `upper` if you need one number. `==` compares the ends of two
     intervals. Printing rounds outward, so that the printed interval holds; repr() is exact.
     """
 

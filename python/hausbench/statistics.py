@@ -92,7 +92,7 @@ class Distribution:
         return self._get("median")
 
     def quantile(self, level: float) -> Interval:
-        """Returns the least length t such that a share of at least `level`, from 0 to 1, is at most t away."""
+        """Returns the least length t such that a share of at least `level` (above 0, at most 1) is at most t away."""
         return self._get(_quantile(level))
 
     def share_within(self, length: float) -> Interval:

@@ -31,7 +31,7 @@ inline void expect_ok(int code, const hausbench_error& error) {
     if (code != HAUSBENCH_OK) throw std::runtime_error(error.text);
 }
 
-// Makes a mesh, or a point set if there are no faces.
+// Makes a mesh; without faces, a point set.
 inline ShapeHandle shape_of(const std::vector<double>& vertices, const std::vector<std::int64_t>& faces = {}) {
     const hausbench_array v = array_of(vertices), f = array_of(faces);
     hausbench_shape* shape = nullptr;

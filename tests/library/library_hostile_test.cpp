@@ -1,4 +1,4 @@
-// What a careless caller may give to the C interface: an error that names the place, or a right answer, never a crash.
+// Wrong and odd arguments of the C interface: each call reports an error that names the place, or gives a right answer.
 #include "tests/library/c_interface.h"
 
 #include <gtest/gtest.h>

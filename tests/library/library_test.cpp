@@ -499,7 +499,7 @@ TEST(Library, NoCertificateIsWrittenWithoutAProof) {
     EXPECT_EQ(hausbench_certify(pair_of(a, b, "naive").get(), 0, nullptr, file.c_str(), &answer, &error),
               HAUSBENCH_BAD_INPUT);
     EXPECT_NE(std::string(error.text).find("cover"), std::string::npos) << error.text;
-    // A pose that makes A smaller is no motion: its proof would be refused.
+    // This pose makes A smaller. The checker accepts rigid motions alone, so there is no proof.
     const std::array<double, 16> smaller = {0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1};
     hausbench_query query = initial_query();
     query.source_pose = smaller.data();

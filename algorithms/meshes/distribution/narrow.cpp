@@ -135,8 +135,8 @@ private:
 
     bool is_interrupted() const { return query_.interrupt && query_.interrupt->stop_requested(); }
 
-    // Returns the bounds of the last round at once, without computing those of the pieces made since. Before the first
-    // round, only trivial ones are known.
+    // Returns the bounds of the last round, and does not look at the pieces made since, so that it takes no time. Before
+    // the first round only trivial bounds are known.
     Narrowed interrupted() {
         while (answers_.size() < query_.statistics.size())
             answers_.push_back({0, is_share(query_.statistics[answers_.size()]) ? 1 : infinity});
