@@ -45,8 +45,8 @@ deps: $(DEPS)  ## install the Debian packages of packages.txt that are missing (
 # Checked again only if the list or the installed packages have changed.
 .stamps/deps: packages.txt $(wildcard /var/lib/dpkg/status)
 	@tools/deps && mkdir -p $(@D) && touch $@
-build: $(DEPS)  ## build the program, build/release/hausbench
-	tools/build release hausbench hausbench_commit
+build: $(DEPS)  ## build the program, build/release/hausbench, and the C library, build/release/library/libhausbench.so
+	tools/build release hausbench hausbench_commit hausbench_c
 # A missing package is not an error: the cases that need it are skipped with a message.
 datasets: $(DEPS)  ## fetch the models that experiments name
 	$(FETCH)

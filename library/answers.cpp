@@ -23,12 +23,13 @@ std::pair<std::vector<hausbench_interval>, std::vector<Index>> field(const Quest
     Drawing drawing;
     drawing.deadline = &deadline;
     DrawnField drawn = draw_distance(from, query.source_pose, to, query.target_pose, drawing);
-    const double error =
-        field_error(std::max(magnitude(drawn.vertices), magnitude(posed(points_of(to.shape()), query.target_pose))));
+    const double of_target = magnitude(posed(points_of(to.shape()), query.target_pose));
+    const double largest = std::max(magnitude(drawn.vertices), of_target);
     std::vector<hausbench_interval> intervals(drawn.distances.size(), {0, infinity});
     for (std::size_t i = 0; i < intervals.size(); ++i) {
         if (drawn.nearest[i] < 0) continue;  // no time was left for it
         const double distance = drawn.distances[i];
+        const double error = field_error(drawn.vertices.row(static_cast<Index>(i)), of_target, largest);
         intervals[i] = {std::max(0.0, next_down(distance - error)), next_up(distance + error)};
     }
     return {std::move(intervals), std::move(drawn.nearest)};
@@ -74,16 +75,17 @@ int hausbench_symmetric(hausbench_pair* pair, const hausbench_query* query, haus
     });
 }
 
-int hausbench_within(hausbench_pair* pair, double length, const hausbench_query* query, hausbench_answer* answer,
-                     hausbench_error* error) {
+int hausbench_within(hausbench_pair* pair, int32_t symmetric, double length, const hausbench_query* query,
+                     hausbench_answer* answer, hausbench_error* error) {
     return guarded(error, [&] {
-        expect_size(*given(answer, "answer", 4), "answer", 4);
+        expect_size(*given(answer, "answer", 5), "answer", 5);
+        expect_flag(symmetric, "symmetric", 2);
         if (!(length >= 0 && std::isfinite(length)))
-            throw ArgumentError(2, fmt::format("length: is {}: give a length of at least 0", length));
-        Question question(pair, query, 3);
+            throw ArgumentError(3, fmt::format("length: is {}: give a finite length of at least 0", length));
+        Question question(pair, query, 4);
         question.query.floor = question.query.cutoff = length;
         if (std::isinf(question.query.time_limit)) question.query.time_limit = hausbench::question_seconds;
-        question.answer(question.solve(), *answer);
+        question.answer(symmetric ? question.solve_symmetric() : question.solve(), *answer);
     });
 }
 

@@ -50,6 +50,12 @@ template <class T> void expect_size(const T& theirs, const char* name, int argum
                                           ": initialise the struct with its macro");
 }
 
+// Throws ArgumentError unless the flag is 0 or 1.
+inline void expect_flag(std::int32_t flag, const char* name, int argument) {
+    if (flag != 0 && flag != 1)
+        throw ArgumentError(argument, std::string(name) + ": is " + std::to_string(flag) + ": give 0 or 1");
+}
+
 // Returns the caller's struct, with initial values for members that the caller does not know. NULL: all of them.
 template <class T> T taken(const T* theirs, const T& initial, const char* name, int argument) {
     T ours = initial;

@@ -12,7 +12,8 @@
        hausbench_prepare(a, b, NULL, &pair, &error);
        hausbench_directed(pair, NULL, &answer, &error);     answer.bounds.lower <= h(A,B) <= answer.bounds.upper
 
-   examples/directed.c is a complete program.
+   examples/directed.c is a complete program. `make build` leaves the library in build/release/library, and `cmake
+   --install build/release` installs it with a file for pkg-config.
 
    Lengths are in the unit of the input. A *row* is a point or a triangle, as given; rows are numbered from 0.
 
@@ -148,7 +149,7 @@ HAUSBENCH_API int hausbench_prepare(const hausbench_shape* source, const hausben
 HAUSBENCH_API void hausbench_pair_release(hausbench_pair* pair);
 
 /* A chain of answers for nearby poses of one pair. Each answer starts from what the one before found, which makes it
-   faster and changes no bound's truth. */
+   faster and changes no bound's truth. A chain may outlive the handle of its pair. */
 typedef struct hausbench_chain hausbench_chain;
 
 HAUSBENCH_API int hausbench_chain_begin(const hausbench_pair* pair, hausbench_chain** chain, hausbench_error* error);
@@ -213,7 +214,7 @@ typedef struct hausbench_answer {
     int32_t to_source;         /* 1: the witness is the farthest point of B from A (H(A,B) alone); 0: of A from B */
     hausbench_interval bounds; /* lower <= the quantity <= upper, whatever the status */
     double source_point[3];    /* the witness of the lower bound: a point of A, and */
-    double target_point[3];    /* a point of B; one is nearest to the other, see to_source; NaN if unknown */
+    double target_point[3];    /* a point of B; one of them is nearest to the other, see to_source; NaN if unknown */
     int64_t source_row;        /* the triangle or point that each lies on; -1: unknown */
     int64_t target_row;
     double prepare_seconds; /* wall time of this call: for preparing, and for solving */
@@ -230,10 +231,10 @@ HAUSBENCH_API int hausbench_directed(hausbench_pair* pair, const hausbench_query
 HAUSBENCH_API int hausbench_symmetric(hausbench_pair* pair, const hausbench_query* query, hausbench_answer* answer,
                                       hausbench_error* error);
 
-/* Asks whether h(A,B) <= length, which is often much cheaper than the distance. The tolerance is ignored. The status
-   is WITHIN, ABOVE, or says why neither is proven. If the length is very close to the distance, that may never be
-   decided, so a query without a time limit ends after 10 seconds. */
-HAUSBENCH_API int hausbench_within(hausbench_pair* pair, double length, const hausbench_query* query,
+/* Asks whether h(A,B) <= length, or H(A,B) <= length if `symmetric` is 1. This is often much cheaper than the distance.
+   The tolerance is ignored. The status is WITHIN, ABOVE, or says why neither is proven. If the length is very close to
+   the distance, that may never be decided, so a query without a time limit ends after 10 seconds. */
+HAUSBENCH_API int hausbench_within(hausbench_pair* pair, int32_t symmetric, double length, const hausbench_query* query,
                                    hausbench_answer* answer, hausbench_error* error);
 
 /* Bounds statistics of the distance of the points of A to B, each into values[i]. Each is a text: "mean", "rms",

@@ -74,7 +74,7 @@ int hausbench_certify(hausbench_pair* pair, int32_t symmetric, const hausbench_q
     return guarded(error, [&] {
         given(path, "path", 4);
         expect_size(*given(answer, "answer", 5), "answer", 5);
-        if (symmetric != 0 && symmetric != 1) throw ArgumentError(2, "symmetric: give 0 or 1");
+        expect_flag(symmetric, "symmetric", 2);
         Question question(pair, query, 3);
 #ifdef HAUSBENCH_HAS_CHECKER
         question.answer(certify(question, symmetric == 1, path), *answer);

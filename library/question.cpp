@@ -78,6 +78,7 @@ Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argu
 
 // Returns the query as a question about the source and target of this direction, and its session.
 Question::Way Question::way(Query one, bool backward) {
+    const WallClock clock;
     if (backward) std::swap(one.source_pose, one.target_pose);
     Pair::Kind moves = pair_->planned();
     if (chain_) {
@@ -85,12 +86,16 @@ Question::Way Question::way(Query one, bool backward) {
         moves.target_moves |= chain_->moves.target_moves;
     }
     const Pair::Kind kind = pair_->kind_for(one, backward, moves);
-    return {one, kind, pair_->session(kind, one.threads)};
+    Way found{one, kind, pair_->session(kind, one.threads)};
+    prepare_seconds_ += clock.elapsed();
+    return found;
 }
 
-Result Question::ask(const Way& way, const WallClock& clock) {
+// The time limit is for all solving of this question together.
+Result Question::ask(const Way& way) {
+    const WallClock clock;
     Query one = way.query;
-    one.time_limit = clock.left(one.time_limit);
+    one.time_limit = std::max(0.0, one.time_limit - solve_seconds_);
     State* state = nullptr;
     if (chain_) {
         auto [at, fresh] = chain_->states.try_emplace(way.kind);
@@ -98,18 +103,12 @@ Result Question::ask(const Way& way, const WallClock& clock) {
         state = at->second.get();
     }
     Trace untraced;
-    return way.session->solve(one, state, untraced);
-}
-
-Result Question::solve() {
-    const WallClock preparing;
-    const Way only = way(query, false);
-    prepare_seconds_ = preparing.elapsed();
-    const WallClock clock;
-    Result result = ask(only, clock);
-    solve_seconds_ = clock.elapsed();
+    Result result = way.session->solve(one, state, untraced);
+    solve_seconds_ += clock.elapsed();
     return result;
 }
+
+Result Question::solve() { return ask(way(query, false)); }
 
 // Like `hausbench measure --symmetric`, so that the answers have the same bits: by two directions, or at once if the
 // tolerance is a fraction of the lower bound.
@@ -118,14 +117,12 @@ Result Question::solve_symmetric() {
         query.quantity = Quantity::symmetric;
         return solve();
     }
-    const WallClock preparing;
-    const Way there = way(query, false), back = way(query, true);
-    prepare_seconds_ = preparing.elapsed();
-    const WallClock clock;
-    const Result forward = ask(there, clock);
-    Result result = larger_of(query, forward, turned(ask(back, clock)));
-    solve_seconds_ = clock.elapsed();
-    return result;
+    Result forward = ask(way(query, false));
+    if (forward.status == Status::above_cutoff) {  // so is H(A,B), which has no upper bound, as h(B,A) has none
+        forward.bounds.upper = infinity;
+        return forward;
+    }
+    return larger_of(query, forward, turned(ask(way(query, true))));
 }
 
 int Question::status_of(const Result& result) const {

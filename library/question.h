@@ -35,7 +35,7 @@ private:
         std::shared_ptr<const Session> session;
     };
     Way way(Query one, bool backward);
-    Result ask(const Way& way, const WallClock& clock);
+    Result ask(const Way& way);
     int status_of(const Result& result) const;
 
     std::shared_ptr<Pair> pair_;

@@ -54,8 +54,8 @@ namespace readers {
 LoadedShape load_foreign(const std::filesystem::path& file, const std::string&) {
     throw InputError(
         file.string() +
-        ": only the program reads this format: convert the file to OBJ, PLY, STL, OFF, VRML, XYZ, PTS, CSV "
-        "or PCD");
+        ": is in no format that this library reads: convert it to OBJ, PLY, STL, OFF, VRML, XYZ, PTS, CSV or "
+        "PCD");
 }
 
 }  // namespace readers

@@ -389,6 +389,14 @@ void add_own(Fields& fields, Fields own) {
 // Coordinates and distances that are scaled back to subnormal numbers are off by less than 2^-1072.
 double field_error(double magnitude) { return 320 * unit_roundoff * magnitude + 0x1p-1072; }
 
+// The steps above hold with M for B and p alone, in scaled coordinates below 1, if M >= 2^-440: a square that underflows
+// is less than 2^-1022, so the length is less than 2^-511, and in step 2 or 3 |h| is compared with more than 2^-493.
+// If M < 2^-440, B and p are in a box with a diagonal below 2^-438, and so is q. 2^-438 in scaled coordinates is at most
+// 2^-437 * largest; it also covers coordinates that underflow.
+double field_error(const Vec3& vertex, double magnitude, double largest) {
+    return field_error(std::max(magnitude, vertex.cwiseAbs().maxCoeff())) + 0x1p-437 * largest;
+}
+
 std::string_view to_string(Field::Of of) {
     return std::array{"vertices", "elements", "pieces"}[static_cast<std::size_t>(of)];
 }

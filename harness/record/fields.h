@@ -60,6 +60,10 @@ void add_own(Fields& fields, Fields own);
 // Returns the error limit of draw_distance(): 320 * 2^-53 * magnitude, plus a term for subnormal numbers.
 double field_error(double magnitude);
 
+// Returns an error limit for the distance of one vertex. `magnitude` is the largest |coordinate| of B in its pose, and
+// `largest` of both shapes. A vertex of A far away does not count.
+double field_error(const Vec3& vertex, double magnitude, double largest);
+
 std::string_view to_string(Field::Of of);
 std::string_view to_string(Field::Meaning meaning);
 

@@ -117,8 +117,9 @@ py::tuple Pair::symmetric(const Query& query, Chain* chain) const {
     return answer_to(query, chain, [&](auto... rest) { return hausbench_symmetric(pair_.get(), rest...); });
 }
 
-py::tuple Pair::within(double length, const Query& query, Chain* chain) const {
-    return answer_to(query, chain, [&](auto... rest) { return hausbench_within(pair_.get(), length, rest...); });
+py::tuple Pair::within(bool symmetric, double length, const Query& query, Chain* chain) const {
+    return answer_to(query, chain,
+                     [&](auto... rest) { return hausbench_within(pair_.get(), symmetric, length, rest...); });
 }
 
 py::tuple Pair::certify(bool symmetric, const Query& query, const py::bytes& path) const {
@@ -165,7 +166,8 @@ void define_pair(py::module_& module) {
              py::arg("moves"))
         .def("directed", &Pair::directed, py::arg("query"), py::arg("chain") = nullptr)
         .def("symmetric", &Pair::symmetric, py::arg("query"), py::arg("chain") = nullptr)
-        .def("within", &Pair::within, py::arg("length"), py::arg("query"), py::arg("chain") = nullptr)
+        .def("within", &Pair::within, py::arg("symmetric"), py::arg("length"), py::arg("query"),
+             py::arg("chain") = nullptr)
         .def("certify", &Pair::certify, py::arg("symmetric"), py::arg("query"), py::arg("path"))
         .def("distribution", &Pair::distribution, py::arg("statistics"), py::arg("query"))
         .def("field", &Pair::field, py::arg("query"), py::arg("count"));

@@ -43,7 +43,7 @@ public:
     class Chain;
     pybind11::tuple directed(const Query& query, Chain* chain) const;
     pybind11::tuple symmetric(const Query& query, Chain* chain) const;
-    pybind11::tuple within(double length, const Query& query, Chain* chain) const;
+    pybind11::tuple within(bool symmetric, double length, const Query& query, Chain* chain) const;
     pybind11::tuple certify(bool symmetric, const Query& query, const pybind11::bytes& path) const;
 
     // Returns an array (n, 2) of bounds, one row for each statistic, and the answer.

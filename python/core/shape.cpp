@@ -25,7 +25,7 @@ int type_of(const py::array& array) {
 
 // Describes an array in place. Returns false if it has to be converted first: it is a subclass, such as a masked
 // array, has another shape or type, or is not aligned.
-bool describe(const py::object& values, bool integers, hausbench_array& table) {
+bool describe_array(const py::object& values, bool integers, hausbench_array& table) {
     const auto& numpy = py::detail::npy_api::get();
     if (Py_TYPE(values.ptr()) != numpy.PyArray_Type_) return false;
     const auto array = py::reinterpret_borrow<py::array>(values);
@@ -37,34 +37,23 @@ bool describe(const py::object& values, bool integers, hausbench_array& table) {
     return true;
 }
 
-// Makes `values` an array that describe() accepts. Throws InputError if it is not a table of numbers. May run any Python
-// code, which may change every array.
-void convert(py::object& values, const char* name, bool integers) {
-    hausbench_array table;
-    if (!describe(values, integers, table)) values = py::module_::import("hausbench.arrays").attr(name)(values);
-}
-
-// Describes an array that convert() made. No Python code may run before the description is used.
+// Describes an array for which is_read() is true. No Python code may run before the description is used.
 hausbench_array table_of(const py::object& values, const char* name, bool integers) {
     hausbench_array table;
-    if (!describe(values, integers, table))
+    if (!describe_array(values, integers, table))
         throw_input_error((std::string(name) + ": the array changed during the call: keep it, or give a copy").c_str());
     return table;
 }
 
-std::string text_of(const Shape& shape) {
-    const hausbench_description about = shape.describe();
-    if (!about.is_mesh) return "<hausbench.Shape: " + std::to_string(about.vertices) + " points>";
-    return "<hausbench.Shape: " + std::to_string(about.faces) + " triangles, " + std::to_string(about.vertices) +
-           " vertices>";
-}
-
 }  // namespace
 
-Shape::Shape(py::object vertices, py::object faces) {
+bool Shape::is_read(const py::object& values, bool integers) {
+    hausbench_array table;
+    return describe_array(values, integers, table);
+}
+
+Shape::Shape(const py::object& vertices, const py::object& faces) {
     const bool is_mesh = !faces.is_none();
-    convert(vertices, "vertices", false);
-    if (is_mesh) convert(faces, "faces", true);
     const hausbench_array points = table_of(vertices, "vertices", false);
     const hausbench_array triangles = is_mesh ? table_of(faces, "faces", true) : hausbench_array{};
     hausbench_error error = HAUSBENCH_ERROR_INIT;
@@ -108,37 +97,19 @@ py::object Shape::faces() const {
 }
 
 void define_shape(py::module_& module) {
-    py::class_<Shape> shape(
-        module, "Shape",
-        "A triangle mesh or a point set. It never changes; structures built over it are kept with it.\n\n"
-        "Shape(vertices, faces=None) copies the arrays: vertices (n, 3), in any unit of length, and faces (m, 3), "
-        "rows\n"
-        "of `vertices` from 0. Without faces it is a point set. Raises InputError.");
-    shape.def(py::init<py::object, py::object>(), py::arg("vertices"), py::arg("faces") = py::none())
-        .def_property_readonly(
-            "is_mesh", [](const Shape& self) { return self.describe().is_mesh != 0; },
-            "Whether this is a mesh, not a point set.")
-        .def_property_readonly(
-            "vertex_count", [](const Shape& self) { return self.describe().vertices; },
-            "The number of vertices, with those that no face uses, or of points.")
-        .def_property_readonly("vertices", &Shape::vertices, "A copy of the vertices or points: (n, 3), float64.")
-        .def_property_readonly("faces", &Shape::faces, "A copy of the triangles: (m, 3), int64; None for a point set.")
-        .def_property_readonly(
-            "diagonal", [](const Shape& self) { return self.describe().diagonal; },
-            "The diagonal of the bounding box of the shape, rounded.")
-        .def_property_readonly(
-            "box",
-            [](const Shape& self) {
-                const hausbench_description about = self.describe();
-                py::array_t<double> box({2, 3});
-                std::copy(about.box, about.box + 6, box.mutable_data());
-                return box;
-            },
-            "The bounding box: (2, 3), the smallest coordinates, then the largest.")
-        .def("__repr__", &text_of)
-        .def(py::pickle([](const Shape& self) { return py::make_tuple(self.vertices(), self.faces()); },
-                        [](const py::tuple& state) { return Shape(state[0], state[1]); }));
+    py::class_<Shape>(module, "Shape")
+        .def(py::init<const py::object&, const py::object&>(), py::arg("vertices"), py::arg("faces"))
+        .def("describe",
+             [](const Shape& self) {
+                 const hausbench_description about = self.describe();
+                 py::array_t<double> box({2, 3});
+                 std::copy(about.box, about.box + 6, box.mutable_data());
+                 return py::make_tuple(about.is_mesh != 0, about.vertices, about.faces, box, about.diagonal);
+             })
+        .def("vertices", &Shape::vertices)
+        .def("faces", &Shape::faces);
     module.def("read", &Shape::read, py::arg("path"));
+    module.def("is_read", &Shape::is_read, py::arg("values"), py::arg("integers"));
 }
 
 }  // namespace hausbench_python

@@ -1,4 +1,4 @@
-// hausbench.Shape: a mesh or a point set, made from numpy arrays or a file.
+// hausbench._core.Shape, which hausbench.Shape holds: a mesh or a point set, made from numpy arrays or a file.
 #pragma once
 
 #include "library/hausbench.h"
@@ -12,9 +12,12 @@ namespace hausbench_python {
 
 class Shape {
 public:
-    // Copies arrays; `faces` is None for a point set. Arrays that the library does not read as they are go through
-    // hausbench.arrays first. Keeps the GIL, so that no Python code changes an array meanwhile.
-    Shape(pybind11::object vertices, pybind11::object faces);
+    // Returns whether the library reads an array as it is; hausbench.arrays converts others. Runs no Python code.
+    static bool is_read(const pybind11::object& values, bool integers);
+
+    // Copies arrays for which is_read() is true; `faces` is None for a point set. Keeps the GIL, so that no Python code
+    // changes an array meanwhile.
+    Shape(const pybind11::object& vertices, const pybind11::object& faces);
 
     // Reads a file. `path` is in the encoding of the file system.
     static Shape read(const pybind11::bytes& path);

@@ -1,5 +1,8 @@
 #include "python/core/working.h"
 
+#include <cxxabi.h>
+#include <unistd.h>
+
 namespace py = pybind11;
 
 namespace hausbench_python {
@@ -15,11 +18,21 @@ bool signal_raised() { return PyErr_CheckSignals() != 0; }
 
 }  // namespace
 
+// Python ends a thread that asks for the GIL too late by pthread_exit(), which unwinds the stack as an exception does. It
+// must not unwind the library or destructors that need the GIL.
+void Working::take_gil() const {
+    try {
+        PyEval_RestoreThread(thread_);
+    } catch (abi::__forced_unwind&) {
+        while (true) ::pause();
+    }
+}
+
 int Working::cancel(void* data) {
     Working& working = *static_cast<Working*>(data);
     if (working.interrupted_ || _Py_IsFinalizing()) return 1;
     if (!working.handles_signals_ || Clock::now() < working.next_) return 0;
-    PyEval_RestoreThread(working.thread_);
+    working.take_gil();
     try {
         working.handles_signals_ = in_main_thread();
         working.interrupted_ = working.handles_signals_ && signal_raised();

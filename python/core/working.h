@@ -15,7 +15,7 @@ public:
     template <typename Call> int run(Call call) {
         thread_ = PyEval_SaveThread();
         const int code = call();
-        PyEval_RestoreThread(thread_);
+        take_gil();
         if (interrupted_) throw pybind11::error_already_set();
         return code;
     }
@@ -25,6 +25,10 @@ public:
     static int cancel(void* working);
 
 private:
+    // Takes the GIL back. While the interpreter exits, the thread gets no GIL any more: it then waits for the end of the
+    // process.
+    void take_gil() const;
+
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::milliseconds between{50};
 

@@ -21,13 +21,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hausbench._core import Shape, solvers, version
+from hausbench._core import solvers, version
 from hausbench.answers import Answer, Field, Verdict, Witness
 from hausbench.calls import certify, directed, distribution, field, symmetric, verify, within
 from hausbench.errors import InputError, Undecided
 from hausbench.interval import Interval
 from hausbench.prepared import Prepared, prepare
-from hausbench.shapes import read
+from hausbench.shapes import Shape, read
 
 if TYPE_CHECKING:
     from hausbench import compat

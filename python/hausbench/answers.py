@@ -17,11 +17,12 @@ STATUSES = ("converged", "within", "above", "time_limit", "cancelled", "precisio
 
 
 class Witness(NamedTuple):
-    """The pair of points that attains the lower bound, up to rounding; points are moved by their poses.
+    """The pair of points that attains the lower bound, up to rounding: source_point on A and target_point on B, moved by their
+    poses.
 
-    source_point is on A and target_point on B. `direction` is "source_to_target" if source_point is the point of A farthest
-    from B; "target_to_source", which only the symmetric distance has, if target_point is the point of B farthest from A. The
-    other point is nearest to it. The rows are the triangle or point that each lies on.
+    `direction` is "source_to_target" if source_point is the point of A farthest from B, and target_point is nearest to it;
+    "target_to_source", which only the symmetric distance has, if target_point is the point of B farthest from A, and
+    source_point is nearest to it. The rows are the triangle or point that each lies on.
     """
 
     source_point: tuple[float, float, float]

@@ -16,7 +16,8 @@ Keyword arguments of all questions:
     time_limit    seconds for solving; the interval is then wider, and still holds
     solver        see `solvers()`; None: `cover` if a mesh is among the shapes, else `scan`
     options       parameters of the solver, by name
-    pose          moves A before measuring: a matrix (4, 4), a rotation (3, 3), or a tuple (rotation, translation)
+    pose          moves A before measuring: a matrix (4, 4), a rotation (3, 3), or a tuple (rotation, translation). Scaling,
+                  shearing and mirroring are allowed, so a matrix is not checked to be a rotation
     target_pose   moves B
 Ctrl-C raises KeyboardInterrupt. Other Python threads run while a question is answered.
 """
@@ -29,13 +30,14 @@ from typing import TYPE_CHECKING
 
 from hausbench import _core
 from hausbench.answers import Answer, Field, Verdict
-from hausbench.errors import Undecided
+from hausbench.errors import InputError, Undecided
 from hausbench.interval import Interval
-from hausbench.options import number, pair_of, query_of
-from hausbench.shapes import shape_of
+from hausbench.options import INFINITY, number, pair_of, query_of
+from hausbench.shapes import path_of, shape_of
 
 if TYPE_CHECKING:
     from hausbench._core import Chain, Pair, Query
+    from hausbench.shapes import Shape
     from hausbench.statistics import Distribution
     from hausbench.typing import Pose, ShapeLike
 
@@ -61,39 +63,46 @@ def symmetric(A: ShapeLike, B: ShapeLike, *, tolerance: float = 1e-6, relative_t
     return Answer("H(A,B)", pair.symmetric(query))
 
 
-def within(A: ShapeLike, B: ShapeLike, d: float, *, threads: int = 1, time_limit: float | None = None,
+def within(A: ShapeLike, B: ShapeLike, d: float, *, symmetric: bool = False, threads: int = 1, time_limit: float | None = None,
            solver: str | None = None, options: Mapping[str, object] | None = None, pose: Pose | None = None,
            target_pose: Pose | None = None) -> bool:
-    """Returns whether h(A,B) <= d: whether every point of A is at most d from B. Often much faster than `directed`.
+    """Returns whether every point of A is at most d from B: h(A,B) <= d. With `symmetric`, whether also every point of B is
+    at most d from A: H(A,B) <= d. Often much faster than `directed`.
 
     `d` is a length. Raises Undecided if neither is proven: the distance equals d up to rounding, or time ran out. Without a
-    time limit that is after 10 seconds.
+    time limit that is after 10 seconds. Between points, share_within(d) of `distribution` decides whole numbers exactly.
     """
     query = query_of(1e-6, "diagonal", threads, time_limit, pose, target_pose)
     pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
-    return decide(pair, d, query, None)
+    return decide(pair, symmetric, d, query, None)
 
 
-def decide(pair: Pair, d: float, query: Query, chain: Chain | None) -> bool:
-    answer = Answer("h(A,B)", pair.within(number(d, "d"), query, chain))
+def decide(pair: Pair, symmetric: bool, d: float, query: Query, chain: Chain | None) -> bool:
+    length = number(d, "d")
+    if not 0 <= length < INFINITY or d < 0:  # a negative number may round to 0
+        raise InputError(f"d: {d!r} is not a length: give a finite number of at least 0")
+    name = "H(A,B)" if symmetric else "h(A,B)"
+    answer = Answer(name, pair.within(bool(symmetric), length, query, chain))
     if answer.status == "within":
         return True
     if answer.status == "above":
         return False
     remedy = "allow more time" if answer.status == "time_limit" else "ask about a length a little larger or smaller"
-    raise Undecided(f"h(A,B) is in {answer.interval}, so h(A,B) <= {d!r} is undecided ({answer.status}): {remedy}",
+    raise Undecided(f"{name} is in {answer.interval}, so {name} <= {d!r} is undecided ({answer.status}): {remedy}",
                     answer.interval)
 
 
-def distribution(A: ShapeLike, B: ShapeLike, *, statistics: Iterable[str] = ("mean", "rms"), quantiles: Iterable[float] = (),
-                 within: Iterable[float] = (), over: str = "source", weigh: str = "area", tolerance: float = 1e-6,
-                 share_tolerance: float = 1e-3, relative_to: str = "diagonal", threads: int = 1,
+def distribution(A: ShapeLike, B: ShapeLike, *, statistics: str | Iterable[str] | None = None,
+                 quantiles: float | Iterable[float] = (), within: float | Iterable[float] = (), over: str = "source",
+                 weigh: str = "area", tolerance: float = 1e-6, share_tolerance: float = 1e-3,
+                 relative_to: str = "diagonal", threads: int = 1,
                  time_limit: float | None = None, pose: Pose | None = None, target_pose: Pose | None = None) -> Distribution:
     """Bounds statistics of the distance of the points of A to B, each by an Interval.
 
     Computes at once, in one run, what you list: `statistics` (of "mean", "rms", "deviation", "maximum", "median"), `quantiles`
-    (levels above 0, at most 1) and the shares of A `within` lengths. The result computes others when you ask for them, each in a
-    run of its own, and keeps them.
+    (levels above 0, at most 1) and the shares of A `within` lengths; mean and RMS if you list nothing. The result computes
+    others when you ask for them, each in a run of its own, and keeps them. A mean takes much longer than h(A,B), because it
+    depends on all of A: for a first look use tolerance=1e-3 and relative_to="lower".
 
     over             "source": distances of A to B; "target": of B to A; "larger", "mean_of_both", "harmonic_mean" or
                      "pooled": of both (docs/conventions.md)
@@ -119,7 +128,7 @@ def field(A: ShapeLike, B: ShapeLike, *, threads: int = 1, time_limit: float | N
     return field_of(pair_of(source, shape_of(B, "B"), None, None, threads, pose, target_pose), query, source)
 
 
-def field_of(pair: Pair, query: Query, source: _core.Shape) -> Field:
+def field_of(pair: Pair, query: Query, source: Shape) -> Field:
     bounds, nearest = pair.field(query, source.vertex_count)
     return Field(bounds[:, 0], bounds[:, 1], nearest)
 
@@ -129,11 +138,15 @@ def certify(A: ShapeLike, B: ShapeLike, path: str | os.PathLike[str], *, symmetr
             options: Mapping[str, object] | None = None, pose: Pose | None = None, target_pose: Pose | None = None) -> Answer:
     """Bounds h(A,B), or H(A,B) if `symmetric`, and writes a proof of the upper bound to a file, see `verify`.
 
-    Raises InputError, and writes nothing, if the solver writes no proofs or had no time to write this one.
+    The solver is `cover` unless you name another one that writes proofs. Raises InputError, and writes nothing, if there is no
+    proof, or if a pose does not keep distances. After a time limit the proof is of a larger bound.
     """
     query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
-    pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
-    return Answer("H(A,B)" if symmetric else "h(A,B)", pair.certify(symmetric, query, os.fsencode(path)))
+    pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver or "cover", options, threads, pose, target_pose)
+    try:
+        return Answer("H(A,B)" if symmetric else "h(A,B)", pair.certify(bool(symmetric), query, path_of(path)))
+    except InputError as error:
+        raise error.without("pair: ", ": prepare the pair with `cover`", ": leave solver out") from None
 
 
 def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike) -> Verdict:
@@ -142,5 +155,5 @@ def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike) -> Verdict:
     The verdict is true in an `if` exactly if the proof holds. Raises InputError if the file cannot be read or is about other
     shapes.
     """
-    accepted, lower, upper, proven, text = _core.verify(os.fsencode(path), shape_of(A, "A"), shape_of(B, "B"))
+    accepted, lower, upper, proven, text = _core.verify(path_of(path), shape_of(A, "A")._shape, shape_of(B, "B")._shape)
     return Verdict(accepted, Interval(lower, upper), proven, text)

@@ -24,11 +24,15 @@ class InputError(ValueError):
         """Returns the same error, with the name of the argument before it."""
         return InputError(f"{name}: {self}", self.row)
 
+    def without(self, prefix: str, remedy: str, other: str) -> InputError:
+        """Returns the same error in words of this package: without a prefix, and with another remedy."""
+        return InputError(str(self).removeprefix(prefix).replace(remedy, other), self.row)
+
 
 class Undecided(Exception):
     """An interval contains both answers to a yes/no question. `interval` holds, and says how much is known.
 
-    A finer tolerance, or more time, may decide.
+    The text says what may decide: a finer tolerance, more time, or another length.
     """
 
     interval: Interval | None

@@ -26,8 +26,8 @@ class Interval:
     """A value between `lower` and `upper`, ends included: a distance with the unit of the input, or a share from 0 to 1.
 
     Comparisons never guess: `interval < 0.1` is True if every value inside is below 0.1, False if none is, and raises
-    Undecided otherwise. There is no float(interval); quote `upper` if you need one number. `==` compares the ends of two
-    intervals. Printing rounds outward, so that the printed interval holds; repr() is exact.
+    Undecided otherwise. There is no float(interval); quote `upper` if you need one number. Two intervals are
+    equal (`==`) if their ends are. Printing rounds outward, so that the printed interval holds; repr() is exact.
     """
 
     __slots__ = ("_lower", "_upper")
@@ -58,7 +58,7 @@ class Interval:
 
     def contains(self, value: float) -> bool:
         """Returns whether `value` may be the value."""
-        return bool(self._lower <= value <= self._upper)
+        return bool(self._lower <= _exact(value) <= self._upper)
 
     def __iter__(self) -> Iterator[float]:
         """Gives the ends: lower, upper = interval."""
@@ -104,7 +104,7 @@ class Interval:
     def __format__(self, spec: str) -> str:
         """Formats with 9 significant digits, or with N for the format ".N" or ".Ng"."""
         digits = spec.removeprefix(".").removesuffix("g") if spec else "9"
-        if not digits.isdigit() or int(digits) < 1 or (spec and not spec.startswith(".")):
+        if not digits.isdecimal() or int(digits) < 1 or (spec and not spec.startswith(".")):
             raise ValueError(f"an interval has no format {spec!r}: give the number of digits, as in '.3g'")
         return f"[{_outward(self._lower, int(digits), False)}, {_outward(self._upper, int(digits), True)}]"
 
@@ -122,4 +122,11 @@ def _ends(value: Number) -> tuple[float, float]:
         raise TypeError(f"an interval cannot be compared with a {type(value).__name__}")
     if value != value:
         raise ValueError("an interval cannot be compared with NaN")
-    return value, value  # not rounded to a float: Python compares all its numbers exactly
+    number = _exact(value)
+    return number, number
+
+
+def _exact(value: float) -> float:
+    """Returns a number that Python compares exactly with a float; numpy would round its integers."""
+    exact: float = value.item() if hasattr(value, "item") else value
+    return exact

@@ -6,13 +6,14 @@ import operator
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from hausbench._core import Pair, Query, Shape
+from hausbench._core import Pair, Query
 from hausbench.errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from hausbench.shapes import Shape
     from hausbench.typing import Pose
 
 UNITS = {"diagonal": 0, "length": 1, "lower": 2}
@@ -21,7 +22,7 @@ INFINITY = float("inf")
 
 
 def number(value: object, name: str) -> float:
-    if isinstance(value, float):
+    if type(value) is float:
         return value
     if isinstance(value, (str, bytes, bool)):
         raise InputError(f"{name}: {value!r} is not a number")
@@ -58,16 +59,38 @@ def _matrix(pose: Pose | None, name: str) -> npt.NDArray[np.float64] | None:
 
 def query_of(tolerance: float, relative_to: str, threads: int, time_limit: float | None, pose: Pose | None,
              target_pose: Pose | None, share_tolerance: float = 1e-3, weigh: str = "area") -> Query:
-    return Query(number(tolerance, "tolerance"), _choice(relative_to, "relative_to", UNITS), count(threads, "threads"),
-                 INFINITY if time_limit is None else number(time_limit, "time_limit"), _matrix(pose, "pose"),
-                 _matrix(target_pose, "target_pose"), number(share_tolerance, "share_tolerance"),
+    return Query(_width(tolerance, "tolerance"), _choice(relative_to, "relative_to", UNITS), count(threads, "threads"),
+                 INFINITY if time_limit is None else _seconds(time_limit), _matrix(pose, "pose"),
+                 _matrix(target_pose, "target_pose"), _width(share_tolerance, "share_tolerance"),
                  bool(_choice(weigh, "weigh", WEIGHTS)))
+
+
+def _width(value: object, name: str) -> float:
+    width = number(value, name)
+    if not 0 < width < INFINITY:
+        raise InputError(f"{name}: {value!r} is not the width of an interval: give a finite number above 0")
+    return width
+
+
+def _seconds(value: object) -> float:
+    seconds = number(value, "time_limit")
+    if not seconds >= 0:
+        raise InputError(f"time_limit: {value!r} is not a time: give seconds of at least 0, or None for no limit")
+    return seconds
 
 
 def pair_of(source: Shape, target: Shape, solver: str | None, options: Mapping[str, object] | None, threads: int,
             pose: Pose | None, target_pose: Pose | None) -> Pair:
     moves = (pose is not None) + 2 * (target_pose is not None)
-    return Pair(source, target, solver or "", [f"{name}={_text(value)}" for name, value in (options or {}).items()], threads, moves)
+    if solver is not None and (not isinstance(solver, str) or "\0" in solver):
+        raise InputError(f"solver: {solver!r} is not a name: see solvers()")
+    if options is not None and not hasattr(options, "items"):
+        raise InputError(f"options: {options!r} is not a mapping: give the parameters of the solver by name, as a dict")
+    texts = [f"{name}={_text(value)}" for name, value in options.items()] if options else []
+    try:
+        return Pair(source._shape, target._shape, solver or "", texts, threads, moves)
+    except InputError as error:
+        raise error.without("plan: ", ": name another solver, or NULL", ": name another solver, or None") from None
 
 
 def _text(value: object) -> str:

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
-from hausbench._core import Chain, Pair, Shape
+from hausbench._core import Chain, Pair
 from hausbench.answers import Answer, Field
 from hausbench.calls import decide, field_of
 from hausbench.options import pair_of, query_of
-from hausbench.shapes import shape_of
+from hausbench.shapes import Shape, shape_of
 
 if TYPE_CHECKING:
     from hausbench.statistics import Distribution
@@ -60,16 +60,17 @@ class Prepared:
         pair, chain = self._pair(A, threads, pose, target_pose)
         return Answer("H(A,B)", pair.symmetric(query, chain))
 
-    def within(self, A: ShapeLike, d: float, *, threads: int = 1, time_limit: float | None = None, pose: Pose | None = None,
-               target_pose: Pose | None = None) -> bool:
-        """Returns whether h(A,B) <= d, or raises Undecided, as hausbench.within."""
+    def within(self, A: ShapeLike, d: float, *, symmetric: bool = False, threads: int = 1, time_limit: float | None = None,
+               pose: Pose | None = None, target_pose: Pose | None = None) -> bool:
+        """Returns whether h(A,B) <= d, or H(A,B) <= d, or raises Undecided, as hausbench.within."""
         query = query_of(1e-6, "diagonal", threads, time_limit, pose, target_pose)
         pair, chain = self._pair(A, threads, pose, target_pose)
-        return decide(pair, d, query, chain)
+        return decide(pair, symmetric, d, query, chain)
 
-    def distribution(self, A: ShapeLike, *, statistics: Iterable[str] = ("mean", "rms"), quantiles: Iterable[float] = (),
-                     within: Iterable[float] = (), over: str = "source", weigh: str = "area", tolerance: float = 1e-6,
-                     share_tolerance: float = 1e-3, relative_to: str = "diagonal", threads: int = 1,
+    def distribution(self, A: ShapeLike, *, statistics: str | Iterable[str] | None = None,
+                     quantiles: float | Iterable[float] = (), within: float | Iterable[float] = (), over: str = "source",
+                     weigh: str = "area", tolerance: float = 1e-6, share_tolerance: float = 1e-3,
+                     relative_to: str = "diagonal", threads: int = 1,
                      time_limit: float | None = None, pose: Pose | None = None,
                      target_pose: Pose | None = None) -> Distribution:
         """Bounds statistics of the distance of the points of A to B, as hausbench.distribution."""

@@ -17,14 +17,21 @@ NAMES = ("mean", "rms", "deviation", "maximum", "median")
 OVER = ("source", "target", "larger", "mean_of_both", "harmonic_mean", "pooled")
 
 
-def _quantile(level: float) -> str:
+def _listed(values: object) -> list[object]:
+    """Returns the values of an iterable, or the one value that was given."""
+    if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) and getattr(values, "ndim", 1) > 0:
+        return list(values)
+    return [values]
+
+
+def _quantile(level: object) -> str:
     value = number(level, "quantiles")
-    if not 0 <= value <= 1:
-        raise InputError(f"quantiles: the level {level!r} is not from 0 to 1: the 95 % quantile has the level 0.95")
+    if not 0 < value <= 1:
+        raise InputError(f"quantiles: the level {level!r} is not above 0 and at most 1: the 95 % quantile has the level 0.95")
     return f"quantile {value!r}"
 
 
-def _share(length: float) -> str:
+def _share(length: object) -> str:
     value = number(length, "within")
     if not 0 <= value < float("inf"):
         raise InputError(f"within: {length!r} is not a length: give a number from 0")
@@ -34,13 +41,11 @@ def _share(length: float) -> str:
 class Distribution:
     """Bounds of statistics, made by `hausbench.distribution`. What was not listed there is computed on first use and kept."""
 
-    def __init__(self, pair: Pair, query: Query, over: str, statistics: Iterable[str], quantiles: Iterable[float],
-                 within: Iterable[float]) -> None:
+    def __init__(self, pair: Pair, query: Query, over: str, statistics: object, quantiles: object, within: object) -> None:
         if over not in OVER:
             raise InputError(f"over: {over!r} is not one of {', '.join(OVER)}")
-        if isinstance(statistics, str):
-            statistics = (statistics,)
-        names = list(statistics)
+        others = [*map(_quantile, _listed(quantiles)), *map(_share, _listed(within))]
+        names = _listed(statistics) if statistics is not None else [] if others else ["mean", "rms"]
         for name in names:
             if name not in NAMES:
                 raise InputError(f"statistics: {name!r} is not one of {', '.join(NAMES)}; for others see quantiles and within")
@@ -48,7 +53,7 @@ class Distribution:
         self._over = "" if over == "source" else f" {over}"
         self._known: dict[str, Interval] = {}
         self._status = "converged"
-        self._ask([*names, *map(_quantile, quantiles), *map(_share, within)])
+        self._ask([*map(str, names), *others])
 
     def _ask(self, wanted: list[str]) -> None:
         names = list(dict.fromkeys(wanted))

@@ -7,7 +7,7 @@ from typing import Protocol, Union
 
 import numpy.typing as npt
 
-from hausbench._core import Shape
+from hausbench.shapes import Shape
 
 
 class HasFaces(Protocol):

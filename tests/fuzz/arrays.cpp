@@ -169,7 +169,8 @@ private:
         if (which == 4) return ask_field(asked);
         const int code = which == 0   ? hausbench_directed(pair, &asked, &answer, &error)
                          : which == 1 ? hausbench_symmetric(pair, &asked, &answer, &error)
-                                      : hausbench_within(pair, length, &asked, &answer, &error);
+                                      : hausbench_within(pair, static_cast<std::int32_t>(length > 1), length, &asked,
+                                                         &answer, &error);
         const bool well = is_well(code, error);
         expect(well || (answer.bounds.lower == 0 && std::isinf(answer.bounds.upper)), "a refused query has an answer");
         expect_interval(answer.bounds);

@@ -209,7 +209,7 @@ TEST(LibraryHostile, NullPointers) {
         hausbench_directed(nullptr, nullptr, &answer, &e),
         hausbench_directed(pair.get(), nullptr, nullptr, &e),
         hausbench_symmetric(nullptr, nullptr, &answer, nullptr),
-        hausbench_within(pair.get(), 1, nullptr, nullptr, &e),
+        hausbench_within(pair.get(), 0, 1, nullptr, nullptr, &e),
         hausbench_distribution(pair.get(), nullptr, 1, nullptr, &value, &answer, &e),
         hausbench_distribution(pair.get(), names, 2, nullptr, &value, &answer, &e),
         hausbench_distribution(pair.get(), names, 1, nullptr, nullptr, &answer, &e),

@@ -138,15 +138,32 @@ TEST(Library, AsksWhetherADistanceIsWithinALength) {
     hausbench_error error = HAUSBENCH_ERROR_INIT;
     for (const auto& [length, status] : {std::pair{5.1, HAUSBENCH_WITHIN}, std::pair{4.9, HAUSBENCH_ABOVE}}) {
         hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
-        expect_ok(hausbench_within(pair.get(), length, nullptr, &answer, &error), error);
+        expect_ok(hausbench_within(pair.get(), 0, length, nullptr, &answer, &error), error);
         EXPECT_EQ(answer.status, status);
         EXPECT_LE(answer.bounds.lower, 5);
         EXPECT_GE(answer.bounds.upper, 5);
     }
     for (const double bad : {-1.0, double(NAN), double(INFINITY)}) {
         hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
-        EXPECT_EQ(hausbench_within(pair.get(), bad, nullptr, &answer, &error), HAUSBENCH_BAD_INPUT);
-        EXPECT_EQ(error.argument, 2);
+        EXPECT_EQ(hausbench_within(pair.get(), 0, bad, nullptr, &answer, &error), HAUSBENCH_BAD_INPUT);
+        EXPECT_EQ(error.argument, 3);
+    }
+}
+
+// h(A,B) = 0 and h(B,A) = 5 for A the origin, and the reverse; so H is 5 both ways.
+TEST(Library, AsksWhetherTheSymmetricDistanceIsWithinALength) {
+    const ShapeHandle one = shape_of(origin), two = shape_of(two_points);
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    for (const bool swapped : {false, true}) {
+        const PairHandle pair = swapped ? pair_of(two, one) : pair_of(one, two);
+        for (const auto& [length, status] : {std::pair{5.1, HAUSBENCH_WITHIN}, std::pair{4.9, HAUSBENCH_ABOVE}}) {
+            hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+            expect_ok(hausbench_within(pair.get(), 1, length, nullptr, &answer, &error), error);
+            EXPECT_EQ(answer.status, status);
+            EXPECT_LE(answer.bounds.lower, 5);
+            EXPECT_GE(answer.bounds.upper, 5);
+            EXPECT_EQ(answer.to_source, swapped ? 0 : 1);
+        }
     }
 }
 
@@ -187,14 +204,18 @@ Rational squared_distance(const Points& from, Index row, const TriangleMesh& to,
     return CGAL::squared_distance(exact(from, row), corners);
 }
 
-// Points around the origin or far from it, small or large beside B.
-class LibraryFields : public testing::TestWithParam<std::pair<double, double>> {};
+// Points around the origin or far from it, small or large beside B, and one of them much farther.
+struct Cloud {
+    double size, away, farthest;
+};
+class LibraryFields : public testing::TestWithParam<Cloud> {};
 
 TEST_P(LibraryFields, HoldUnderRounding) {
-    const auto [size, away] = GetParam();
+    const auto [size, away, farthest] = GetParam();
     Random random(5);
     Points from = cloud(random, 200, size);
     from.rowwise() += Eigen::RowVector3d(away, away, -away);
+    from.row(199) *= farthest;
     TriangleMesh to = random_mesh(6, 12);
     to.vertices.rowwise() += Eigen::RowVector3d(away, away, -away);
     const ShapeHandle a = shape_of(numbers_of(from)), b = handle_of(to);
@@ -208,7 +229,8 @@ TEST_P(LibraryFields, HoldUnderRounding) {
         const auto [lower, upper] = values[std::size_t(i)];
         EXPECT_LE(Rational(lower) * Rational(lower), least);
         EXPECT_GE(Rational(upper) * Rational(upper), least);
-        EXPECT_LE(upper - lower, 1e-12 * std::max({1.0, size, away}));
+        const double magnitude = std::max({1.0, size, away, from.row(i).cwiseAbs().maxCoeff()});
+        if (farthest < 1e200) EXPECT_LE(upper - lower, 1e-12 * magnitude);  // else squares of the others underflow
         const std::int64_t row = nearest[std::size_t(i)];
         ASSERT_TRUE(row >= 0 && row < 12);
         EXPECT_LE(squared_distance(from, i, to, Index(row)), Rational(upper) * Rational(upper));
@@ -216,8 +238,8 @@ TEST_P(LibraryFields, HoldUnderRounding) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, LibraryFields,
-                         testing::Values(std::pair(1.0, 0.0), std::pair(1e-9, 0.0), std::pair(1e9, 0.0),
-                                         std::pair(1.0, 1e6)));
+                         testing::Values(Cloud{1, 0, 1}, Cloud{1e-9, 0, 1}, Cloud{1e9, 0, 1}, Cloud{1, 1e6, 1},
+                                         Cloud{1, 0, 1e100}, Cloud{1, 0, 1e300}));
 
 TEST(Library, FieldsCoverVerticesThatNoFaceUses) {
     const ShapeHandle mesh = shape_of({9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 1, 0, -5, 0, 0}, {1, 2, 3});

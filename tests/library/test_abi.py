@@ -69,7 +69,7 @@ def test_the_interface_is_the_recorded_one(library: Path, tmp_path: Path) -> Non
     ("int64_t target_row;", "int64_t target_row; int64_t middle_row;"),
     ("int32_t accepted;", "float accepted;  int32_t other;"),
     ("HAUSBENCH_WITHIN = 1,", "HAUSBENCH_WITHIN = 7,"),
-    ("hausbench_within(hausbench_pair* pair, double length,", "hausbench_within(hausbench_pair* pair, float length,"),
+    ("hausbench_within(hausbench_pair* pair, int32_t symmetric, double length,", "hausbench_within(hausbench_pair* pair, int32_t symmetric, float length,"),
 ])
 def test_a_planted_change_is_found(before: str, after: str, library: Path, tmp_path: Path) -> None:
     header = HEADER.read_text()

@@ -77,7 +77,7 @@ def test_bits(seed: int, library: Path, build: Path, tmp_path: Path) -> None:
             assert [answer.bounds.lower, answer.bounds.upper] == [theirs["lower"], theirs["upper"]], (name, unit)
             assert [answer.source_row, answer.target_row] == [theirs["source_element"], theirs["target_element"]]
     length = 0.9 * answer.bounds.lower
-    ours.call("within", pair, c_double(length), None, byref(answer))
+    ours.call("within", pair, 0, c_double(length), None, byref(answer))
     theirs = measured("--cutoff", repr(length))
     assert [answer.bounds.lower, answer.bounds.upper] == [theirs["lower"], theirs["upper"]]
     names = [b"mean", b"rms", b"quantile 0.95", b"within 0.5"]

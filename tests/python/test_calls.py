@@ -128,8 +128,22 @@ def test_within(tetrahedron: Mesh) -> None:
     with pytest.raises(hb.Undecided) as undecided:
         hb.within(sphere(60, 0.1), sphere(50, 0.1), 1e-2, time_limit=0)
     assert undecided.value.interval is not None and undecided.value.interval.contains(1e-2)
-    with pytest.raises(hb.InputError, match="d: "):
-        hb.within(tetrahedron, target, "far")  # type: ignore[arg-type]
+    for wrong in ("far", math.nan, math.inf, -1):
+        with pytest.raises(hb.InputError, match="^d: "):
+            hb.within(tetrahedron, target, wrong)  # type: ignore[arg-type]
+
+
+def test_within_both_ways(tetrahedron: Mesh) -> None:
+    vertices, faces = tetrahedron
+    more = np.vstack([vertices, [[9, 0, 0], [9, 1, 0], [9, 0, 1]]]), np.vstack([faces, [[4, 5, 6]]])
+    prepared = hb.prepare(more)
+    for d, expected in ((7.9, False), (8.1, True)):
+        assert hb.within(tetrahedron, more, d) is True
+        assert hb.within(tetrahedron, more, d, symmetric=True) is expected
+        assert hb.within(more, tetrahedron, d, symmetric=True) is expected
+        assert prepared.within(tetrahedron, d, symmetric=True) is expected
+    with pytest.raises(hb.Undecided, match=r"H\(A,B\)"):
+        hb.within([[0, 0, 0]], [[3, 4, 0]], 5, symmetric=True)
 
 
 def test_a_time_limit_leaves_a_true_interval() -> None:
@@ -185,6 +199,36 @@ def test_distribution_asks_for_what_is_listed(small_sphere: Mesh) -> None:
     assert repr(hb.distribution(small_sphere, small_sphere, statistics=())) == "<Distribution: nothing asked yet>"
 
 
+def test_distribution_asks_for_mean_and_rms_if_nothing_is_listed(small_sphere: Mesh) -> None:
+    target = sphere(9, 0.1)
+    assert "mean [" in repr(hb.distribution(small_sphere, target)) and "rms [" in repr(hb.distribution(small_sphere, target))
+    listed = hb.distribution(small_sphere, target, quantiles=0.95, within=0.1)
+    assert "mean" not in repr(listed) and "quantile 0.95" in repr(listed) and "within 0.1" in repr(listed)
+
+
+@pytest.mark.parametrize("wrong", [{"solver": 3}, {"solver": "covr"}, {"options": 3}, {"options": {"no": 1}}])
+def test_wrong_solvers_are_named(tetrahedron: Mesh, wrong: dict[str, Any]) -> None:
+    with pytest.raises(hb.InputError) as error:
+        hb.directed(tetrahedron, tetrahedron, **wrong)
+    assert "plan:" not in str(error.value) and "NULL" not in str(error.value)
+
+
+def test_paths_are_checked(tetrahedron: Mesh) -> None:
+    mesh: Any = tetrahedron
+    calls: list[tuple[Callable[..., object], list[Any]]] = [(hb.read, [mesh]), (hb.verify, [mesh, mesh, "p"]), (hb.certify, [mesh, mesh, 3])]
+    for call, arguments in calls:
+        with pytest.raises(hb.InputError, match="path"):
+            call(*arguments)
+
+
+def test_proofs_of_point_sets_need_no_solver(tmp_path: Path) -> None:
+    points, others = np.zeros((3, 3)), np.ones((2, 3))
+    hb.certify(points, others, tmp_path / "proof")
+    assert hb.verify(tmp_path / "proof", points, others)
+    with pytest.raises(hb.InputError, match="leave solver out"):
+        hb.certify(points, others, tmp_path / "proof", solver="scan")
+
+
 def test_distribution_over_both_shapes() -> None:
     near, far = np.zeros((1, 3)), np.array([[0, 0, 0], [0, 0, 4.0]])
     assert hb.distribution(near, far).mean.contains(0)
@@ -195,7 +239,8 @@ def test_distribution_over_both_shapes() -> None:
 
 
 @pytest.mark.parametrize("bad", [{"statistics": ["average"]}, {"quantiles": [95]}, {"within": [-1]}, {"over": "both"},
-                                 {"weigh": "length"}, {"share_tolerance": 0}, {"quantiles": [math.nan]}])
+                                 {"weigh": "length"}, {"share_tolerance": 0}, {"quantiles": [math.nan]}, {"quantiles": 0}, {"within": "far"},
+                                 {"statistics": 3}, {"tolerance": 0}, {"tolerance": math.inf}, {"time_limit": -1}])
 def test_wrong_statistics_are_named(tetrahedron: Mesh, bad: dict[str, Any]) -> None:
     with pytest.raises(hb.InputError, match=next(iter(bad))):
         hb.distribution(tetrahedron, tetrahedron, **bad)

@@ -75,6 +75,21 @@ def test_types_of_faces_that_are_refused(tetrahedron: Mesh, kind: Any) -> None:
     assert "type" in fails((tetrahedron[0], np.zeros((4, 3), kind)))
 
 
+def test_errors_say_what_to_do(tetrahedron: Mesh) -> None:
+    vertices, faces = tetrahedron
+    column = np.zeros((5, 3))
+    for wrong, remedy in ((column.T, ".T"), (np.zeros((5, 6)), "[:, :3]"), ([1, 2, 3], "[[x, y, z]]"), ([vertices, faces[:2]], "tuple"),
+                          ((vertices, faces, vertices[:2]), "tuple"), (np.zeros((4, 4, 4), bool), "argwhere"),
+                          ((vertices, np.zeros((3, 5), int)), ".T"), ((faces, vertices), "exchanged")):
+        assert remedy in fails(wrong), remedy
+    with pytest.raises(hb.InputError, match="hausbench.read"):
+        hb.Shape("a.ply")
+    with pytest.raises(hb.InputError, match="as_matrix"):
+        hb.directed(tetrahedron, tetrahedron, pose=object())  # type: ignore[arg-type]
+    with pytest.raises(hb.InputError, match="last column"):
+        hb.directed(tetrahedron, tetrahedron, pose=np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [1, 2, 3, 1]]))
+
+
 def test_structured_ragged_and_masked_arrays(tetrahedron: Mesh) -> None:
     fails(np.zeros(4, [("x", float), ("y", float), ("z", float)]))
     fails([[0, 0, 0], [1, 2]])

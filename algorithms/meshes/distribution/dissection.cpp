@@ -89,10 +89,15 @@ public:
     Worker(const Dissection& all, const CutWhere& where, const Stop& stop, std::size_t most)
         : all_(all), where_(where), stop_(stop), most_(most), bounder_(all.magnitude_) {}
 
-    // Cuts a piece into at most about `most` parts. Once it was told to stop, cuts no piece any more.
-    void open(const Piece& piece) {
-        enough_ = stopped_ ? 0 : leaves_.size() + most_;
-        gather_and_cut(piece);
+    // Cuts a piece into at most about `most` parts. Once it was told to stop, keeps the bounds that a piece has, or gives
+    // it rough ones if it has none (`first`).
+    void open(const Leaf& leaf, bool first) {
+        if (stopped_) {
+            leaves_.push_back(first ? all_.unknown(leaf.piece) : leaf);
+            return;
+        }
+        enough_ = leaves_.size() + most_;
+        gather_and_cut(leaf.piece);
     }
 
     std::vector<Leaf> take_leaves() { return std::exchange(leaves_, {}); }
@@ -106,7 +111,7 @@ private:
     // Returns whether this piece is cut. `near` triangles were compared for its bounds. Asks now and then whether to stop.
     bool is_cut(const Piece& piece, const AffineBounds& bounds, std::size_t near) {
         ++counters_.bound_tests;
-        work_ += 16 + near;
+        work_ += 16 + near + std::exchange(searched_, 0);
         if (work_ >= work_between_looks) {
             work_ = 0;
             stopped_ = stopped_ || stop_(all_.leaves_.size() + leaves_.size());
@@ -130,11 +135,19 @@ private:
     bool only_rounding(const Piece& piece, const AffineBounds& bounds) const {
         const double gap = (64 + 8 * piece.level) * unit_roundoff * all_.magnitude_;
         for (std::size_t k = 0; k < 3; ++k)
-            if (bounds.upper[k] - bounds.lower[k] > gap) return false;
+            if (bounds.upper[k] - std::max(bounds.lower[k], 0.0) > gap) return false;
         return true;
     }
 
+    // The work of all searches so far.
+    std::size_t searches() const { return counters_.node_visits + counters_.point_triangle_distances; }
+
     void gather_and_cut(Piece piece) {
+        if (stopped_) {
+            const Index near = std::max<Index>(piece.near, 0);
+            return emit(piece, bounder_.rough(piece, triangle_of(all_.target_.mesh(), near), 0), false);
+        }
+        const std::size_t before = searches();
         const Vec3 c = piece.centre();
         double radius = 0;
         for (const Vec3& corner : piece.corners) radius = std::max(radius, squared_length(corner - c));
@@ -162,12 +175,14 @@ private:
         if (near_.count() > most_near) {
             if (!exact) nearest();
             const double least = all_.target_.certified_distance(c, counters_);
+            searched_ += searches() - before;
             const AffineBounds bounds = bounder_.rough(piece, triangle_of(all_.target_.mesh(), piece.near), least);
             const bool small = too_small(piece);
             if (!is_cut(piece, bounds, near_.count()) || small) return emit(piece, bounds, small);
             for (const Piece& half : halves(piece)) gather_and_cut(half);
             return;
         }
+        searched_ += searches() - before;
         triangles_.clear();
         std::vector<std::uint16_t>& among = lists_at(0);
         among.clear();
@@ -204,7 +219,8 @@ private:
     const Dissection& all_;
     const CutWhere& where_;
     const Stop& stop_;
-    std::size_t most_, enough_ = 0, work_ = 0;  // `work_` since the last look at the clock
+    std::size_t most_, enough_ = 0;
+    std::size_t work_ = 0, searched_ = 0;  // since the last look at the clock, and in searches of the current piece
     bool stopped_ = false;
     PieceBounder bounder_;
     std::vector<Leaf> leaves_;
@@ -282,7 +298,7 @@ bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t mos
             std::unique_ptr<Worker>& worker = workers[static_cast<std::size_t>(number)];
             if (!worker) worker = std::make_unique<Worker>(*this, where, stop, most);
             const std::size_t from = begin + p * pieces_of_part;
-            for (std::size_t i = from; i < std::min(end, from + pieces_of_part); ++i) worker->open(open[i].piece);
+            for (std::size_t i = from; i < std::min(end, from + pieces_of_part); ++i) worker->open(open[i], first);
             made[p] = worker->take_leaves();
             counters[p] = worker->take_counters();
         });

@@ -347,6 +347,66 @@ TEST(Distribution, ASlowSearchStopsSoon) {
     EXPECT_EQ(looks, 4);
 }
 
+// Thousands of triangles of B, in a circle around A, are equally near. One piece then takes a search of all of B, so the
+// search looks whether to stop after each.
+TEST(Distribution, ASearchOfTiesStopsSoon) {
+    constexpr int ties = 4000;
+    const double angle = 2 * std::acos(-1) / ties;
+    std::vector<Triangle> circle;
+    const auto at = [&](int i, double z) { return Vec3(std::cos(angle * i), std::sin(angle * i), z); };
+    for (int i = 0; i < ties; ++i) circle.push_back({at(i, 0), at(i + 1, 0), at(i, 1e-4)});
+    const TriangleMesh a = sheet(6, 1e-6), b = mesh_of(circle);
+    const TriangleBlocks of_b(b);
+    CutWhere where;
+    where.mean = 0;
+    const auto searched = [&](Index triangles, int most_looks) {
+        const Triangles some = a.triangles.topRows(triangles);
+        Dissection pieces(some, a.vertices, of_b, 1, WeighBy::area, 1);
+        int looks = 0;
+        pieces.refine(
+            where, [&](std::size_t) { return ++looks >= most_looks; }, 1'000'000);
+        return pieces.counters().node_visits + pieces.counters().point_triangle_distances;
+    };
+    // The first look is before any search, and after the second look no piece is searched.
+    EXPECT_LE(searched(static_cast<Index>(a.triangles.rows()), 2), 2 * searched(1, 2));
+    EXPECT_GT(searched(1, 2), static_cast<std::uint64_t>(ties));
+}
+
+TEST(Distribution, AStopLeavesTheBoundsOfEarlierRounds) {
+    Random random(8);
+    const TriangleMesh a = random_soup(random, 30, 1), b = random_soup(random, 30, 1);
+    const TriangleBlocks blocks(b);
+    Dissection pieces(a.triangles, a.vertices, blocks, 1, WeighBy::area, 1);
+    const auto gap = [&] {
+        double sum = 0;
+        for (const Leaf& leaf : pieces.leaves()) sum += leaf.weight * (leaf.bounds.mean_upper - leaf.bounds.mean_lower);
+        return sum;
+    };
+    CutWhere where;
+    where.mean = 1e-4;
+    const auto never = [](std::size_t) { return false; };
+    pieces.refine(where, never, 1'000'000);
+    const double before = gap();
+    where.mean = 1e-7;
+    int looks = 0;
+    pieces.refine(
+        where, [&](std::size_t) { return ++looks >= 2; }, 1'000'000);
+    EXPECT_LE(gap(), before * (1 + 1e-9));
+}
+
+// Where triangles of A cross, lower bounds may be far below 0. No distance is, so such a gap needs no cutting.
+TEST(Distribution, CrossingTrianglesOfIdenticalMeshesNeedFewPieces) {
+    Random random(5);
+    const TriangleMesh a = random_soup(random, 3, 1);
+    Query query;
+    query.statistics = {{Kind::mean}};
+    query.tolerance = {Tolerance::Of::lower, 1e-3};
+    const Narrowed found = answer(a, a, query);
+    EXPECT_EQ(to_string(found.status), to_string(Status::precision_floor));
+    EXPECT_LE(found.pieces, 100u);
+    EXPECT_LE(found.bounds[0].upper, 1e-12);
+}
+
 TEST(Distribution, TheNumberOfThreadsDoesNotMatter) {
     Random random(7);
     const TriangleMesh a = random_soup(random, 40, 1), b = random_soup(random, 40, 1);
