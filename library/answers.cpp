@@ -1,4 +1,5 @@
 // The questions of the C interface.
+#include "algorithms/kernel/parallel.h"
 #include "algorithms/kernel/rounding.h"
 #include "harness/record/fields.h"
 #include "library/errors.h"
@@ -22,7 +23,14 @@ std::pair<std::vector<hausbench_interval>, std::vector<Index>> field(const Quest
     const PreparedShape to(SharedShape(Shape(pair.target().shape())));
     Drawing drawing;
     drawing.deadline = &deadline;
-    DrawnField drawn = draw_distance(from, query.source_pose, to, query.target_pose, drawing);
+    DrawnField drawn;
+    try {
+        const Stoppable stoppable(query.interrupt);
+        drawn = draw_distance(from, query.source_pose, to, query.target_pose, drawing);
+    } catch (const BuildingStopped&) {
+        const auto count = static_cast<std::size_t>(points_of(from.shape()).rows());
+        return {std::vector<hausbench_interval>(count, {0, infinity}), std::vector<Index>(count, -1)};
+    }
     const double of_target = magnitude(posed(points_of(to.shape()), query.target_pose));
     const double largest = std::max(magnitude(drawn.vertices), of_target);
     std::vector<hausbench_interval> intervals(drawn.distances.size(), {0, infinity});
@@ -106,6 +114,7 @@ int hausbench_distribution(hausbench_pair* pair, const char* const* statistics, 
             if (known) values[i] = {result.statistics[i].lower, result.statistics[i].upper};
         }
         question.answer(result, *answer);
+        answer->bounds = values[0];
     });
 }
 

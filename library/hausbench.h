@@ -183,10 +183,11 @@ typedef struct hausbench_query {
     const double* target_pose;
     hausbench_chain* chain; /* NULL: none */
 
-    /* Called every few milliseconds by the thread that called the library, while it solves (not while it reads or
-       prepares, nor while it has no work left and waits for its other threads). If it returns something else than 0,
-       the call ends soon with the bounds found so far and the status CANCELLED. NULL: none. It must not call the
-       library with the same chain, and must not throw. */
+    /* Called every few milliseconds by the thread that called the library, in the default floating-point environment,
+       while the thread prepares or solves (not while it waits for other threads, nor while a few large steps of
+       preparing last, such as a sort). If it returns something else than 0, the call ends soon with the bounds found so
+       far and the status CANCELLED. NULL: none. It must not call the library with the same chain, and must not
+       throw. */
     int (*cancel)(void* cancel_data);
     void* cancel_data;
 
@@ -246,10 +247,10 @@ HAUSBENCH_API int hausbench_distribution(hausbench_pair* pair, const char* const
                                          hausbench_answer* answer, hausbench_error* error);
 
 /* Bounds the distance to B of each vertex of A, with those that no face uses, into values[vertex]; `nearest`, unless it
-   is NULL, gets the row of B nearest to it. The width of each is the rounding error at the
-   largest coordinate of both shapes; the tolerance is ignored. Each call builds a tree over B.
-   If the time limit or `cancel` ends the call early, the other vertices have [0, INFINITY] and the row -1.
-   O((|A| + |B|) log |B|) on well-behaved shapes. */
+   is NULL, gets the row of B nearest to it. The tolerance is ignored: the width of each interval is the rounding error
+   at the largest coordinate of the vertex and of B. (If another vertex of A is more than 1e100 times as far away, the
+   intervals are wider.) Each call builds a tree over B. If the time limit or `cancel` ends the call early, the other
+   vertices have [0, INFINITY] and the row -1. O((|A| + |B|) log |B|) on well-behaved shapes. */
 HAUSBENCH_API int hausbench_field(hausbench_pair* pair, const hausbench_query* query, hausbench_interval* values,
                                   int64_t* nearest, hausbench_error* error);
 
@@ -257,7 +258,8 @@ HAUSBENCH_API int hausbench_field(hausbench_pair* pair, const hausbench_query* q
 
 /* Bounds h(A,B), or H(A,B) if `symmetric` is 1, and writes a proof of the upper bound to a file (docs/certificate.md),
    which hausbench_verify and `hausbench verify --certificate` check. Fails with BAD_INPUT, and writes nothing, if the
-   solver writes no proofs or had no time to write this one, or if a pose does not keep distances. */
+   solver writes no proofs or had no time to write this one, or if a pose does not keep distances. If memory runs out
+   while a proof is written or read, the JSON library may end the process. */
 HAUSBENCH_API int hausbench_certify(hausbench_pair* pair, int32_t symmetric, const hausbench_query* query,
                                     const char* path, hausbench_answer* answer, hausbench_error* error);
 

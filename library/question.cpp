@@ -1,5 +1,6 @@
 #include "library/question.h"
 
+#include "algorithms/kernel/parallel.h"
 #include "harness/record/both_ways.h"
 #include "library/errors.h"
 
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace hausbench::library {
@@ -45,6 +47,13 @@ void check(const hausbench_query& query, int argument) {
     if (query.reserved != 0) fail("reserved must be 0");
 }
 
+Result nothing_in_time() {
+    Result result;
+    result.bounds = {0, infinity};
+    result.status = Status::time_limit;
+    return result;
+}
+
 const char* unit_named(std::int32_t relative_to) {
     return relative_to == HAUSBENCH_OF_DIAGONAL ? "diagonal"
            : relative_to == HAUSBENCH_OF_LENGTH ? "absolute"
@@ -78,7 +87,6 @@ Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argu
 
 // Returns the query as a question about the source and target of this direction, and its session.
 Question::Way Question::way(Query one, bool backward) {
-    const WallClock clock;
     if (backward) std::swap(one.source_pose, one.target_pose);
     Pair::Kind moves = pair_->planned();
     if (chain_) {
@@ -86,13 +94,23 @@ Question::Way Question::way(Query one, bool backward) {
         moves.target_moves |= chain_->moves.target_moves;
     }
     const Pair::Kind kind = pair_->kind_for(one, backward, moves);
-    Way found{one, kind, pair_->session(kind, one.threads)};
-    prepare_seconds_ += clock.elapsed();
-    return found;
+    return {one, kind, pair_->session(kind, one.threads)};
+}
+
+Result Question::ask(bool backward) {
+    const WallClock preparing;
+    std::optional<Way> ready;
+    try {
+        const Stoppable stoppable(query.interrupt);
+        ready = way(query, backward);
+    } catch (const BuildingStopped&) {
+    }
+    prepare_seconds_ += preparing.elapsed();
+    return ready ? solved(*ready) : nothing_in_time();
 }
 
 // The time limit is for all solving of this question together.
-Result Question::ask(const Way& way) {
+Result Question::solved(const Way& way) try {
     const WallClock clock;
     Query one = way.query;
     one.time_limit = std::max(0.0, one.time_limit - solve_seconds_);
@@ -106,9 +124,11 @@ Result Question::ask(const Way& way) {
     Result result = way.session->solve(one, state, untraced);
     solve_seconds_ += clock.elapsed();
     return result;
+} catch (const BuildingStopped&) {  // while it built structures for this answer
+    return nothing_in_time();
 }
 
-Result Question::solve() { return ask(way(query, false)); }
+Result Question::solve() { return ask(false); }
 
 // Like `hausbench measure --symmetric`, so that the answers have the same bits: by two directions, or at once if the
 // tolerance is a fraction of the lower bound.
@@ -117,12 +137,12 @@ Result Question::solve_symmetric() {
         query.quantity = Quantity::symmetric;
         return solve();
     }
-    Result forward = ask(way(query, false));
+    Result forward = ask(false);
     if (forward.status == Status::above_cutoff) {  // so is H(A,B), which has no upper bound, as h(B,A) has none
         forward.bounds.upper = infinity;
         return forward;
     }
-    return larger_of(query, forward, turned(ask(way(query, true))));
+    return larger_of(query, forward, turned(ask(true)));
 }
 
 int Question::status_of(const Result& result) const {

@@ -35,7 +35,8 @@ private:
         std::shared_ptr<const Session> session;
     };
     Way way(Query one, bool backward);
-    Result ask(const Way& way);
+    Result ask(bool backward);  // h(A,B) or h(B,A)
+    Result solved(const Way& way);
     int status_of(const Result& result) const;
 
     std::shared_ptr<Pair> pair_;

@@ -1,5 +1,7 @@
 #include "algorithms/kernel/parallel.h"
 
+#include "algorithms/kernel/deadline.h"
+
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
@@ -27,20 +29,35 @@ private:
     std::fenv_t before_;
 };
 
+thread_local const Interrupt* asked = nullptr;
+
 }  // namespace
+
+Stoppable::Stoppable(const Interrupt* interrupt) : before_(asked) { asked = interrupt; }
+
+Stoppable::~Stoppable() { asked = before_; }
+
+const Interrupt* Stoppable::current() { return asked; }
+
+void Stoppable::look(const Interrupt* interrupt) {
+    if (interrupt && interrupt->stop_requested()) throw BuildingStopped();
+}
 
 void Threads::run(std::size_t count, int most, void* job, void (*one)(void* job, std::size_t block, int worker)) {
     std::atomic<std::size_t> next{0};
     std::atomic<int> workers{0};
     std::fenv_t environment;
     std::fegetenv(&environment);
+    const Interrupt* const interrupt = asked;
     const auto work = [&] {
         if (next.load(std::memory_order_relaxed) >= count) return;
         const Environment same(environment);
         const int worker = workers.fetch_add(1, std::memory_order_relaxed);
         try {
-            for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < count;)
+            for (std::size_t block; (block = next.fetch_add(1, std::memory_order_relaxed)) < count;) {
+                Stoppable::look(interrupt);
                 one(job, block, worker);
+            }
         } catch (...) {
             next.store(count, std::memory_order_relaxed);  // no worker begins another block
             throw;                                         // task_group rethrows it in the caller

@@ -23,6 +23,29 @@
 
 namespace hausbench {
 
+class Interrupt;
+
+// Thrown where an interrupt ends the building of a structure.
+struct BuildingStopped {};
+
+// While it lives, loops of the thread that made it, and the building of trees, ask an interrupt now and then. If it asks
+// to stop, they throw BuildingStopped. Null: they ask nothing.
+class Stoppable {
+public:
+    explicit Stoppable(const Interrupt* interrupt);
+    ~Stoppable();
+    Stoppable(const Stoppable&) = delete;
+
+    // Returns the interrupt of the calling thread, or null.
+    static const Interrupt* current();
+
+    // Throws BuildingStopped if the interrupt asks to stop. Null: does nothing.
+    static void look(const Interrupt* interrupt = current());
+
+private:
+    const Interrupt* before_;
+};
+
 // The range [begin, end) of the items of one block.
 struct Part {
     std::size_t begin, end;
@@ -60,11 +83,17 @@ public:
     // There are never more threads than cores. Each thread works in the floating-point environment of the caller, so it
     // has the same rounding mode.
     //
-    // If a body throws, no further block is started, and the exception is rethrown once the running blocks are done.
+    // If a body throws, or an interrupt asks to stop (Stoppable), no further block is started, and the exception is
+    // rethrown once the running blocks are done.
     // After a loop, do not fork() unless the child calls exec(), because fork() does not copy the threads.
     template <class Body> void for_each(std::size_t count, const Body& body) const {
+        const Interrupt* interrupt = Stoppable::current();
+        if (interrupt) Stoppable::look(interrupt);  // the other threads may take all blocks and cannot ask
         if (most_ <= 1 || count <= 1) {
-            for (std::size_t block = 0; block < count; ++block) call(body, block, 0);
+            for (std::size_t block = 0; block < count; ++block) {
+                if (interrupt) Stoppable::look(interrupt);
+                call(body, block, 0);
+            }
             return;
         }
         Job<Body> job{body};

@@ -179,6 +179,7 @@ Result MovingTarget::solve(const Query& query, State* state, Trace& trace) const
     Query asked = undone ? undone_query(query, *undone) : query;
     std::unique_ptr<PreparedSolver> made;
     if (!kept_ || (!info.can(Ability::moving_target) && !asked.target_pose.is_identity())) {
+        const Stoppable stoppable(query.interrupt);
         made = prepared_over_a_copy(asked);
         asked.time_limit = clock.left(asked.time_limit);
     }

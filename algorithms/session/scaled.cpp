@@ -247,7 +247,11 @@ Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
     once.both_ways = std::any_of(query.statistics.begin(), query.statistics.end(), needs_target);
     once.threads = query.threads;
     const PreparedPair pair = at_rest(query);
-    return answer(*make_(pair, once), pair, still, nullptr, trace);
+    const auto made = [&] {
+        const Stoppable stoppable(query.interrupt);
+        return make_(pair, once);
+    };
+    return answer(*made(), pair, still, nullptr, trace);
 }
 
 Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Query& query, State* state,

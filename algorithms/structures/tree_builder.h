@@ -10,6 +10,7 @@
 // The boxes that the tree stores are set afterwards, from exact ones (WideTree::fit).
 #pragma once
 
+#include "algorithms/kernel/parallel.h"
 #include "algorithms/structures/wide_tree.h"
 
 #include <array>
@@ -147,6 +148,7 @@ struct Builder {
         std::array<Range, tree_width> parts;
         int count = 1;
         if (whole.size() > leaf_capacity) {
+            if (whole.size() > 4096) Stoppable::look();
             localise(whole);
             parts[0] = whole;
             count = split(whole, depth, parts);

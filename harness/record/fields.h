@@ -46,7 +46,7 @@ struct DrawnField {
 //
 // Error: let M be the largest |coordinate| of A and B in their poses. The computed distance of a vertex differs from
 // its exact distance by at most field_error(M), and so does the exact distance of the vertex to the element in
-// `nearest`. A vertex added by a cut is within 2 * field_error(M) of its triangle of A. fields.cpp derives both.
+// `nearest`. A vertex added by a cut is within 2 * field_error(M) of its triangle of A. field_error.cpp derives both.
 DrawnField draw_distance(const PreparedShape& source, const Pose& source_pose, const PreparedShape& target,
                          const Pose& target_pose, const Drawing& drawing = {});
 

@@ -19,7 +19,7 @@ Keyword arguments of all questions:
     pose          moves A before measuring: a matrix (4, 4), a rotation (3, 3), or a tuple (rotation, translation). Scaling,
                   shearing and mirroring are allowed, so a matrix is not checked to be a rotation
     target_pose   moves B
-Ctrl-C raises KeyboardInterrupt. Other Python threads run while a question is answered.
+Ctrl-C raises KeyboardInterrupt; a file is read to its end first. Other Python threads run while a question is answered.
 """
 
 from __future__ import annotations

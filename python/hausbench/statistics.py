@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from hausbench.answers import STATUSES
 from hausbench.errors import InputError
 from hausbench.interval import Interval
-from hausbench.options import number
+from hausbench.options import INFINITY, number
 
 if TYPE_CHECKING:
     from hausbench._core import Pair, Query
@@ -33,8 +33,8 @@ def _quantile(level: object) -> str:
 
 def _share(length: object) -> str:
     value = number(length, "within")
-    if not 0 <= value < float("inf"):
-        raise InputError(f"within: {length!r} is not a length: give a number from 0")
+    if not 0 <= value < INFINITY or length < 0:  # type: ignore[operator]  # a negative number may round to 0
+        raise InputError(f"within: {length!r} is not a length: give a finite number of at least 0")
     return f"within {value!r}"
 
 

@@ -432,6 +432,46 @@ TEST(Library, CancelsALongCall) {
             threads);
 }
 
+// The hook asks to stop when it is first called, which is while structures are built. The pair answers later calls.
+TEST(Library, CancelsPreparing) {
+    const auto new_pair = [](const char* solver) {
+        return pair_of(handle_of(sheet(60, 0, 0.4)), handle_of(sheet(57, 0.3, 0.4)), solver, HAUSBENCH_NOTHING);
+    };
+    struct Ask {
+        const char* solver;
+        int threads;
+        bool moved;
+    };
+    for (const auto [solver, threads, moved] :
+         {Ask{"cover", 1, false}, Ask{"cover", 2, false}, Ask{"guthe", 1, false}, Ask{"cover", 1, true}}) {
+        const PairHandle pair = new_pair(solver);
+        const auto far = moved_by(1e200, 0, 0);
+        int calls = 0;
+        hausbench_query query = initial_query();
+        query.threads = threads;
+        if (moved) query.source_pose = query.target_pose = far.data();
+        if (moved) directed(pair, query);  // so that only the structures of this pose are left to build
+        query.cancel_data = &calls;
+        query.cancel = [](void* data) { return ++*static_cast<int*>(data); };
+        const hausbench_answer stopped = directed(pair, query);
+        EXPECT_EQ(stopped.status, HAUSBENCH_CANCELLED) << solver << ", " << threads << ", " << moved;
+        EXPECT_EQ(stopped.bounds.lower, 0);
+        EXPECT_EQ(stopped.bounds.upper, INFINITY);
+        EXPECT_EQ(stopped.solve_seconds, 0);
+        EXPECT_EQ(calls, 1);
+        query.cancel = nullptr;
+        EXPECT_LT(directed(pair, query).bounds.upper, INFINITY) << solver;
+    }
+    std::vector<hausbench_interval> values(61 * 61);
+    std::vector<std::int64_t> nearest(61 * 61);
+    hausbench_query query = initial_query();
+    query.cancel = [](void*) { return 1; };
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_field(new_pair("cover").get(), &query, values.data(), nearest.data(), &error), error);
+    EXPECT_EQ(values[7].upper, INFINITY);
+    EXPECT_EQ(nearest[7], -1);
+}
+
 TEST(Library, EndsAtTheTimeLimit) {
     Random random(1);
     const ShapeHandle a = shape_of(numbers_of(cloud(random, 60000))), b = shape_of(numbers_of(cloud(random, 60000)));

@@ -256,20 +256,16 @@ Leaf Dissection::unknown(const Piece& piece) const {
     return {piece, PieceBounder(magnitude_).rough(piece, triangle_of(target_.mesh(), 0), 0), weight_of(piece), false};
 }
 
+Leaf Dissection::uncut(std::size_t triangle) const {
+    const auto i = static_cast<Index>(triangle);
+    const auto v = triangles_.row(i);
+    return {{{points_.row(v[0]), points_.row(v[1]), points_.row(v[2])}, 1, i, -1, 0, 0}, {}, 0, false};
+}
+
 bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t most_leaves) {
     std::vector<Leaf> open;
     const bool first = leaves_.empty();
-    if (first) {
-        open.reserve(static_cast<std::size_t>(triangles_.rows()));
-        for (Eigen::Index i = 0; i < triangles_.rows(); ++i) {
-            const auto v = triangles_.row(i);
-            open.push_back(
-                {{{points_.row(v[0]), points_.row(v[1]), points_.row(v[2])}, 1, static_cast<Index>(i), -1, 0, 0},
-                 {},
-                 0,
-                 false});
-        }
-    } else {
+    if (!first) {
         std::size_t left = 0;
         for (const Leaf& leaf : leaves_) {
             if (!leaf.final && where(leaf.bounds, leaf.weight))
@@ -279,16 +275,17 @@ bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t mos
         }
         leaves_.resize(left);
     }
-    if (open.empty()) return false;
+    const std::size_t count = first ? static_cast<std::size_t>(triangles_.rows()) : open.size();
+    if (count == 0) return false;
+    const auto nth = [&](std::size_t i) { return first ? uncut(i) : open[i]; };
     const std::size_t room = most_leaves - std::min(most_leaves, leaves_.size());
-    const std::size_t most = 16 + 4 * room / open.size();  // of one piece; few pieces are cut into so many
+    const std::size_t most = 16 + 4 * room / count;  // of one piece; few pieces are cut into so many
     std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads_.most()));
-    for (std::size_t begin = 0; begin < open.size(); begin += pieces_of_round) {
-        const std::size_t end = std::min(open.size(), begin + pieces_of_round);
+    for (std::size_t begin = 0; begin < count; begin += pieces_of_round) {
+        const std::size_t end = std::min(count, begin + pieces_of_round);
         if (stop(leaves_.size())) {
-            leaves_.reserve(leaves_.size() + open.size() - begin);
-            for (std::size_t i = begin; i < open.size(); ++i)
-                leaves_.push_back(first ? unknown(open[i].piece) : open[i]);
+            leaves_.reserve(leaves_.size() + count - begin);
+            for (std::size_t i = begin; i < count; ++i) leaves_.push_back(first ? unknown(nth(i).piece) : open[i]);
             break;
         }
         const std::size_t parts = (end - begin + pieces_of_part - 1) / pieces_of_part;
@@ -298,7 +295,7 @@ bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t mos
             std::unique_ptr<Worker>& worker = workers[static_cast<std::size_t>(number)];
             if (!worker) worker = std::make_unique<Worker>(*this, where, stop, most);
             const std::size_t from = begin + p * pieces_of_part;
-            for (std::size_t i = from; i < std::min(end, from + pieces_of_part); ++i) worker->open(open[i], first);
+            for (std::size_t i = from; i < std::min(end, from + pieces_of_part); ++i) worker->open(nth(i), first);
             made[p] = worker->take_leaves();
             counters[p] = worker->take_counters();
         });

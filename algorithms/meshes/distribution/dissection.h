@@ -62,7 +62,8 @@ public:
     Dissection(const Triangles& triangles, const Points& points, const TriangleBlocks& target, double magnitude,
                WeighBy weigh, int threads);
 
-    // Tells whether to stop, given the number of pieces so far. Threads call it concurrently.
+    // Tells whether to stop, given the number of pieces so far. Threads call it concurrently. It may throw; the pieces
+    // are then incomplete.
     using Stop = std::function<bool(std::size_t pieces)>;
 
     // Cuts pieces, and their parts, as long as they exceed a limit of `where`. Returns false if there was nothing to
@@ -83,7 +84,8 @@ public:
 
 private:
     class Worker;
-    Leaf unknown(const Piece& piece) const;
+    Leaf uncut(std::size_t triangle) const;  // without bounds
+    Leaf unknown(const Piece& piece) const;  // with rough bounds
     double weight_of(const Piece& piece) const {
         return weights_[static_cast<std::size_t>(piece.source)] * piece.share;
     }

@@ -106,14 +106,16 @@ public:
         }
     }
 
-    Narrowed run() {
+    Narrowed run() try {
         while (true) {
             bool more = false;
             for (std::size_t way = 0; way < 2; ++way)
                 if (pieces_[way]) more |= pieces_[way]->refine(where_[way], stop_of(way), most_);
-            if (is_interrupted()) return interrupted();
+            expect_no_interrupt();
             if (const auto status = narrower(more)) return result(*status);
         }
+    } catch (const Interrupted&) {
+        return interrupted();
     }
 
 private:
@@ -133,7 +135,10 @@ private:
         return sum;
     }
 
-    bool is_interrupted() const { return query_.interrupt && query_.interrupt->stop_requested(); }
+    struct Interrupted {};  // leaves a round at once, because interrupted() does not need its pieces
+    void expect_no_interrupt() const {
+        if (query_.interrupt && query_.interrupt->stop_requested()) throw Interrupted();
+    }
 
     // Returns the bounds of the last round, and does not look at the pieces made since, so that it takes no time. Before
     // the first round only trivial bounds are known.
@@ -143,10 +148,10 @@ private:
         return result(Status::time_limit);
     }
 
-    // Returns whether the time limit would pass while the statistics of this number of pieces are computed, or whether
-    // the interrupt asks to stop.
+    // Returns whether the time limit would pass while the statistics of this number of pieces are computed. Throws
+    // Interrupted.
     bool is_over(std::size_t pieces) const {
-        if (is_interrupted()) return true;
+        expect_no_interrupt();
         if (std::isinf(query_.time_limit)) return false;
         return seconds() + seconds_per_piece_ * static_cast<double>(pieces) >= query_.time_limit;
     }

@@ -2,6 +2,7 @@
 // workers.
 #include "algorithms/kernel/parallel.h"
 
+#include "algorithms/kernel/deadline.h"
 #include "algorithms/session/session.h"
 
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cfenv>
+#include <chrono>
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
@@ -42,6 +44,39 @@ TEST(Threads, RunEachBlockOnce) {
             Threads(most).for_each(count, [&](std::size_t block) { ++runs[block]; });
             EXPECT_EQ(runs, std::vector<int>(count, 1)) << most;
         }
+    }
+}
+
+TEST(Threads, StopIfAnInterruptAsksTo) {
+    const Interrupt interrupt([](void*) { return 1; }, nullptr);
+    std::atomic<int> runs = 0;
+    const auto count = [&](std::size_t) { ++runs; };
+    for (const int most : {1, 3}) {
+        runs = 0;
+        const Stoppable stoppable(&interrupt);
+        EXPECT_THROW(Threads(most).for_each(100'000, count), BuildingStopped);
+        EXPECT_EQ(runs, 0);
+        const Stoppable inner(nullptr);
+        Threads(most).for_each(7, count);
+        EXPECT_EQ(runs, 7);
+    }
+    Threads(3).for_each(7, count);
+    EXPECT_EQ(runs, 14);
+}
+
+TEST(Threads, StopInTheMiddle) {
+    for (const int most : {1, 3}) {
+        int calls = 0;
+        const Interrupt interrupt([](void* data) { return ++*static_cast<int*>(data) > 1 ? 1 : 0; }, &calls);
+        std::atomic<int> runs = 0;
+        const Stoppable stoppable(&interrupt);
+        const auto slow = [&](std::size_t) {
+            ++runs;
+            std::this_thread::sleep_for(std::chrono::milliseconds(3));
+        };
+        EXPECT_THROW(Threads(most).for_each(300, slow), BuildingStopped) << most;
+        EXPECT_GT(runs, 0);
+        EXPECT_LT(runs, 300);
     }
 }
 
