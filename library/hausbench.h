@@ -13,7 +13,9 @@
        hausbench_directed(pair, NULL, &answer, &error);     answer.bounds.lower <= h(A,B) <= answer.bounds.upper
 
    examples/directed.c is a complete program. `make build` leaves the library in build/release/library, and `cmake
-   --install build/release` installs it with a file for pkg-config.
+   --install build/release` installs it with a file for pkg-config. Without installing it:
+
+       cc program.c -Ilibrary -Lbuild/release/library -lhausbench -Wl,-rpath,$PWD/build/release/library
 
    Lengths are in the unit of the input. A *row* is a point or a triangle, as given; rows are numbered from 0.
 
@@ -187,7 +189,7 @@ typedef struct hausbench_query {
        while the thread prepares or solves (not while it waits for other threads, nor while a few large steps of
        preparing last, such as a sort). If it returns something else than 0, the call ends soon with the bounds found so
        far and the status CANCELLED. NULL: none. It must not call the library with the same chain, and must not
-       throw. */
+       throw. (hausbench_prepare has no such function: with plan.first = NOTHING the first question prepares.) */
     int (*cancel)(void* cancel_data);
     void* cancel_data;
 
@@ -234,7 +236,8 @@ HAUSBENCH_API int hausbench_symmetric(hausbench_pair* pair, const hausbench_quer
 
 /* Asks whether h(A,B) <= length, or H(A,B) <= length if `symmetric` is 1. This is often much cheaper than the distance.
    The tolerance is ignored. The status is WITHIN, ABOVE, or says why neither is proven. If the length is very close to
-   the distance, that may never be decided, so a query without a time limit ends after 10 seconds. */
+   the distance, that may never be decided, so a query without a time limit ends after 10 seconds, with the status
+   TIME_LIMIT. With ABOVE, the upper bound may be INFINITY. */
 HAUSBENCH_API int hausbench_within(hausbench_pair* pair, int32_t symmetric, double length, const hausbench_query* query,
                                    hausbench_answer* answer, hausbench_error* error);
 
@@ -268,8 +271,9 @@ typedef struct hausbench_verdict {
     int32_t accepted; /* 1: the proof holds */
     int32_t reserved;
     hausbench_interval bounds; /* the answer that the file states */
-    double proven;             /* the upper bound that the proof proves */
-    char text[1024];           /* what was checked, or why the proof is refused; one line */
+    double proven; /* The upper bound that the proof proves: quote this. bounds.upper may be smaller, by up to 1e-12 of
+                      the diagonal of both shapes. */
+    char text[1024]; /* what was checked, or why the proof is refused; one line */
 } hausbench_verdict;
 #define HAUSBENCH_VERDICT_INIT                                          \
     {                                                                   \

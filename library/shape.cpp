@@ -84,7 +84,11 @@ int hausbench_read(const char* path, hausbench_shape** shape, hausbench_error* e
     return guarded(error, [&] {
         given(path, "path", 1);
         given(shape, "shape", 2);
-        *shape = new hausbench_shape{std::make_shared<Model>(hausbench::load_file(path).shape, path)};
+        try {
+            *shape = new hausbench_shape{std::make_shared<Model>(hausbench::load_file(path).shape, path)};
+        } catch (const hausbench::InputError& wrong) {
+            throw ArgumentError(1, wrong.what());
+        }
     });
 }
 

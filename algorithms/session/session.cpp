@@ -38,7 +38,7 @@ void check_statistics(const Query& query, ShapeKind source, ShapeKind target) {
     for (const Statistic& one : query.statistics) {
         if (one.over == Statistic::Over::pooled && source != target && query.weigh == WeighBy::area)
             throw InputError(fmt::format(
-                "query: '{}' adds the area of a mesh to a number of points; weigh by number, or take another statistic",
+                "query: '{}' adds the area of a mesh to a number of points; count each vertex once, or take another statistic",
                 to_string(one)));
     }
 }

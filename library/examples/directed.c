@@ -1,4 +1,5 @@
-/* Prints an interval that contains h(A,B), the largest distance of a point of A to B:
+/* Prints an interval that contains h(A,B), the largest distance of a point of A to B (hausbench.h says how to build
+   without installing the library):
 
        cc directed.c -o directed -lhausbench
        ./directed a.ply b.ply */

@@ -14,7 +14,8 @@ prepare                many questions about one target, moving sources
 certify, verify        write and check a proof
 read, Shape            shapes from files and arrays
 
-hausbench.calls describes the arguments. hausbench.compat has the calls of other packages; Results reads result files.
+hausbench.calls describes the arguments, hausbench.Distribution what `distribution` returns. hausbench.compat has the calls of other
+packages, and hausbench.Results reads result files.
 """
 
 from __future__ import annotations

@@ -83,7 +83,7 @@ class Answer:
 
 
 class Field(NamedTuple):
-    """Bounds of the distance to B of each vertex of A, with those that no face uses: arrays of n numbers."""
+    """Bounds of the distance to B of each row of A.vertices: arrays of n numbers."""
 
     lower: npt.NDArray[np.float64]
     upper: npt.NDArray[np.float64]

@@ -11,7 +11,8 @@ must be integers. Everything else raises InputError.
 
 Keyword arguments of all questions:
     tolerance     the largest width of the interval that you accept, above 0, in units of `relative_to`:
-    relative_to   "diagonal": of A's bounding box (of both, if A is a point); "length": the tolerance is a length; "lower": of the lower bound
+    relative_to   "diagonal": of A's bounding box (of both, if A is a point); "length": the tolerance is a length; "lower": of the
+                  lower bound, which a distance of 0 never reaches (its status is "precision", and it takes long)
     threads       most threads to use; the answer does not depend on them
     time_limit    seconds for solving; the interval is then wider, and still holds
     solver        see `solvers()`; None: `cover` if a mesh is among the shapes, else `scan`
@@ -19,7 +20,8 @@ Keyword arguments of all questions:
     pose          moves A before measuring: a matrix (4, 4), a rotation (3, 3), or a tuple (rotation, translation). Scaling,
                   shearing and mirroring are allowed, so a matrix is not checked to be a rotation
     target_pose   moves B
-Ctrl-C raises KeyboardInterrupt; a file is read to its end first. Other Python threads run while a question is answered.
+Ctrl-C raises KeyboardInterrupt in the main thread; a file is read to its end first. Other Python threads run while a question is
+answered.
 """
 
 from __future__ import annotations
@@ -70,7 +72,8 @@ def within(A: ShapeLike, B: ShapeLike, d: float, *, symmetric: bool = False, thr
     at most d from A: H(A,B) <= d. Often much faster than `directed`.
 
     `d` is a length. Raises Undecided if neither is proven: the distance equals d up to rounding, or time ran out. Without a
-    time limit that is after 10 seconds. Between points, share_within(d) of `distribution` decides whole numbers exactly.
+    time limit that is after 10 seconds. Between points, share_within(d) of `distribution` decides whole numbers exactly. d = 0 is
+    hardly ever decided between meshes: ask for a small length.
     """
     query = query_of(1e-6, "diagonal", threads, time_limit, pose, target_pose)
     pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
@@ -152,8 +155,9 @@ def certify(A: ShapeLike, B: ShapeLike, path: str | os.PathLike[str], *, symmetr
 def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike) -> Verdict:
     """Checks a proof written by `certify`, by code that shares nothing with the solvers.
 
-    The verdict is true in an `if` exactly if the proof holds. Raises InputError if the file cannot be read or is about other
-    shapes.
+    The verdict is true in an `if` exactly if the proof holds. Quote its `proven`: the upper bound in its `interval`, which the
+    file states, may be smaller by up to 1e-12 of the diagonal of both shapes. Raises InputError if the file is damaged, or is
+    about other shapes (A and B must have the same coordinates and indices, bit for bit).
     """
     accepted, lower, upper, proven, text = _core.verify(path_of(path), shape_of(A, "A")._shape, shape_of(B, "B")._shape)
     return Verdict(accepted, Interval(lower, upper), proven, text)

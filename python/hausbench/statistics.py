@@ -75,6 +75,7 @@ class Distribution:
 
     @property
     def mean(self) -> Interval:
+        """The mean distance."""
         return self._get("mean")
 
     @property
@@ -94,6 +95,7 @@ class Distribution:
 
     @property
     def median(self) -> Interval:
+        """The quantile of level 0.5."""
         return self._get("median")
 
     def quantile(self, level: float) -> Interval:

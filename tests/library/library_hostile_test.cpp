@@ -244,8 +244,11 @@ TEST(LibraryHostile, StructsOfLaterVersionsAreLeftAlone) {
 TEST(LibraryHostile, FilesThatCannotBeRead) {
     hausbench_shape* shape = nullptr;
     hausbench_error error = HAUSBENCH_ERROR_INIT;
-    for (const char* file : {"/nowhere/a.off", "/", "", "x.surface.toml", "/etc/hostname", "/dev/null"})
+    for (const char* file : {"/nowhere/a.off", "/", "", "x.surface.toml", "/etc/hostname", "/dev/null"}) {
+        error.argument = 0;
         EXPECT_EQ(hausbench_read(file, &shape, &error), HAUSBENCH_BAD_INPUT) << file;
+        EXPECT_EQ(error.argument, 1);
+    }
     const std::string endless(5000, 'x');
     EXPECT_EQ(hausbench_read(endless.c_str(), &shape, &error), HAUSBENCH_BAD_INPUT);
     EXPECT_LT(std::strlen(error.text), sizeof error.text);
