@@ -193,7 +193,7 @@ private:
     std::optional<Points> original_;
     mutable std::once_flag flag_;
     mutable std::unique_ptr<const TriangleMesh> flat_;
-    std::mutex building_;
+    std::recursive_mutex building_;  // an interrupt may ask for a structure while one is built
     std::map<std::string, BuiltStructure> built_;
 };
 

@@ -188,8 +188,9 @@ typedef struct hausbench_query {
     /* Called every few milliseconds by the thread that called the library, in the default floating-point environment,
        while the thread prepares or solves (not while it waits for other threads, nor while a few large steps of
        preparing last, such as a sort). If it returns something else than 0, the call ends soon with the bounds found so
-       far and the status CANCELLED. NULL: none. It must not call the library with the same chain, and must not
-       throw. (hausbench_prepare has no such function: with plan.first = NOTHING the first question prepares.) */
+       far and the status CANCELLED. NULL: none. It must not call the library with the same chain, must not wait for
+       another thread that uses the same shapes, and must not throw. (hausbench_prepare has no such function: with
+       plan.first = NOTHING the first question prepares.) */
     int (*cancel)(void* cancel_data);
     void* cancel_data;
 
@@ -262,7 +263,8 @@ HAUSBENCH_API int hausbench_field(hausbench_pair* pair, const hausbench_query* q
 /* Bounds h(A,B), or H(A,B) if `symmetric` is 1, and writes a proof of the upper bound to a file (docs/certificate.md),
    which hausbench_verify and `hausbench verify --certificate` check. Fails with BAD_INPUT, and writes nothing, if the
    solver writes no proofs or had no time to write this one, or if a pose does not keep distances. If memory runs out
-   while a proof is written or read, the JSON library may end the process. */
+   while a proof is written or read, the JSON library may end the process. Checking the proof takes about as long as
+   finding it, and neither the time limit nor `cancel` ends that. */
 HAUSBENCH_API int hausbench_certify(hausbench_pair* pair, int32_t symmetric, const hausbench_query* query,
                                     const char* path, hausbench_answer* answer, hausbench_error* error);
 

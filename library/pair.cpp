@@ -87,7 +87,7 @@ void prepare_first(Pair& pair, const hausbench_plan& plan) {
 
 bool is_for_plans(const SolverInfo& info) {
     const auto measurable = [](const ShapeSet& set) { return set.points || set.mesh; };
-    return info.offers(Quantity::directed) && measurable(info.source) && measurable(info.target);
+    return info.certified && info.offers(Quantity::directed) && measurable(info.source) && measurable(info.target);
 }
 
 Pair::Pair(std::shared_ptr<Model> source, std::shared_ptr<Model> target, const hausbench_plan& plan)
@@ -117,8 +117,7 @@ Pair::Kind Pair::kind_for(const Query& query, bool backward, const Kind& also) c
 
 std::shared_ptr<const Session> Pair::session(const Kind& kind, int threads) {
     const std::lock_guard lock(mutex_);
-    std::shared_ptr<const Session>& session = sessions_[kind];
-    if (session) return session;
+    if (const auto at = sessions_.find(kind); at != sessions_.end()) return at->second;
     const SolverEntry& entry = kind.distribution ? find_solver("distribution") : entry_;
     QuerySet queries;
     queries.symmetric = kind.symmetric;
@@ -137,8 +136,8 @@ std::shared_ptr<const Session> Pair::session(const Kind& kind, int threads) {
         one.lock();
     else
         std::lock(one, two);
-    session = std::make_shared<const Session>(entry, options, shapes, queries);
-    return session;
+    auto session = std::make_shared<const Session>(entry, options, shapes, queries);
+    return sessions_.emplace(kind, std::move(session)).first->second;
 }
 
 }  // namespace hausbench::library

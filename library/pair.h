@@ -13,7 +13,7 @@
 
 namespace hausbench::library {
 
-// Returns whether a plan may name this solver.
+// Returns whether a plan may name this solver: its bounds hold, and it bounds h(A,B) of meshes or point sets.
 bool is_for_plans(const SolverInfo& info);
 
 // Two shapes with the sessions that answer queries about them. Thread-safe.
@@ -51,7 +51,7 @@ private:
     ParameterMap parameters_;
     double extent_;
     Kind planned_;
-    std::mutex mutex_;
+    std::recursive_mutex mutex_;  // a cancel function may ask about the pair while a session is constructed
     std::map<Kind, std::shared_ptr<const Session>> sessions_;
 };
 

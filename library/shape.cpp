@@ -35,12 +35,18 @@ const Triangles* Model::given_faces() const {
 }
 
 std::shared_ptr<PreparedShape> Model::prepared(int exponent) {
+    constexpr std::size_t most_kept = 3;
     const std::lock_guard lock(keeping_);
-    std::shared_ptr<PreparedShape>& one = prepared_[exponent];
-    if (!one)
-        one = exponent == 0 ? std::make_shared<PreparedShape>(measured_)
-                            : std::make_shared<PreparedShape>(Shape(shape()), exponent);
-    return one;
+    const auto at =
+        std::find_if(prepared_.begin(), prepared_.end(), [&](const auto& one) { return one->exponent() == exponent; });
+    if (at != prepared_.end()) {
+        prepared_.splice(prepared_.begin(), prepared_, at);
+        return prepared_.front();
+    }
+    prepared_.push_front(exponent == 0 ? std::make_shared<PreparedShape>(measured_)
+                                       : std::make_shared<PreparedShape>(Shape(shape()), exponent));
+    if (prepared_.size() > most_kept) prepared_.pop_back();
+    return prepared_.front();
 }
 
 std::shared_ptr<Model> model_of(const hausbench_shape* handle, const char* name, int argument) {

@@ -4,7 +4,7 @@
 #include "algorithms/prepared.h"
 #include "library/hausbench.h"
 
-#include <map>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -30,19 +30,21 @@ public:
 
     double largest() const { return largest_; }  // the largest |coordinate| of shape()
 
-    // Returns the shape scaled by 2^exponent, with the structures over it. The same object for the same exponent.
+    // Returns the shape scaled by 2^exponent, with the structures over it. Keeps those of the last few exponents, so
+    // the same object serves partners of similar size.
     std::shared_ptr<PreparedShape> prepared(int exponent);
 
-    // Lock it while a session is constructed over prepared().
-    std::mutex& building() { return building_; }
+    // Lock it while a session is constructed over prepared(). A cancel function may construct another one meanwhile.
+    std::recursive_mutex& building() { return building_; }
 
 private:
     std::optional<TriangleMesh> given_;  // only if some vertices are not used
     SharedShape measured_;
     std::string name_;
     double largest_;
-    std::mutex building_, keeping_;
-    std::map<int, std::shared_ptr<PreparedShape>> prepared_;
+    std::recursive_mutex building_;
+    std::mutex keeping_;
+    std::list<std::shared_ptr<PreparedShape>> prepared_;  // the last used first
 };
 
 // Returns the model behind a handle. Throws ArgumentError if the handle is null.

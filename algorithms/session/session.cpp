@@ -37,9 +37,10 @@ void check_statistics(const Query& query, ShapeKind source, ShapeKind target) {
             fmt::format("query: the tolerance of shares is {}; give a positive number", query.share_tolerance));
     for (const Statistic& one : query.statistics) {
         if (one.over == Statistic::Over::pooled && source != target && query.weigh == WeighBy::area)
-            throw InputError(fmt::format(
-                "query: '{}' adds the area of a mesh to a number of points; count each vertex once, or take another statistic",
-                to_string(one)));
+            throw InputError(
+                fmt::format("query: '{}' adds the area of a mesh to a number of points; count each vertex once, or "
+                            "take another statistic",
+                            to_string(one)));
     }
 }
 

@@ -64,7 +64,7 @@ public:
           longest_(std::max(floor, longest_edge * diagonal(vertices))),
           most_(std::max(most_pieces, static_cast<std::size_t>(triangles.rows()))) {
         for (Index i = 0; i < vertices.rows(); ++i) {
-            late_ = late_ || (i % 64 == 0 && deadline.passed());
+            late_ = late_ || (i % 8 == 0 && deadline.passed());
             add(vertices.row(i).transpose(), i > 0 ? nearest.back() : -1);
         }
         pieces.reserve(static_cast<std::size_t>(triangles.rows()));

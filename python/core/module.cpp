@@ -32,6 +32,17 @@ py::list solvers() {
     return names;
 }
 
+// Pickling an object by protocol 0 or 1 would end the process in pybind11.
+void refuse_pickling(const py::module_& module) {
+    for (const char* name : {"Shape", "Query", "Pair", "Chain"}) {
+        const py::object type = module.attr(name);
+        const auto refuse = [](const py::object&) -> py::tuple {
+            throw py::type_error("objects of hausbench._core cannot be pickled");
+        };
+        type.attr("__reduce__") = py::cpp_function(refuse, py::name("__reduce__"), py::is_method(type));
+    }
+}
+
 }  // namespace
 }  // namespace hausbench_python
 
@@ -41,6 +52,7 @@ PYBIND11_MODULE(_core, module) {
         throw py::import_error("libhausbench.so has another interface than this package: install both anew");
     define_shape(module);
     define_pair(module);
+    refuse_pickling(module);
     module.def("verify", &verify, py::arg("path"), py::arg("source"), py::arg("target"));
     module.def("solvers", &solvers);
     module.def("version", &hausbench_version);

@@ -36,7 +36,7 @@ def numbers(values: object, name: str) -> npt.NDArray[Any]:
 def _expect_exact(values: object, array: npt.NDArray[Any], name: str) -> None:
     """Raises InputError if a list has an integer that became another number as a float."""
     for place, value in np.ndenumerate(np.array(values, dtype=object)):
-        if isinstance(value, int) and value != int(array[place]):
+        if isinstance(value, (int, np.integer)) and int(value) != int(array[place]):
             raise InputError(f"{name}: row {place[0]} has an integer beyond 2**53, which no double holds: {value}", place[0])
 
 

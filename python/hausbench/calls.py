@@ -20,8 +20,8 @@ Keyword arguments of all questions:
     pose          moves A before measuring: a matrix (4, 4), a rotation (3, 3), or a tuple (rotation, translation). Scaling,
                   shearing and mirroring are allowed, so a matrix is not checked to be a rotation
     target_pose   moves B
-Ctrl-C raises KeyboardInterrupt in the main thread; a file is read to its end first. Other Python threads run while a question is
-answered.
+Ctrl-C raises KeyboardInterrupt in the main thread, but a file is read and a proof checked to its end first. Other Python threads
+run while a question is answered.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from hausbench import _core
 from hausbench.answers import Answer, Field, Verdict
 from hausbench.errors import InputError, Undecided
 from hausbench.interval import Interval
-from hausbench.options import INFINITY, number, pair_of, query_of
+from hausbench.options import INFINITY, flag, number, pair_of, query_of
 from hausbench.shapes import path_of, shape_of
 
 if TYPE_CHECKING:
@@ -84,8 +84,9 @@ def decide(pair: Pair, symmetric: bool, d: float, query: Query, chain: Chain | N
     length = number(d, "d")
     if not 0 <= length < INFINITY or d < 0:  # a negative number may round to 0
         raise InputError(f"d: {d!r} is not a length: give a finite number of at least 0")
-    name = "H(A,B)" if symmetric else "h(A,B)"
-    answer = Answer(name, pair.within(bool(symmetric), length, query, chain))
+    both_ways = flag(symmetric, "symmetric")
+    name = "H(A,B)" if both_ways else "h(A,B)"
+    answer = Answer(name, pair.within(both_ways, length, query, chain))
     if answer.status == "within":
         return True
     if answer.status == "above":
@@ -147,7 +148,7 @@ def certify(A: ShapeLike, B: ShapeLike, path: str | os.PathLike[str], *, symmetr
     query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
     pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver or "cover", options, threads, pose, target_pose)
     try:
-        return Answer("H(A,B)" if symmetric else "h(A,B)", pair.certify(bool(symmetric), query, path_of(path)))
+        return Answer("H(A,B)" if symmetric else "h(A,B)", pair.certify(flag(symmetric, "symmetric"), query, path_of(path)))
     except InputError as error:
         raise error.without("pair: ", ": prepare the pair with `cover`", ": leave solver out") from None
 

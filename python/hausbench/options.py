@@ -27,9 +27,24 @@ def number(value: object, name: str) -> float:
     if isinstance(value, (str, bytes, bool)):
         raise InputError(f"{name}: {value!r} is not a number")
     try:
-        return float(value)  # type: ignore[arg-type]
+        rounded = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name}: {value!r} is not a number") from None
+    if _plain(value) != rounded and rounded == rounded:
+        raise InputError(f"{name}: no double is {value!r}: round it with float(), if you mean that")
+    return rounded
+
+
+def flag(value: object, name: str) -> bool:
+    chosen = _plain(value)
+    if not isinstance(chosen, bool):
+        raise InputError(f"{name}: {value!r} is neither True nor False")
+    return chosen
+
+
+def _plain(value: object) -> object:
+    """Returns a scalar of numpy as one of Python, which compares exactly."""
+    return value.item() if hasattr(value, "item") else value
 
 
 def count(value: object, name: str) -> int:

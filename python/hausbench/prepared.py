@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 from weakref import WeakKeyDictionary
 
 from hausbench._core import Chain, Pair
@@ -29,6 +29,12 @@ class Prepared:
     def __init__(self, target: Shape, solver: str | None, options: Mapping[str, object] | None) -> None:
         self._target, self._solver, self._options = target, solver, dict(options or {})
         self._kept: WeakKeyDictionary[Shape, tuple[Pair, Chain]] = WeakKeyDictionary()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a Prepared cannot be pickled: pickle its target, a Shape")
+
+    def __repr__(self) -> str:
+        return f"<hausbench.Prepared: {self._target!r}>"
 
     @property
     def target(self) -> Shape:

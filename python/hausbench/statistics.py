@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from hausbench.answers import STATUSES
 from hausbench.errors import InputError
@@ -105,6 +105,9 @@ class Distribution:
     def share_within(self, length: float) -> Interval:
         """Returns the share, from 0 to 1, that is at most `length` away."""
         return self._get(_share(length))
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a Distribution cannot be pickled: take the intervals that you need")
 
     def __repr__(self) -> str:
         return f"<Distribution: {', '.join(f'{name} {value}' for name, value in self._known.items()) or 'nothing asked yet'}>"

@@ -472,6 +472,38 @@ TEST(Library, CancelsPreparing) {
     EXPECT_EQ(nearest[7], -1);
 }
 
+// A cancel function may ask about the same pair, or about another pair of the same shapes, while structures are built.
+TEST(Library, ACancelFunctionMayAsk) {
+    const ShapeHandle a = handle_of(sheet(60, 0, 0.4)), b = handle_of(sheet(57, 0.3, 0.4));
+    struct Inner {
+        const ShapeHandle *a, *b;
+        hausbench_pair* pair;
+        int calls = 0;
+        double upper = 0;
+    };
+    for (const bool other : {false, true}) {
+        const PairHandle pair = pair_of(a, b, other ? "guthe" : "cover", HAUSBENCH_NOTHING);
+        Inner inner{&a, &b, pair.get()};
+        hausbench_query query = initial_query();
+        query.cancel_data = &inner;
+        query.cancel = [](void* data) {
+            auto& self = *static_cast<Inner*>(data);
+            if (++self.calls > 1) return 0;
+            const PairHandle again = pair_of(*self.a, *self.b);
+            hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+            hausbench_error error = HAUSBENCH_ERROR_INIT;
+            expect_ok(hausbench_directed(self.pair, nullptr, &answer, &error), error);
+            EXPECT_EQ(directed(again).status, HAUSBENCH_CONVERGED);
+            self.upper = answer.bounds.upper;
+            return 0;
+        };
+        const hausbench_answer outer = directed(pair, query);
+        EXPECT_EQ(outer.status, HAUSBENCH_CONVERGED);
+        EXPECT_EQ(outer.bounds.upper, inner.upper);
+        EXPECT_GE(inner.calls, 1);
+    }
+}
+
 TEST(Library, EndsAtTheTimeLimit) {
     Random random(1);
     const ShapeHandle a = shape_of(numbers_of(cloud(random, 60000))), b = shape_of(numbers_of(cloud(random, 60000)));
@@ -524,6 +556,16 @@ TEST(Library, GivesItsMemoryBack) {
     const std::size_t before = ::mallinfo2().uordblks;
     for (int i = 0; i < 500; ++i) use();
     EXPECT_LE(::mallinfo2().uordblks, before + 10'000);
+}
+
+// Sources of many sizes: each scales the target anew.
+TEST(Library, KeepsFewScaledCopies) {
+    const ShapeHandle target = handle_of(sheet(60, 0, 0.4));
+    const auto ask = [&](int exponent) { directed(pair_of(shape_of({0, 0, std::ldexp(1, exponent)}), target)); };
+    for (int exponent = 10; exponent < 15; ++exponent) ask(exponent);
+    const std::size_t before = ::mallinfo2().uordblks;
+    for (int exponent = 15; exponent < 30; ++exponent) ask(exponent);
+    EXPECT_LE(::mallinfo2().uordblks, before + 100'000);
 }
 
 // --- certificates ------------------------------------------------------------------------------------------------

@@ -5,6 +5,9 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+import signal
+import time
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable
@@ -422,6 +425,54 @@ def test_printed_intervals_hold() -> None:
     assert str(hb.Interval(0, math.inf)) == "[0, inf]" and f"{hb.Interval(1 / 3, 2 / 3):.2g}" == "[0.33, 0.67]"
     with pytest.raises(ValueError):
         format(hb.Interval(0, 1), "f")
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_what_keeps_a_pair_cannot_be_pickled(protocol: int, tetrahedron: Mesh) -> None:
+    prepared = hb.prepare(tetrahedron)
+    for one in (prepared, hb.distribution(tetrahedron, tetrahedron), prepared.target._shape):
+        with pytest.raises(TypeError, match="cannot be pickled"):
+            pickle.dumps(one, protocol)
+
+
+def test_numbers_are_not_rounded(tetrahedron: Mesh) -> None:
+    point, others = [[0, 0, 1]], [[0, 0, 0]]
+    rounded: list[Any] = [Fraction(10**30 - 1, 10**30), Decimal("0.1"), np.int64(2**53 + 1), 2**53 + 1]
+    exact: list[Any] = [Fraction(3, 2), np.float32(1.5)]
+    large: Any = np.int64(2**53 + 1)
+    true: Any = np.bool_(True)
+    for wrong in rounded:
+        with pytest.raises(hb.InputError, match="no double is"):
+            hb.distribution(point, others, within=wrong)
+        with pytest.raises(hb.InputError, match="no double is"):
+            hb.within(point, others, wrong)
+    assert all(hb.within(point, others, length) for length in exact)
+    with pytest.raises(hb.InputError, match=r"row 0 has an integer beyond 2\*\*53"):
+        hb.Shape([[large, 0.5, 0]])
+    for symmetric in ("no", 1, None):
+        with pytest.raises(hb.InputError, match="^symmetric: "):
+            hb.within(tetrahedron, tetrahedron, 1, symmetric=symmetric)  # type: ignore[arg-type]
+    assert hb.within(tetrahedron, tetrahedron, 1, symmetric=true)
+
+
+def test_a_signal_handler_may_ask_about_the_same_shapes() -> None:
+    A, B = hb.Shape(*sphere(300, 0.1)), hb.Shape(*sphere(290, 0.1))
+    asked = list[hb.Answer]()
+    before = signal.signal(signal.SIGALRM, lambda *_: asked.append(hb.directed(A, B, time_limit=0.01)))
+    signal.setitimer(signal.ITIMER_REAL, 0.01)
+    try:
+        answer = hb.directed(A, B)
+        while not asked:  # the call ended before the signal came
+            time.sleep(0.001)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert answer.status == "converged"
+    assert asked[0].interval.lower <= answer.interval.upper and answer.interval.lower <= asked[0].interval.upper
+
+
+def test_only_solvers_whose_bounds_hold_are_offered() -> None:
+    assert "cover" in hb.solvers() and "scan" in hb.solvers()
+    assert not [name for name in hb.solvers() if name.endswith("_as_printed")]
 
 
 def test_exceptions_can_be_pickled() -> None:

@@ -351,17 +351,21 @@ template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t 
 }
 
 // Returns whether every corner is within the threshold of some triangle of B that is tried. In double precision, calls
-// ask() for a corner that is not, which may add a triangle or raise the threshold.
+// ask() for a corner that is not, which may add a triangle or raise the threshold. If that does not help one corner, the
+// others are asked about all the same: one of them may be farther than the cutoff.
 template <class T> bool Engine<T>::every_corner_near() {
     std::size_t asked = 0;
+    bool near = true;
     for (std::size_t i = 0; i < piece_.count; ++i) {
         if (!within(i).empty()) continue;
         if (!exact || full_ || ++asked > 2 * most_polygon_corners) return false;
         ask(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i], nearest(row_[i]));
-        if (within(i).empty()) return false;
-        i = static_cast<std::size_t>(-1);  // start again: the near triangles of the other corners have changed, too
+        if (within(i).empty())
+            near = false;
+        else if (near)
+            i = static_cast<std::size_t>(-1);  // start again: the near triangles of the other corners have changed, too
     }
-    return true;
+    return near;
 }
 
 }  // namespace

@@ -318,6 +318,23 @@ TEST(Cover, ADistanceAboveTheCutoffEndsTheSearch) {
     }
 }
 
+// Corners of a triangle are at the length itself, where rounding leaves the answer open. The corner far above it decides.
+TEST(Cover, CornersAtTheCutoffDoNotHideOneAboveIt) {
+    const TriangleMesh b = soup(rows({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    std::array<int, 3> order{0, 1, 2};
+    const Vec3 corners[] = {{0, 0, 1}, {0, 1, 1}, {50, 0, 1}};
+    do {
+        Points points(3, 3);
+        for (int k = 0; k < 3; ++k) points.row(k) = corners[order[std::size_t(k)]];
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-6};
+        query.floor = query.cutoff = 1;
+        const Result result = answer(soup(points), b, query);
+        EXPECT_EQ(result.status, Status::above_cutoff);
+        EXPECT_GT(result.bounds.lower, 49);
+    } while (std::next_permutation(order.begin(), order.end()));
+}
+
 // Tolerances that double precision cannot meet: the search ends near the best possible interval,
 // and "is h above d?" is answered.
 TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
