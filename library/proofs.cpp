@@ -95,7 +95,8 @@ int hausbench_verify(const char* path, const hausbench_shape* source, const haus
         const hausbench::CertificateVerdict found = hausbench::verify_certificate(content, a->shape(), b->shape());
         hausbench_verdict ours = HAUSBENCH_VERDICT_INIT;
         ours.accepted = found.accepted ? 1 : 0;
-        ours.bounds = {content.bounds.lower, content.bounds.upper};
+        const hausbench::Bounds& stated = content.bounds;
+        if (stated.lower <= stated.upper) ours.bounds = {stated.lower, stated.upper};
         if (found.accepted) ours.proven = found.proven;
         const std::string text =
             found.accepted ? "the upper bound is proven; the lower bound " + found.lower : found.refusal;

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import math
 import pickle
+import re
 import signal
 import time
 from decimal import Decimal
@@ -312,6 +314,18 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     for path in paths:
         with pytest.raises(hb.InputError, match="^A: "):
             hb.directed(path, np.zeros((1, 3)))
+
+
+@pytest.mark.parametrize("upper", ['"nan"', "-1.0", '"inf"'])
+def test_what_a_proof_states_is_an_interval(upper: str, small_sphere: Mesh, tmp_path: Path) -> None:
+    proof, target = tmp_path / "proof", sphere(9, 0.1)
+    interval = hb.certify(small_sphere, target, proof).interval
+    content = proof.read_bytes()[:-len("\nsha256 \n") - 64]
+    changed = re.sub(rb'"upper":[^,}]*', b'"upper":' + upper.encode(), content, count=1)
+    proof.write_bytes(changed + b"\nsha256 " + hashlib.sha256(changed).hexdigest().encode() + b"\n")
+    verdict = hb.verify(proof, small_sphere, target)
+    assert bool(verdict) is (upper == '"inf"')
+    assert verdict.interval == hb.Interval(interval.lower if verdict else 0, math.inf)
 
 
 def test_certify_and_verify(small_sphere: Mesh, tmp_path: Path) -> None:
