@@ -272,7 +272,7 @@ typedef struct hausbench_verdict {
     size_t size;
     int32_t accepted; /* 1: the proof holds */
     int32_t reserved;
-    hausbench_interval bounds; /* the answer that the file states; [0, INFINITY] if that is no interval */
+    hausbench_interval bounds; /* as the file states them; [0, INFINITY] if its bounds are out of order */
     double proven; /* The upper bound that the proof proves: quote this. bounds.upper may be smaller, by up to 1e-12 of
                       the diagonal of both shapes. */
     char text[1024]; /* what was checked, or why the proof is refused; one line */

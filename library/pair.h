@@ -21,8 +21,8 @@ class Pair {
 public:
     Pair(std::shared_ptr<Model> source, std::shared_ptr<Model> target, const hausbench_plan& plan);
 
-    // What a session is prepared for. One session answers all queries of its kind and no others, so an answer does not
-    // depend on earlier queries.
+    // The properties of a query that decide how its session is prepared. Each kind has a session of its own, so an
+    // answer does not depend on earlier queries of other kinds.
     struct Kind {
         bool distribution = false;  // by the solver of distributions, not by the solver of the plan
         bool backward = false;      // h(B,A): the shapes are swapped

@@ -30,8 +30,8 @@ public:
 
     double largest() const { return largest_; }  // the largest |coordinate| of shape()
 
-    // Returns the shape scaled by 2^exponent, with the structures over it. Keeps those of the last few exponents, so
-    // the same object serves partners of similar size.
+    // Returns the shape scaled by 2^exponent, with the structures over it. Keeps the copies for the last few exponents,
+    // so that partners of similar size share one.
     std::shared_ptr<PreparedShape> prepared(int exponent);
 
     // Lock it while a session is constructed over prepared(). A cancel function may construct another one meanwhile.

@@ -40,7 +40,9 @@ Stoppable::~Stoppable() { asked = before_; }
 const Interrupt* Stoppable::current() { return asked; }
 
 void Stoppable::look(const Interrupt* interrupt) {
-    if (interrupt && interrupt->stop_requested()) throw BuildingStopped();
+    if (!interrupt) return;
+    const Stoppable nothing(nullptr);  // structures that the hook builds do not ask it again
+    if (interrupt->stop_requested()) throw BuildingStopped();
 }
 
 void Threads::run(std::size_t count, int most, void* job, void (*one)(void* job, std::size_t block, int worker)) {

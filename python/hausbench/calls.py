@@ -82,7 +82,7 @@ def within(A: ShapeLike, B: ShapeLike, d: float, *, symmetric: bool = False, thr
 
 def decide(pair: Pair, symmetric: bool, d: float, query: Query, chain: Chain | None) -> bool:
     length = number(d, "d")
-    if not 0 <= length < INFINITY or d < 0:  # a negative number may round to 0
+    if not 0 <= length < INFINITY:
         raise InputError(f"d: {d!r} is not a length: give a finite number of at least 0")
     both_ways = flag(symmetric, "symmetric")
     name = "H(A,B)" if both_ways else "h(A,B)"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Union
+from typing import Any, Union
 
 from hausbench.errors import Undecided
 
@@ -26,8 +26,8 @@ class Interval:
     """A value between `lower` and `upper`, ends included: a distance with the unit of the input, or a share from 0 to 1.
 
     Comparisons never guess: `interval < 0.1` is True if every value inside is below 0.1, False if none is, and raises
-    Undecided otherwise. There is no float(interval); quote `upper` if you need one number. Two intervals are
-    equal (`==`) if their ends are. Printing rounds outward, so that the printed interval holds; repr() is exact.
+    Undecided otherwise. There is no float(interval): to report one number, report `upper`. Two intervals are
+    equal (`==`) if both of their ends are equal. Printing rounds outward, so that the printed interval holds; repr() is exact.
     """
 
     __slots__ = ("_lower", "_upper")
@@ -58,7 +58,7 @@ class Interval:
 
     def contains(self, value: float) -> bool:
         """Returns whether `value` may be the value."""
-        return bool(self._lower <= _exact(value) <= self._upper)
+        return bool(self._lower <= exact(value) <= self._upper)
 
     def __iter__(self) -> Iterator[float]:
         """Gives the ends: lower, upper = interval."""
@@ -122,11 +122,10 @@ def _ends(value: Number) -> tuple[float, float]:
         raise TypeError(f"an interval cannot be compared with a {type(value).__name__}")
     if value != value:
         raise ValueError("an interval cannot be compared with NaN")
-    number = _exact(value)
+    number = exact(value)
     return number, number
 
 
-def _exact(value: float) -> float:
-    """Returns a number that Python compares exactly with a float; numpy would round its integers."""
-    exact: float = value.item() if hasattr(value, "item") else value
-    return exact
+def exact(value: Any) -> Any:
+    """Returns a scalar of numpy as one of Python, which compares numbers exactly; numpy would round its integers."""
+    return value.item() if hasattr(value, "item") else value

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from hausbench._core import Pair, Query
 from hausbench.errors import InputError
+from hausbench.interval import exact
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,21 +31,16 @@ def number(value: object, name: str) -> float:
         rounded = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name}: {value!r} is not a number") from None
-    if _plain(value) != rounded and rounded == rounded:
+    if exact(value) != rounded and rounded == rounded:
         raise InputError(f"{name}: no double is {value!r}: round it with float(), if you mean that")
     return rounded
 
 
 def flag(value: object, name: str) -> bool:
-    chosen = _plain(value)
+    chosen = exact(value)
     if not isinstance(chosen, bool):
         raise InputError(f"{name}: {value!r} is neither True nor False")
     return chosen
-
-
-def _plain(value: object) -> object:
-    """Returns a scalar of numpy as one of Python, which compares exactly."""
-    return value.item() if hasattr(value, "item") else value
 
 
 def count(value: object, name: str) -> int:

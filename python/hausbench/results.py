@@ -20,7 +20,7 @@ class Results:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._path = os.fspath(path)
         if not os.path.isfile(self._path):
-            raise InputError(f"{self._path}: there is no such file: give the path of a result, which 'hausbench run' writes")
+            raise InputError(f"{self._path}: no such file: give the path of a file that 'hausbench run' wrote")
         self.tables()
 
     def _open(self) -> Any:

@@ -84,7 +84,7 @@ def read(path: str | os.PathLike[str]) -> Shape:
     """Reads OBJ, PLY, STL, OFF, VRML, XYZ, PTS, CSV or PCD, gzipped or not. A file without faces becomes a point set.
 
     Polygons are split into triangles, vertices that no face uses are dropped, and equal corners of an STL file are merged. So
-    rows of a field or a witness are those of the Shape, not of the file. Raises InputError, with the line of the file if it has
+    a field or a witness counts the rows of the Shape, not of the file. Raises InputError, with the line of the file if it has
     lines.
     """
     shape = Shape.__new__(Shape)

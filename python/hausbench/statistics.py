@@ -33,7 +33,7 @@ def _quantile(level: object) -> str:
 
 def _share(length: object) -> str:
     value = number(length, "within")
-    if not 0 <= value < INFINITY or length < 0:  # type: ignore[operator]  # a negative number may round to 0
+    if not 0 <= value < INFINITY:
         raise InputError(f"within: {length!r} is not a length: give a finite number of at least 0")
     return f"within {value!r}"
 

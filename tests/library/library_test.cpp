@@ -480,6 +480,7 @@ TEST(Library, ACancelFunctionMayAsk) {
         hausbench_pair* pair;
         int calls = 0;
         double upper = 0;
+        bool inside = false;
     };
     for (const bool other : {false, true}) {
         const PairHandle pair = pair_of(a, b, other ? "guthe" : "cover", HAUSBENCH_NOTHING);
@@ -488,13 +489,17 @@ TEST(Library, ACancelFunctionMayAsk) {
         query.cancel_data = &inner;
         query.cancel = [](void* data) {
             auto& self = *static_cast<Inner*>(data);
+            EXPECT_FALSE(self.inside);
             if (++self.calls > 1) return 0;
+            self.inside = true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(3));  // from now on the interrupt would ask again
             const PairHandle again = pair_of(*self.a, *self.b);
             hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
             hausbench_error error = HAUSBENCH_ERROR_INIT;
             expect_ok(hausbench_directed(self.pair, nullptr, &answer, &error), error);
             EXPECT_EQ(directed(again).status, HAUSBENCH_CONVERGED);
             self.upper = answer.bounds.upper;
+            self.inside = false;
             return 0;
         };
         const hausbench_answer outer = directed(pair, query);
@@ -603,7 +608,7 @@ TEST(Library, NoCertificateIsWrittenWithoutAProof) {
     EXPECT_EQ(hausbench_certify(pair_of(a, b, "naive").get(), 0, nullptr, file.c_str(), &answer, &error),
               HAUSBENCH_BAD_INPUT);
     EXPECT_NE(std::string(error.text).find("cover"), std::string::npos) << error.text;
-    // This pose makes A smaller. The checker accepts rigid motions alone, so there is no proof.
+    // This pose shrinks A. There is no proof, because the checker accepts only rotations and translations.
     const std::array<double, 16> smaller = {0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1};
     hausbench_query query = initial_query();
     query.source_pose = smaller.data();
