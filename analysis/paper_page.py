@@ -71,13 +71,14 @@ def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Rec
 def why(line: Line) -> str:
     """Explains why a claim does not hold, or has no verdict.
 
-    Gives the reason from the claims file, and says whether counted work confirms the claim. If it does not and the file
+    Gives the reasons from the claims file, and says whether counted work confirms the claim. If it does not and the file
     gives no reason, says that the machine is not the cause.
     """
     if line.verdict is None:
         return line.entry.untested or "Not measured at the sizes of the claim yet."
     counted = {str(one["outcome"]) for one in dict(line.verdict["counted"]).values()}  # type: ignore[call-overload]
     said = [line.entry.differs] if line.entry.differs and line.outcome in (FAILS, OPEN) else []
+    said += [line.entry.why_not] if line.entry.why_not and line.outcome == FAILS else []
     if line.outcome in (FAILS, OPEN) and HOLDS in counted and not counted & {FAILS, OPEN}:
         said.append("The counted work agrees with the paper: a unit of work takes a different time here.")
     elif not said and line.outcome == FAILS and FAILS in counted and not counted & {HOLDS}:

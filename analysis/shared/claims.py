@@ -9,7 +9,9 @@ Each table of such a file is one claim, with these keys (a stem is the name of a
     quote        the sentence of the paper; our own claims, in hausbench.toml, have no quote and no section
     section      the section of that sentence
     counts       true: the claim is about counted work, not time
-    differs      why the claim does not hold here, if known
+    differs      what is different here from what the claim is about
+    why_not      a paragraph on why the claim does not hold. A claim with the verdict 'does not hold' needs one; analysis.report names a claim
+                 whose verdict no longer fits
     untested     why no script judges it; such a claim needs neither `stem` nor `judged_as`, and must not get a verdict
 """
 
@@ -29,7 +31,7 @@ from analysis.shared.verdicts import Ratio, Verdict
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
 OWN: Final = "hausbench"
 STATED: Final = "experiment"  # used as the paper of claims that an experiment file states itself
-KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "in_general", "untested"})
+KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "why_not", "in_general", "untested"})
 SUFFIX: Final = ".verdicts.json"  # of the files with verdicts
 Record = tables.Record
 
@@ -46,9 +48,10 @@ class Entry:
     quote: str
     judged_as: str
     counts: bool  # the ratio is of counted work, not of time
-    differs: str  # why the claim does not hold here, if known
+    differs: str  # what is different here from what the claim is about
     in_general: str = ""  # the text without blanks; empty if `text` has none
     untested: str = ""  # why no script judges the claim
+    why_not: str = ""  # why the claim does not hold
 
 
 class Claim(str):
@@ -78,7 +81,7 @@ def _entry(path: Path, name: str, table: dict[str, object]) -> Entry:
     stems = stem if isinstance(stem, list) else [stem]
     return Entry(path.stem, name, tuple(map(str, stems)), str(table["claim"]), str(table.get("section", "")), str(table.get("quote", "")),
                  str(table.get("judged_as", "")), bool(table.get("counts", False)), str(table.get("differs", "")), str(table.get("in_general", "")),
-                 str(table.get("untested", "")))
+                 str(table.get("untested", "")), str(table.get("why_not", "")))
 
 
 def of(paper: str, name: str, place: str = "", **blanks: object) -> Claim:

@@ -25,6 +25,7 @@ from analysis.speed.distribution_error_vs_time import OURS, pair_of
 
 RESULTS_OF: Final = "distribution_error_vs_time"
 ERRORS: Final = (1e-2, 1e-3)  # relative to the mean
+LEAST: Final = 1e-3  # seconds: a program's time is at least this, as MeshLab's is a difference of two runs, which noise can make 0
 COLOURS: Final = ("#AA4499", "#117733", "#CC6677", "#332288")
 MARKERS: Final = "^vsD"
 
@@ -73,7 +74,8 @@ class Runs:
 
     def times(self, row: int) -> dict[int, float]:
         """Returns the wall time by round: a program's own, or ours to prepare and solve."""
-        return self.results.reported_by_round(row) or self.results.total_by_round(row, "wall")
+        reported = {number: max(LEAST, seconds) for number, seconds in self.results.reported_by_round(row).items()}
+        return reported or self.results.total_by_round(row, "wall")
 
     def mean_ratio(self, pairs: Sequence[tuple[int, int]]) -> Estimate:
         """Returns the geometric mean over pairs of (time of the first row / time of the second), over the rounds that all have."""
@@ -126,7 +128,7 @@ def make(results: Results) -> Report:
     table.verdicts = [judge(runs, program, error) for program in runs.programs for error in ERRORS]
     table.notes += ["The error is the largest difference between the estimate and a value in the proven interval of the mean, divided by the mean. 'more': even the largest number of samples is not "
                     "enough; its error is shown. Times of programs exclude starting them and reading files and, for CloudCompare, sampling. Our times include preparation. "
-                    "All run on one core.",
+                    f"MeshLab's time is a run with the filter less a run without it, and counts as at least {tables.number(1e3 * LEAST)} ms. All run on one core.",
                     f"{machine_line(results)}." if runs.programs else
                     "No program was run. They run in profile paper, if they are installed (Debian packages meshlab, xvfb and cloudcompare)."]
     caption = ("Error of the mean, as a fraction of the mean, against time. A point of a program is one pair of meshes and one number of samples. "

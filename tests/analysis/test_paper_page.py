@@ -71,7 +71,7 @@ def test_a_reason_for_a_difference_stands_alone() -> None:
     assert claim.entry.differs
     judged = claims.record(Verdict(claim, FAILS, "ratio 0.5", counted={"distances": Verdict(claim, FAILS, "ratio 0.4")}), "tang2009_fig10", "paper")
     (found,) = [line for line in paper_page.lines_of("tang2009", [judged], []) if line.verdict]
-    assert paper_page.why(found) == claim.entry.differs
+    assert paper_page.why(found) == f"{claim.entry.differs} {claim.entry.why_not}"
 
 
 def test_a_sentence_that_no_script_judges_has_its_reason_and_no_verdict() -> None:
