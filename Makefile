@@ -1,7 +1,7 @@
 # `make help` lists the targets.
 #
-# The steps of every experiment: experiments/**/S.toml -> hausbench run -> results/S.h5 -> analysis/**/S.py -> results/figures, results/tables.
-# No target deletes results. To resume an interrupted run, make the same target again.
+# The steps of every experiment: experiments/**/S.toml -> hausbench run -> results/S.h5 -> analysis/**/S.py -> results/figures, results/tables,
+# results/report. No target deletes results. To resume an interrupted run, make the same target again.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
@@ -47,8 +47,7 @@ deps: $(DEPS)  ## install the Debian packages of packages.txt that are missing (
 	@tools/deps && mkdir -p $(@D) && touch $@
 build: $(DEPS)  ## build the program, build/release/hausbench, and the C library, build/release/library/libhausbench.so
 	tools/build release hausbench hausbench_commit hausbench_c
-# A missing package is not an error: the cases that need it are skipped with a message.
-datasets: $(DEPS)  ## fetch the models that experiments name
+datasets: $(DEPS)  ## fetch the models that experiments name; cases of a model that is missing are skipped with a message
 	$(FETCH)
 fetch-corpus: $(DEPS)  ## fetch and check the meshes of the corpus (150 MB), which some experiments use in profiles paper and corpus
 	$(FETCH) --corpus --check
@@ -64,21 +63,21 @@ $(STEMS): %: build
 	@tools/walk $*
 $(GROUPS): %: build
 	@tools/walk $(call stems_of,$*)
-# These figures are drawn from the results of another experiment, by its scripts.
+# Drawn, in whole or in part, from the results of another experiment (RESULTS_OF).
 stability_error stability_time: stability_matrix
-# Its script also reads the results of another experiment (RESULTS_OF).
 tang2009_nearest: tang2009_similarity
 python: $(DEPS)  ## install the Python package into the virtual environment build/venv, and test it there
 	tools/python
 documents: $(DEPS)  ## collect the figures and tables of each paper in results/tables/PAPER.tex, and with pdflatex in results/documents/PAPER.pdf
 	$(PYTHON) -m analysis.document --compile
+report: $(DEPS)  ## write results/report/index.html, pages about all results; fails if a reason why a claim does not hold no longer fits
+	$(PYTHON) -m analysis.report.pages --strict
 check-reference: $(DEPS)  ## compare bounds and counted work in results/ with results/reference/counts; STEM=... for some
 	$(PYTHON) -m analysis.check_reference $(or $(STEM),$(basename $(notdir $(wildcard results/reference/counts/*.csv))))
 
 # --- checks ----------------------------------------------------------------------------------------------------------
 
-# --fresh, because otherwise a second `make test` would find the results of the first and run nothing.
-test: $(DEPS)  ## build everything, then run all tests and a small experiment from end to end
+test: $(DEPS)  ## build everything, then run all tests and a small experiment from end to end (--fresh: even if it was run before)
 	tools/build release all
 	ctest --preset release -j $(JOBS)
 	@RUN_ARGS="$(RUN_ARGS) --fresh" tools/walk smoke
@@ -90,6 +89,9 @@ searches: $(DEPS)  ## run the random searches of the tests in full; make test ru
 test-slurm: build  ## run an experiment on a Slurm of one machine with two nodes, kill a task and lose a node (as root; installs slurm-wlm and munge)
 	$(if $(SKIP_DEPS),,tools/deps slurm-wlm munge)
 	PATH="$$PATH:/usr/sbin:/sbin" $(PYTHON) -m pytest -q -rs --insist tests/slurm
+test-report: $(DEPS)  ## test the pages of make report in a browser (installs chromium)
+	$(if $(SKIP_DEPS),,tools/deps chromium chromium-driver python3-selenium)
+	$(PYTHON) -m pytest -q -rs --insist tests/report
 hostile: build  ## fetch (50 MB) and measure all files known to break programs; make test takes only those in the models' packages
 	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs --insist tests/hostile
 certificates: build  ## write and check proofs for 41 pairs of real meshes (fewer for guthe and sacht); false claims must be refused
@@ -112,7 +114,7 @@ fuzz-short: $(DEPS)  ## run all fuzz targets on their kept inputs, then a few se
 	tools/fuzz --short
 types: $(DEPS)  ## run mypy
 	tools/types
-# The flags come from build/debug, as build/release is a unity build. The plug-in and the recorder are left out, because they are separate projects.
+# With the flags of build/debug, as build/release is a unity build; without the plug-in and the recorder, which are separate projects.
 tidy: $(DEPS)  ## run clang-tidy
 	@command -v clang-tidy > /dev/null || { echo 'tidy: please run: sudo apt-get install clang-tidy' >&2; exit 1; }; cmake --preset debug > /dev/null
 	printf '%s\n' $(filter-out tests/outside_plugin/% datasets/recorder/% $(if $(wildcard /usr/include/embree3),,bench/rival_embree.cpp),$(SOURCES)) | xargs -P $(JOBS) -n 1 clang-tidy -p build/debug --quiet
@@ -126,11 +128,9 @@ format-check: $(DEPS)  ## show the lines that make format would change, and fail
 tracked: $(DEPS)
 	tools/build release hausbench hausbench_commit kernel_bench counters_test
 	$(FETCH) --profile $(PROFILE) --experiment experiments/tracking.toml
-# If the program's exit code is 3, 4 or 5, make can only return 2; the last line printed is the verdict.
-track: tracked  ## compare work counters, instructions and times with the commit BASE (default: HEAD); TRACK_ARGS="--tiers time ..."
+track: tracked  ## compare counters, instructions and times with the commit BASE (default: HEAD); the last line is the verdict; TRACK_ARGS="--tiers time ..."
 	"$(HAUSBENCH_PROGRAM)" track --base "$(or $(BASE),HEAD)" $(TRACK_ARGS)
-# Skips the instructions if the baseline has none for this compiler and these libraries.
-track-counts: tracked  ## only the tiers of track that need no clock; part of .ci/run
+track-counts: tracked  ## only the tiers of track that need no clock; no instructions without a baseline for this compiler; part of .ci/run
 	"$(HAUSBENCH_PROGRAM)" track --tiers counters,instructions
 history: $(DEPS)  ## draw the history of times and counts (results/history.csv); REVS="v1 v2" measures these commits first
 	$(PYTHON) -m bench.tracking.history $(if $(REVS),--measure $(REVS))

@@ -1,0 +1,57 @@
+"""All rows of all results as one JavaScript value, for the page with filters.
+
+A column of texts is a list of its distinct values and, for each row, the index of its value. Bounds keep all their digits, so that they hold;
+times and errors have four.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from analysis.shared import style
+from analysis.shared.results import Results
+
+TEXTS: Final = ("stem", "solver", "scene", "status", "reason", "clock", "check")
+NUMBERS: Final = ("tolerance", "lower", "upper", "error", "seconds", "certified", "pose", "sizeA", "sizeB")
+
+
+def rounded(x: float) -> float | None:
+    """Returns x with four digits; None, which is null in JSON, for NaN and infinity."""
+    return float(f"{x:.4g}") if math.isfinite(x) else None
+
+
+def exact(x: float) -> float | str | None:
+    """Returns x itself; None for NaN, and 'inf' or '-inf' for an infinity, which JSON lacks."""
+    return x if math.isfinite(x) else None if math.isnan(x) else "inf" if x > 0 else "-inf"
+
+
+def row_of(results: Results, row: int) -> dict[str, Any]:
+    """Returns the values of one row by column. Errors are fractions of the diagonal of A."""
+    cases, times = results.cases, results.total_seconds(row)
+    reason = str(cases.reason[row])
+    return {"stem": results.stem, "solver": style.title(str(cases.solver[row]), str(results.names[row])), "scene": str(cases.scene[row]),
+            "status": str(cases.status[row]), "reason": reason, "clock": results.clock_of(row), "check": results.check_of(row),
+            "tolerance": rounded(float(cases.tolerance[row])), "lower": exact(float(cases.lower[row])), "upper": exact(float(cases.upper[row])),
+            "error": rounded(results.error(row) / results.length_unit(row)), "seconds": rounded(float(np.median(times))) if len(times) else None,
+            "certified": int(cases.certified[row]), "pose": int(cases.pose_index[row]), "sizeA": int(cases.source_elements[row]),
+            "sizeB": int(cases.target_elements[row])}
+
+
+def coded(values: Sequence[str]) -> dict[str, Any]:
+    distinct = list(dict.fromkeys(values))
+    place = {value: i for i, value in enumerate(distinct)}
+    return {"values": distinct, "rows": [place[value] for value in values]}
+
+
+def script(results: dict[str, Results]) -> str:
+    """Returns JSON, safe inside a script: {column: {values, rows}} for texts, {column: [number, ...]} for numbers."""
+    rows = [row_of(one, row) for one in results.values() for row in range(len(one.cases))]
+    columns: dict[str, Any] = {name: coded([row[name] for row in rows]) for name in TEXTS}
+    columns |= {name: [row[name] for row in rows] for name in NUMBERS}
+    made: Callable[[Any], str] = json.JSONEncoder(separators=(",", ":"), allow_nan=False).encode
+    return made(columns).replace("<", "\\u003c")

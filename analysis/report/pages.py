@@ -1,0 +1,226 @@
+"""Writes the report, pages of HTML about all results: `python3 -m analysis.report.pages [--results DIR] [--out DIR] [--strict]`.
+
+    <out>/report/index.html        the run, which solver to take, and what came out of each paper
+    <out>/report/PAPER.html        the tables and figures of a paper
+    <out>/report/experiments.html  the tables and figures of all other experiments
+    <out>/report/rows.html         every row, with filters
+    <out>/report/work.html         what was left out, and the history of timings
+
+The folder needs no network and can be moved as a whole. It has whatever results, tables and figures exist (`make figures` draws them).
+A claim whose text on why it does not hold no longer fits its verdict is named, on the page and in the terminal; with --strict the exit code is
+then 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import sys
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import jinja2
+import markdown_it
+import markupsafe
+
+from analysis import ledger, paper_page
+from analysis.report import all_rows, chooser, outcomes
+from analysis.shared import claims, report, stems, tables
+from analysis.shared.load import REFERENCE, load
+from analysis.shared.notes import measured_on
+from analysis.shared.printable import printable
+from analysis.shared.results import ResultError, Results
+
+HERE: Final = Path(__file__).resolve().parent
+ROOT: Final = HERE.parents[1]
+PAGES: Final = {"index": "Overview", "experiments": "Experiments", "rows": "Rows", "work": "Work"}
+
+
+def file_of(stem: str) -> Path | None:
+    for file in (ROOT / "experiments").rglob(f"{stem}.toml"):
+        return file
+    return None
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What a page says about one stem: the run of its experiment, its table and its figures."""
+
+    stem: str
+    title: str
+    run: Results | None  # None: only drawn from the results of others, or not measured
+    notes: str  # the table, its verdicts and notes, as HTML
+    figures: Sequence[tuple[str, str]]  # file name and caption
+    downloads: Sequence[str]  # file names
+
+    @property
+    def file(self) -> str:
+        """The experiment's file, from the root of the project; empty if the stem has none."""
+        found = file_of(self.stem)
+        return str(found.relative_to(ROOT)) if found else ""
+
+    @property
+    def seconds(self) -> float:
+        """The time in solvers: structures, first answers and repeats; NaN if the experiment was not run."""
+        return ledger.seconds_run(self.run) if self.run else float("nan")
+
+    @property
+    def there(self) -> bool:
+        return bool(self.notes or self.figures)
+
+
+def table_html(markdown: str) -> str:
+    """Renders the Markdown of a table file. HTML in it, as in a name from a result file, stays text."""
+    rendered = str(markdown_it.MarkdownIt("js-default", {"html": False, "linkify": False}).render(markdown))
+    return rendered.replace("<table>", '<div class="wide" tabindex="0" role="region" aria-label="table"><table>').replace("</table>", "</table></div>")
+
+
+def experiment(stem: str, title: str, results: dict[str, Results], out: Path) -> Experiment:
+    """Collects what was drawn for a stem, and copies its figures and tables beside the pages."""
+    files = out / "report" / "files"
+    files.mkdir(parents=True, exist_ok=True)
+    table = out / "tables" / f"{stem}.md"
+    caption = out / "figures" / f"{stem}{report.CAPTION}"
+    said = caption.read_text(encoding="utf-8").strip() if caption.exists() else title
+    pictures = sorted(path for path in (out / "figures").glob(f"{stem}*.png") if path.stem == stem or path.stem.startswith(f"{stem}-"))
+    copied = [*pictures, *(path.with_suffix(".pdf") for path in pictures), *(table.with_suffix(suffix) for suffix in (".csv", ".tex"))]
+    there = [path for path in copied if path.exists()]
+    for path in there:
+        shutil.copyfile(path, files / path.name)
+    return Experiment(stem, title, results.get(_measured_as(stem)), table_html(table.read_text(encoding="utf-8")) if table.exists() else "",
+                      [(path.name, said) for path in pictures], [path.name for path in there if path.suffix != ".png"])
+
+
+def _measured_as(stem: str) -> str:
+    return stems.results_of(stem) if stems.has_script(stem) else stem
+
+
+def loaded(folder: Path) -> dict[str, Results]:
+    """Loads all results of a folder, by stem. Names damaged files and leaves them out."""
+    found = {}
+    for path in sorted(folder.glob("*.h5")):
+        if "." in path.stem:
+            continue
+        try:
+            found[path.stem] = load(path)
+        except ResultError as problem:
+            print(printable(str(problem)), file=sys.stderr)
+    return found
+
+
+def environment() -> jinja2.Environment:
+    made = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE / "templates"), autoescape=True, undefined=jinja2.StrictUndefined,
+                              trim_blocks=True, lstrip_blocks=True)
+    filters: dict[str, Any] = {"seconds": seconds_text, "thousands": lambda x: f"{int(x):,}", "with_code": with_code}
+    made.filters |= filters
+    return made
+
+
+def with_code(text: str) -> markupsafe.Markup:
+    """Returns the text with `names` in code, and all else as it is."""
+    return markupsafe.Markup("").join(markupsafe.Markup("<code>{}</code>").format(part) if k % 2 else part for k, part in enumerate(text.split("`")))
+
+
+def seconds_text(seconds: float) -> str:
+    """Returns '12 s', '3 min' or '2.5 h'; an empty string for NaN."""
+    if seconds != seconds:
+        return ""
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
+
+
+def titles(names: Iterable[str]) -> dict[str, str]:
+    """Returns the titles of the experiments with these stems, from their files."""
+    found = {}
+    for stem in names:
+        file = file_of(stem)
+        found[stem] = str(tomllib.loads(file.read_text(encoding="utf-8")).get("title", stem)) if file else stem
+    return found
+
+
+def work(results_folder: Path) -> tuple[tables.Table | None, str]:
+    """Returns the table of what was left out and its line of totals; None without results."""
+    try:
+        found = ledger.stems_in(results_folder)
+    except ResultError:
+        return None, ""
+    return ledger.table(found), ledger.line(found)
+
+
+def libraries(results: Results) -> str:
+    """Returns 'CGAL 5.5.1, Eigen 3.4.0': the libraries of the program that wrote the results."""
+    return ", ".join(f"{name} {version}" for name, version in json.loads(str(results.meta.get("libraries") or "{}")).items())
+
+
+def shared(results: dict[str, Results]) -> dict[str, Any]:
+    """Returns what every page says: the navigation, and versions and hardware for its foot."""
+    machines = list(dict.fromkeys(measured_on(one) for one in results.values()))
+    papers = {name: title for name, title in paper_page.TITLES.items() if name != claims.OWN}
+    return {"pages": PAGES, "papers": papers, "machines": machines,
+            "libraries": list(dict.fromkeys(libraries(one) for one in results.values()))}
+
+
+def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
+    """Writes all pages. Returns their paths, and a line for each claim whose text does not fit its verdict."""
+    results, folder = loaded(results_folder), out / "report"
+    folder.mkdir(parents=True, exist_ok=True)
+    now = paper_page.records(out / "tables")
+    kept = paper_page.records(REFERENCE)
+    lines = {paper: paper_page.lines_of(paper, now, kept) for paper in paper_page.papers()}
+    problems = [problem for own in lines.values() for problem in outcomes.misfits(own)]
+    made, common, paths = environment(), shared(results), list[Path]()
+
+    def page(here: str, template: str, **more: Any) -> None:
+        paths.append(folder / f"{here}.html")
+        tables.write_whole(paths[-1], made.get_template(template).render(here=here, **common, **more))
+
+    by_paper = {paper: [experiment(stem, title, results, out) for stem, title in paper_page.items(paper)] for paper in common["papers"]}
+    own = {one.stem for several in by_paper.values() for one in several}
+    drawn = sorted({path.stem for path in (out / "tables").glob("*.md")} | set(results))
+    others = [stem for stem in drawn if stem not in own and file_of(stem)]
+    rest = [experiment(stem, title, results, out) for stem, title in titles(others).items()]
+    page("index", "index.html.j2", results=results, rows=sum(len(one.cases) for one in results.values()), problems=problems,
+         choice=chooser.matrix(results), claims={paper: outcomes.paper(paper, several) for paper, several in lines.items()}, runs=[*sum(by_paper.values(), []), *rest])
+    for paper, several in by_paper.items():
+        page(paper, "paper.html.j2", name=paper, experiments=several, claims=outcomes.paper(paper, lines[paper]), sketches=paper_page.SKETCHES.get(paper, ()))
+    page("experiments", "experiments.html.j2", experiments=rest)
+    page("rows", "rows.html.j2", rows=sum(len(one.cases) for one in results.values()))
+    left_out, totals = work(results_folder)
+    page("work", "work.html.j2", table=left_out, totals=totals, history=_history(out, folder))
+    tables.write_whole(folder / "rows_data.js", "window.hausbenchRows = " + all_rows.script(results) + ";\n")
+    for path in sorted((HERE / "web").iterdir()):
+        shutil.copyfile(path, folder / path.name)
+    return paths, problems
+
+
+def _history(out: Path, folder: Path) -> str:
+    """Copies the picture of the history of timings, which `make history` draws. Returns its name, or an empty string if there is none."""
+    picture = out / "figures" / "history.png"
+    if not picture.exists():
+        return ""
+    shutil.copyfile(picture, folder / "files" / picture.name)
+    return picture.name
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="analysis.report.pages", description="Writes the report of all results as pages of HTML.")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
+    parser.add_argument("--out", type=Path, help="folder with tables/ and figures/; the pages go to report/ there (default: the results folder)")
+    parser.add_argument("--strict", action="store_true", help="exit code 1 if the text on why a claim does not hold no longer fits its verdict")
+    chosen = parser.parse_args(arguments)
+    try:
+        paths, problems = write(chosen.results, chosen.out or chosen.results)
+    except (OSError, ValueError) as error:
+        print(printable(str(error)), file=sys.stderr)
+        return 2
+    for problem in problems:
+        print(printable(problem), file=sys.stderr)
+    print(f"{len(paths)} pages; open {paths[0]}")
+    return 1 if problems and chosen.strict else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
