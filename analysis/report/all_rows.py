@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -42,6 +42,11 @@ def row_of(results: Results, row: int) -> dict[str, Any]:
             "sizeB": int(cases.target_elements[row])}
 
 
+def as_script(value: Any) -> str:
+    """Returns a value as JSON that may stand in a script."""
+    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
 def coded(values: Sequence[str]) -> dict[str, Any]:
     distinct = list(dict.fromkeys(values))
     place = {value: i for i, value in enumerate(distinct)}
@@ -53,5 +58,4 @@ def script(results: dict[str, Results]) -> str:
     rows = [row_of(one, row) for one in results.values() for row in range(len(one.cases))]
     columns: dict[str, Any] = {name: coded([row[name] for row in rows]) for name in TEXTS}
     columns |= {name: [row[name] for row in rows] for name in NUMBERS}
-    made: Callable[[Any], str] = json.JSONEncoder(separators=(",", ":"), allow_nan=False).encode
-    return made(columns).replace("<", "\\u003c")
+    return as_script(columns)

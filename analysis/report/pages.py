@@ -4,6 +4,8 @@
     <out>/report/PAPER.html        the tables and figures of a paper
     <out>/report/experiments.html  the tables and figures of all other experiments
     <out>/report/rows.html         every row, with filters
+    <out>/report/scenes.html       pairs of meshes and motions in 3-D
+    <out>/report/stability.html    the outcome of each solver on each family of the stability suite
     <out>/report/work.html         what was left out, and the history of timings
 
 The folder needs no network and can be moved as a whole. It has whatever results, tables and figures exist (`make figures` draws them).
@@ -14,6 +16,7 @@ then 1.
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import shutil
 import sys
@@ -28,16 +31,18 @@ import markdown_it
 import markupsafe
 
 from analysis import ledger, paper_page
-from analysis.report import all_rows, chooser, outcomes
+from analysis.report import all_rows, chooser, matrix, outcomes, scenes
 from analysis.shared import claims, report, stems, tables
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.printable import printable
 from analysis.shared.results import ResultError, Results
+from analysis.stability.stability_outcomes import Outcome
 
 HERE: Final = Path(__file__).resolve().parent
 ROOT: Final = HERE.parents[1]
-PAGES: Final = {"index": "Overview", "experiments": "Experiments", "rows": "Rows", "work": "Work"}
+LIBRARIES: Final = ROOT / "build" / "web"  # tools/bundle writes it
+PAGES: Final = {"index": "Overview", "experiments": "Experiments", "rows": "Rows", "scenes": "Scenes", "stability": "Stability", "work": "Work"}
 
 
 def file_of(stem: str) -> Path | None:
@@ -171,6 +176,7 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
     kept = paper_page.records(REFERENCE)
     lines = {paper: paper_page.lines_of(paper, now, kept) for paper in paper_page.papers()}
     problems = [problem for own in lines.values() for problem in outcomes.misfits(own)]
+    plots = (LIBRARIES / "plots.js").exists()
     made, common, paths = environment(), shared(results), list[Path]()
 
     def page(here: str, template: str, **more: Any) -> None:
@@ -187,22 +193,32 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
     for paper, several in by_paper.items():
         page(paper, "paper.html.j2", name=paper, experiments=several, claims=outcomes.paper(paper, lines[paper]), sketches=paper_page.SKETCHES.get(paper, ()))
     page("experiments", "experiments.html.j2", experiments=rest)
-    page("rows", "rows.html.j2", rows=sum(len(one.cases) for one in results.values()))
-    left_out, totals = work(results_folder)
-    page("work", "work.html.j2", table=left_out, totals=totals, history=_history(out, folder))
+    page("rows", "rows.html.j2", rows=sum(len(one.cases) for one in results.values()), plots=plots)
+    shown = scenes.described(results)
+    page("scenes", "scenes.html.j2", count=len(shown["scenes"]), view=(LIBRARIES / "view.js").exists())
+    kinds, answers = matrix.described(results)
+    page("stability", "stability.html.j2", kinds=kinds, plots=plots, outcomes=list(Outcome))
+    left_out, totals, timings = *work(results_folder), history()
+    page("work", "work.html.j2", table=left_out, totals=totals, history=bool(timings), plots=plots)
     tables.write_whole(folder / "rows_data.js", "window.hausbenchRows = " + all_rows.script(results) + ";\n")
-    for path in sorted((HERE / "web").iterdir()):
+    tables.write_whole(folder / "history_data.js", "window.hausbenchHistory = " + all_rows.as_script(timings) + ";\n")
+    tables.write_whole(folder / "stability_data.js", "window.hausbenchStability = " + all_rows.as_script(answers) + ";\n")
+    tables.write_whole(folder / "scenes_data.js", "window.hausbenchScenes = " + all_rows.as_script(shown) + ";\n")
+    for path in [*sorted((HERE / "web").iterdir()), *(path for name in ("view.js", "plots.js", "licences.txt") if (path := LIBRARIES / name).exists())]:
         shutil.copyfile(path, folder / path.name)
     return paths, problems
 
 
-def _history(out: Path, folder: Path) -> str:
-    """Copies the picture of the history of timings, which `make history` draws. Returns its name, or an empty string if there is none."""
-    picture = out / "figures" / "history.png"
-    if not picture.exists():
-        return ""
-    shutil.copyfile(picture, folder / "files" / picture.name)
-    return picture.name
+def history(file: Path = ROOT / "results" / "history.csv") -> list[dict[str, Any]]:
+    """Returns the timings of results/history.csv, which bench/tracking/history.py describes, without the rows that have only counts."""
+    def number(text: str) -> float | None:
+        return all_rows.rounded(float(text)) if text else None
+
+    if not file.exists():
+        return []
+    with file.open(encoding="utf-8", newline="") as lines:
+        return [{"commit": row["commit"], "machine": row["machine"], "measured": row["measured"], "case": row["case"], "seconds": seconds,
+                 "low": number(row["cpu_low"]), "high": number(row["cpu_high"])} for row in csv.DictReader(lines) if (seconds := number(row["cpu_seconds"])) is not None]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

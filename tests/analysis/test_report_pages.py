@@ -58,7 +58,7 @@ def test_every_link_resolves_and_none_leaves_the_folder(tmp_path: Path) -> None:
     for suffix in ("png", "pdf"):
         (tmp_path / "figures" / f"zhang2017_table3.{suffix}").write_bytes(b"x")
     found, _ = written(tmp_path, zhang2017_table3(), peers())
-    assert set(found) == {"index.html", "zhang2017.html", "tang2009.html", "shou2014.html", "sacht2024.html", "experiments.html", "rows.html", "work.html"}
+    assert set(found) == {"index.html", "zhang2017.html", "tang2009.html", "shou2014.html", "sacht2024.html", "experiments.html", "rows.html", "scenes.html", "stability.html", "work.html"}
     for name, page in found.items():
         assert len(page.ids) == len(set(page.ids)), name
         for link in page.to:

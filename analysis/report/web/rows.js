@@ -47,6 +47,8 @@
     for (let row = 0; row < count; row++) if (tests.every((test) => test(row))) chosen.push(row);
     page = 0;
     show();
+    window.hausbenchChosen = chosen;
+    dispatchEvent(new Event("hausbench-chosen"));
   }
 
   function show() {
