@@ -19,7 +19,7 @@
   function plot(own) {
     if (!window.Plot) return [];
     const points = own.map((row, k) => ({...row, at: `${k + 1}`, milliseconds: 1e3 * row.seconds, least: 1e3 * (row.low ?? row.seconds), most: 1e3 * (row.high ?? row.seconds)}));
-    const made = Plot.plot({width: 900, height: 300, marginLeft: 60, marginBottom: 50, grid: true, color: {legend: true}, style: {background: "var(--paper)", color: "var(--ink)"},
+    const made = Plot.plot({width: 900, height: 300, marginLeft: 60, marginBottom: 50, grid: true, color: {legend: true, type: "categorical"}, style: {background: "var(--paper)", color: "var(--ink)"},
       x: {type: "point", domain: points.map((one) => one.at), tickFormat: (at) => points[Number(at) - 1].commit.slice(0, 7), tickRotate: -30, label: null},
       y: {zero: true, label: "CPU time (ms)"},
       marks: [Plot.ruleX(points, {x: "at", y1: "least", y2: "most", stroke: "measured"}), Plot.dot(points, {x: "at", y: "milliseconds", stroke: "measured", tip: true, channels: {machine: "machine", commit: "commit"}})]});
