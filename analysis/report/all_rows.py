@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -16,8 +19,11 @@ import numpy as np
 from analysis.shared import style
 from analysis.shared.results import Results
 
-TEXTS: Final = ("stem", "solver", "scene", "status", "reason", "clock", "check")
+MANIFEST: Final = Path(__file__).resolve().parents[2] / "datasets" / "manifest.toml"
+TEXTS: Final = ("stem", "solver", "scene", "status", "reason", "clock", "check", "source", "target", "prover")
 NUMBERS: Final = ("tolerance", "lower", "upper", "error", "seconds", "certified", "pose", "sizeA", "sizeB")
+PROVERS: Final = ("cover", "guthe", "sacht", "kang", "zheng")  # solvers that write certificates, see docs/certificate.md
+UNMOVED: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
 def rounded(x: float) -> float | None:
@@ -30,12 +36,30 @@ def exact(x: float) -> float | str | None:
     return x if math.isfinite(x) else None if math.isnan(x) else "inf" if x > 0 else "-inf"
 
 
+@cache
+def models() -> frozenset[str]:
+    """Returns the names of the project's own models, which `measure` knows; experiments define others."""
+    with MANIFEST.open("rb") as file:
+        return frozenset(tomllib.load(file)["model"])
+
+
+def prover(results: Results, row: int) -> str:
+    """Returns the solver with which `measure` can prove the upper bound of a row; empty if it cannot: the solver writes no proofs, the question is
+    another one, or a model is moved or known to the experiment alone.
+    """
+    cases = results.cases
+    known = {str(cases.source[row]), str(cases.target[row])} <= models() and cases.quantity[row] == "directed" and cases.tolerance_of[row] == "diagonal"
+    unmoved = tuple(cases.pose[row]) == tuple(cases.target_pose[row]) == UNMOVED
+    return str(cases.solver[row]) if known and unmoved and cases.status[row] == "ok" and cases.solver[row] in PROVERS else ""
+
+
 def row_of(results: Results, row: int) -> dict[str, Any]:
     """Returns the values of one row by column. Errors are fractions of the diagonal of A."""
     cases, times = results.cases, results.total_seconds(row)
     reason = str(cases.reason[row])
     return {"stem": results.stem, "solver": style.title(str(cases.solver[row]), str(results.names[row])), "scene": str(cases.scene[row]),
             "status": str(cases.status[row]), "reason": reason, "clock": results.clock_of(row), "check": results.check_of(row),
+            "source": str(cases.source[row]), "target": str(cases.target[row]), "prover": prover(results, row),
             "tolerance": rounded(float(cases.tolerance[row])), "lower": exact(float(cases.lower[row])), "upper": exact(float(cases.upper[row])),
             "error": rounded(results.error(row) / results.length_unit(row)), "seconds": rounded(float(np.median(times))) if len(times) else None,
             "certified": int(cases.certified[row]), "pose": int(cases.pose_index[row]), "sizeA": int(cases.source_elements[row]),

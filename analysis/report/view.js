@@ -1,7 +1,7 @@
 // The 3-D view of the report: A coloured by its distance to B, B translucent, the witness as a line, and motions with a slider.
 // tools/bundle bundles it with three.js.
-import {AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, Line, LineBasicMaterial, Matrix4, Mesh,
-  MeshLambertMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer} from "three";
+import {AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, Line, LineBasicMaterial, Matrix4, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, PerspectiveCamera, Scene, SphereGeometry, Vector3, WebGLRenderer} from "three";
 import {OrbitControls} from "three/examples/jsm/controls/OrbitControls.js";
 
 const LEVELS = 65535;
@@ -102,8 +102,11 @@ export class View {
     this.line = null;
     if (one.witness) {
       const ends = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(one.witness), 3));
-      this.line = new Line(ends, new LineBasicMaterial({color: 0xd55e00, depthTest: false}));
-      this.line.renderOrder = 1;
+      this.line = new Group().add(new Line(ends, new LineBasicMaterial({color: 0xd55e00, depthTest: false, transparent: true})));
+      this.ball = new Mesh(new SphereGeometry(1, 16, 12), new MeshBasicMaterial({color: 0xd55e00, depthTest: false, transparent: true}));
+      this.ball.position.set(one.witness[0], one.witness[1], one.witness[2]);
+      this.line.add(this.ball);
+      this.line.children.forEach((part) => { part.renderOrder = 1; });
       this.root.add(this.line);
     }
     this.pose(0);
@@ -147,6 +150,7 @@ export class View {
       }
     }
     const middle = low.clone().add(high).multiplyScalar(0.5), radius = high.distanceTo(low) / 2 || 1;
+    if (this.line) this.ball.scale.setScalar(radius / 100);
     this.controls.target.copy(middle);
     this.camera.near = radius / 100;
     this.camera.far = radius * 100;

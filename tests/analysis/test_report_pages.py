@@ -6,6 +6,7 @@ import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -104,6 +105,17 @@ def test_rows_keep_the_digits_of_bounds(tmp_path: Path) -> None:
     assert read["lower"] == [lower, None] and read["upper"] == ["inf", None] and read["seconds"][1] is None
     assert read["seconds"][0] == pytest.approx(1.111, rel=1e-3)  # the CPU time, with four digits
     assert [read["reason"]["values"][i] for i in read["reason"]["rows"]] == ["", HOSTILE]
+
+
+def test_which_rows_can_be_proven_by_a_command(tmp_path: Path) -> None:
+    file = ResultFile("error_vs_time")
+    good: dict[str, Any] = {"source": "hand", "target": "hand_half", "tolerance_of": "diagonal", "lower": 0.5, "upper": 0.5}
+    others: list[tuple[str, dict[str, Any]]] = [("cover", {}), ("tang", {}), ("cover", {"source": "known to the experiment"}), ("cover", {"quantity": "symmetric"}),
+                                                ("cover", {"status": "budget"}), ("cover", {"pose": [1.0, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0, 0]})]
+    for solver, other in others:
+        file.case(solver, "a", [1.0], **good | other)
+    results = load(file.write(tmp_path))
+    assert [all_rows.prover(results, row) for row in range(6)] == ["cover", "", "", "", "", ""]
 
 
 def verdict(paper: str, name: str, outcome: str) -> claims.Record:

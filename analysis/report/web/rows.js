@@ -7,7 +7,7 @@
   const COLUMNS = [["stem", "experiment"], ["scene", "scene"], ["solver", "solver"], ["tolerance", "tolerance"], ["status", "status"],
     ["lower", "lower bound"], ["upper", "upper bound"], ["error", "error / diagonal of A"], ["seconds", "s to prepare and solve"]];
   const DETAILS = [...COLUMNS, ["reason", "reason"], ["check", "lower bound, checked apart"], ["certified", "certified"], ["clock", "clock"],
-    ["pose", "pose"], ["sizeA", "elements of A"], ["sizeB", "elements of B"]];
+    ["source", "A"], ["target", "B"], ["pose", "pose"], ["sizeA", "elements of A"], ["sizeB", "elements of B"]];
   let chosen = [], page = 0;
 
   const value = (column, row) => {
@@ -76,8 +76,17 @@
       list.append(Object.assign(document.createElement("dt"), {textContent: title}), Object.assign(document.createElement("dd"), {textContent: text(column, row)}));
     }
     const place = document.getElementById("row");
-    place.replaceChildren(Object.assign(document.createElement("h2"), {textContent: "The chosen row"}), list);
+    place.replaceChildren(Object.assign(document.createElement("h2"), {textContent: "The chosen row"}), list, ...proof(row));
     place.scrollIntoView({block: "nearest"});
+  }
+
+  // How to get a proof of the row's upper bound, and to check it.
+  function proof(row) {
+    if (!value("prover", row)) return [];
+    const words = Object.assign(document.createElement("p"), {textContent: "A proof of the upper bound, and its check:"}), commands = document.createElement("pre");
+    commands.textContent = `hausbench measure ${value("source", row)} ${value("target", row)} --solver ${value("prover", row)} --tolerance ${value("tolerance", row)} --certificate row.proof\n`
+      + "hausbench verify --certificate row.proof";
+    return [words, commands];
   }
 
   function csv() {
