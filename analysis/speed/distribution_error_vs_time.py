@@ -140,7 +140,7 @@ def make(results: Results) -> Report:
                             "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "relative_width": width(results, row),
                             **tables.seconds(cell.time), **{name: value for name, value in results.extras(row).items() if name in ("pieces", "samples")}})
     table.verdicts = [judge(results, cells), judge_slopes(results)]
-    table.notes += [*crossings(results, cells), *extrapolated(results, cells), f"{tables.coverage_note(cell.time for cell in cells.values())}", f"{machine_line(results)}."]
+    table.notes += [*crossings(results, cells), *extrapolated_rival(results, cells), *extrapolated(results, cells), f"{tables.coverage_note(cell.time for cell in cells.values())}", f"{machine_line(results)}."]
     caption = ("Width of the interval of a statistic, relative to its value, against the time to prepare and solve. Thin: each pair of meshes; bold: geometric mean over "
                "the pairs that reached the width. Intervals of Monte Carlo hold with a probability of 95 %, the others always.")
     return Report(lambda: draw(results, cells), table, records, caption=caption, clock=clock_note(results))
@@ -193,6 +193,28 @@ def extrapolated(results: Results, cells: dict[Key, Cell]) -> list[str]:
     return [f"Samples prove a mean only to within their covering radius. The gap of {style.title(SAMPLES)} is this radius, and its time grows like radius^{max(powers):.2f} to "
             f"radius^{min(powers):.2f}. Extrapolated to a radius of {finest:g} times the mean, it takes about {scipy.stats.gmean(factors):.0e} times as long as {style.title(OURS)} takes for a width of "
             f"{finest:g} (geometric mean over {len(factors)} pairs; {min(factors):.0e} to {max(factors):.0e})."]
+
+
+def extrapolated_rival(results: Results, cells: dict[Key, Cell]) -> list[str]:
+    """Returns a note on the time that RIVAL would take for the mean at FINE, if it was run to wider intervals alone.
+
+    Fits a power of the width to its two narrowest intervals on each pair, and follows it from the narrower one.
+    """
+    factors, powers = list[float](), list[float]()
+    for (scene, label, tolerance), ours in cells.items():
+        if label != OURS or not np.isclose(tolerance, FINE) or not scene.endswith(", mean") or ours.failures:
+            continue
+        times = {asked: cell.time.value for (name, of, asked), cell in cells.items() if (name, of) == (scene, RIVAL) and not cell.failures and cell.time.n}
+        if len(times) < 2 or min(times) < 1.01 * FINE:
+            continue
+        narrow, wide = sorted(times)[:2]
+        powers.append(float(np.log(times[wide] / times[narrow]) / np.log(wide / narrow)))
+        factors.append(times[narrow] * (FINE / narrow) ** powers[-1] / ours.time.value)
+    if not factors:
+        return []
+    return [f"The time of {style.title(RIVAL)} grows like width^{max(powers):.2f} to width^{min(powers):.2f}. Extrapolated to a width of {FINE:g}, it takes the mean about "
+            f"{tables.number(float(scipy.stats.gmean(factors)), 2)} times as long as {style.title(OURS)} (geometric mean over {len(factors)} pairs; {tables.number(min(factors), 2)} to "
+            f"{tables.number(max(factors), 2)})."]
 
 
 def statistics_of(results: Results) -> list[str]:

@@ -62,6 +62,10 @@ def test_no_verdict_without_the_width(make: Make) -> None:
 def test_a_wider_interval_is_a_lower_bound(make: Make, times: float, said: str) -> None:
     text = make(statistics(times=times, ends=3))[2]
     assert said in text and "Monte Carlo was run to a width of 0.001" in text
+    # From 1 ms at 0.01 to 4 times `times` ms at 0.001; at 0.0001 that factor again. `distribution` takes 4 ms there.
+    power, factor = -math.log10(4 * times), 4 * times * times
+    assert f"grows like width^{power:.2f} to width^{power:.2f}. Extrapolated to a width of 0.0001, it takes the mean about {factor:.0f} times as long" in text
+    assert "Extrapolated to a width" not in make(statistics())[2]
 
 
 @pytest.mark.parametrize(("power", "noise", "said"), [(-2.0, 0.0, "holds (below for 2 of 2"), (-0.5, 0.0, "does not hold (below for 0 of 2 pairs, above for 2"),
