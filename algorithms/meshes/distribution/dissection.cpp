@@ -131,12 +131,17 @@ private:
         return piece.cuts >= most_cuts || !(edge > std::pow(1024 * unit_roundoff * all_.magnitude_, 2));
     }
 
-    // Returns whether the bounds of a piece are as close as rounding allows. Then cutting it would make them worse.
+    // Returns whether the bounds of a piece are as close as rounding allows. Then cutting it would make them worse. A lower
+    // value below 0 counts as it is unless all upper values are nearly 0, because inside the piece the distance may be far
+    // above the affine function with that value.
     bool only_rounding(const Piece& piece, const AffineBounds& bounds) const {
         const double gap = (64 + 8 * piece.level) * unit_roundoff * all_.magnitude_;
-        for (std::size_t k = 0; k < 3; ++k)
-            if (bounds.upper[k] - std::max(bounds.lower[k], 0.0) > gap) return false;
-        return true;
+        bool close = true, zero = true;
+        for (std::size_t k = 0; k < 3; ++k) {
+            close = close && bounds.upper[k] - bounds.lower[k] <= gap;
+            zero = zero && bounds.upper[k] <= gap;
+        }
+        return close || zero;
     }
 
     // The work of all searches so far.

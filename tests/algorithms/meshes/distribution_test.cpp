@@ -411,6 +411,19 @@ TEST(Distribution, CrossingTrianglesOfIdenticalMeshesNeedFewPieces) {
     EXPECT_LE(found.bounds[0].upper, 1e-12);
 }
 
+// One side of A lies in a large triangle of B, and above that side another triangle of B is nearer. All corners are at their
+// distance from the large one, and the plane of the other is far below 0 at a corner, where the distance is 0.
+TEST(Distribution, LowerBoundsBelowZeroAreGapsIfThePieceRises) {
+    const TriangleMesh a = mesh_of({{{0, 0, 0}, {1, 0, 0}, {0.05, 0.5, 0.2}}});
+    const TriangleMesh b = mesh_of({{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}}, {{0, -0.2, 0}, {0, 0.2, 0}, {0, 0, 0.1}}});
+    Query query;
+    query.statistics = {{Kind::mean}};
+    query.tolerance = {Tolerance::Of::lower, 1e-6};
+    const Narrowed found = answer(a, b, query);
+    EXPECT_EQ(to_string(found.status), to_string(Status::converged));
+    EXPECT_LE(found.pieces, 20'000u);
+}
+
 TEST(Distribution, TheNumberOfThreadsDoesNotMatter) {
     Random random(7);
     const TriangleMesh a = random_soup(random, 40, 1), b = random_soup(random, 40, 1);
