@@ -56,13 +56,14 @@ def _key(one: claims.Record) -> tuple[str, ...]:
 def lines_of(paper: str, now: Iterable[claims.Record], kept: Iterable[claims.Record]) -> list[Line]:
     """Returns the lines of all claims, with or without a verdict, in the order of the paper's claims file.
 
-    A verdict in `now` replaces the one in `kept`. Raises ValueError for a verdict on a claim that is marked untested.
+    A verdict in `now` replaces the one in `kept`, unless it says that there were too few rounds to judge. Raises ValueError for a verdict on a
+    claim that is marked untested.
     """
     tested = {_key(one): Line(claims.entries(paper)[str(one["id"])], one) for one in now
               if one["paper"] == paper and one["outcome"] != UNTESTED and one["id"] in claims.entries(paper)}
     before = {_key(one): Line(claims.entries(paper)[str(one["id"])], one, True) for one in kept
               if one["paper"] == paper and one["id"] in claims.entries(paper)}
-    found = list((before | tested).values())
+    found = list((before | {key: line for key, line in tested.items() if line.outcome != NOT_JUDGED or key not in before}).values())
     if wrong := next((line.entry.id for line in found if line.entry.untested), ""):
         raise ValueError(f"{paper}/{wrong} is marked untested and has a verdict: remove `untested` from analysis/claims/{paper}.toml, or the verdict")
     return [line for entry in claims.entries(paper).values() for line in ([line for line in found if line.entry.id == entry.id] or [Line(entry)])]

@@ -12,7 +12,7 @@ from analysis import conditions, forest, paper_page
 from analysis.shared import claims
 from analysis.shared.load import REFERENCE
 from analysis.shared.statistics import Estimate, exact
-from analysis.shared.verdicts import FAILS, HOLDS, UNTESTED, Ratio, Verdict, above_one, everywhere, most_of
+from analysis.shared.verdicts import FAILS, HOLDS, NOT_JUDGED, UNTESTED, Ratio, Verdict, above_one, everywhere, most_of
 
 STEM = "zhang2017_table3"
 
@@ -53,6 +53,8 @@ def test_a_verdict_of_this_run_stands_before_the_kept_one() -> None:
     assert "**does not hold** | now" in line([now], [kept])[0]
     assert "**holds (kept)** | before" in line([small], [kept])[0]
     assert len(line([now], [kept])) == 1
+    few = record(NOT_JUDGED, "n = 2", "quick")
+    assert "**holds (kept)** | before" in line([few], [kept])[0] and "**not judged** | n = 2" in line([few], [])[0]
     other = claims.record(Verdict(claims.of("zhang2017", "peak", "torus", solver="INC"), HOLDS, "x"), "zhang2017_fig10", "paper")
     assert "torus: the time of INC peaks" in paper_page.markdown("zhang2017", paper_page.lines_of("zhang2017", [other], [kept]))
 
