@@ -66,6 +66,11 @@ class Paper:
     title: str
     lines: Sequence[Shown]
 
+    @property
+    def against(self) -> list[Shown]:
+        """The verdicts that say a claim does not hold."""
+        return [line for line in self.lines if line.against]
+
     def count(self, css: str) -> int:
         """The number of verdicts of one class: holds, fails, open or untested."""
         return sum(line.verdict.css == css for line in self.lines)

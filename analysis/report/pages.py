@@ -164,7 +164,7 @@ def shared(results: dict[str, Results]) -> dict[str, Any]:
     """Returns what every page says: the navigation, and versions and hardware for its foot."""
     machines = list(dict.fromkeys(measured_on(one) for one in results.values()))
     papers = {name: title for name, title in paper_page.TITLES.items() if name != claims.OWN}
-    return {"pages": PAGES, "papers": papers, "machines": machines,
+    return {"pages": PAGES, "papers": papers, "own": claims.OWN, "machines": machines,
             "libraries": list(dict.fromkeys(libraries(one) for one in results.values()))}
 
 
@@ -192,7 +192,7 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
          choice=chooser.matrix(results), claims={paper: outcomes.paper(paper, several) for paper, several in lines.items()}, runs=[*sum(by_paper.values(), []), *rest])
     for paper, several in by_paper.items():
         page(paper, "paper.html.j2", name=paper, experiments=several, claims=outcomes.paper(paper, lines[paper]), sketches=paper_page.SKETCHES.get(paper, ()))
-    page("experiments", "experiments.html.j2", experiments=rest)
+    page("experiments", "experiments.html.j2", experiments=rest, claims=outcomes.paper(claims.OWN, lines[claims.OWN]))
     page("rows", "rows.html.j2", rows=sum(len(one.cases) for one in results.values()), plots=plots)
     shown = scenes.described(results)
     page("scenes", "scenes.html.j2", count=len(shown["scenes"]), view=(LIBRARIES / "view.js").exists())
