@@ -6,7 +6,7 @@
     <out>/report/rows.html         every row, with filters
     <out>/report/scenes.html       pairs of meshes and motions in 3-D
     <out>/report/stability.html    the outcome of each solver on each family of the stability suite
-    <out>/report/work.html         what was left out, and the history of timings
+    <out>/report/work.html         work left out, and the history of timings
 
 The folder needs no network and can be moved as a whole. It has whatever results, tables and figures exist (`make figures` draws them).
 A claim whose text on why it does not hold no longer fits its verdict is named, on the page and in the terminal; with --strict the exit code is
@@ -53,7 +53,7 @@ def file_of(stem: str) -> Path | None:
 
 @dataclass(frozen=True)
 class Experiment:
-    """What a page says about one stem: the run of its experiment, its table and its figures."""
+    """The run, table and figures of one stem, as a page shows them."""
 
     stem: str
     title: str
@@ -85,7 +85,7 @@ def table_html(markdown: str) -> str:
 
 
 def experiment(stem: str, title: str, results: dict[str, Results], out: Path) -> Experiment:
-    """Collects what was drawn for a stem, and copies its figures and tables beside the pages."""
+    """Collects the figures and tables of a stem, and copies them beside the pages."""
     files = out / "report" / "files"
     files.mkdir(parents=True, exist_ok=True)
     table = out / "tables" / f"{stem}.md"
@@ -147,7 +147,7 @@ def titles(names: Iterable[str]) -> dict[str, str]:
 
 
 def work(results_folder: Path) -> tuple[tables.Table | None, str]:
-    """Returns the table of what was left out and its line of totals; None without results."""
+    """Returns the table of work left out and its line of totals; None without results."""
     try:
         found = ledger.stems_in(results_folder)
     except ResultError:

@@ -51,7 +51,7 @@ def with_fields(results: Results) -> list[int]:
 
 
 def motions(results: Results) -> list[list[int]]:
-    """Returns the rows of each motion of a mesh towards a mesh, in the order of the poses: those of the first certified solver."""
+    """Returns the rows of each motion of a mesh towards a mesh, of the first certified solver, in the order of the poses."""
     found = []
     for scene in results.scenes:
         rows = [row for row in results.rows(scene=scene, certified=1) if results.is_bounded(row) and is_pair_of_meshes(results, row)]

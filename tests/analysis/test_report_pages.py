@@ -1,4 +1,4 @@
-"""The pages of the report: what they say about made-up results, and that none depends on the network or on the place of the folder."""
+"""The pages of the report on made-up results. They do not depend on the network or on the place of the folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Meshes for display keep true corners and values, and the scenes of the report have what the view needs."""
+"""Meshes for display keep true corners and values, and the view gets complete scenes."""
 
 from __future__ import annotations
 

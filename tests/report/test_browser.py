@@ -103,7 +103,7 @@ def test_filters_change_the_rows_and_the_address(browser: Any, report: Path) -> 
 
 
 def test_a_filter_is_fast(browser: Any, report: Path) -> None:
-    """A wide limit, ten times what it takes on a slow machine: this is no timing, but a filter that walks through all elements would be caught."""
+    """The limit is wide: ten times the time on a slow machine. It catches a filter that walks through all elements."""
     opened(browser, report, "rows.html")
     took = browser.execute_script("""const s = document.forms[0].elements.scene, times = [];
         for (const text of ["1", "12", "123", ""]) {
@@ -161,7 +161,7 @@ def test_axe_finds_nothing_serious(browser: Any, report: Path, tmp_path: Path, s
 
 
 def drawn(browser: Any) -> str:
-    """Returns what the view shows, as text. A view keeps its pixels only until the script ends that drew them."""
+    """Returns the picture in the view, as text. A view keeps its pixels only until the script ends that drew them."""
     return str(browser.execute_script("window.hausbenchShown.draw(); return window.hausbenchShown.canvas.toDataURL()"))
 
 
