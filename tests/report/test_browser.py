@@ -217,6 +217,14 @@ def test_the_view_turns_by_keys(browser: Any, report: Path) -> None:
     assert before != browser.execute_script("return window.hausbenchShown.camera.position.toArray()")
 
 
+def downloaded(browser: Any, link: str) -> str:
+    """Returns the file that a click on a link downloads."""
+    return str(browser.execute_async_script("""const link = document.querySelector(arguments[0]);
+        link.addEventListener("click", (event) => event.preventDefault());
+        link.click();
+        fetch(link.href).then((found) => found.text()).then(arguments[1]);""", link))
+
+
 @pytest.mark.parametrize("kind", ["solved", "scatter", "error"])
 def test_plots_of_the_chosen_rows(browser: Any, report: Path, kind: str) -> None:
     opened(browser, report, "rows.html#scene=pair+1")
@@ -224,9 +232,9 @@ def test_plots_of_the_chosen_rows(browser: Any, report: Path, kind: str) -> None
     chosen(browser, "plot", "kind", kind)
     names = {"solved": "cases solved within a time", "scatter": "two solvers", "error": "error against time"}
     waits(browser, f"const s = document.querySelector('#figure svg[aria-label]'); return s && s.getAttribute('aria-label') === '{names[kind]}' && s.querySelector('circle, path[stroke], g[stroke] path')")
-    browser.execute_script("document.getElementById('plot-svg').addEventListener('click', (event) => event.preventDefault()); document.getElementById('plot-svg').click()")
-    text = browser.execute_async_script("fetch(document.getElementById('plot-svg').href).then((found) => found.text()).then(arguments[0])")
+    text = downloaded(browser, "#figure a.svg")
     assert text.startswith("<svg") and "var(--paper" not in text and "var(--ink" not in text
+    assert len(downloaded(browser, "#figure a.csv").splitlines()) > 2
 
 
 def test_a_cell_of_the_stability_matrix_shows_its_answers(browser: Any, report: Path) -> None:
@@ -238,3 +246,4 @@ def test_a_cell_of_the_stability_matrix_shows_its_answers(browser: Any, report: 
 def test_the_history_of_a_case(browser: Any, report: Path) -> None:
     opened(browser, report, "work.html")
     assert waits(browser, "return document.querySelectorAll('#times tbody tr').length") >= 1
+    assert downloaded(browser, "#times a.csv").startswith("commit,machine,measured,case,seconds,low,high\n") and "<svg" in downloaded(browser, "#times a.svg")

@@ -23,7 +23,7 @@
       x: {type: "point", domain: points.map((one) => one.at), tickFormat: (at) => points[Number(at) - 1].commit.slice(0, 7), tickRotate: -30, label: null},
       y: {zero: true, label: "CPU time (ms)"},
       marks: [Plot.ruleX(points, {x: "at", y1: "least", y2: "most", stroke: "measured"}), Plot.dot(points, {x: "at", y: "milliseconds", stroke: "measured", tip: true, channels: {machine: "machine", commit: "commit"}})]});
-    return [window.hausbenchFigure(made, "CPU time at each commit")];
+    return [window.hausbenchFigure(made, "CPU time at each commit", own)];
   }
 
   form.addEventListener("input", show);

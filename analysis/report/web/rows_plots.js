@@ -79,7 +79,7 @@
     const rows = window.hausbenchChosen ?? [];
     fill(rows);
     const [made, note] = {solved: drawSolved, scatter: drawScatter, error: drawError}[field("kind")](rows);
-    document.getElementById("figure").replaceChildren(window.hausbenchFigure(made, form.elements.kind.selectedOptions[0].textContent));
+    document.getElementById("figure").replaceChildren(window.hausbenchFigure(made, form.elements.kind.selectedOptions[0].textContent, points));
     document.getElementById("plot-note").textContent = points.length ? note : "No row has what this plot needs.";
   }
 
@@ -87,27 +87,9 @@
     if (visible && !waiting) waiting = setTimeout(draw, 50);
   }
 
-  function save(link, text, type) {
-    link.href = URL.createObjectURL(new Blob([text], {type}));
-  }
-
-  // The colours of the page are written out, because the file has no page around it.
-  function svg() {
-    const picture = document.querySelector("#figure svg[aria-label]").cloneNode(true), style = getComputedStyle(document.documentElement);
-    picture.setAttribute("xmlns", "http:" + "//www.w3.org/2000/svg");
-    return picture.outerHTML.replaceAll(/var\((--\w+)\)/g, (whole, name) => style.getPropertyValue(name).trim() || whole);
-  }
-
-  function csv() {
-    const names = Object.keys(points[0] ?? {}).filter((name) => name !== "title"), quoted = (cell) => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
-    return [names, ...points.map((one) => names.map((name) => String(one[name])))].map((line) => line.map(quoted).join(",")).join("\n") + "\n";
-  }
-
   addEventListener("hausbench-chosen", changed);
   form.addEventListener("input", changed);
   form.addEventListener("submit", (event) => event.preventDefault());
-  document.getElementById("plot-svg").addEventListener("click", (event) => save(event.currentTarget, svg(), "image/svg+xml"));
-  document.getElementById("plot-csv").addEventListener("click", (event) => save(event.currentTarget, csv(), "text/csv"));
   new IntersectionObserver((entries) => {
     visible ||= entries.some((entry) => entry.isIntersecting);
     changed();

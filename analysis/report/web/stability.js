@@ -11,7 +11,7 @@
     const made = Plot.plot({width: 640, height: 260, marginLeft: 60, grid: true, color: {legend: true}, style: {background: "var(--paper)", color: "var(--ink)"},
       x: {type: "log", tickFormat: "~g"}, y: {type: "log", label: "fraction of the diagonal of A", tickFormat: "~g"},
       marks: [Plot.line(points, {x: "severity", y: "value", z: "what", stroke: "what"}), Plot.dot(points, {x: "severity", y: "value", z: "what", stroke: "what", tip: true})]});
-    return [window.hausbenchFigure(made, "Error and gap at each severity")];
+    return [window.hausbenchFigure(made, "Error and gap at each severity", points)];
   }
 
   function show(button) {
