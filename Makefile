@@ -71,7 +71,7 @@ python: $(DEPS)  ## install the Python package into the virtual environment buil
 documents: $(DEPS)  ## collect the figures and tables of each paper in results/tables/PAPER.tex, and with pdflatex in results/documents/PAPER.pdf
 	$(PYTHON) -m analysis.document --compile
 report: $(DEPS)  ## write results/report/index.html, pages about all results; fails if a reason why a claim does not hold no longer fits
-	tools/bundle && $(PYTHON) -m analysis.report.pages --strict
+	$(PYTHON) tools/bundle && $(PYTHON) -m analysis.report.pages --strict
 check-reference: $(DEPS)  ## compare bounds and counted work in results/ with results/reference/counts; STEM=... for some
 	$(PYTHON) -m analysis.check_reference $(or $(STEM),$(basename $(notdir $(wildcard results/reference/counts/*.csv))))
 
@@ -91,7 +91,7 @@ test-slurm: build  ## run an experiment on a Slurm of one machine with two nodes
 	PATH="$$PATH:/usr/sbin:/sbin" $(PYTHON) -m pytest -q -rs --insist tests/slurm
 test-report: $(DEPS)  ## test the pages of make report in a browser (installs chromium)
 	$(if $(SKIP_DEPS),,tools/deps chromium chromium-driver python3-selenium)
-	tools/bundle && $(PYTHON) -m pytest -q -rs --insist tests/report
+	$(PYTHON) tools/bundle && $(PYTHON) -m pytest -q -rs --insist tests/report
 hostile: build  ## fetch (50 MB) and measure all files known to break programs; make test takes only those in the models' packages
 	HAUSBENCH_HOSTILE=all $(PYTHON) -m pytest -q -rs --insist tests/hostile
 certificates: build  ## write and check proofs for 41 pairs of real meshes (fewer for guthe and sacht); false claims must be refused

@@ -57,25 +57,35 @@ def stems_of(paper: str) -> list[str]:
     return [*dict.fromkeys(each for stem in ordered if has_script(stem) for each in drawn_with(stem)), *(OF_ALL if paper == claims.OWN else ())]
 
 
-def _caption(folder: Path, stem: str) -> str:
+def title_of(stem: str) -> str:
+    """Returns the title of an experiment from its file; the stem itself if it has none."""
+    for file in (ANALYSIS.parent / "experiments").rglob(f"{stem}.toml"):
+        return str(tomllib.loads(file.read_text(encoding="utf-8")).get("title", stem))
+    return stem
+
+
+def caption_of(folder: Path, stem: str) -> str:
     """Returns the caption of a figure: its own or, if it has none, the caption of its table or the title of its experiment."""
     if (own := folder / "figures" / f"{stem}{CAPTION}").exists():
         return own.read_text(encoding="utf-8").strip()
     table = folder / "tables" / f"{stem}.md"
     if table.exists():
         return table.read_text(encoding="utf-8").partition("\n")[0].strip("*")
-    for file in (ANALYSIS.parent / "experiments").rglob(f"{stem}.toml"):
-        return str(tomllib.loads(file.read_text(encoding="utf-8")).get("title", stem))
-    return OF_ALL.get(stem, stem)
+    return OF_ALL.get(stem) or title_of(stem)
+
+
+def figures_of(folder: Path, stem: str, suffix: str) -> list[tuple[Path, str]]:
+    """Returns the files of the figures of a stem, <stem> and then its parts <stem>-<part>, each with its caption."""
+    files = sorted((folder / "figures").glob(f"{stem}.{suffix}")) + sorted((folder / "figures").glob(f"{stem}-*.{suffix}"))
+    parts = [file.stem.removeprefix(stem).lstrip("-") for file in files]
+    return [(file, caption_of(folder, stem) + (f" Part: {part}." if part else "")) for file, part in zip(files, parts)]
 
 
 def _stem(folder: Path, stem: str, out: Path) -> list[str]:
     """Returns LaTeX lines with those figures and tables of a stem that exist."""
     lines = []
-    for figure in sorted((folder / "figures").glob(f"{stem}.pdf")) + sorted((folder / "figures").glob(f"{stem}-*.pdf")):
-        part = figure.stem.removeprefix(stem).lstrip("-")
-        caption = tex_escape(_caption(folder, stem) + (f" Part: {part}." if part else ""))
-        lines += [r"\begin{figure}[!htbp]\centering", rf"\includegraphics{{{os.path.relpath(figure, out)}}}", rf"\caption{{{caption}}}", r"\end{figure}"]
+    for figure, caption in figures_of(folder, stem, "pdf"):
+        lines += [r"\begin{figure}[!htbp]\centering", rf"\includegraphics{{{os.path.relpath(figure, out)}}}", rf"\caption{{{tex_escape(caption)}}}", r"\end{figure}"]
     if (table := folder / "tables" / f"{stem}.tex").exists():
         lines += [rf"\input{{{os.path.relpath(table, out)}}}"]
     return [r"\FloatBarrier\Needspace{0.4\textheight}", rf"\subsection*{{{tex_escape(stem)}}}", *lines] if lines else []

@@ -79,8 +79,8 @@ def same_answers(one: Results, other: Results) -> tuple[int, int]:
     return sum(ours[key] == theirs[key] for key in both), len(both)
 
 
-def read(path: Path) -> Stem:
-    results = load(path)
+def read(results: Results) -> Stem:
+    path = results.path
     found = Stem(path.stem, seconds_run(results))
     ledger = results.ledger
     for kind, what, reason, seconds in zip(ledger.kind, ledger.what, ledger.reason, ledger.seconds_saved):
@@ -106,12 +106,17 @@ def stems_in(folder: Path) -> list[Stem]:
         if "." in path.stem:
             continue
         try:
-            found.append(read(path))
+            found.append(read(load(path)))
         except ResultError as problem:
             print(problem, file=sys.stderr)
     if not found:
         raise ResultError(f"{folder}: no results: make them with 'make experiments'")
-    return sorted(found, key=lambda stem: -(stem.run + stem.seconds_saved))
+    return by_time(found)
+
+
+def by_time(stems: Sequence[Stem]) -> list[Stem]:
+    """Sorts the summaries by time, longest first."""
+    return sorted(stems, key=lambda stem: -(stem.run + stem.seconds_saved))
 
 
 def table(stems: Sequence[Stem]) -> tables.Table:

@@ -56,9 +56,8 @@ def prover(results: Results, row: int) -> str:
 def row_of(results: Results, row: int) -> dict[str, Any]:
     """Returns the values of one row by column. Errors are fractions of the diagonal of A."""
     cases, times = results.cases, results.total_seconds(row)
-    reason = str(cases.reason[row])
     return {"stem": results.stem, "solver": style.title(str(cases.solver[row]), str(results.names[row])), "scene": str(cases.scene[row]),
-            "status": str(cases.status[row]), "reason": reason, "clock": results.clock_of(row), "check": results.check_of(row),
+            "status": str(cases.status[row]), "reason": str(cases.reason[row]), "clock": results.clock_of(row), "check": results.check_of(row),
             "source": str(cases.source[row]), "target": str(cases.target[row]), "prover": prover(results, row),
             "tolerance": rounded(float(cases.tolerance[row])), "lower": exact(float(cases.lower[row])), "upper": exact(float(cases.upper[row])),
             "error": rounded(results.error(row) / results.length_unit(row)), "seconds": rounded(float(np.median(times))) if len(times) else None,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
+import scipy.stats
 
 from analysis import which_solver
 from analysis.shared import tables
@@ -27,7 +27,7 @@ class Best:
     solver: str
     wins: int
     scenes: int
-    ratio: float  # time of the next best / its time: geometric mean over its wins; NaN: there is no other, or none is ahead
+    ratio: float  # time of the next best / its time: geometric mean over its wins; NaN: it ran alone, or is not ahead of all others
     separated: int  # the number of its wins that are separated from all others
     names: Sequence[str]
 
@@ -59,7 +59,7 @@ def best(cells: Sequence[Cell]) -> Best:
     title, wins = Counter(one.title for one in cells).most_common(1)[0]
     own = [one for one in cells if one.title == title]
     ratios = [one.ratio.value for one in own if one.ratio is not None and one.ratio.n]
-    mean = float(np.exp(np.mean(np.log(ratios)))) if ratios else float("nan")
+    mean = float(scipy.stats.gmean(ratios)) if ratios else float("nan")
     return Best(title, wins, len(cells), mean, sum(one.separated for one in own), [f"{one.stem}: {one.scene}" for one in cells])
 
 

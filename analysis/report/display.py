@@ -14,6 +14,7 @@ from analysis.shared.shapes import Indices, Mesh
 
 MOST: Final = 20_000
 LEVELS: Final = 65_535  # coordinates and values are stored in 16 bits, as fractions of their range
+EXTENTS: Final = (1e-30, 1e30)  # of coordinates that the single precision of WebGL can show
 
 
 @dataclass(frozen=True)
@@ -60,16 +61,21 @@ def _merged(mesh: Mesh, weights: Floats | None, cells: int) -> Display:
     return Display(chosen, triangles[elements], elements, True)
 
 
+def can_be_shown(mesh: Mesh) -> bool:
+    """Tells whether the largest |coordinate| is within EXTENTS."""
+    return bool(len(mesh.triangles) and EXTENTS[0] < np.abs(mesh.corners).max() < EXTENTS[1])
+
+
 def text(values: npt.NDArray[Any]) -> str:
     """Returns the bytes of an array as base64."""
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
 
 
 def quantised(values: Floats) -> dict[str, Any]:
-    """Returns {low, high, data}: each column (or the only one) in 16 bits between its least and greatest value."""
+    """Returns {low, high, data}: each column (or the only one) in 16 bits between its least and greatest value, which must be finite."""
     low, high = values.min(axis=0), values.max(axis=0)
     span = np.where(high > low, high - low, 1.0)
-    return {"low": np.atleast_1d(low).tolist(), "high": np.atleast_1d(low + span).tolist(), "data": text(np.rint((values - low) / span * LEVELS).astype("<u2"))}
+    return {"low": np.atleast_1d(low).tolist(), "high": np.atleast_1d(high).tolist(), "data": text(np.rint((values - low) / span * LEVELS).astype("<u2"))}
 
 
 def packed(mesh: Mesh, shown: Display) -> dict[str, Any]:

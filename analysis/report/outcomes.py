@@ -1,4 +1,4 @@
-"""What came out of each paper, as the report prints it: its claims with their verdicts, and why some do not hold."""
+"""The claims of each paper as the report prints them: verdicts, and the reasons why some do not hold."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Writes the report, pages of HTML about all results: `python3 -m analysis.report.pages [--results DIR] [--out DIR] [--strict]`.
 
     <out>/report/index.html        the run, which solver to take, and what came out of each paper
-    <out>/report/PAPER.html        the tables and figures of a paper
-    <out>/report/experiments.html  the tables and figures of all other experiments
+    <out>/report/PAPER.html        tables, figures and claims of a paper
+    <out>/report/experiments.html  the same of our own experiments
     <out>/report/rows.html         every row, with filters
     <out>/report/scenes.html       pairs of meshes and motions in 3-D
     <out>/report/stability.html    the outcome of each solver on each family of the stability suite
@@ -20,8 +20,7 @@ import csv
 import json
 import shutil
 import sys
-import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -30,9 +29,9 @@ import jinja2
 import markdown_it
 import markupsafe
 
-from analysis import ledger, paper_page
+from analysis import document, ledger, paper_page
 from analysis.report import all_rows, chooser, matrix, outcomes, scenes
-from analysis.shared import claims, report, stems, tables
+from analysis.shared import claims, stems, tables
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.printable import printable
@@ -58,7 +57,7 @@ class Experiment:
     stem: str
     title: str
     run: Results | None  # None: only drawn from the results of others, or not measured
-    notes: str  # the table, its verdicts and notes, as HTML
+    table: str  # with its verdicts and notes, as HTML; empty if there is none
     figures: Sequence[tuple[str, str]]  # file name and caption
     downloads: Sequence[str]  # file names
 
@@ -75,7 +74,7 @@ class Experiment:
 
     @property
     def there(self) -> bool:
-        return bool(self.notes or self.figures)
+        return bool(self.table or self.figures)
 
 
 def table_html(markdown: str) -> str:
@@ -84,20 +83,17 @@ def table_html(markdown: str) -> str:
     return rendered.replace("<table>", '<div class="wide" tabindex="0" role="region" aria-label="table"><table>').replace("</table>", "</table></div>")
 
 
-def experiment(stem: str, title: str, results: dict[str, Results], out: Path) -> Experiment:
+def experiment(stem: str, results: dict[str, Results], out: Path) -> Experiment:
     """Collects the figures and tables of a stem, and copies them beside the pages."""
     files = out / "report" / "files"
     files.mkdir(parents=True, exist_ok=True)
-    table = out / "tables" / f"{stem}.md"
-    caption = out / "figures" / f"{stem}{report.CAPTION}"
-    said = caption.read_text(encoding="utf-8").strip() if caption.exists() else title
-    pictures = sorted(path for path in (out / "figures").glob(f"{stem}*.png") if path.stem == stem or path.stem.startswith(f"{stem}-"))
-    copied = [*pictures, *(path.with_suffix(".pdf") for path in pictures), *(table.with_suffix(suffix) for suffix in (".csv", ".tex"))]
-    there = [path for path in copied if path.exists()]
-    for path in there:
+    table, pictures = out / "tables" / f"{stem}.md", document.figures_of(out, stem, "png")
+    downloads = [*(path.with_suffix(".pdf") for path, _ in pictures), *(table.with_suffix(suffix) for suffix in (".csv", ".tex"))]
+    there = [path for path in downloads if path.exists()]
+    for path in [*there, *(path for path, _ in pictures)]:
         shutil.copyfile(path, files / path.name)
-    return Experiment(stem, title, results.get(_measured_as(stem)), table_html(table.read_text(encoding="utf-8")) if table.exists() else "",
-                      [(path.name, said) for path in pictures], [path.name for path in there if path.suffix != ".png"])
+    return Experiment(stem, document.title_of(stem), results.get(_measured_as(stem)), table_html(table.read_text(encoding="utf-8")) if table.exists() else "",
+                      [(path.name, caption) for path, caption in pictures], [path.name for path in there])
 
 
 def _measured_as(stem: str) -> str:
@@ -137,24 +133,6 @@ def seconds_text(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
 
 
-def titles(names: Iterable[str]) -> dict[str, str]:
-    """Returns the titles of the experiments with these stems, from their files."""
-    found = {}
-    for stem in names:
-        file = file_of(stem)
-        found[stem] = str(tomllib.loads(file.read_text(encoding="utf-8")).get("title", stem)) if file else stem
-    return found
-
-
-def work(results_folder: Path) -> tuple[tables.Table | None, str]:
-    """Returns the table of work left out and its line of totals; None without results."""
-    try:
-        found = ledger.stems_in(results_folder)
-    except ResultError:
-        return None, ""
-    return ledger.table(found), ledger.line(found)
-
-
 def libraries(results: Results) -> str:
     """Returns 'CGAL 5.5.1, Eigen 3.4.0': the libraries of the program that wrote the results."""
     return ", ".join(f"{name} {version}" for name, version in json.loads(str(results.meta.get("libraries") or "{}")).items())
@@ -183,23 +161,22 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
         paths.append(folder / f"{here}.html")
         tables.write_whole(paths[-1], made.get_template(template).render(here=here, **common, **more))
 
-    by_paper = {paper: [experiment(stem, title, results, out) for stem, title in paper_page.items(paper)] for paper in common["papers"]}
-    own = {one.stem for several in by_paper.values() for one in several}
-    drawn = sorted({path.stem for path in (out / "tables").glob("*.md")} | set(results))
-    others = [stem for stem in drawn if stem not in own and file_of(stem)]
-    rest = [experiment(stem, title, results, out) for stem, title in titles(others).items()]
-    page("index", "index.html.j2", results=results, rows=sum(len(one.cases) for one in results.values()), problems=problems,
-         choice=chooser.matrix(results), claims={paper: outcomes.paper(paper, several) for paper, several in lines.items()}, runs=[*sum(by_paper.values(), []), *rest])
-    for paper, several in by_paper.items():
-        page(paper, "paper.html.j2", name=paper, experiments=several, claims=outcomes.paper(paper, lines[paper]), sketches=paper_page.SKETCHES.get(paper, ()))
-    page("experiments", "experiments.html.j2", experiments=rest, claims=outcomes.paper(claims.OWN, lines[claims.OWN]))
-    page("rows", "rows.html.j2", rows=sum(len(one.cases) for one in results.values()), plots=plots)
+    pages_of = {name: [experiment(stem, results, out) for stem in document.stems_of(name)] for name in lines}
+    verdicts = {name: outcomes.paper(name, several) for name, several in lines.items()}
+    rows = sum(len(one.cases) for one in results.values())
+    page("index", "index.html.j2", results=results, rows=rows, problems=problems, choice=chooser.matrix(results), claims=verdicts,
+         runs=[Experiment(stem, document.title_of(stem), one, "", (), ()) for stem, one in results.items()])
+    for name in common["papers"]:
+        page(name, "paper.html.j2", name=name, experiments=pages_of[name], claims=verdicts[name], sketches=paper_page.SKETCHES.get(name, ()))
+    page("experiments", "experiments.html.j2", experiments=[one for one in pages_of[claims.OWN] if one.there], claims=verdicts[claims.OWN])
+    page("rows", "rows.html.j2", rows=rows, plots=plots)
     shown = scenes.described(results)
     page("scenes", "scenes.html.j2", count=len(shown["scenes"]), view=(LIBRARIES / "view.js").exists())
     kinds, answers = matrix.described(results)
     page("stability", "stability.html.j2", kinds=kinds, plots=plots, outcomes=list(Outcome))
-    left_out, totals, timings = *work(results_folder), history()
-    page("work", "work.html.j2", table=left_out, totals=totals, history=bool(timings), plots=plots)
+    timings, left_out = history(), ledger.by_time([ledger.read(one) for one in results.values()])
+    page("work", "work.html.j2", table=ledger.table(left_out) if left_out else None, totals=ledger.line(left_out) if left_out else "",
+         history=bool(timings), plots=plots)
     tables.write_whole(folder / "rows_data.js", "window.hausbenchRows = " + all_rows.script(results) + ";\n")
     tables.write_whole(folder / "history_data.js", "window.hausbenchHistory = " + all_rows.as_script(timings) + ";\n")
     tables.write_whole(folder / "stability_data.js", "window.hausbenchStability = " + all_rows.as_script(answers) + ";\n")

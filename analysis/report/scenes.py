@@ -1,6 +1,6 @@
 """The scenes that the report shows in 3-D: rows with the distance at each corner of A, and motions of A.
 
-Everything comes from result files and the cache of shapes; a scene whose shapes are not in the cache is left out.
+Everything comes from result files and the cache of shapes; a scene whose shapes are not in the cache, or cannot be shown, is left out.
 """
 
 from __future__ import annotations
@@ -32,34 +32,40 @@ class Meshes:
         return self._place[key]
 
 
-def is_pair_of_meshes(results: Results, row: int) -> bool:
-    kinds = dict(zip(results.models.name, results.models.kind))
-    return kinds.get(results.cases.source[row]) == kinds.get(results.cases.target[row]) == "mesh"
+def pairs_of_meshes(results: Results) -> list[int]:
+    """Returns the rows with bounds between two meshes, without the stability suite, whose scenes are made to be hard, not to be seen."""
+    cases, kinds = results.cases, dict(zip(results.models.name, results.models.kind))
+    return [row for row in range(len(cases)) if kinds.get(cases.source[row]) == kinds.get(cases.target[row]) == "mesh" and results.is_bounded(row)
+            and np.isnan(cases.severity[row])]
 
 
-def with_fields(results: Results) -> list[int]:
+def with_fields(results: Results, rows: list[int]) -> list[int]:
     """Returns one row with the field `distance` for each scene, with the field `bound` if there is one."""
     chosen: dict[str, int] = {}
-    for row in dict.fromkeys(int(row) for row in results.fields.case):
-        names = results.fields_of(row)
-        scene = str(results.cases.scene[row])
-        if DISTANCE in names and is_pair_of_meshes(results, row) and (scene not in chosen or BOUND in names):
-            chosen.setdefault(scene, row)
-            if BOUND in names and BOUND not in results.fields_of(chosen[scene]):
-                chosen[scene] = row
-    return list(chosen.values())
+    for row in set(rows) & set(map(int, results.fields.case)):
+        names, scene = results.fields_of(row).keys(), str(results.cases.scene[row])
+        if DISTANCE in names and (scene not in chosen or (BOUND in names, -row) > (BOUND in results.fields_of(chosen[scene]), -chosen[scene])):
+            chosen[scene] = row
+    return sorted(chosen.values())
 
 
-def motions(results: Results) -> list[list[int]]:
-    """Returns the rows of each motion of a mesh towards a mesh, of the first certified solver, in the order of the poses."""
-    found = []
-    for scene in results.scenes:
-        rows = [row for row in results.rows(scene=scene, certified=1) if results.is_bounded(row) and is_pair_of_meshes(results, row)]
-        label = results.cases.label[rows[0]] if rows else ""
-        by_pose = {int(results.cases.pose_index[row]): row for row in reversed(rows) if results.cases.label[row] == label}
-        if len(by_pose) > 2:
-            found.append([by_pose[pose] for pose in sorted(by_pose)])
-    return found
+def motions(results: Results, rows: list[int]) -> list[list[int]]:
+    """Returns the rows of each motion with at least three poses, of the first certified solver, in the order of the poses."""
+    found: dict[str, dict[int, int]] = {}
+    label: dict[str, str] = {}
+    for row in rows:
+        scene, pose = str(results.cases.scene[row]), int(results.cases.pose_index[row])
+        if results.cases.certified[row] == 1 and label.setdefault(scene, str(results.cases.label[row])) == results.cases.label[row]:
+            found.setdefault(scene, {}).setdefault(pose, row)
+    return [[by_pose[pose] for pose in sorted(by_pose)] for by_pose in found.values() if len(by_pose) > 2]
+
+
+def shape(results: Results, model: str) -> shapes.Mesh:
+    """Loads a mesh. Raises ResultError if it is not in the cache or cannot be shown."""
+    mesh = shapes.mesh(results, model)
+    if not display.can_be_shown(mesh):
+        raise ResultError(f"{results.path}: model '{model}' is too large or too small to be shown")
+    return mesh
 
 
 def _common(results: Results, row: int) -> dict[str, Any]:
@@ -72,14 +78,14 @@ def _common(results: Results, row: int) -> dict[str, Any]:
 def still(results: Results, row: int, meshes: Meshes) -> dict[str, Any]:
     """Describes a row with fields."""
     cases, fields = results.cases, results.fields_of(row)
-    a, b = (shapes.mesh(results, str(name)) for name in (cases.source[row], cases.target[row]))
+    a, b = (shape(results, str(name)) for name in (cases.source[row], cases.target[row]))
     distance = fields[DISTANCE][:len(a.corners)]  # A's own corners come first
     shown = display.simplify(a, distance)
     colours: dict[str, Any] = {DISTANCE: display.quantised(distance[shown.corners])}
     if BOUND in fields and len(fields[BOUND]) == len(a.triangles):
         colours[BOUND] = display.text(fields[BOUND][shown.elements].astype("u1"))
-    return _common(results, row) | {"a": meshes.add((f"{results.stem} {row}", "A"), a, shown), "colours": colours,
-                                    "b": meshes.add((_hash(results, str(cases.target[row])), "B"), b, display.simplify(b)),
+    return _common(results, row) | {"a": meshes.add((f"{results.stem} {row}", "coloured"), a, shown), "colours": colours,
+                                    "b": meshes.add((_hash(results, str(cases.target[row])), "plain"), b, display.simplify(b)),
                                     "poses": [[*cases.pose[row].tolist(), *cases.target_pose[row].tolist()]], "lower": [float(cases.lower[row])],
                                     "upper": [float(cases.upper[row])]}
 
@@ -88,9 +94,9 @@ def moving(results: Results, rows: list[int], meshes: Meshes) -> dict[str, Any]:
     """Describes a motion."""
     cases = results.cases
     rows = rows[::1 + (len(rows) - 1) // MOST_POSES]
-    a, b = (shapes.mesh(results, str(name)) for name in (cases.source[rows[0]], cases.target[rows[0]]))
-    return _common(results, rows[0]) | {"a": meshes.add((_hash(results, str(cases.source[rows[0]])), "B"), a, display.simplify(a)), "colours": {},
-                                        "b": meshes.add((_hash(results, str(cases.target[rows[0]])), "B"), b, display.simplify(b)), "witness": None,
+    a, b = (shape(results, str(name)) for name in (cases.source[rows[0]], cases.target[rows[0]]))
+    return _common(results, rows[0]) | {"a": meshes.add((_hash(results, str(cases.source[rows[0]])), "plain"), a, display.simplify(a)), "colours": {},
+                                        "b": meshes.add((_hash(results, str(cases.target[rows[0]])), "plain"), b, display.simplify(b)), "witness": None,
                                         "poses": [[*cases.pose[row].tolist(), *cases.target_pose[row].tolist()] for row in rows],
                                         "lower": [float(cases.lower[row]) for row in rows], "upper": [float(cases.upper[row]) for row in rows]}
 
@@ -102,16 +108,17 @@ def _hash(results: Results, model: str) -> str:
 def described(results: dict[str, Results]) -> dict[str, Any]:
     """Returns {meshes, scenes} for view.js: at most MOST_SCENES, stills before motions."""
     meshes, scenes = Meshes(), list[dict[str, Any]]()
-    wanted = [(one, row) for one in results.values() for row in with_fields(one)]
-    moved = [(one, rows) for one in results.values() for rows in motions(one)]
+    pairs = [(one, pairs_of_meshes(one)) for one in results.values()]
+    wanted = [(one, row) for one, rows in pairs for row in with_fields(one, rows)]
+    moved = [(one, motion) for one, rows in pairs for motion in motions(one, rows)]
     for one, row in wanted[:MOST_SCENES - min(len(moved), MOST_SCENES // 3)]:
         try:
             scenes.append(still(one, row, meshes))
         except ResultError:
             continue
-    for one, rows in moved[:MOST_SCENES - len(scenes)]:
+    for one, motion in moved[:MOST_SCENES - len(scenes)]:
         try:
-            scenes.append(moving(one, rows, meshes))
+            scenes.append(moving(one, motion, meshes))
         except ResultError:
             continue
     return {"meshes": meshes.packed, "scenes": scenes}

@@ -40,7 +40,6 @@ function geometry(packed, colourOf) {
   }
   made.setAttribute("position", new BufferAttribute(positions, 3));
   if (colourOf) made.setAttribute("color", new BufferAttribute(colours, 3));
-  made.computeVertexNormals();
   return made;
 }
 
@@ -57,8 +56,6 @@ export class View {
     this.renderer = new WebGLRenderer({canvas, antialias: true, alpha: true});
     this.camera = new PerspectiveCamera(35, 1, 0.01, 100);
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.listenToKeyEvents(canvas);
-    this.controls.keys = {LEFT: "ArrowLeft", UP: "ArrowUp", RIGHT: "ArrowRight", BOTTOM: "ArrowDown"};
     this.controls.addEventListener("change", () => this.draw());
     canvas.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -69,7 +66,6 @@ export class View {
     const turn = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
     const offset = this.camera.position.clone().sub(this.controls.target);
     if (turn) {
-      event.stopImmediatePropagation();
       offset.applyAxisAngle(this.camera.up, 0.15 * turn[0]);
       offset.applyAxisAngle(new Vector3().crossVectors(this.camera.up, offset).normalize(), 0.15 * turn[1]);
     } else if (event.key === "+" || event.key === "-") {
@@ -85,6 +81,7 @@ export class View {
 
   show(number, colourBy) {
     const one = this.data.scenes[number];
+    this.root?.traverse((part) => { part.geometry?.dispose(); part.material?.dispose(); });
     this.one = one;
     this.root = new Scene();
     this.root.add(new AmbientLight(0xffffff, 1.6));
@@ -93,7 +90,7 @@ export class View {
     this.root.add(light);
     this.a = new Group();
     this.b = new Group();
-    const a = this.data.meshes[one.a], coloured = this.colours(one, a, colourBy);
+    const a = this.data.meshes[one.a], coloured = this.colours(one, colourBy);
     this.a.add(new Mesh(geometry(a, coloured), new MeshLambertMaterial({vertexColors: Boolean(coloured), color: coloured ? 0xffffff : 0x4f6db8,
       side: DoubleSide, flatShading: true})));
     this.b.add(new Mesh(geometry(this.data.meshes[one.b]), new MeshLambertMaterial({color: 0x999999, transparent: true, opacity: 0.25, side: DoubleSide,
@@ -113,7 +110,7 @@ export class View {
     this.frame(a, this.data.meshes[one.b]);
   }
 
-  colours(one, a, by) {
+  colours(one, by) {
     if (by === "distance" && one.colours.distance) {
       const values = numbers(one.colours.distance, 1), [low] = one.colours.distance.low, [high] = one.colours.distance.high;
       const shades = Array.from(values, (value) => ramp((value - Math.min(low, 0)) / (high - Math.min(low, 0) || 1)));

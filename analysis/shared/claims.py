@@ -9,7 +9,7 @@ Each table of such a file is one claim, with these keys (a stem is the name of a
     quote        the sentence of the paper; our own claims, in hausbench.toml, have no quote and no section
     section      the section of that sentence
     counts       true: the claim is about counted work, not time
-    differs      what is different here from what the claim is about
+    differs      the difference between our setup and the claim's
     why_not      a paragraph on why the claim does not hold. A claim with the verdict 'does not hold' needs one; analysis.report names a claim
                  whose verdict no longer fits
     untested     why no script judges it; such a claim needs neither `stem` nor `judged_as`, and must not get a verdict
@@ -48,7 +48,7 @@ class Entry:
     quote: str
     judged_as: str
     counts: bool  # the ratio is of counted work, not of time
-    differs: str  # what is different here from what the claim is about
+    differs: str  # the difference between our setup and the claim's
     in_general: str = ""  # the text without blanks; empty if `text` has none
     untested: str = ""  # why no script judges the claim
     why_not: str = ""  # why the claim does not hold

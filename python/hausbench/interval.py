@@ -26,7 +26,7 @@ class Interval:
     """A value between `lower` and `upper`, ends included: a distance with the unit of the input, or a share from 0 to 1.
 
     Comparisons never guess: `interval < 0.1` is True if every value inside is below 0.1, False if none is, and raises
-    Undecided otherwise. There is no float(interval): to report one number, report `upper`. Two intervals are
+    Undecided otherwise. float(interval) is an error: to report one number, report `upper`. Two intervals are
     equal (`==`) if both of their ends are equal. Printing rounds outward, so that the printed interval holds; repr() is exact.
     """
 

@@ -21,7 +21,7 @@ HOSTILE = "</script><script>alert(1)</script>&<b>"
 
 
 class Links(HTMLParser):
-    """Collects the addresses that a page refers to, its ids, and the depth of its open elements."""
+    """Collects the addresses that a page refers to, and its ids."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -82,7 +82,7 @@ def test_names_from_results_stay_text(tmp_path: Path) -> None:
 def test_without_results_the_kept_verdicts_are_shown(tmp_path: Path) -> None:
     found, problems = written(tmp_path)
     text = (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
-    assert problems == [] and "There are no results yet" in text and "kept from a longer run" in text
+    assert problems == [] and "No results yet" in text and "kept from a longer run" in text
 
 
 def test_which_solver_to_take(tmp_path: Path) -> None:

@@ -43,6 +43,15 @@ def test_a_mesh_without_extent() -> None:
     assert len(display.simplify(mesh, most=5).triangles) == 0
 
 
+@pytest.mark.parametrize(("size", "shown"), [(1.0, True), (1e29, True), (1e31, False), (1e-31, False), (0.0, False)])
+def test_coordinates_beyond_single_precision_cannot_be_shown(size: float, shown: bool) -> None:
+    assert display.can_be_shown(Mesh(size * sheet(2).corners, sheet(2).triangles)) == shown
+
+
+def test_equal_values_keep_their_end() -> None:
+    assert display.quantised(np.full(3, 2.0)) | {"data": ""} == {"low": [2.0], "high": [2.0], "data": ""}
+
+
 def test_values_come_back_from_16_bits() -> None:
     values = np.array([[0.0, -5.0], [1.0, 7.0], [0.25, 7.0]])
     packed = display.quantised(values)
@@ -61,6 +70,8 @@ def test_scenes_with_fields_and_motions(tmp_path: Path) -> None:
         for solver in ("tang", "guthe"):
             file.case(solver, "moving", [1.0], lower=0.1 * k, upper=0.2, pose_index=k)
     file.case("tang", "two poses", [1.0], lower=0.1, upper=0.2)
+    for k in range(3):
+        file.case("tang", "of the stability suite", [1.0], lower=0.1, upper=0.2, pose_index=k, severity=10.0**k)
     found = scenes.described({"overview": load(file.write(tmp_path))})
     still, moving = found["scenes"]
     assert still["witness"] == [0.0, 0, 0, 1, 0, 0] and still["colours"].keys() == {"distance"} and len(still["poses"]) == 1

@@ -608,7 +608,7 @@ TEST(Library, NoCertificateIsWrittenWithoutAProof) {
     EXPECT_EQ(hausbench_certify(pair_of(a, b, "naive").get(), 0, nullptr, file.c_str(), &answer, &error),
               HAUSBENCH_BAD_INPUT);
     EXPECT_NE(std::string(error.text).find("cover"), std::string::npos) << error.text;
-    // This pose shrinks A. There is no proof, because the checker accepts only rotations and translations.
+    // This pose shrinks A, so it cannot be proven: the checker accepts only rotations and translations.
     const std::array<double, 16> smaller = {0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1};
     hausbench_query query = initial_query();
     query.source_pose = smaller.data();

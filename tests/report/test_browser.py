@@ -102,18 +102,18 @@ def test_filters_change_the_rows_and_the_address(browser: Any, report: Path) -> 
     assert "its budget is spent" in browser.execute_script("return document.getElementById('row').textContent")
 
 
-def test_a_filter_is_fast(browser: Any, report: Path) -> None:
-    """The limit is wide: ten times the time on a slow machine. It catches a filter that walks through all elements."""
+def test_a_filter_makes_one_page_of_rows(browser: Any, report: Path) -> None:
+    """So its time does not grow with the number of elements on the page."""
     opened(browser, report, "rows.html")
-    took = browser.execute_script("""const s = document.forms[0].elements.scene, times = [];
+    made = browser.execute_script("""const s = document.forms[0].elements.scene, counts = [];
         for (const text of ["1", "12", "123", ""]) {
-            const begin = performance.now();
-            s.value = text; s.dispatchEvent(new Event("input", {bubbles: true})); document.body.offsetHeight;
-            times.push(performance.now() - begin);
+            s.value = text; s.dispatchEvent(new Event("input", {bubbles: true}));
+            counts.push(document.querySelectorAll("#rows tbody tr").length);
         }
-        return Math.min(...times);""")
+        return counts;""")
+    assert made == [100] * 4
     shown, every = browser.execute_script("return document.getElementById('shown').textContent").split(" rows")[0].split(" of ")
-    assert shown == every and int(every.replace(",", "")) > ROWS and took < 1000
+    assert shown == every and int(every.replace(",", "")) > ROWS
 
 
 def test_pages_turn(browser: Any, report: Path) -> None:

@@ -7,7 +7,7 @@
 
   function show() {
     const own = rows.filter((row) => row.case === form.elements.case.value), table = document.createElement("table");
-    table.createTHead().insertRow().append(...["measured", "machine", "commit", "ms", "interval, ms"].map((title) => Object.assign(document.createElement("th"), {scope: "col", textContent: title})));
+    window.hausbenchHead(table, ["measured", "machine", "commit", "ms", "interval, ms"]);
     const body = table.createTBody();
     for (const row of own) {
       const cells = body.insertRow(), interval = row.low === null ? "—" : `${text(1e3 * row.low)} to ${text(1e3 * row.high)}`;

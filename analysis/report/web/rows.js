@@ -25,7 +25,7 @@
     for (const [name, values] of Object.entries(options)) {
       for (const one of name === "tolerance" ? values : [...values].sort()) form.elements[name].add(new Option(String(one), String(one)));
     }
-    table.tHead.insertRow().append(...COLUMNS.map(([, title]) => Object.assign(document.createElement("th"), {scope: "col", textContent: title})));
+    window.hausbenchHead(table, COLUMNS.map(([, title]) => title));
   }
 
   function filter() {
@@ -90,9 +90,7 @@
   }
 
   function csv() {
-    const quoted = (cell) => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
-    const lines = [DETAILS.map(([column]) => column), ...chosen.map((row) => DETAILS.map(([column]) => String(value(column, row) ?? "")))];
-    return lines.map((line) => line.map(quoted).join(",")).join("\n") + "\n";
+    return window.hausbenchCsv([DETAILS.map(([column]) => column), ...chosen.map((row) => DETAILS.map(([column]) => String(value(column, row) ?? "")))]);
   }
 
   function read() {

@@ -16,7 +16,7 @@
 
   function show(button) {
     const answers = data[Number(button.dataset.place)], table = document.createElement("table");
-    table.createTHead().insertRow().append(...HEAD.map((title) => Object.assign(document.createElement("th"), {scope: "col", textContent: title})));
+    window.hausbenchHead(table, HEAD);
     const body = table.createTBody();
     for (const [severity, , tolerance, ...rest] of answers) {
       const row = body.insertRow();

@@ -396,7 +396,8 @@ TEST(Distribution, AStopLeavesTheBoundsOfEarlierRounds) {
     EXPECT_LE(gap(), before * (1 + 1e-9));
 }
 
-// Where triangles of A cross, lower bounds may be far below 0. Distances never are, so cutting there would gain nothing.
+// If triangles of A cross, lower bounds may be far below 0. The upper bounds of these pieces are 0 but for rounding, so cutting
+// them would gain nothing.
 TEST(Distribution, CrossingTrianglesOfIdenticalMeshesNeedFewPieces) {
     const TriangleMesh a = mesh_of({{{1.63, 0.27, -1.23}, {-0.96, 1.6, 0.2}, {-1.73, -0.08, -1.16}},
                                     {{-0.63, -0.49, -0.71}, {0.55, -0.06, -0.59}, {0.41, 0.83, -1.64}},
