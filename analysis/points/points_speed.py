@@ -9,12 +9,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 import scipy.stats
 
-from analysis.shared import style, tables
+from analysis.shared import claims, style, tables
 from analysis.shared.comparable import apart, origin
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
 from analysis.shared.results import Results
 from analysis.shared.statistics import NO_DATA, Estimate, median, ratio_by_round, ratio_of_medians
+from analysis.shared.verdicts import Verdict, most_of
 
 OURS = "scan"
 
@@ -48,6 +49,20 @@ def ratio(other: Cell, ours: Cell) -> Estimate:
     own = ours.wall if other.reported else ours.rounds
     paired = ratio_by_round(other.rounds, own)
     return paired if paired.n else ratio_of_medians(list(other.rounds.values()), list(own.values()))
+
+
+def at_least(other: Cell, ours: Cell, limit: float) -> Estimate:
+    """Returns time of `other` / time of `ours`. If the other timed out, its limit is used, which can only show that it is slower."""
+    if other.status != "timeout" or not ours.time.n:
+        return ratio(other, ours)
+    found = ratio_of_medians([limit] * ours.time.n, list(ours.rounds.values()))
+    return found if found.separated and found.low > 1 else NO_DATA
+
+
+def judge(results: Results, cells: dict[tuple[str, str], Cell]) -> Verdict:
+    """Judges the claim that LSS takes less time than EARLYBREAK."""
+    pairs = [(cells[scene, "earlybreak"], cells[scene, "lss"]) for scene in results.scenes if {(scene, "earlybreak"), (scene, "lss")} <= cells.keys()]
+    return most_of(claims.of("hausbench", "lss_outperforms"), [at_least(other, ours, float(results.cases.case_seconds_limit[other.row])) for other, ours in pairs], "workloads")
 
 
 def make(results: Results) -> Report:
@@ -84,6 +99,7 @@ def make(results: Results) -> Report:
                     "prepare_seconds": results.prepare_seconds(cell.row) if not cell.reported else math.nan,
                     "peak_bytes": int(cases.peak_bytes[cell.row]), "lower": float(cases.lower[cell.row]),
                     "upper": float(cases.upper[cell.row]), "best_other_over_ours": speedup.value})
+    table.verdicts = [judge(results, cells)]
     mean, least = float(scipy.stats.gmean(ratios)) if ratios else math.nan, min(ratios, default=math.nan)
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", *[""] * len(labels), tables.number(mean)])

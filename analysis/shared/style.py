@@ -61,6 +61,7 @@ LOOKS: Final[dict[str, Look]] = {
     # point sets
     "naive": Look("NAIVEHDD", "#000000", "s"),
     "earlybreak": Look("EARLYBREAK", "#E69F00", "o"),
+    "lss": Look("LSS", "#44AA99", "d"),
     "inc": Look("INC", "#56B4E9", "v"),
     "nohd": Look("NOHD", "#009E73", "^", DASHED),
     "ohd": Look("OHD", "#0072B2", "D", DASHED),

@@ -363,6 +363,7 @@ TEST(SolverContract, ParametersDoNotChangeWhatHolds) {
         {"earlybreak", {{"shuffle", false}}},
         {"earlybreak", {{"seed", std::int64_t{7}}}},
         {"earlybreak", {{"exclude_common", true}}},
+        {"lss", {{"sort", false}}},
         {"kdtree", {{"samples", std::int64_t{0}}}},
         {"nohd", {{"early_break", false}}},
         {"nohd", {{"depth", std::int64_t{0}}}},

@@ -111,6 +111,18 @@ def test_points_speed_takes_the_best_of_the_others(make: Make) -> None:
     assert float(record["prepare_seconds"]) == 0.001 and float(record["best_other_over_ours"]) == pytest.approx(4.0)
 
 
+@pytest.mark.parametrize("seconds,outcome", [((0.005, 0.005), "it holds (above 1 for 2 of 2 workloads"), ((0.020, 0.005), "it does not hold (above 1 for 1 of 2"),
+                                             ((0.010, 0.005), ": not separated (above 1 for 1 of 2")])
+def test_points_speed_judges_lss_against_earlybreak(make: Make, seconds: tuple[float, float], outcome: str) -> None:
+    """EARLYBREAK takes 10 ms on the first workload and times out on the second."""
+    file = synthetic.points_speed()
+    for scene, own in zip(("overlapping_100K", "noisy_100K"), seconds):
+        file.case("lss", scene, [own] * 9, prepare_seconds=0.0, lower=0.25, upper=0.25, scene_note="clouds")
+    text = make(file)[2]
+    assert f"LSS takes less time than EARLYBREAK on most workloads (from the abstract of Chen et al. 2017). Here{'' if outcome[0] == ':' else ' '}{outcome}" in text
+    assert "2017). Here: not tested" in make(synthetic.points_speed())[2]
+
+
 def test_points_hostile_finds_where_scan_is_slower(make: Make) -> None:
     records, rows, text = make(synthetic.points_hostile())
     assert rows["line 20K"][0][2].startswith("4.00 [") and rows["line 20K"][0][-1] == "32.0"

@@ -103,6 +103,26 @@ TEST(PointSolvers, AgreeToTheBitOnTenThousandScenes) {
         EXPECT_GT(chosen[choice], 500) << "the framework hardly ever chose " << choice;
 }
 
+// Two samples of a curve: the point of B that ended the last scan is near the next point of A. EARLYBREAK looks at random
+// points of B; without an order of the sets, so does LSS.
+TEST(PointSolvers, LocalStartSearchStartsNearTheLastBreak) {
+    Random random(5);
+    constexpr Index count = 4000;
+    Points a(count, 3), b(count, 3);
+    for (Points* points : {&a, &b}) {
+        for (Index i = 0; i < count; ++i) {
+            const double t = 6.283 * random.unit();
+            points->row(i) = Vec3(std::cos(t), std::sin(t), std::sin(3 * t)).transpose();
+        }
+    }
+    const SmallScene small{{PointSet{a}, PointSet{b}}, {}};
+    const std::uint64_t local = answer(find_solver("lss"), small).counters.point_distances,
+                        unsorted = answer(find_solver("lss"), small, {{"sort", false}}).counters.point_distances,
+                        early = answer(find_solver("earlybreak"), small).counters.point_distances;
+    EXPECT_LT(10 * local, early);
+    EXPECT_LT(10 * local, unsorted);
+}
+
 // The point of B at 0.75 prevents the session from enlarging the scene, so the other squared distance underflows.
 TEST(PointSolvers, BoundsHoldWhereSquaresUnderflow) {
     for (const double apart : {1e-200, 0x1p-537 * 0.75, 0x1p-537 * 1.25, 0x1p-537 * 1.2, 0x1p-530 * 1.1, 1e-100}) {
