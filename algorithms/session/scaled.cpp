@@ -160,6 +160,14 @@ bool scale_back(Result& result, Trace& trace, int exponent, double wider) {
     return point_rounded;
 }
 
+// Sets the witness point of a point set to the point of the input, moved by `pose`. Scaling may have rounded the point
+// by which the solver found it; the bounds allow for that (`wider` in Scaled::answer).
+void restore_point(const PreparedShape& shape, const Pose& pose, Index element, Vec3& point) {
+    if (shape.exponent() == 0 || kind_of(shape.shape()) != ShapeKind::points) return;
+    const Points& points = shape.original();
+    if (element >= 0 && element < points.rows()) point = posed(points.middleRows(element, 1), pose).row(0);
+}
+
 }  // namespace
 
 PreparedPair prepare_pair(const SolverInfo& info, Shape source, Shape target) {
@@ -261,6 +269,8 @@ Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Quer
     Result result = solver.solve(scaled(query, exponent), state, trace);
     const double wider = widening(*pair.source, query.source_pose) + widening(*pair.target, query.target_pose);
     const bool witness_rounded = scale_back(result, trace, exponent, wider);
+    restore_point(*pair.source, query.source_pose, result.witness.source_element, result.witness.source_point);
+    restore_point(*pair.target, query.target_pose, result.witness.target_element, result.witness.target_point);
     if (query.quantity == Quantity::distribution) {
         scale_statistics_back(query, result, exponent, wider, witness_rounded);
         if (result.status == Status::converged && !query.within_tolerance(result.statistics))
