@@ -56,7 +56,9 @@ public:
     }
 
     Result solve(const Query& query, State* state, Trace& trace) const final {
-        const Points points = posed(source_->vertices, query.source_pose);
+        const bool moved = !query.source_pose.is_identity();
+        const Points after = moved ? posed(source_->vertices, query.source_pose) : Points();
+        const Points& points = moved ? after : source_->vertices;
         const double most = std::max(magnitude(points), magnitude(target_->vertices));
         // Outside this range the rounding errors are not bounded, so the result is `stalled`, with the bounds 0 and
         // infinity.

@@ -1,3 +1,4 @@
+#include "algorithms/kernel/pages.h"
 #include "algorithms/structures/tree_builder.h"
 
 #include <algorithm>
@@ -54,7 +55,8 @@ struct Binning {
 // until there are eight parts or none can be cut.
 class BvhSplit {
 public:
-    explicit BvhSplit(Builder& builder) : builder_(builder), scratch_(builder.elements.size()) {}
+    explicit BvhSplit(Builder& builder)
+        : builder_(builder), scratch_(filled<std::vector<FloatBox>>(builder.elements.size())) {}
 
     int operator()(const Range& whole, int depth, std::array<Range, tree_width>& parts) {
         if (depth >= most_levels_by_area) return split_evenly(builder_, whole, parts);

@@ -1,5 +1,6 @@
 #include "algorithms/structures/tree_builder.h"
 
+#include "algorithms/kernel/pages.h"
 #include "algorithms/kernel/triangle.h"
 
 #include <algorithm>
@@ -28,19 +29,19 @@ Builder::Builder(const TriangleMesh& over) : mesh(over) {
     Box box;
     for (Eigen::Index i = 0; i < mesh.vertices.rows(); ++i) box.add(Vec3(mesh.vertices.row(i)));
     const LocalFrame frame = LocalFrame::of(box);
-    std::vector<FloatBox> points(static_cast<std::size_t>(mesh.vertices.rows()));
+    auto points = filled<std::vector<FloatBox>>(static_cast<std::size_t>(mesh.vertices.rows()));
     for (Index i = 0; i < mesh.vertices.rows(); ++i) {
         FloatBox& point = points[static_cast<std::size_t>(i)];
         point.low = point.high = frame.local(mesh.vertices.row(i));
     }
     const auto count = static_cast<Index>(mesh.triangles.rows());
-    elements.reserve(static_cast<std::size_t>(count));
+    reserve_touched(elements, static_cast<std::size_t>(count));
     for (Index i = 0; i < count; ++i) {
         FloatBox& element = elements.emplace_back();
         for (const Index corner : mesh.triangles.row(i)) element.add(points[static_cast<std::size_t>(corner)].low);
     }
     for (std::size_t i = 0; i < elements.size(); ++i) set_number(elements[i], static_cast<Index>(i));
-    tree.order.reserve(elements.size());
+    reserve_touched(tree.order, elements.size());
     tree.leaf_begin.push_back(0);
 }
 

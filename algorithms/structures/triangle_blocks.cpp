@@ -1,6 +1,7 @@
 #include "algorithms/structures/triangle_blocks.h"
 
 #include "algorithms/kernel/morton.h"
+#include "algorithms/kernel/pages.h"
 
 #include <algorithm>
 #include <bit>
@@ -35,6 +36,7 @@ void LocalUnits::set(const Box& box, double least) {
 TriangleOrder::TriangleOrder(const TriangleMesh& mesh, const Threads& threads) {
     const auto count = static_cast<std::size_t>(mesh.triangles.rows());
     Points centres(mesh.triangles.rows(), 3);
+    touch_pages(centres.data(), static_cast<std::size_t>(centres.size()) * sizeof(double));
     std::vector<Box> boxes(blocks_of(count, least_of_block));
     threads.for_each(boxes.size(), [&](std::size_t block) {
         const Part mine = part(count, block, boxes.size());
@@ -127,7 +129,7 @@ Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::
 // Cuts the triangles along the Hilbert curve into runs of sixteen. A run of triangles with very different scales is cut
 // further by cut_of(). This adds at most 4 + n / 256 runs, so the number of leaves stays near n / 16.
 std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& order, const Threads& threads) {
-    std::vector<Sixteen> all((order.size() + frames_width - 1) / frames_width);
+    auto all = filled<std::vector<Sixteen>>((order.size() + frames_width - 1) / frames_width);
     const std::size_t blocks = blocks_of(all.size(), least_of_block / frames_width);
     threads.for_each(blocks, [&](std::size_t block) {
         const Part mine = part(all.size(), block, blocks);
@@ -136,7 +138,7 @@ std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& ord
     });
     std::vector<Run> runs;
     std::size_t spare = 4 + order.size() / (frames_width * frames_width);
-    runs.reserve(all.size() + spare);
+    reserve_touched(runs, all.size() + spare);
     for (std::size_t n = 0; n < all.size(); ++n) {
         const std::size_t begin = n * frames_width, end = std::min(begin + frames_width, order.size());
         std::size_t at = begin;
@@ -174,8 +176,9 @@ TriangleBlocks::TriangleBlocks(const TriangleMesh& mesh, const Threads& threads)
     const std::vector<Index> order = without_copies(mesh, TriangleOrder(mesh, threads).order);
     const double least_unit = std::max(mesh.vertices.cwiseAbs().maxCoeff() * least_unit_of_magnitude, 0x1p-900);
     const std::vector<Run> runs = runs_of(mesh, order, threads);
-    leaves_.resize(runs.size());
-    std::vector<Box> boxes(runs.size()), below;
+    leaves_ = filled<std::vector<TriangleFramesLeaf>>(runs.size());
+    auto boxes = filled<std::vector<Box>>(runs.size());
+    std::vector<Box> below;
     const std::size_t blocks = blocks_of(runs.size(), least_of_block / frames_width);
     threads.for_each(blocks, [&](std::size_t block) {
         const Part mine = part(runs.size(), block, blocks);
@@ -184,6 +187,12 @@ TriangleBlocks::TriangleBlocks(const TriangleMesh& mesh, const Threads& threads)
             boxes[i] = runs[i].box;
         }
     });
+    std::size_t nodes = 0, level = runs.size();
+    do {
+        level = (level + frames_width - 1) / frames_width;
+        nodes += level;
+    } while (level > 1);
+    reserve_touched(nodes_, nodes);
     do {
         below.swap(boxes);
         add_level(below, boxes, least_unit);
