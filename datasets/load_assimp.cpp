@@ -2,16 +2,53 @@
 #include "datasets/parse.h"
 #include "datasets/readers.h"
 
-#include <assimp/Importer.hpp>
+#include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <assimp/version.h>
+#include <fmt/format.h>
+
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <stdexcept>
 
 namespace hausbench::readers {
 namespace {
+
+// The functions of assimp. The library is loaded when they are first needed: few files need it, and loading it takes
+// longer than everything else that the program does before its first line.
+class Library {
+public:
+    static const Library& get() {
+        static const Library loaded;
+        return loaded;
+    }
+
+    void* const library = ::dlopen(HAUSBENCH_ASSIMP, RTLD_NOW | RTLD_LOCAL);  // never closed
+    decltype(&aiImportFile) import_file = find<decltype(&aiImportFile)>("aiImportFile");
+    decltype(&aiImportFileFromMemory) import_memory = find<decltype(&aiImportFileFromMemory)>("aiImportFileFromMemory");
+    decltype(&aiApplyPostProcessing) process = find<decltype(&aiApplyPostProcessing)>("aiApplyPostProcessing");
+    decltype(&aiReleaseImport) release = find<decltype(&aiReleaseImport)>("aiReleaseImport");
+    decltype(&aiGetErrorString) error = find<decltype(&aiGetErrorString)>("aiGetErrorString");
+    decltype(&aiGetVersionMajor) major = find<decltype(&aiGetVersionMajor)>("aiGetVersionMajor");
+    decltype(&aiGetVersionMinor) minor = find<decltype(&aiGetVersionMinor)>("aiGetVersionMinor");
+    decltype(&aiGetVersionPatch) patch = find<decltype(&aiGetVersionPatch)>("aiGetVersionPatch");
+
+private:
+    Library() = default;
+
+    template <class Function> Function find(const char* name) const {
+        void* const found = library ? ::dlsym(library, name) : nullptr;
+        if (!found) throw std::runtime_error(fmt::format("assimp cannot be loaded: {}: install it again", ::dlerror()));
+        return reinterpret_cast<Function>(found);
+    }
+};
+
+using Scene = std::unique_ptr<const aiScene, decltype(&aiReleaseImport)>;
 
 // assimp 5.2.5 either rejects UTF-16 text (AC, Collada, Irrlicht), or reads every number in it as 0 (ASE).
 void refuse_utf16(const std::filesystem::path& file) {
@@ -36,15 +73,15 @@ void count(const aiScene& scene, const aiNode& node, Tally& tally) {
     for (unsigned i = 0; i < node.mNumChildren; ++i) count(scene, *node.mChildren[i], tally);
 }
 
-// Returns null if assimp cannot read the file; the importer then has the reason. `extension` is the extension of the
+// Returns null if assimp cannot read the file; its error() then has the reason. `extension` is the extension of the
 // file, and `format` the extension that assimp should assume instead, if it is not empty.
-const aiScene* read_scene(Assimp::Importer& importer, const std::filesystem::path& file, const std::string& extension,
+const aiScene* read_scene(const Library& assimp, const std::filesystem::path& file, const std::string& extension,
                           const std::string& format) {
     if (format.empty() || format == extension)
-        return importer.ReadFile(file.string(), 0);  // by its path, because the file may refer to others beside it
+        return assimp.import_file(file.c_str(), 0);  // by its path, because the file may refer to others beside it
     std::ifstream in(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    return importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str());
+    return assimp.import_memory(bytes.data(), unsigned(bytes.size()), 0, format.c_str());
 }
 
 Soup soup_of(const aiScene& scene) {
@@ -70,17 +107,17 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     refuse_utf16(file);
     std::string extension = file.extension().string();
     if (!extension.empty()) extension.erase(0, 1);
-    Assimp::Importer importer;
-    const aiScene* scene = read_scene(importer, file, extension, format);
+    const Library& assimp = Library::get();
+    Scene scene(read_scene(assimp, file, extension, format), assimp.release);
     Tally tally;
     if (scene && scene->mRootNode) {
         count(*scene, *scene->mRootNode, tally);
         // Gives each node its own copies of its meshes, and applies the node's transformation to their vertices.
         if (tally.meshes > 0)
-            scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
+            scene.reset(assimp.process(scene.release(), aiProcess_Triangulate | aiProcess_PreTransformVertices));
     }
     if (!scene) {
-        std::string why = importer.GetErrorString();
+        std::string why = assimp.error();
         std::replace(why.begin(), why.end(), '\n', ' ');
         throw InputError(name + ": cannot be read: " + (why.empty() ? "assimp gives no reason" : why) +
                          "; if it is sound, convert it to OBJ, PLY, STL or OFF");
@@ -95,6 +132,11 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     report.unreferenced = std::nullopt;
     report.polygons = tally.polygons;
     return finish(name, std::move(soup), report, true);
+}
+
+std::string assimp_version() {
+    const Library& assimp = Library::get();
+    return fmt::format("{}.{}.{}", assimp.major(), assimp.minor(), assimp.patch());
 }
 
 }  // namespace hausbench::readers

@@ -48,6 +48,9 @@ std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& cor
 // empty: the extension counts.
 LoadedShape load_with_assimp(const std::filesystem::path& file, const std::string& format);
 
+// Returns the version of assimp, as in 5.2.5.
+std::string assimp_version();
+
 // Reads a file that none of the functions above reads: a surface if `format` is "surface", else through assimp. The
 // program defines it in load_foreign.cpp. The C library has a definition of its own, which refuses every file, because
 // it links neither assimp nor a reader of TOML.

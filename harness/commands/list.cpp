@@ -314,8 +314,9 @@ std::string screen(const json& all, const Paper& paper) {
     return text;
 }
 
-// Lists everything. Outside a project, lists the experiments and models that were installed with the program.
-json list_as_json() {
+// Lists everything. Outside a project, lists the experiments and models that were installed with the program. Reading
+// all experiments takes long: unless all are wanted, those other than `experiment` have only their name.
+json list_as_json(bool all_experiments, const std::string& experiment = "") {
     json out = {{"solvers", json::array()},
                 {"not_built", json::array()},
                 {"experiments", json::array()},
@@ -324,8 +325,11 @@ json list_as_json() {
     for (const SolverEntry& entry : solvers()) out["solvers"].push_back(solver_json(entry.info));
     for (const NotBuilt& absent : solvers_not_built())
         out["not_built"].push_back({{"name", absent.name}, {"reason", absent.reason}});
-    for (const auto& file : experiment_files(experiments_folder()))
-        out["experiments"].push_back(experiment_or_error(file));
+    for (const auto& file : experiment_files(experiments_folder())) {
+        const std::string stem = file.stem().string();
+        out["experiments"].push_back(all_experiments || stem == experiment ? experiment_or_error(file)
+                                                                           : json{{"stem", stem}});
+    }
     if (manifest_file().empty()) return out;
     Catalogue catalogue(manifest_file(), cache_folder(), program_path());
     for (const ModelInfo& m : catalogue.models()) out[m.of_corpus ? "corpus" : "models"].push_back(model_json(m));
@@ -335,7 +339,7 @@ json list_as_json() {
 // Lists a group, such as "models", or describes the solver, experiment or model named `what`. If `what` is empty, lists
 // the solvers. Throws InputError for an unknown name.
 std::string list_as_text(const std::string& what, const Paper& paper) {
-    const json all = list_as_json();
+    const json all = list_as_json(what == "experiments", what);
     if (what.empty()) return screen(all, paper);
     if (what == "solvers") return solvers_text(all, paper);
     if (what == "experiments") return experiments_text(all, paper);
@@ -386,7 +390,7 @@ void add_list(CLI::App& app, int&) {
         else if (what == "keys")
             print(as_json ? keys_json().dump(1) + "\n" : keys_text(paper_of_output()));
         else
-            print(as_json ? list_as_json().dump(2) + "\n" : list_as_text(what, paper_of_output()));
+            print(as_json ? list_as_json(true).dump(2) + "\n" : list_as_text(what, paper_of_output()));
     });
 }
 

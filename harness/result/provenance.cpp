@@ -6,11 +6,11 @@
 #include "build_info.h"
 #include "datasets/hash.h"
 #include "datasets/paths.h"
+#include "datasets/readers.h"
 
 #include <CGAL/version.h>
 #include <Eigen/Core>
 #include <H5public.h>
-#include <assimp/version.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -74,7 +74,7 @@ Build read_build() {
     libraries["CGAL"] = CGAL_VERSION_STR;
     libraries["Eigen"] = fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
     libraries["HDF5"] = fmt::format("{}.{}.{}", hdf5[0], hdf5[1], hdf5[2]);
-    libraries["assimp"] = fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
+    libraries["assimp"] = readers::assimp_version();
     build.libraries = libraries.dump();
     // The commit is in a separate file, so that a commit that changes no code keeps the build's id. The file is beside
     // the program or, in an installation, with the data.
