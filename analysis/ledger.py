@@ -38,6 +38,7 @@ CAPTION: Final = ("Time in solvers of each experiment, s, and the time saved by 
                   "its ledger; an entry whose saving was not measured adds nothing.")
 LEAST: Final = 1.0  # seconds: shorter bars are not drawn
 COSTS: Final = ("reference",)  # kinds that cost time (their saving is negative), which is added to Stem.run
+NOT_LEFT_OUT: Final = (*COSTS, "prepared_again")  # kinds that say why work was done
 EVERYTHING: Final = ".everything.h5"
 
 
@@ -50,6 +51,11 @@ class Stem:
     saved: dict[str, float] = field(default_factory=lambda: defaultdict(float))  # seconds, by key of KINDS
     reasons: dict[str, Counter[str]] = field(default_factory=dict)
     proof: str = ""
+
+    @property
+    def left_out(self) -> int:
+        """The number of entries about work that was left out."""
+        return sum(count for key, count in self.entries.items() if key not in NOT_LEFT_OUT)
 
     @property
     def seconds_saved(self) -> float:
@@ -151,7 +157,7 @@ def _most(reasons: Counter[str]) -> str:
 
 
 def line(stems: Sequence[Stem]) -> str:
-    entries, saved, run = (sum(values) for values in zip(*((sum(stem.entries.values()), stem.seconds_saved, stem.run) for stem in stems)))
+    entries, saved, run = (sum(values) for values in zip(*((stem.left_out, stem.seconds_saved, stem.run) for stem in stems)))
     return f"left out: {entries:,} entries in the ledgers of {len(stems)} results, {saved:,.0f} s saved, {run:,.0f} s spent in solvers"
 
 
@@ -167,7 +173,7 @@ def draw(stems: Sequence[Stem]) -> Any:
             continue
         ax.barh(places, saved, left=left, color=colour, hatch=hatch, height=0.7, edgecolor="white", linewidth=0.3, label=f"saved: {title}")
         left = left + saved
-    ax.set_yticks(places, [f"{stem.name} ({sum(stem.entries.values()):,})" for stem in stems], fontsize=6)
+    ax.set_yticks(places, [f"{stem.name} ({stem.left_out:,})" for stem in stems], fontsize=6)
     left_out = f"; {short} experiments of less than {LEAST:g} s are not shown" if short else ""
     ax.set(xlabel=f"s in solvers, and s saved (in brackets: entries in the ledger){left_out}", ylim=(len(stems) - 0.4, -0.6))
     ax.tick_params(axis="y", length=0)

@@ -159,16 +159,20 @@ def make(results: Results) -> Report:
                      "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "cgal_over_it": x.value,
                      "cgal_over_it_low": x.low, "cgal_over_it_high": x.high, "h_of_diagonal": h}
                     for (solver, label), cell, x in zip(labels, own, ratios) if cell]
-    pairs = {label: [(cells[scene, PEER], cells[scene, label]) for scene in scenes
-                     if not identical(results, scene) and {(scene, PEER), (scene, label)} <= cells.keys()]
+    pairs = {label: {scene: (cells[scene, PEER], cells[scene, label]) for scene in scenes
+                     if not identical(results, scene) and {(scene, PEER), (scene, label)} <= cells.keys()}
              for _, label in labels if label != PEER}
-    answered = {label: [pair for pair in known if comparable(pair)] for label, known in pairs.items()}
+    answered = {label: {scene: pair for scene, pair in known.items() if comparable(pair)} for label, known in pairs.items()}
+    shared = [scene for scene in scenes if all(scene in known for known in answered.values())]
     table.rules.add(len(table.rows))
     table.rows.append(["geometric mean", "", "", "times",
-                       *[tables.estimate(mean_ratio(answered[label])) if label in answered else "" for _, label in labels]])
+                       *[tables.estimate(mean_ratio(list(answered[label].values()))) if label in answered else "" for _, label in labels]])
+    if shared and any(len(known) > len(shared) for known in answered.values()):
+        table.rows.append([f"over the {len(shared)} pairs that all answered", "", "", "times",
+                           *[tables.estimate(mean_ratio([answered[label][scene] for scene in shared])) if label in answered else "" for _, label in labels]])
     counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
-    table.verdicts = [*[judge(label, pairs[label]) for label in AIMS if label in pairs],
-                      *[judge_each(label, pairs[label]) for label in EVERYWHERE if label in pairs]]
+    table.verdicts = [*[judge(label, list(pairs[label].values())) for label in AIMS if label in pairs],
+                      *[judge_each(label, list(pairs[label].values())) for label in EVERYWHERE if label in pairs]]
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, without identical shapes. If CGAL did not end, its limit of "
         f"{tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, for these pairs: it shows how "

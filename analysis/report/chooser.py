@@ -12,8 +12,10 @@ import scipy.stats
 from analysis import which_solver
 from analysis.shared import tables
 from analysis.shared.results import Results
+from analysis.shared.statistics import CONFIDENCE
 from analysis.which_solver import DOMAINS, FINEST, Cell
 
+STEMS: Final = (*which_solver.STEMS, "sacht2024_table2", "zhang2017_table3")
 NEAR, APART, SAME = "nearer than 1 % of A's diagonal", "1 % of A's diagonal or more", "the same shape"
 REGIMES: Final = (SAME, NEAR, APART)
 SIZES: Final = ((10_000, "under 10K"), (100_000, "10K to 100K"), (float("inf"), "100K or more"))
@@ -28,18 +30,36 @@ class Best:
     wins: int
     scenes: int
     ratio: float  # time of the next best / its time: geometric mean over its wins; NaN: it ran alone, or is not ahead of all others
+    least: float  # of these ratios
+    most: float
     separated: int  # the number of its wins that are separated from all others
+    rounds_suffice: bool  # some win has enough rounds to be separated
     names: Sequence[str]
 
     @property
     def text(self) -> str:
         return f"{self.solver} {tables.number(self.ratio, 2)}×" if self.ratio == self.ratio else self.solver
 
+    @property
+    def range(self) -> str:
+        """The least and the greatest ratio, '1.2× to 4.0×'; empty if they are one."""
+        least, most = tables.number(self.least, 2), tables.number(self.most, 2)
+        return "" if least == most else f"{least}× to {most}×"
+
+    @property
+    def doubt(self) -> str:
+        """Says that no win is separated, and whether more rounds could help; empty if one is."""
+        if self.separated or self.ratio != self.ratio:
+            return ""
+        return "not separated" if self.rounds_suffice else "too few rounds to tell"
+
 
 @dataclass(frozen=True)
 class Matrix:
     tolerances: Sequence[str]
     rows: Sequence[tuple[str, str, str, Sequence[Best | None]]]  # kind, distance, size, and a cell for each tolerance
+    stems: Sequence[str]  # the experiments that were used
+    rounds: tuple[int, int]  # the fewest and the most rounds of a comparison
 
 
 def regime(results: Results, scene: str) -> str:
@@ -58,21 +78,24 @@ def size(results: Results, scene: str) -> str:
 def best(cells: Sequence[Cell]) -> Best:
     title, wins = Counter(one.title for one in cells).most_common(1)[0]
     own = [one for one in cells if one.title == title]
-    ratios = [one.ratio.value for one in own if one.ratio is not None and one.ratio.n]
-    mean = float(scipy.stats.gmean(ratios)) if ratios else float("nan")
-    return Best(title, wins, len(cells), mean, sum(one.separated for one in own), [f"{one.stem}: {one.scene}" for one in cells])
+    known = [one.ratio for one in own if one.ratio is not None and one.ratio.n]
+    ratios = [one.value for one in known] or [float("nan")]
+    return Best(title, wins, len(cells), float(scipy.stats.gmean(ratios)), min(ratios), max(ratios), sum(one.separated for one in own),
+                any(one.coverage >= CONFIDENCE for one in known), [f"{one.stem}: {one.scene}" for one in cells])
 
 
 def matrix(results: dict[str, Results]) -> Matrix:
     """Groups the cells of analysis.which_solver; a group that no experiment measured is missing."""
     groups: dict[tuple[str, str, str, float], list[Cell]] = {}
-    for stem in which_solver.STEMS:
+    for stem in STEMS:
         if stem in results:
             for one in which_solver.cells_of(results[stem]):
                 key = (one.domain, regime(results[stem], one.scene), size(results[stem], one.scene), one.tolerance)
                 groups.setdefault(key, []).append(one)
+    cells = [one for own in groups.values() for one in own]
+    rounds = [one.ratio.n for one in cells if one.ratio is not None and one.ratio.n] or [0]
     tolerances = sorted({key[3] for key in groups}, reverse=True)
     wanted = [(domain, near, name) for domain in DOMAINS for near in REGIMES for _, name in SIZES]
     rows = [(DOMAINS[domain], near, name, [best(groups[domain, near, name, x]) if (domain, near, name, x) in groups else None for x in tolerances])
             for domain, near, name in wanted if any((domain, near, name, x) in groups for x in tolerances)]
-    return Matrix(["finest" if x == FINEST else f"{x:g}" for x in tolerances], rows)
+    return Matrix(["finest" if x == FINEST else f"{x:g}" for x in tolerances], rows, list(dict.fromkeys(one.stem for one in cells)), (min(rounds), max(rounds)))

@@ -71,6 +71,11 @@ class Paper:
         """The verdicts that say a claim does not hold."""
         return [line for line in self.lines if line.against]
 
+    @property
+    def holding(self) -> list[Shown]:
+        """The verdicts that say a claim holds, or is not refuted."""
+        return [line for line in self.lines if line.verdict.words in (HOLDS, NOT_REFUTED)]
+
     def count(self, css: str) -> int:
         """The number of verdicts of one class: holds, fails, open or untested."""
         return sum(line.verdict.css == css for line in self.lines)

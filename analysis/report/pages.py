@@ -73,6 +73,10 @@ class Experiment:
         return ledger.seconds_run(self.run) if self.run else float("nan")
 
     @property
+    def profiles(self) -> str:
+        return ", ".join(dict.fromkeys(map(str, self.run.cases.profile))) if self.run else ""
+
+    @property
     def there(self) -> bool:
         return bool(self.table or self.figures)
 
@@ -130,6 +134,8 @@ def seconds_text(seconds: float) -> str:
     """Returns '12 s', '3 min' or '2.5 h'; an empty string for NaN."""
     if seconds != seconds:
         return ""
+    if seconds < 0.5:
+        return "less than 1 s"
     return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
 
 
@@ -169,7 +175,7 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
     for name in common["papers"]:
         page(name, "paper.html.j2", name=name, experiments=pages_of[name], claims=verdicts[name], sketches=paper_page.SKETCHES.get(name, ()))
     page("experiments", "experiments.html.j2", experiments=[one for one in pages_of[claims.OWN] if one.there], claims=verdicts[claims.OWN])
-    page("rows", "rows.html.j2", rows=rows, plots=plots)
+    page("rows", "rows.html.j2", rows=rows, plots=plots, statuses=all_rows.STATUSES)
     shown = scenes.described(results)
     page("scenes", "scenes.html.j2", count=len(shown["scenes"]), view=(LIBRARIES / "view.js").exists())
     kinds, answers = matrix.described(results)

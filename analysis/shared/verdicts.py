@@ -185,7 +185,7 @@ def all_of(claim: str, unlike: int, seen: int, total: int, what: str) -> Verdict
     if not seen:
         return Verdict(claim, UNTESTED, f"no {what}")
     outcome = FAILS if unlike else HOLDS if seen >= total else OPEN
-    return Verdict(claim, outcome, f"not so for {unlike} of {seen} {what}" + (f" out of {total}" if seen < total else ""))
+    return Verdict(claim, outcome, f"so for {seen - unlike} of {seen} {what}" + (f" out of {total}" if seen < total else ""))
 
 
 def rising(claim: str, x: Sequence[float], y: Sequence[float]) -> Verdict:

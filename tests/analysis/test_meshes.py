@@ -94,6 +94,16 @@ def test_peers_claim_is_open_where_the_solver_alone_has_no_answer(make: Make) ->
     assert "Here: not separated" in line and "no answer on 1 that CGAL answered" in line and "over 2 pairs" in line
 
 
+def test_peers_means_over_the_same_pairs(make: Make) -> None:
+    """Sacht has no answer on one pair, so its mean is over fewer pairs than Zheng's: a row compares them on the pairs of both."""
+    file = peers()
+    assert not any(name.startswith("over the") for name in make(file)[1])
+    file.cases[0] |= {"status": "timeout"}
+    rows = make(file)[1]
+    own, shared = rows["geometric mean"][0], rows["over the 2 pairs that all answered"][0]
+    assert shared[4] == own[4] and shared[3] != own[3]
+
+
 @pytest.mark.parametrize("of", ["zheng", "cgal"])
 def test_peers_a_round_that_was_not_run_is_no_timeout(make: Make, of: str) -> None:
     """One solver has only 6 of 14 rounds. The missing rounds must not count as timeouts."""

@@ -12,9 +12,11 @@ import pytest
 
 from analysis import paper_page
 from analysis.report import all_rows, chooser, outcomes, pages
-from analysis.shared import claims
+from analysis.shared import claims, style
 from analysis.shared.load import REFERENCE, load
+from analysis.shared.statistics import ratio_by_round
 from analysis.shared.verdicts import FAILS, HOLDS, OPEN, Verdict
+from analysis.which_solver import Cell
 from synthetic import ResultFile, zhang2017_table3
 
 HOSTILE = "</script><script>alert(1)</script>&<b>"
@@ -92,6 +94,18 @@ def test_which_solver_to_take(tmp_path: Path) -> None:
     assert (kind, distance, size) == ("Meshes", chooser.APART, "10K to 100K") and best is not None
     assert (best.solver, best.wins, best.scenes, best.separated) == ("cover", 1, 1, 1) and best.ratio == pytest.approx(2.0, rel=0.05)
     assert chooser.matrix({}).rows == []
+
+
+def test_every_status_is_explained() -> None:
+    assert set(all_rows.STATUSES) == {"ok", *style.STATUS_WORDS}
+
+
+@pytest.mark.parametrize("rounds,doubt", [(7, ""), (2, "too few rounds to tell")])
+def test_a_win_without_enough_rounds_says_so(rounds: int, doubt: str) -> None:
+    wins = [Cell("mesh", "mesh_peers", f"scene {k}", "", 1e-6, "cover", "cover", 1, ratio, ratio.separated)
+            for k, ratio in enumerate((ratio_by_round(dict.fromkeys(range(rounds), slow), dict.fromkeys(range(rounds), 1.0)) for slow in (2.0, 8.0)))]
+    best = chooser.best(wins)
+    assert (best.text, best.range, best.doubt) == ("cover 4.0×", "2.0× to 8.0×", doubt)
 
 
 def test_rows_keep_the_digits_of_bounds(tmp_path: Path) -> None:

@@ -189,11 +189,11 @@ def test_section52_finds_each_failure(make: Make, wrong: dict[str, object], foun
     assert cells[header.index("Sacht 2024")] == found and cells[header.index("Zheng 2022")] == "precision floor, gap 1.0e-7"
     assert cells[header.index("CGAL")] == "no bounds (timeout)" and cells[0].startswith("the vertex counts towards l")
     # cgal is not certified, so its row does not count.
-    outcome = " it holds (not so for 0 of 2 rows)" if not wrong else " it does not hold (not so for 1 of 2 rows)"
+    outcome = " it holds (so for 2 of 2 rows)" if not wrong else " it does not hold (so for 1 of 2 rows)"
     assert claim(text, "unreferenced vertex: the bounds").startswith(outcome)
     assert claim(text, "Sacht ends at 1e-5 and not at 1e-8") == " it holds (1e-05: ok, 1e-08: budget spent)."
     for part, rows_of_sacht in (("Sacht's bounds hold", 3), ("that no triangle uses, Sacht", 1)):
-        assert claim(text, part).startswith(f" it holds (not so for 0 of {rows_of_sacht} rows)" if not wrong else f" it does not hold (not so for 1 of {rows_of_sacht} rows)")
+        assert claim(text, part).startswith(f" it holds (so for {rows_of_sacht} of {rows_of_sacht} rows)" if not wrong else f" it does not hold (so for {rows_of_sacht - 1} of {rows_of_sacht} rows)")
 
 
 def test_section52_without_rows_of_sacht(make: Make) -> None:
@@ -239,16 +239,16 @@ def test_a_mesh_is_closed_or_open_and_a_manifold_or_not() -> None:
     assert soup.closed and soup.manifold
 
 
-@pytest.mark.parametrize("last,used,least", [((0, 1, 2, 2, 3, 3, 4, 4), "it holds (not so for 0 of 5", "it holds (not so for 0 of 3"),
-                                             ((0, 2, 2, 3, 3, 4, 4), "it does not hold (not so for 1 of 5", "it holds (not so for 0 of 3"),
-                                             ((0, 0, 1, 2, 3, 3, 3, 4), "it holds (not so for 0 of 5", "it does not hold (not so for 2 of 3")])
+@pytest.mark.parametrize("last,used,least", [((0, 1, 2, 2, 3, 3, 4, 4), "it holds (so for 5 of 5", "it holds (so for 3 of 3"),
+                                             ((0, 2, 2, 3, 3, 4, 4), "it does not hold (so for 4 of 5", "it holds (so for 3 of 3"),
+                                             ((0, 0, 1, 2, 3, 3, 3, 4), "it holds (so for 5 of 5", "it does not hold (so for 1 of 3")])
 def test_fig11_counts_the_last_bounds(last: tuple[int, ...], used: str, least: str) -> None:
     shown = sacht2024_fig11.Shown("wuson", 0, np.array(last), np.empty(0))
     lines = [verdict.line() for verdict in sacht2024_fig11.verdicts([shown])]
     assert used in lines[0] and least in lines[1]
 
 
-@pytest.mark.parametrize("last,outcome", [((0, 1, 2, 2, 3, 3, 4), "it holds (not so for 0 of 2"), ((0, 1, 2, 3, 3, 4), "it does not hold (not so for 1 of 2"), ((4, 4, 2, 3), "it does not hold (not so for 2 of 2")])
+@pytest.mark.parametrize("last,outcome", [((0, 1, 2, 2, 3, 3, 4), "it holds (so for 2 of 2"), ((0, 1, 2, 3, 3, 4), "it does not hold (so for 1 of 2"), ((4, 4, 2, 3), "it does not hold (so for 0 of 2")])
 def test_fig11_looks_at_u2_and_u3(last: tuple[int, ...], outcome: str) -> None:
     assert outcome in sacht2024_fig11.verdicts([sacht2024_fig11.Shown("wuson", 0, np.array(last), np.empty(0))])[2].line()
 

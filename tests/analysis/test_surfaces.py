@@ -100,7 +100,7 @@ def test_gallery_names_what_does_not_hold(tmp_path: Path) -> None:
     held = {r["solver"]: r["holds"] for r in records(tmp_path, file.stem)}
     assert held == {"interval_subdivision": "0", "surface_enclosure": "1"}
     text = (tmp_path / "tables" / f"{file.stem}.md").read_text(encoding="utf-8")
-    assert "(unsound)" in text and "The interval holds the distance. Here it does not hold (not so for 1 of 1 intervals)" in text
+    assert "(unsound)" in text and "The interval holds the distance. Here it does not hold (so for 0 of 1 intervals)" in text
 
 
 @pytest.mark.parametrize(("changed", "outcome"), [({}, HOLDS), ({"upper": 0.45}, FAILS), ({"status": "timeout", "lower": float("nan"), "upper": float("nan")}, UNTESTED)])

@@ -159,7 +159,7 @@ def test_motion_says_what_is_culled(touching: int | None, overlapping: int | Non
     assert outcome_of(text, "culls less than half").startswith(few) and outcome_of(text, "culls more than half").startswith(many)
 
 
-@pytest.mark.parametrize(("counted", "outcome"), [(2_000_000, "it holds (not so for 0 of 1"), (1_999_999, "it does not hold (not so for 1 of 1"), (None, "not tested")])
+@pytest.mark.parametrize(("counted", "outcome"), [(2_000_000, "it holds (so for 1 of 1"), (1_999_999, "it does not hold (so for 0 of 1"), (None, "not tested")])
 def test_the_worst_case_of_early_breaking(counted: int | None, outcome: str, make: Make) -> None:
     """At distance 0, EARLYBREAK may compute all 1,000 * 2,000 distances. Without such a pose there is no verdict."""
     file = synthetic_zhang.fig10()
@@ -193,8 +193,8 @@ def test_fig9_correlates_lambda_with_what_is_culled(sign: int | None, seeds: int
 
 
 @pytest.mark.parametrize(("points", "counted", "outcome"), [
-    (1000, 2_000_000, "it holds (not so for 0 of 2 pairs)"), (1000, 1_999_999, "it does not hold (not so for 1 of 2 pairs)"),
-    (1000, None, "not separated (not so for 0 of 1 pairs out of 2)"), (None, None, "not tested")])
+    (1000, 2_000_000, "it holds (so for 2 of 2 pairs)"), (1000, 1_999_999, "it does not hold (so for 1 of 2 pairs)"),
+    (1000, None, "not separated (so for 1 of 1 pairs out of 2)"), (None, None, "not tested")])
 def test_table3_counts_the_pairs_of_naivehdd(points: int | None, counted: int | None, outcome: str, make: Make) -> None:
     file = ResultFile("zhang2017_table3", cpu=1.0)
     for scene, count in (("a_pears", points and points * 2000), ("d_cups", counted)):
@@ -319,7 +319,7 @@ def test_fig12_names_the_pairs(make: Make, shapes_of_a_and_b: None) -> None:
     _, rows, text = make(synthetic_zhang.fig12())
     assert rows["(a) pears"][0] == ["oranges", "10,754 / 10,754", "10,754 / 10,754", "0.25", "0.125", "0.750", "OHD",
                                     "7", "9"]
-    assert rows["(b) cow, hippo"][0][3] == "timeout" and "does not hold (not so for 1 of 2 pairs out of 6)" in text
+    assert rows["(b) cow, hippo"][0][3] == "timeout" and "does not hold (so for 1 of 2 pairs out of 6)" in text
 
 
 def test_fig12_view_keeps_the_witness_at_its_length() -> None:
