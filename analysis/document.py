@@ -8,6 +8,7 @@ PAPER `hausbench` has the experiments that belong to no paper. --compile makes <
 from __future__ import annotations
 
 import argparse
+import ast
 import os
 import re
 import shutil
@@ -22,7 +23,7 @@ from analysis import forest, ledger, which_solver
 from analysis.paper_page import TITLES, papers
 from analysis.shared import claims, tables
 from analysis.shared.report import CAPTION
-from analysis.shared.stems import ANALYSIS, drawn_with, has_script
+from analysis.shared.stems import ANALYSIS, drawn_with, has_script, script_of
 from analysis.shared.tex import tex_escape
 
 # Defines adjustbox to do nothing, so that LaTeX reports tables that are too wide instead of shrinking them.
@@ -58,10 +59,11 @@ def stems_of(paper: str) -> list[str]:
 
 
 def title_of(stem: str) -> str:
-    """Returns the title of an experiment from its file; the stem itself if it has none."""
+    """Returns the title of an experiment from its file; without one, what its script says of itself, or the stem."""
     for file in (ANALYSIS.parent / "experiments").rglob(f"{stem}.toml"):
         return str(tomllib.loads(file.read_text(encoding="utf-8")).get("title", stem))
-    return stem
+    said = ast.get_docstring(ast.parse(script_of(stem).read_text(encoding="utf-8"))) if has_script(stem) else None
+    return said.partition("\n")[0].rstrip(".") if said else stem
 
 
 def caption_of(folder: Path, stem: str) -> str:
