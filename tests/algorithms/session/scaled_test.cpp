@@ -341,6 +341,16 @@ TEST(SessionWidening, CoordinatesThatScalingRounds) {
     EXPECT_EQ(answer(find_solver("naive"), plain, plain, relative({})).bounds.upper, 0);  // nothing else is widened
 }
 
+// Scaled so that 1e300 is in range, 1e-300 is 0.
+TEST(SessionWidening, WitnessPointsOfPointSetsAreThoseOfTheInput) {
+    const Points a = rows({{1e300, 1e-300, 0}}), b = rows({{-1e300, 0, 1e-300}});
+    for (const Pose& pose : {Pose{}, moved_by({1e300, 0, 0})}) {
+        const Result result = answer(find_solver("naive"), a, b, relative(pose));
+        EXPECT_EQ(result.witness.source_point, Vec3(posed(a, pose).row(0)));
+        EXPECT_EQ(result.witness.target_point, Vec3(b.row(0)));
+    }
+}
+
 TEST(SessionWidening, APoseEnlargesWhatScalingRounds) {
     const Points b = rows({{0, 0, 0}, {0x1p1000, 0, 0}});
     expect_enclosed(rows({{0x1p-74, 0, 0}}), b, stretched(0x1p60 * Eigen::Matrix3d::Identity()));
