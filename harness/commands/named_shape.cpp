@@ -11,9 +11,19 @@
 
 namespace hausbench {
 
+namespace {
+
+// The models of the project. Reading them takes longer than loading a small one, so all shapes of a command share them.
+const Catalogue& known_models() {
+    static const Catalogue models = catalogue();
+    return models;
+}
+
+}  // namespace
+
 LoadedShape load_named(const std::string& name) {
     if (names_a_file(name)) return load_separately(program_path(), name);
-    Catalogue models = catalogue();
+    const Catalogue& models = known_models();
     if (!models.has(name)) {
         if (std::filesystem::exists(name)) return load_separately(program_path(), name);
         std::vector<std::string> names;
@@ -28,7 +38,7 @@ LoadedShape load_named(const std::string& name) {
 
 std::filesystem::path file_behind(const std::string& name) {
     if (names_a_file(name)) return name;
-    Catalogue models = catalogue();
+    const Catalogue& models = known_models();
     if (!models.has(name)) return name;
     const ModelInfo* model = &models.find(name);
     while (model->source == "derived") model = &models.find(model->from);

@@ -29,12 +29,13 @@ namespace {
 
 // Reads the columns of a group. `whole` has one entry per row; part(entry) returns the struct that receives the
 // columns, such as the outcome of a row. Members of missing columns keep their defaults, because older files lack some
-// columns; `needed`, below, lists the columns that must be there.
+// columns; `needed`, below, lists the columns that must be there. `only` has the names of the columns to read; null: all.
 template <class Row, class Whole, class Part>
 void read_columns(const h5::File& file, const std::string& group, const Columns<Row>& columns,
-                  std::vector<Whole>& whole, Part part) {
+                  std::vector<Whole>& whole, Part part, const std::set<std::string>* only = nullptr) {
     for (const Column<Row>& column : columns) {
         const std::string name = group + "/" + std::string(column.name);
+        if (only && !only->contains(std::string(column.name))) continue;
         if (!file.has(name)) continue;
         const auto checked = [&](auto values, std::size_t width) {
             if (values.size() != whole.size() * width) {
@@ -67,11 +68,15 @@ void read_columns(const h5::File& file, const std::string& group, const Columns<
 }
 
 // Reads the columns that /cases and /references share.
-std::vector<Row> read_answers(const h5::File& file, const std::string& group) {
+std::vector<Row> read_answers(const h5::File& file, const std::string& group,
+                              const std::set<std::string>* only = nullptr) {
     std::vector<Row> rows(file.read_texts(group + "/identity").size());
-    read_columns(file, group, case_columns(), rows, [](Row& r) -> Case& { return r.asked; });
-    read_columns(file, group, outcome_columns(), rows, [](Row& r) -> Outcome& { return r.outcome; });
-    read_columns(file, group, check_columns(), rows, [](Row& r) -> Check& { return r.check; });
+    read_columns(
+        file, group, case_columns(), rows, [](Row& r) -> Case& { return r.asked; }, only);
+    read_columns(
+        file, group, outcome_columns(), rows, [](Row& r) -> Outcome& { return r.outcome; }, only);
+    read_columns(
+        file, group, check_columns(), rows, [](Row& r) -> Check& { return r.check; }, only);
     return rows;
 }
 
@@ -190,13 +195,17 @@ void expect_result(const fs::path& file, const h5::File& in) {
                                      file.string(), schema));
 }
 
+void expect_columns(const h5::File& in) {
+    for (const char* column : needed) {
+        if (!in.has(column)) throw std::runtime_error(fmt::format("it has no {}", column));
+    }
+}
+
 // Reads a result without protection: the HDF5 library crashes on some damaged files, see read_in_a_copy().
 ResultFile read_trusting(const fs::path& file) {
     const h5::File in(file, h5::Open::read);
     expect_result(file, in);
-    for (const char* column : needed) {
-        if (!in.has(column)) throw std::runtime_error(fmt::format("it has no {}", column));
-    }
+    expect_columns(in);
     ResultFile result;
     for (const char* name : meta_texts) result.texts[name] = in.text_attribute("meta", name);
     for (const char* name : later_texts)
@@ -267,9 +276,8 @@ bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
     return is_newer;
 }
 
-}  // namespace
-
-ResultFile read_result(const fs::path& file) {
+// Calls read() for a result, first in another process (read_in_a_copy). Throws as read_result() does.
+template <class Read> auto read_guarded(const fs::path& file, const Read& read) {
     std::error_code gone;
     const fs::file_status status = fs::status(file, gone);
     if (fs::is_directory(status))
@@ -280,8 +288,8 @@ ResultFile read_result(const fs::path& file) {
         throw InputError(fmt::format("{}: is not a regular file: name a result file (.h5)", file.string()));
     try {
         h5::check_seal(file);
-        read_in_a_copy(file, [&] { read_trusting(file); });
-        return read_trusting(file);
+        read_in_a_copy(file, [&] { read(); });
+        return read();
     } catch (const InputError&) {
         throw;
     } catch (const std::exception& error) {
@@ -291,6 +299,21 @@ ResultFile read_result(const fs::path& file) {
             fmt::format("{}: damaged, or not a result of hausbench ({}): write it again by running its experiment",
                         file.string(), printable(why)));
     }
+}
+
+}  // namespace
+
+ResultFile read_result(const fs::path& file) {
+    return read_guarded(file, [&] { return read_trusting(file); });
+}
+
+std::vector<Row> read_rows(const fs::path& file, const std::set<std::string>& columns) {
+    return read_guarded(file, [&] {
+        const h5::File in(file, h5::Open::read);
+        expect_result(file, in);
+        expect_columns(in);
+        return read_answers(in, "cases", &columns);
+    });
 }
 
 EarlierExperiment experiment_of(const fs::path& result) {
