@@ -163,7 +163,7 @@ bool scale_back(Result& result, Trace& trace, int exponent, double wider) {
 // Sets the witness point of a point set to the point of the input, moved by `pose`. Scaling may have rounded the point
 // by which the solver found it; the bounds allow for that (`wider` in Scaled::answer).
 void restore_point(const PreparedShape& shape, const Pose& pose, Index element, Vec3& point) {
-    if (shape.exponent() == 0 || kind_of(shape.shape()) != ShapeKind::points) return;
+    if (shape.lost() == 0 || kind_of(shape.shape()) != ShapeKind::points) return;
     const Points& points = shape.original();
     if (element >= 0 && element < points.rows()) point = posed(points.middleRows(element, 1), pose).row(0);
 }
