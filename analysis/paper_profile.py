@@ -75,8 +75,9 @@ def in_order(group: str, stems: set[str]) -> list[str]:
 
 
 def stems_of(group: str, folder: Path) -> list[str]:
-    """Returns the stems of the group that have results."""
-    return in_order(group, {path.stem for path in folder.glob(f"{group}*.h5") if f"{path.stem}_".startswith(f"{group}_")})
+    """Returns the stems of the group that have results: those named after it, and those in its folder of experiments."""
+    beside = {file.stem for file in (paper_page.ROOT / "experiments" / group).glob("*.toml")}
+    return in_order(group, {path.stem for path in folder.glob("*.h5") if path.stem in beside or f"{path.stem}_".startswith(f"{group}_")})
 
 
 def whole_profile(group: str) -> str:
