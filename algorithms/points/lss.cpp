@@ -6,10 +6,10 @@
 // starts there and goes on alternately to both sides. As in EARLYBREAK, it ends at the first point of B that is closer
 // than the largest distance so far. A scan that visits all of B changes the largest distance, but not the start.
 //
-// Details of ours: keys of 10 bits a coordinate in the box of the set, refined where points share a cell
-// (kernel/morton.h); the order of A is computed once, before it is moved. `sort` can be turned off for sets that are in
-// such an order already, as voxels of a grid. O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. The unit of Query::budget
-// is one point of A.
+// Written from the description in the abstract; the paper's pseudocode may differ in details. Ours are: keys of 10 bits
+// a coordinate in the box of the set, refined where points share a cell (kernel/morton.h); the order of A is computed
+// once, before it is moved. `sort` can be turned off for sets that are in such an order already, as voxels of a grid.
+// O(|A|) to O(|A| |B|) time, O(|A| + |B|) memory. The unit of Query::budget is one point of A.
 #include "algorithms/kernel/morton.h"
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
