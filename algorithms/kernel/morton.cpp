@@ -88,10 +88,7 @@ void sort_items(std::span<Item> items, std::vector<Item>& room) {
     for (const Item item : items) {
         for (std::size_t k = 0; k < digits; ++k) ++counts[k][(item >> (32 + bits * k)) & (values - 1)];
     }
-    if (room.size() < items.size()) {
-        reserve_touched(room, items.size());
-        room.resize(items.size());
-    }
+    if (room.size() < items.size()) room = filled<Item>(items.size());
     std::span<Item> from = items, to(room.data(), items.size());
     for (std::size_t k = 0; k < digits; ++k) {
         std::uint32_t sum = 0;
@@ -209,7 +206,7 @@ template <Curve curve>
 std::vector<Index> order_along(const Points& points, const std::vector<Index>* chosen, const MortonFrame& frame,
                                const Threads& threads) {
     const std::size_t count = chosen ? chosen->size() : static_cast<std::size_t>(points.rows());
-    auto items = filled<std::vector<Item>>(count);
+    auto items = filled<Item>(count);
     std::vector<Item> room;
     const std::size_t blocks = blocks_of(count, 4096);
     threads.for_each(blocks, [&](std::size_t block) {
@@ -221,7 +218,7 @@ std::vector<Index> order_along(const Points& points, const std::vector<Index>* c
     });
     sort_items(items, room);
     refine_runs<curve>(points, items, frame, room);
-    auto order = filled<std::vector<Index>>(count);
+    auto order = filled<Index>(count);
     for (std::size_t i = 0; i < count; ++i) order[i] = row_of(items[i]);
     return order;
 }

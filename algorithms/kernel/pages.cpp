@@ -12,7 +12,7 @@ void touch_pages(void* begin, std::size_t bytes) {
     if (bytes < least) return;
     const auto first = (reinterpret_cast<std::uintptr_t>(begin) + page - 1) / page * page;
     const auto last = (reinterpret_cast<std::uintptr_t>(begin) + bytes) / page * page;
-    // Where a huge page fits, one fault provides 512 pages.
+    // A huge page takes one fault instead of 512.
     (void)::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
     // An error means that nothing was done, and the pages come one by one.
     (void)::madvise(reinterpret_cast<void*>(first), last - first, populate_write);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace hausbench {
 
@@ -11,15 +12,15 @@ namespace hausbench {
 void touch_pages(void* begin, std::size_t bytes);
 
 // Reserves room for `count` elements in a vector that will be filled, and touches its pages.
-template <class Vector> void reserve_touched(Vector& vector, std::size_t count) {
+template <class T> void reserve_touched(std::vector<T>& vector, std::size_t count) {
     if (vector.capacity() >= count) return;
     vector.reserve(count);
-    touch_pages(vector.data(), count * sizeof(typename Vector::value_type));
+    touch_pages(vector.data(), count * sizeof(T));
 }
 
 // Returns a vector of `count` value-initialised elements, with its pages touched.
-template <class Vector> Vector filled(std::size_t count) {
-    Vector vector;
+template <class T> std::vector<T> filled(std::size_t count) {
+    std::vector<T> vector;
     reserve_touched(vector, count);
     vector.resize(count);
     return vector;

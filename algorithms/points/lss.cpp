@@ -14,18 +14,20 @@
 #include "algorithms/kernel/posed_box.h"
 #include "algorithms/points/exact.h"
 #include "algorithms/points/point_solver.h"
-#include "algorithms/points/shuffle.h"
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace hausbench {
 namespace {
 
-std::vector<Index> order_of(const Points& points, bool sort) {
-    Generator unused(0);
-    return sort ? morton_order(points, nullptr, MortonFrame(box_of(points)))
-                : order_of(static_cast<Index>(points.rows()), false, unused);
+// Returns the rows of the points, along a Morton curve if `sort` is set.
+std::vector<Index> scan_order(const Points& points, bool sort) {
+    if (sort) return morton_order(points, nullptr, MortonFrame(box_of(points)));
+    std::vector<Index> order(static_cast<std::size_t>(points.rows()));
+    std::iota(order.begin(), order.end(), Index{0});
+    return order;
 }
 
 class LocalStartSearch final : public Solver {
@@ -34,9 +36,9 @@ public:
 
     void prepare(const Scene& scene, const Prepared&) override {
         scene_ = &scene;
-        source_order_ = order_of(points_of(scene.source), sort_);
+        source_order_ = scan_order(points_of(scene.source), sort_);
         const Points& b = points_of(scene.target);
-        target_order_ = order_of(b, sort_);
+        target_order_ = scan_order(b, sort_);
         target_.resize(b.rows(), 3);
         for (Index j = 0; j < b.rows(); ++j) target_.row(j) = b.row(target_order_[static_cast<std::size_t>(j)]);
     }

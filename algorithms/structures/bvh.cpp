@@ -55,8 +55,7 @@ struct Binning {
 // until there are eight parts or none can be cut.
 class BvhSplit {
 public:
-    explicit BvhSplit(Builder& builder)
-        : builder_(builder), scratch_(filled<std::vector<FloatBox>>(builder.elements.size())) {}
+    explicit BvhSplit(Builder& builder) : builder_(builder), scratch_(filled<FloatBox>(builder.elements.size())) {}
 
     int operator()(const Range& whole, int depth, std::array<Range, tree_width>& parts) {
         if (depth >= most_levels_by_area) return split_evenly(builder_, whole, parts);

@@ -29,7 +29,7 @@ Builder::Builder(const TriangleMesh& over) : mesh(over) {
     Box box;
     for (Eigen::Index i = 0; i < mesh.vertices.rows(); ++i) box.add(Vec3(mesh.vertices.row(i)));
     const LocalFrame frame = LocalFrame::of(box);
-    auto points = filled<std::vector<FloatBox>>(static_cast<std::size_t>(mesh.vertices.rows()));
+    auto points = filled<FloatBox>(static_cast<std::size_t>(mesh.vertices.rows()));
     for (Index i = 0; i < mesh.vertices.rows(); ++i) {
         FloatBox& point = points[static_cast<std::size_t>(i)];
         point.low = point.high = frame.local(mesh.vertices.row(i));

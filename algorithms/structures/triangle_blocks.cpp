@@ -129,7 +129,7 @@ Sixteen sixteen(const TriangleMesh& mesh, const std::vector<Index>& order, std::
 // Cuts the triangles along the Hilbert curve into runs of sixteen. A run of triangles with very different scales is cut
 // further by cut_of(). This adds at most 4 + n / 256 runs, so the number of leaves stays near n / 16.
 std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& order, const Threads& threads) {
-    auto all = filled<std::vector<Sixteen>>((order.size() + frames_width - 1) / frames_width);
+    auto all = filled<Sixteen>((order.size() + frames_width - 1) / frames_width);
     const std::size_t blocks = blocks_of(all.size(), least_of_block / frames_width);
     threads.for_each(blocks, [&](std::size_t block) {
         const Part mine = part(all.size(), block, blocks);
@@ -176,8 +176,8 @@ TriangleBlocks::TriangleBlocks(const TriangleMesh& mesh, const Threads& threads)
     const std::vector<Index> order = without_copies(mesh, TriangleOrder(mesh, threads).order);
     const double least_unit = std::max(mesh.vertices.cwiseAbs().maxCoeff() * least_unit_of_magnitude, 0x1p-900);
     const std::vector<Run> runs = runs_of(mesh, order, threads);
-    leaves_ = filled<std::vector<TriangleFramesLeaf>>(runs.size());
-    auto boxes = filled<std::vector<Box>>(runs.size());
+    leaves_ = filled<TriangleFramesLeaf>(runs.size());
+    auto boxes = filled<Box>(runs.size());
     std::vector<Box> below;
     const std::size_t blocks = blocks_of(runs.size(), least_of_block / frames_width);
     threads.for_each(blocks, [&](std::size_t block) {

@@ -142,7 +142,7 @@ HWY_EXPORT(tree_textbook);
 HWY_EXPORT(tree_certify);
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh, WideTree&& tree) : mesh_(&mesh), tree_(std::move(tree)) {
-    leaf_of_ = filled<std::vector<std::int32_t>>(tree_.order.size());
+    leaf_of_ = filled<std::int32_t>(tree_.order.size());
     for (std::size_t i = 0; i < tree_.leaves(); ++i) {
         for (const Index triangle : tree_.leaf(i))
             leaf_of_[static_cast<std::size_t>(triangle)] = static_cast<std::int32_t>(i);
@@ -154,7 +154,7 @@ void TriangleTree::fill_leaves() {
     const std::size_t leaves = tree_.leaves();
     leaves_ = std::make_unique_for_overwrite<TriangleLeaf[]>(leaves);  // every byte that is used is written below
     touch_pages(leaves_.get(), leaves * sizeof(TriangleLeaf));
-    auto boxes = filled<std::vector<Box>>(leaves);
+    auto boxes = filled<Box>(leaves);
     std::uint32_t vertices = 0;
     const auto make_room = [&](std::size_t room) {
         auto larger = std::make_unique_for_overwrite<double[]>(3 * room);

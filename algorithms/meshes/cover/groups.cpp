@@ -24,7 +24,7 @@ Box box_of_cluster(const Triangles& triangles, const Points& points, const std::
 }  // namespace
 
 GroupBoxes::GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order) : boxes_(1) {
-    boxes_[0] = filled<std::vector<Box>>((order.size() + cluster_triangles - 1) / cluster_triangles);
+    boxes_[0] = filled<Box>((order.size() + cluster_triangles - 1) / cluster_triangles);
     for (std::size_t i = 0; i < boxes_[0].size(); ++i) boxes_[0][i] = box_of_cluster(triangles, points, order, i);
     while (boxes_.back().size() > most_first_groups) {
         const std::vector<Box>& below = boxes_.back();

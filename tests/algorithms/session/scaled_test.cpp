@@ -341,7 +341,7 @@ TEST(SessionWidening, CoordinatesThatScalingRounds) {
     EXPECT_EQ(answer(find_solver("naive"), plain, plain, relative({})).bounds.upper, 0);  // nothing else is widened
 }
 
-// Scaled so that 1e300 is in range, 1e-300 is 0.
+// The scaling that brings 1e300 into range turns 1e-300 into 0.
 TEST(SessionWidening, WitnessPointsOfPointSetsAreThoseOfTheInput) {
     const Points a = rows({{1e300, 1e-300, 0}}), b = rows({{-1e300, 0, 1e-300}});
     for (const Pose& pose : {Pose{}, moved_by({1e300, 0, 0})}) {
