@@ -31,6 +31,7 @@ import markupsafe
 
 from analysis import document, ledger, paper_page
 from analysis.report import all_rows, chooser, matrix, outcomes, scenes
+from analysis.report.copies import copied
 from analysis.shared import claims, stems, tables
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
@@ -93,11 +94,8 @@ def experiment(stem: str, results: dict[str, Results], out: Path) -> Experiment:
     files.mkdir(parents=True, exist_ok=True)
     table, pictures = out / "tables" / f"{stem}.md", document.figures_of(out, stem, "png")
     downloads = [*(path.with_suffix(".pdf") for path, _ in pictures), *(table.with_suffix(suffix) for suffix in (".csv", ".tex"))]
-    there = [path for path in downloads if path.exists()]
-    for path in [*there, *(path for path, _ in pictures)]:
-        shutil.copyfile(path, files / path.name)
     return Experiment(stem, document.title_of(stem), results.get(_measured_as(stem)), table_html(table.read_text(encoding="utf-8")) if table.exists() else "",
-                      [(path.name, caption) for path, caption in pictures], [path.name for path in there])
+                      [(copied(path, files), caption) for path, caption in pictures], [copied(path, files) for path in downloads if path.exists()])
 
 
 def _measured_as(stem: str) -> str:
@@ -155,6 +153,7 @@ def shared(results: dict[str, Results]) -> dict[str, Any]:
 def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
     """Writes all pages. Returns their paths, and a line for each claim whose text does not fit its verdict."""
     results, folder = loaded(results_folder), out / "report"
+    shutil.rmtree(folder / "files", ignore_errors=True)  # of an earlier report
     folder.mkdir(parents=True, exist_ok=True)
     now = paper_page.records(out / "tables")
     kept = paper_page.records(REFERENCE)

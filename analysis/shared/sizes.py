@@ -49,7 +49,10 @@ def kept_outcome(claim: claims.Claim, stem: str) -> str:
 
 
 def tested(verdicts: Iterable[Verdict], results: Results, stem: str) -> list[Verdict]:
-    """Returns the verdicts; verdicts on a paper's claims become `not tested` if the result has smaller sizes than the paper."""
+    """Returns the verdicts; they become `not tested` if the result has smaller sizes than the paper.
+
+    Claims of ours keep their verdicts, except those that compare with a printed number.
+    """
     if tests_claims(results):
         return list(verdicts)
     return [_untested(verdict, results, stem) for verdict in verdicts]
@@ -57,7 +60,9 @@ def tested(verdicts: Iterable[Verdict], results: Results, stem: str) -> list[Ver
 
 def _untested(verdict: Verdict, results: Results, stem: str) -> Verdict:
     claim = verdict.claim
-    if not isinstance(claim, claims.Claim) or claim.entry.paper in (claims.OWN, claims.STATED):
+    if not isinstance(claim, claims.Claim):
+        return verdict
+    if claim.entry.paper in (claims.OWN, claims.STATED) and "{printed" not in claim.entry.text:
         return verdict
     kept = kept_outcome(claim, stem)
     there = f"at the paper's sizes: {kept}, see results/reference" if kept else "it has not been measured at the paper's sizes"

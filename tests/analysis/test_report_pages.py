@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 from analysis import paper_page
 from analysis.report import all_rows, chooser, outcomes, pages
@@ -58,8 +59,8 @@ def test_every_link_resolves_and_none_leaves_the_folder(tmp_path: Path) -> None:
     (tmp_path / "tables").mkdir()
     (tmp_path / "tables" / "zhang2017_table3.md").write_text("**A table.**\n\n| a | b |\n|---|---:|\n| <b>x</b> | 1 |\n", encoding="utf-8")
     (tmp_path / "figures").mkdir()
-    for suffix in ("png", "pdf"):
-        (tmp_path / "figures" / f"zhang2017_table3.{suffix}").write_bytes(b"x")
+    Image.new("RGB", (8, 8)).save(tmp_path / "figures" / "zhang2017_table3.png")
+    (tmp_path / "figures" / "zhang2017_table3.pdf").write_bytes(b"x")
     found, _ = written(tmp_path, zhang2017_table3(), peers())
     assert set(found) == {"index.html", "zhang2017.html", "tang2009.html", "shou2014.html", "sacht2024.html", "experiments.html", "rows.html", "scenes.html", "stability.html", "work.html"}
     for name, page in found.items():
@@ -71,7 +72,7 @@ def test_every_link_resolves_and_none_leaves_the_folder(tmp_path: Path) -> None:
             assert (tmp_path / "report" / (file or name)).is_file(), (name, link)
             assert not place or place in found[file or name].ids or file == "rows.html", (name, link)
     shown = (tmp_path / "report" / "zhang2017.html").read_text(encoding="utf-8")
-    assert "&lt;b&gt;x&lt;/b&gt;" in shown and 'src="files/zhang2017_table3.png"' in shown and "make zhang2017_table3" in shown
+    assert "&lt;b&gt;x&lt;/b&gt;" in shown and 'src="files/zhang2017_table3.webp"' in shown and "make zhang2017_table3" in shown
 
 
 def test_names_from_results_stay_text(tmp_path: Path) -> None:

@@ -71,6 +71,8 @@ def test_a_verdict_of_smaller_sizes_names_the_kept_one(tmp_path: Path, monkeypat
     small = results_of(tmp_path, TOML.replace("{}", "small"))
     never, ours = sizes.tested([greater, own], small, "zhang2017_fig8")
     assert ours == own  # our own claim, not a paper's
+    printed = Verdict(claims.of("hausbench", "depth_of_frame", scene="x", printed=1.0, title="cover"), FAILS, "x")
+    assert sizes.tested([printed], small, "tang2009_pd")[0].outcome == UNTESTED  # ours, but it compares with a printed number
     assert never.outcome == UNTESTED and "not been measured at the paper's sizes" in never.evidence
     record = claims.record(replace(greater, outcome=HOLDS), "zhang2017_fig8", "paper")
     tables.save_json([record], tmp_path / "reference" / f"kept{claims.SUFFIX}")
