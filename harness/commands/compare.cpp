@@ -32,7 +32,7 @@ std::string compare(const std::vector<std::filesystem::path>& files, const std::
         throw InputError(solvers.empty() ? "compare: name two results, or two solvers of one with --solver A B"
                                          : "compare: --solver compares two solvers of one result: name one");
     const auto read = [&](std::size_t i) {
-        ResultFile result = read_result(files[i]);
+        ResultFile result = read_part(files[i], compared_part());
         if (!wanted.scenes.empty() || !wanted.profile.empty()) take_rows(result, wanted);
         return result;
     };

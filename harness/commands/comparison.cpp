@@ -20,6 +20,16 @@
 
 namespace hausbench {
 
+const ResultPart& compared_part() {
+    static const ResultPart part{
+        {"identity",        "solver",       "label",       "variant",    "profile",      "scene",     "source",
+         "target",          "pose",         "target_pose", "pose_index", "quantity",     "statistic", "weigh",
+         "tolerance",       "tolerance_of", "floor",       "cutoff",     "lower",        "upper",     "status",
+         "prepare_seconds", "clock",        "from_trace",  "warm",       "side_by_side", "build",     "machine"},
+        true};
+    return part;
+}
+
 std::string compare_results(const ResultFile& base, const ResultFile& candidate) {
     std::map<std::string, const Row*> by_key;
     for (const Row& row : base.rows) by_key[row.asked.identity + row.asked.scene] = &row;

@@ -8,6 +8,9 @@
 
 namespace hausbench {
 
+// What compare_results() and compare_solvers() look at.
+const ResultPart& compared_part();
+
 // Compares the rows of two results that have the same identity and scene. Lists differing answers first, then for each
 // row the ratio of times (candidate / base). Calls a ratio faster or slower only at 95 % confidence. Throws InputError
 // if the results have no case in common.

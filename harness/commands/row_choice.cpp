@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <set>
 
 namespace hausbench {
 
@@ -82,6 +81,12 @@ bool is_checked_afterwards(const std::string& name) {
     return name == "check" || has(check_columns()) || has(row_columns());
 }
 
+// Returns the name of the column in COLUMN=VALUE.
+std::string column_named_in(const std::string& where) {
+    const std::string name = where.substr(0, where.find_first_of("=!<>"));
+    return name == "pose" ? "pose_index" : name;  // `pose` in tables; the column `pose` holds the motion
+}
+
 Condition condition_of(const std::string& where, const std::string& option) {
     const auto begin = where.find_first_of("=!<>");
     const auto end = begin == std::string::npos ? begin : begin + (where.compare(begin + 1, 1, "=") == 0 ? 2 : 1);
@@ -91,8 +96,7 @@ Condition condition_of(const std::string& where, const std::string& option) {
     if (begin == std::string::npos || begin == 0 || condition.sign == "!")
         throw InputError(
             fmt::format("{} {}: write it as column=value, column!=value, or column>number", option, where));
-    std::string name = where.substr(0, begin);
-    if (name == "pose") name = "pose_index";  // the name in tables; the column `pose` holds the motion
+    const std::string name = column_named_in(where);
     condition.wanted = where.substr(end);
     condition.profile = name == "profile";
     const bool found =
@@ -163,6 +167,11 @@ std::function<bool(const Row&)> row_test(const std::vector<std::string>& where, 
     return [conditions](const Row& row) {
         return std::all_of(conditions.begin(), conditions.end(), [&](const Condition& c) { return c.holds(row); });
     };
+}
+
+bool looks_only_at(const RowChoice& choice, const std::set<std::string>& columns) {
+    return std::all_of(choice.where.begin(), choice.where.end(),
+                       [&](const std::string& where) { return columns.contains(column_named_in(where)); });
 }
 
 std::vector<std::size_t> chosen_rows(const ResultFile& result, const RowChoice& choice) {

@@ -4,6 +4,7 @@
 #include "harness/result/result_file.h"
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,10 @@ struct RowChoice {
 // Returns a function that tests whether a row meets all conditions. Throws InputError for a malformed condition;
 // `option` is the option's name in the message.
 std::function<bool(const Row&)> row_test(const std::vector<std::string>& where, const std::string& option = "--where");
+
+// Returns whether all columns that the choice looks at are among `columns`. gap, check and answer are computed from
+// others, so they never are.
+bool looks_only_at(const RowChoice& choice, const std::set<std::string>& columns);
 
 // Returns the indices of the chosen rows, in the order of the file. Throws InputError for a solver, scene or column
 // that the result does not have.

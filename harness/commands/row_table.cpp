@@ -177,6 +177,16 @@ std::string as_markdown(const ResultFile& result, const std::vector<std::size_t>
 
 }  // namespace
 
+const ResultPart& shown_part() {
+    static const ResultPart part{
+        {"solver",        "label",  "variant",   "profile",         "scene",       "pose_index",    "quantity",
+         "statistic",     "weigh",  "tolerance", "tolerance_of",    "certified",   "lower",         "upper",
+         "solver_status", "status", "reason",    "prepare_seconds", "peak_bytes",  "solve_seconds", "clock",
+         "side_by_side",  "build",  "machine",   "lower_check",     "upper_check", "fields_check"},
+        true};
+    return part;
+}
+
 std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, TableForm form,
                       const Paper& paper) {
     switch (form) {

@@ -11,6 +11,9 @@
 namespace hausbench {
 
 enum class TableForm { text, csv, json, markdown };
+
+// What show_rows() shows, in any form.
+const ResultPart& shown_part();
 std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, TableForm form,
                       const Paper& paper);
 

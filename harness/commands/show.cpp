@@ -52,7 +52,8 @@ std::string show_ledger(const ResultFile& result, TableForm form, const Paper& p
 }
 
 std::string show(const std::filesystem::path& file, const RowChoice& choice, TableForm form, bool summary) {
-    ResultFile result = read_result(file);
+    const bool part = !summary && looks_only_at(choice, shown_part().columns);
+    ResultFile result = part ? read_part(file, shown_part()) : read_result(file);
     const auto rows = chosen_rows(result, choice);
     if (!summary) return show_rows(result, rows, form, paper_of_output());
     std::vector<Row> chosen;
@@ -95,12 +96,12 @@ void add_show(CLI::App& app, int&) {
                                : json     ? TableForm::json
                                : markdown ? TableForm::markdown
                                           : TableForm::text;
-        if (meta || ledger) {
-            const ResultFile result = read_result(file);
-            print(meta ? show_meta(result, form) : show_ledger(result, form, paper_of_output()));
-            return;
-        }
-        print(show(file, choice, form, summary));
+        if (meta)
+            print(show_meta(read_part(file, {}), form));
+        else if (ledger)
+            print(show_ledger(read_result(file), form, paper_of_output()));
+        else
+            print(show(file, choice, form, summary));
     });
 }
 

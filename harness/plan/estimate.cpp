@@ -55,9 +55,8 @@ double guessed_bytes(const Case& c) {
 double elements(const Case& c) { return double(c.source_elements) + double(c.target_elements); }
 
 // The columns of results that Memory::learn() looks at.
-const std::set<std::string> learnt_from = {
-    "identity",   "solver",     "status",          "machine",       "source_elements",   "target_elements",
-    "from_trace", "peak_bytes", "prepare_seconds", "solve_seconds", "case_seconds_limit"};
+const ResultPart learnt_from = {{"identity", "solver", "status", "machine", "source_elements", "target_elements",
+                                 "from_trace", "peak_bytes", "prepare_seconds", "solve_seconds", "case_seconds_limit"}};
 
 struct Known {
     double prepare = 0, solve = 0;  // seconds
@@ -74,7 +73,7 @@ struct Estimates::Memory {
         for (fs::directory_iterator entry(results, none), end; !none && entry != end; entry.increment(none)) {
             if (entry->path().extension() != ".h5") continue;
             try {
-                for (const Row& row : read_rows(entry->path(), learnt_from)) learn(row);
+                for (const Row& row : read_part(entry->path(), learnt_from).rows) learn(row);
             } catch (const InputError&) {  // a damaged file only makes the estimates less accurate
             }
         }

@@ -8,6 +8,32 @@
 
 namespace hausbench {
 
+namespace {
+
+// The interval [x(k), x(n+1-k)] of n sorted values x(1) to x(n), and its confidence that it has the true median.
+struct Ranks {
+    std::size_t k;
+    double confidence;
+};
+
+Ranks computed_ranks(std::size_t n) {
+    const boost::math::binomial heads(double(n), 0.5);
+    // The interval misses the true median only if fewer than k values lie on one side of that median.
+    std::size_t k = 1;
+    while (2 * (k + 1) <= n && 1 - 2 * boost::math::cdf(heads, double(k)) >= 0.95) ++k;
+    return {k, 1 - 2 * boost::math::cdf(heads, double(k - 1))};
+}
+
+Ranks ranks_of(std::size_t n) {  // the last ones are kept, because a result has the same n in row after row
+    thread_local std::size_t known = 0;
+    thread_local Ranks ranks{};
+    if (n != known) ranks = computed_ranks(n);
+    known = n;
+    return ranks;
+}
+
+}  // namespace
+
 Estimate median(std::vector<double> values) {
     if (values.empty()) throw std::invalid_argument("median: no values");
     std::sort(values.begin(), values.end());
@@ -15,13 +41,10 @@ Estimate median(std::vector<double> values) {
     Estimate estimate{n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]), values.front(), values.back(),
                       0, n};
     if (n == 1) return estimate;
-    const boost::math::binomial heads(double(n), 0.5);
-    // The interval [x(k), x(n+1-k)] misses the true median only if fewer than k values lie on one side of that median.
-    std::size_t k = 1;
-    while (2 * (k + 1) <= n && 1 - 2 * boost::math::cdf(heads, double(k)) >= 0.95) ++k;
-    estimate.low = values[k - 1];
-    estimate.high = values[n - k];
-    estimate.confidence = 1 - 2 * boost::math::cdf(heads, double(k - 1));
+    const Ranks ranks = ranks_of(n);
+    estimate.low = values[ranks.k - 1];
+    estimate.high = values[n - ranks.k];
+    estimate.confidence = ranks.confidence;
     return estimate;
 }
 

@@ -63,7 +63,6 @@ std::string cache_sizes() {
 
 Build read_build() {
     Build build;
-    build.id = sha256_of_file("/proc/self/exe");
     build.version = HAUSBENCH_VERSION;
     build.compiler = HAUSBENCH_COMPILER;
     build.flags = HAUSBENCH_FLAGS;
@@ -108,6 +107,11 @@ Machine read_machine() {
 }
 
 }  // namespace
+
+const std::string& build_id() {
+    static const std::string id = sha256_of_file("/proc/self/exe");
+    return id;
+}
 
 const Build& this_build() {
     static const Build build = read_build();
@@ -156,13 +160,13 @@ const std::string& build_of(const std::string& solver) {
         std::map<std::string, std::string> all;
         for (const Plugin& plugin : plugins()) {
             for (const std::string& name : plugin.solvers) {
-                all[name] = Sha256().add(this_build().id).add(plugin_hashes().at(plugin.file)).hex();
+                all[name] = Sha256().add(build_id()).add(plugin_hashes().at(plugin.file)).hex();
             }
         }
         return all;
     }();
     const auto at = builds.find(solver);
-    return at == builds.end() ? this_build().id : at->second;
+    return at == builds.end() ? build_id() : at->second;
 }
 
 Programs::Programs(const std::map<std::string, std::string>& texts) {

@@ -10,8 +10,6 @@
 namespace hausbench {
 
 struct Build {
-    // SHA-256 of the program file, so every change of the code changes it.
-    std::string id;
     std::string commit;  // of the sources; "unknown" outside a checkout; not part of the id
     std::string dirty;   // "yes", "no" or "unknown"
     std::string version, compiler, flags, type;
@@ -25,6 +23,9 @@ struct Machine {
 };
 
 const Build& this_build();
+// Returns the SHA-256 of the program file, so every change of the code changes it. Computed at the first call, which
+// takes 10 ms.
+const std::string& build_id();
 std::string version_text();  // one line: version, commit, build type, compiler
 const Machine& this_machine();
 

@@ -37,9 +37,15 @@ public:
 // regular file, not HDF5, cut short, or not a result of hausbench.
 ResultFile read_result(const std::filesystem::path& file);
 
-// Reads some columns of /cases alone, by their names, such as "solver". All other members of the rows keep their
-// defaults. Faster than read_result(), and throws the same.
-std::vector<Row> read_rows(const std::filesystem::path& file, const std::set<std::string>& columns);
+// A part of the rows of a result.
+struct ResultPart {
+    std::set<std::string> columns;  // names of columns of /cases that are not counters, such as "solver"
+    bool times = false;             // with /answers, /repeats and /preparation
+};
+
+// Reads the attributes of /meta and a part of the rows. All other members keep their defaults. Faster than
+// read_result(), and throws the same.
+ResultFile read_part(const std::filesystem::path& file, const ResultPart& part);
 
 // The experiment of an earlier result.
 struct EarlierExperiment {

@@ -67,7 +67,7 @@ void read_columns(const h5::File& file, const std::string& group, const Columns<
     }
 }
 
-// Reads the columns that /cases and /references share.
+// Reads the columns that /cases and /references share. `only`: as in read_columns().
 std::vector<Row> read_answers(const h5::File& file, const std::string& group,
                               const std::set<std::string>* only = nullptr) {
     std::vector<Row> rows(file.read_texts(group + "/identity").size());
@@ -201,9 +201,9 @@ void expect_columns(const h5::File& in) {
     }
 }
 
-// Reads a result without protection: the HDF5 library crashes on some damaged files, see read_in_a_copy().
-ResultFile read_trusting(const fs::path& file) {
-    const h5::File in(file, h5::Open::read);
+// Returns a result with the attributes of /meta and nothing else. The next functions read without protection: the HDF5
+// library crashes on some damaged files, see read_in_a_copy().
+ResultFile read_meta(const fs::path& file, const h5::File& in) {
     expect_result(file, in);
     expect_columns(in);
     ResultFile result;
@@ -211,12 +211,36 @@ ResultFile read_trusting(const fs::path& file) {
     for (const char* name : later_texts)
         result.texts[name] = in.has_attribute("meta", name) ? in.text_attribute("meta", name) : "";
     for (const char* name : meta_integers) result.integers[name] = in.integer_attribute("meta", name);
-    result.models = read_group(in, "models", model_columns(), "name");
-    result.rows = read_cases(in);
-    result.references = read_references(in);
+    return result;
+}
+
+void read_times(const h5::File& in, ResultFile& result) {
     read_details(in, "answers", answer_columns(), result.rows, &Outcome::answers);
     read_details(in, "repeats", repeat_columns(), result.rows, &Outcome::repeats);
     read_details(in, "preparation", preparation_columns(), result.rows, &Outcome::preparation);
+}
+
+void set_profiles(std::vector<Row>& rows, const ResultFile& result) {
+    for (Row& row : rows)
+        if (row.asked.profile.empty()) row.asked.profile = result.texts.at("profile");
+}
+
+ResultFile read_part_trusting(const fs::path& file, const ResultPart& part) {
+    const h5::File in(file, h5::Open::read);
+    ResultFile result = read_meta(file, in);
+    result.rows = read_answers(in, "cases", &part.columns);
+    set_profiles(result.rows, result);
+    if (part.times) read_times(in, result);
+    return result;
+}
+
+ResultFile read_trusting(const fs::path& file) {
+    const h5::File in(file, h5::Open::read);
+    ResultFile result = read_meta(file, in);
+    result.models = read_group(in, "models", model_columns(), "name");
+    result.rows = read_cases(in);
+    result.references = read_references(in);
+    read_times(in, result);
     read_traces(in, result.rows);
     read_fields(in, result.rows);
     result.ledger = read_group(in, "ledger", ledger_columns(), "kind");
@@ -226,8 +250,8 @@ ResultFile read_trusting(const fs::path& file) {
     std::unordered_map<std::string_view, std::string_view> hashes;
     for (const ModelRecord& model : result.models) hashes[model.name] = model.sha256;
     for (auto* rows : {&result.rows, &result.references}) {
+        set_profiles(*rows, result);
         for (Row& row : *rows) {
-            if (row.asked.profile.empty()) row.asked.profile = result.texts["profile"];
             for (auto [name, hash] : {std::pair(&row.asked.source, &row.asked.source_hash),
                                       std::pair(&row.asked.target, &row.asked.target_hash)}) {
                 if (const auto at = hashes.find(*name); at != hashes.end()) *hash = at->second;
@@ -307,13 +331,8 @@ ResultFile read_result(const fs::path& file) {
     return read_guarded(file, [&] { return read_trusting(file); });
 }
 
-std::vector<Row> read_rows(const fs::path& file, const std::set<std::string>& columns) {
-    return read_guarded(file, [&] {
-        const h5::File in(file, h5::Open::read);
-        expect_result(file, in);
-        expect_columns(in);
-        return read_answers(in, "cases", &columns);
-    });
+ResultFile read_part(const fs::path& file, const ResultPart& part) {
+    return read_guarded(file, [&] { return read_part_trusting(file, part); });
 }
 
 EarlierExperiment experiment_of(const fs::path& result) {

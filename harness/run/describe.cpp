@@ -21,7 +21,7 @@ void describe_run(ResultFile& result, const Plan& plan, const std::string& start
         {"finished", finished},
         {"commit", build.commit},
         {"dirty", build.dirty},
-        {"build", build.id + planted(plan)},
+        {"build", build_id() + planted(plan)},
         {"compiler", build.compiler},
         {"flags", build.flags},
         {"build_type", build.type},

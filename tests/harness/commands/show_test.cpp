@@ -6,8 +6,11 @@
 #include "harness/commands/row_table.h"
 #include "harness/commands/row_texts.h"
 #include "harness/commands/summary.h"
+#include "harness/record/columns.h"
 #include "harness/record/row_times.h"
+#include "harness/run/describe.h"
 #include "harness/run/progress.h"
+#include "tests/support/temporary_folder.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -442,6 +445,101 @@ TEST(Progress, SaysWhatIsFinishedWhileAWorkerGoesOn) {
         Progress(true, 0).done(1);
     }
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "not at every case, and never where it is to be quiet";
+}
+
+// Sets one column of a row to another value.
+template <class Part> void change(const Column<Part>& column, Part& part) {
+    if (const auto* text = std::get_if<typename Column<Part>::Text>(&column.value)) {
+        const std::string before = text->get(part);
+        for (const char* other :
+             {"x", R"({"a": 1})", R"({"a": "b"})", "timeout", "unsound", "number", "symmetric", "target to source"}) {
+            try {
+                text->set(part, other);
+                if (text->get(part) != before) return;
+            } catch (const std::exception&) {  // not a value of this column
+            }
+        }
+        FAIL() << column.name;
+    } else if (const auto* integer = std::get_if<typename Column<Part>::Integer>(&column.value)) {
+        integer->set(part, integer->get(part) == 0 ? 1 : 0);
+    } else {
+        const std::vector<double> other(12, 7);
+        std::get<typename Column<Part>::Real>(column.value).set(part, other.data());
+    }
+}
+
+// Changes, one after another, all columns that are not among `columns`, and calls same() each time.
+template <class Part, class Same>
+void change_others(const Columns<Part>& all, const std::set<std::string>& columns, Part& part, const Same& same) {
+    for (const Column<Part>& column : all) {
+        const bool follows = std::visit([](const auto& value) { return !value.set; }, column.value);
+        if (follows || columns.contains(std::string(column.name))) continue;
+        change(column, part);
+        same(column.name);
+    }
+}
+
+TEST(Show, ReadsEveryColumnThatItShows) {
+    ResultFile result = result_of({row("guthe", "needle", 1, 1.5), row("cover", "needle", 1.1, 1.2)});
+    for (Row& row : result.rows) time_it(row, {{1, 2}, {2, 3}});
+    const auto shown = [&] {
+        std::string all;
+        for (const TableForm form : {TableForm::text, TableForm::csv, TableForm::json, TableForm::markdown})
+            all += show_rows(result, {0, 1}, form, {0, false});
+        return all;
+    };
+    const std::string before = shown();
+    Row& last = result.rows.back();
+    const auto same = [&](std::string_view column) { EXPECT_EQ(shown(), before) << column; };
+    change_others(case_columns(), shown_part().columns, last.asked, same);
+    change_others(outcome_columns(), shown_part().columns, last.outcome, same);
+    change_others(check_columns(), shown_part().columns, last.check, same);
+    change_others(row_columns(), shown_part().columns, last, same);
+    last.asked.tolerance = 1;
+    EXPECT_NE(shown(), before);
+}
+
+TEST(Compare, ReadsEveryColumnThatItComparesBy) {
+    ResultFile result = result_of({row("guthe", "needle", 1, 1.5), row("cover", "needle", 1.1, 1.2)});
+    result.texts.insert({{"build", "b"}, {"machine", "m"}});
+    for (Row& row : result.rows) time_it(row, {{1, 2}, {2, 3}});
+    const ResultFile base = result;
+    const auto compared = [&] {
+        return compare_results(base, result) + compare_solvers(result, "guthe", "cover", {0, false});
+    };
+    const std::string before = compared();
+    const auto same = [&](std::string_view column) { EXPECT_EQ(compared(), before) << column; };
+    Row& last = result.rows.back();
+    change_others(case_columns(), compared_part().columns, last.asked, same);
+    change_others(outcome_columns(), compared_part().columns, last.outcome, same);
+    change_others(check_columns(), compared_part().columns, last.check, same);
+    change_others(row_columns(), compared_part().columns, last, same);
+    last.outcome.bounds = {0, 1};
+    EXPECT_NE(compared(), before);
+}
+
+TEST(ReadPart, ReadsTheColumnsAndTimesAskedFor) {
+    ResultFile result;
+    describe_run(result, Plan{}, "", "");
+    result.rows = {row("guthe", "needle", 1, 1.5), row("cover", "needle", 1.1, 1.2)};
+    result.texts["profile"] = "paper";
+    result.rows[1].asked.profile = "";
+    time_it(result.rows[1], {{1, 2}, {2, 3}});
+    const TemporaryFolder folder;
+    const auto file = folder.path() / "result.h5";
+    write_result(file, result);
+    const ResultFile part = read_part(file, {{"label", "upper"}, true});
+    EXPECT_EQ(part.texts, result.texts);
+    ASSERT_EQ(part.rows.size(), 2u);
+    EXPECT_EQ(part.rows[1].asked.label, "cover");
+    EXPECT_EQ(part.rows[1].asked.profile, "paper");
+    EXPECT_EQ(part.rows[1].asked.solver, "");
+    EXPECT_EQ(part.rows[1].outcome.bounds.upper, 1.2);
+    EXPECT_TRUE(std::isnan(part.rows[1].outcome.bounds.lower));
+    EXPECT_EQ(part.rows[1].outcome.repeats.size(), 4u);
+    EXPECT_EQ(part.rows[1].outcome.answers.size(), 2u);
+    EXPECT_EQ(part.rows[1].outcome.preparation.size(), 2u);
+    EXPECT_TRUE(read_part(file, {{"label"}}).rows[1].outcome.repeats.empty());
 }
 
 }  // namespace
