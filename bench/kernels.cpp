@@ -1,6 +1,7 @@
 // Benchmarks of single kernels, with Google Benchmark.
 //
 //   kernel_bench --meshes=torus:187,bunny,dragon [--benchmark_filter=closest ...]
+//   kernel_bench --pairs=bunny:bunny_half,hand:hand_half --benchmark_filter=floor
 //
 // A mesh is torus:N (generated, with 2 * N^2 triangles) or a model of datasets/manifest.toml. With the suffix +R, as
 // in bunny+1e6, one more triangle is added at a distance of R diagonals; the query points stay the same.
@@ -310,32 +311,77 @@ void register_subject(Subject& s) {
     add("bounds/swept_sphere", [&s](auto& state) { swept_bounds(state, s); });
 }
 
+// --- pairs of meshes ---------------------------------------------------------------------------------------------------
+
+struct PairOfMeshes {
+    TriangleMesh source, target;
+    std::unique_ptr<TriangleBlocks> blocks;  // of the target
+};
+
+// Times what any answer by groups takes at least: reading and sorting both meshes, and one query from each group of
+// sixteen neighbouring triangles of A, which begins with the answer of the group before. The memory is warm.
+void floor_of(benchmark::State& state, PairOfMeshes& pair) {
+    if (!pair.blocks) pair.blocks = std::make_unique<TriangleBlocks>(pair.target);
+    Counters counters;
+    for (auto _ : state) {
+        const TriangleOrder source(pair.source), target(pair.target);
+        benchmark::DoNotOptimize(target.order.data());
+        ClosestHints hints;
+        for (std::size_t i = 0; i < source.order.size(); i += 16) {
+            const Index vertex = pair.source.triangles(source.order[i], 0);
+            hints.warm_triangle = pair.blocks->closest(pair.source.vertices.row(vertex), hints, counters).triangle;
+        }
+        benchmark::DoNotOptimize(hints.warm_triangle);
+    }
+    count(state, static_cast<std::size_t>(pair.source.triangles.rows() + pair.target.triangles.rows()));
+}
+
+// Calls use(name) for each name of a list with commas. Says which ones were left out, because a model was not fetched.
+template <class Use> void each_of(const std::string& names, const Use& use) {
+    for (std::size_t begin = 0; begin < names.size();) {
+        const std::size_t end = std::min(names.find(',', begin), names.size());
+        try {
+            use(names.substr(begin, end - begin));
+        } catch (const InputError& error) {
+            fmt::print(stderr, "skipped: {}\n", error.what());
+        }
+        begin = end + 1;
+    }
+}
+
+// Takes an option of this form off the command line, if it is the first one. Returns its value, or else `usual`.
+std::string take_option(int& argc, char** argv, std::string_view option, const char* usual) {
+    if (argc < 2 || !std::string_view(argv[1]).starts_with(option)) return usual;
+    std::string value = argv[1] + option.size();
+    std::copy(argv + 2, argv + argc, argv + 1);
+    --argc;
+    return value;
+}
+
 }  // namespace
 }  // namespace hausbench
 
 int main(int argc, char** argv) {
     using namespace hausbench;
-    std::string meshes = "torus:187";
-    constexpr std::string_view option = "--meshes=";
-    if (argc > 1 && std::string_view(argv[1]).starts_with(option)) {
-        meshes = argv[1] + option.size();
-        std::copy(argv + 2, argv + argc, argv + 1);
-        --argc;
-    }
+    const std::string pairs = take_option(argc, argv, "--pairs=", "");
+    const std::string meshes = take_option(argc, argv, "--meshes=", pairs.empty() ? "torus:187" : "");
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     register_pages();
     register_pairs();
     std::vector<std::unique_ptr<Subject>> subjects;
-    for (std::size_t begin = 0; begin <= meshes.size();) {
-        const std::size_t end = std::min(meshes.find(',', begin), meshes.size());
-        try {
-            subjects.push_back(subject(meshes.substr(begin, end - begin)));
-            register_subject(*subjects.back());
-        } catch (const InputError& error) {  // a model was not fetched
-            fmt::print(stderr, "skipped: {}\n", error.what());
-        }
-        begin = end + 1;
-    }
+    each_of(meshes, [&](const std::string& name) {
+        subjects.push_back(subject(name));
+        register_subject(*subjects.back());
+    });
+    std::vector<std::unique_ptr<PairOfMeshes>> loaded;
+    each_of(pairs, [&](const std::string& name) {
+        const std::size_t colon = std::min(name.find(':'), name.size() - 1);
+        PairOfMeshes pair{model_mesh(name.substr(0, colon)), model_mesh(name.substr(colon + 1)), nullptr};
+        PairOfMeshes& kept = *loaded.emplace_back(std::make_unique<PairOfMeshes>(std::move(pair)));
+        benchmark::RegisterBenchmark(("floor/" + name).c_str(), [&kept](auto& state) {
+            floor_of(state, kept);
+        })->Unit(benchmark::kMillisecond);
+    });
     benchmark::RunSpecifiedBenchmarks();
 }

@@ -76,25 +76,53 @@ Item item_of(std::uint32_t key, Index row) { return (Item{key} << 32) | static_c
 Index row_of(Item item) { return static_cast<Index>(item & 0xffffffff); }
 std::uint32_t key_of(Item item) { return static_cast<std::uint32_t>(item >> 32); }
 
+constexpr std::size_t digits = 3, values = 1 << bits;  // a key is this many digits of a radix sort, each below `values`
+using Counts = std::array<std::uint32_t, values>;
+
+std::size_t digit_of(Item item, std::size_t k) { return (item >> (32 + bits * k)) & (values - 1); }
+
+// Sorts items by digit k into `to`, in parallel. Items with the same digit keep their order.
+void sort_by_digit(std::span<const Item> from, std::span<Item> to, std::size_t k, std::vector<Counts>& counts,
+                   const Threads& threads) {
+    const auto each_block = [&](const auto& use) {
+        threads.for_each(counts.size(), [&](std::size_t block) {
+            const Part mine = part(from.size(), block, counts.size());
+            for (std::size_t i = mine.begin; i < mine.end; ++i) use(block, from[i]);
+        });
+    };
+    for (Counts& count : counts) count.fill(0);
+    each_block([&](std::size_t block, Item item) { ++counts[block][digit_of(item, k)]; });
+    std::uint32_t sum = 0;
+    for (std::size_t value = 0; value < values; ++value)
+        for (Counts& count : counts) sum += std::exchange(count[value], sum);
+    each_block([&](std::size_t block, Item item) { to[counts[block][digit_of(item, k)]++] = item; });
+}
+
 // Sorts items by key. If the input is ordered by row, items with equal keys stay in this order. `room` is a scratch
 // buffer.
-void sort_items(std::span<Item> items, std::vector<Item>& room) {
+void sort_items(std::span<Item> items, std::vector<Item>& room, const Threads& threads = Threads()) {
     if (items.size() < 1024) {
         std::sort(items.begin(), items.end());
         return;
     }
-    constexpr std::size_t digits = 3, values = 1 << bits;
-    std::array<std::array<std::uint32_t, values>, digits> counts{};
-    for (const Item item : items) {
-        for (std::size_t k = 0; k < digits; ++k) ++counts[k][(item >> (32 + bits * k)) & (values - 1)];
-    }
     if (room.size() < items.size()) room = filled<Item>(items.size());
     std::span<Item> from = items, to(room.data(), items.size());
-    for (std::size_t k = 0; k < digits; ++k) {
-        std::uint32_t sum = 0;
-        for (std::uint32_t& count : counts[k]) sum += std::exchange(count, sum);
-        for (const Item item : from) to[counts[k][(item >> (32 + bits * k)) & (values - 1)]++] = item;
-        std::swap(from, to);
+    if (const std::size_t blocks = blocks_of(items.size(), 8192); threads.most() > 1 && blocks > 1) {
+        std::vector<Counts> counts(blocks);
+        for (std::size_t k = 0; k < digits; ++k) {
+            sort_by_digit(from, to, k, counts, threads);
+            std::swap(from, to);
+        }
+    } else {  // one thread counts all digits at once
+        std::array<Counts, digits> counts{};
+        for (const Item item : items)
+            for (std::size_t k = 0; k < digits; ++k) ++counts[k][digit_of(item, k)];
+        for (std::size_t k = 0; k < digits; ++k) {
+            std::uint32_t sum = 0;
+            for (std::uint32_t& count : counts[k]) sum += std::exchange(count, sum);
+            for (const Item item : from) to[counts[k][digit_of(item, k)]++] = item;
+            std::swap(from, to);
+        }
     }
     std::copy(from.begin(), from.end(), to.begin());  // an odd number of passes leaves the result in the other buffer
 }
@@ -216,7 +244,7 @@ std::vector<Index> order_along(const Points& points, const std::vector<Index>* c
             items[i] = item_of(key_along<curve>(frame, points.row(row).data()), row);
         }
     });
-    sort_items(items, room);
+    sort_items(items, room, threads);
     refine_runs<curve>(points, items, frame, room);
     auto order = filled<Index>(count);
     for (std::size_t i = 0; i < count; ++i) order[i] = row_of(items[i]);

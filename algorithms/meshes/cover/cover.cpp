@@ -288,7 +288,7 @@ public:
     void prepare(const Scene& scene, const Prepared& prepared) override {
         MeshSolver::prepare(scene, prepared);
         order_ = &prepared.get<TriangleOrder>(Side::source);
-        boxes_ = GroupBoxes(source().triangles, source().vertices, order_->order);
+        boxes_ = GroupBoxes(source().triangles, source().vertices, order_->order, prepared.threads());
     }
     std::size_t prepared_bytes() const override { return boxes_.bytes(); }
 

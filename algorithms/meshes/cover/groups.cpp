@@ -23,9 +23,16 @@ Box box_of_cluster(const Triangles& triangles, const Points& points, const std::
 
 }  // namespace
 
-GroupBoxes::GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order) : boxes_(1) {
-    boxes_[0] = filled<Box>((order.size() + cluster_triangles - 1) / cluster_triangles);
-    for (std::size_t i = 0; i < boxes_[0].size(); ++i) boxes_[0][i] = box_of_cluster(triangles, points, order, i);
+GroupBoxes::GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order,
+                       const Threads& threads)
+    : boxes_(1) {
+    std::vector<Box>& clusters = boxes_[0];
+    clusters = filled<Box>((order.size() + cluster_triangles - 1) / cluster_triangles);
+    const std::size_t blocks = blocks_of(clusters.size(), 256);
+    threads.for_each(blocks, [&](std::size_t block) {
+        const Part mine = part(clusters.size(), block, blocks);
+        for (std::size_t i = mine.begin; i < mine.end; ++i) clusters[i] = box_of_cluster(triangles, points, order, i);
+    });
     while (boxes_.back().size() > most_first_groups) {
         const std::vector<Box>& below = boxes_.back();
         std::vector<Box> level((below.size() + group_parts - 1) / group_parts);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "algorithms/kernel/box.h"
+#include "algorithms/kernel/parallel.h"
 #include "algorithms/scene.h"
 
 #include <cstddef>
@@ -18,8 +19,9 @@ class GroupBoxes {
 public:
     GroupBoxes() = default;
     // `order` lists all triangles such that neighbours follow each other; consecutive triangles form a group. Takes
-    // O(n).
-    GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order);
+    // O(n). The result is the same for any number of threads.
+    GroupBoxes(const Triangles& triangles, const Points& points, const std::vector<Index>& order,
+               const Threads& threads = Threads());
 
     std::size_t levels() const { return boxes_.size(); }
     std::size_t bytes() const;
