@@ -11,10 +11,6 @@ namespace hausbench {
 // content stays. Does nothing for arrays of a few pages, and where the system cannot do it.
 void touch_pages(void* begin, std::size_t bytes);
 
-// Makes the system use huge pages for these bytes where they fit, once they are written. For an array of which only a
-// part may be written. Does nothing where touch_pages() does nothing.
-void want_huge_pages(void* begin, std::size_t bytes);
-
 // Reserves room for `count` elements in a vector that will be filled, and touches its pages.
 template <class T> void reserve_touched(std::vector<T>& vector, std::size_t count) {
     if (vector.capacity() >= count) return;

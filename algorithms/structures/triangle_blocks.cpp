@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <thread>
-#include <utility>
 
 namespace hausbench {
 
@@ -155,63 +153,41 @@ std::vector<Run> runs_of(const TriangleMesh& mesh, const std::vector<Index>& ord
     return runs;
 }
 
-}  // namespace
-
-TriangleFramesLeaves::TriangleFramesLeaves(const TriangleMesh& mesh, std::vector<Index> order,
-                                           std::vector<std::uint32_t> begin, double least_unit)
-    : mesh_(&mesh),
-      order_(std::move(order)),
-      begin_(std::move(begin)),
-      least_unit_(least_unit),
-      leaves_(std::make_unique_for_overwrite<TriangleFramesLeaf[]>(size())),
-      state_(std::make_unique<std::atomic<State>[]>(size())) {
-    want_huge_pages(leaves_.get(), size() * sizeof(TriangleFramesLeaf));
-}
-
-void TriangleFramesLeaves::make(std::size_t i) const {
-    State found = State::missing;
-    if (!state_[i].compare_exchange_strong(found, State::in_work, std::memory_order_acquire)) {
-        while (state_[i].load(std::memory_order_acquire) != State::made) std::this_thread::yield();
-        return;
-    }
-    TriangleFramesLeaf& leaf = leaves_[i];
-    const std::size_t begin = begin_[i], end = begin_[i + 1];
-    leaf.count = static_cast<std::int32_t>(end - begin);
-    leaf.units.set(box_of(*mesh_, order_, begin, end), least_unit_);
+void set_leaf(const TriangleMesh& mesh, const std::vector<Index>& order, const Run& run, double least_unit,
+              TriangleFramesLeaf& leaf) {
+    leaf.count = static_cast<std::int32_t>(run.end - run.begin);
+    leaf.units.set(run.box, least_unit);
     CornerRows corners;
-    for (std::size_t lane = 0; lane < frames_width; ++lane) {
-        leaf.triangle[lane] = order_[std::min(begin + lane, end - 1)];
-        const Triangle t = triangle_of(*mesh_, leaf.triangle[lane]);
+    for (std::size_t i = 0; i < frames_width; ++i) {
+        leaf.triangle[i] = order[std::min(run.begin + i, run.end - 1)];
+        const Triangle t = triangle_of(mesh, leaf.triangle[i]);
         const Vec3* const of[3] = {&t.a, &t.b, &t.c};
         for (std::size_t v = 0; v < 3; ++v)
             for (std::size_t k = 0; k < 3; ++k)
-                corners.row[3 * v + k][lane] =
+                corners.row[3 * v + k][i] =
                     ((*of[v])[static_cast<Index>(k)] - leaf.units.origin[k]) * leaf.units.inverse;
     }
     make_frames(corners, leaf.frames);
-    state_[i].store(State::made, std::memory_order_release);
 }
 
-std::size_t TriangleFramesLeaves::bytes() const {
-    return size() * (sizeof(TriangleFramesLeaf) + sizeof(State)) + order_.capacity() * sizeof(Index) +
-           begin_.capacity() * sizeof(std::uint32_t);
-}
+}  // namespace
 
 TriangleBlocks::TriangleBlocks(const TriangleMesh& mesh, const Threads& threads) : mesh_(&mesh) {
-    std::vector<Index> order = without_copies(mesh, TriangleOrder(mesh, threads).order);
+    const std::vector<Index> order = without_copies(mesh, TriangleOrder(mesh, threads).order);
     const double least_unit = std::max(mesh.vertices.cwiseAbs().maxCoeff() * least_unit_of_magnitude, 0x1p-900);
     const std::vector<Run> runs = runs_of(mesh, order, threads);
-    std::vector<std::uint32_t> begin;
-    std::vector<Box> boxes, below;
-    begin.reserve(runs.size() + 1);
-    reserve_touched(boxes, runs.size());
-    for (const Run& run : runs) {
-        begin.push_back(static_cast<std::uint32_t>(run.begin));
-        boxes.push_back(run.box);
-    }
-    begin.push_back(static_cast<std::uint32_t>(order.size()));
-    leaves_ = TriangleFramesLeaves(mesh, std::move(order), std::move(begin), least_unit);
-    std::size_t nodes = 0, level = boxes.size();
+    leaves_ = filled<TriangleFramesLeaf>(runs.size());
+    auto boxes = filled<Box>(runs.size());
+    std::vector<Box> below;
+    const std::size_t blocks = blocks_of(runs.size(), least_of_block / frames_width);
+    threads.for_each(blocks, [&](std::size_t block) {
+        const Part mine = part(runs.size(), block, blocks);
+        for (std::size_t i = mine.begin; i < mine.end; ++i) {
+            set_leaf(mesh, order, runs[i], least_unit, leaves_[i]);
+            boxes[i] = runs[i].box;
+        }
+    });
+    std::size_t nodes = 0, level = runs.size();
     do {
         level = (level + frames_width - 1) / frames_width;
         nodes += level;
@@ -284,7 +260,8 @@ void set_frames(const TriangleMesh& mesh, const std::vector<Index>& triangles, N
 }
 
 std::size_t TriangleBlocks::bytes() const {
-    return leaves_.bytes() + nodes_.capacity() * sizeof(BoxNode) + level_begin_.capacity() * sizeof(std::size_t);
+    return leaves_.capacity() * sizeof(TriangleFramesLeaf) + nodes_.capacity() * sizeof(BoxNode) +
+           level_begin_.capacity() * sizeof(std::size_t);
 }
 
 }  // namespace hausbench

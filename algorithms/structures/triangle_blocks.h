@@ -1,9 +1,8 @@
 // Triangles along a Hilbert curve, sixteen per leaf, under a tree of boxes with sixteen children per node. The tree is
 // implicit: it has no pointers, because the index of a child follows from the index of its parent.
 //
-// It is quick to build: a radix sort, then one pass for the boxes. A leaf is made when a search first visits it, because
-// between shapes that are far apart few leaves are visited. It is quick to search because each leaf keeps a *frame* for
-// each of its triangles, in single precision: a coordinate system with the triangle in its xy plane, in which a distance
+// It is quick to build: a radix sort, then one pass. It is quick to search because each leaf keeps a *frame* for each
+// of its triangles, in single precision: a coordinate system with the triangle in its xy plane, in which a distance
 // takes only products and sums (kernel/triangle_frames.h). Frames only filter: they reject triangles that are too far
 // away. The distances to all others are computed in double precision, so answers have the same bits as a plain scan
 // (kernel/closest.h).
@@ -39,9 +38,7 @@
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/kernel/triangle_frames.h"
 
-#include <atomic>
 #include <cstdint>
-#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -65,35 +62,6 @@ struct alignas(64) TriangleFramesLeaf {
     LocalUnits units;
     Index triangle[frames_width];
     std::int32_t count;
-};
-
-// The leaves of TriangleBlocks, each made when it is first used. Several threads may use them at the same time.
-class TriangleFramesLeaves {
-public:
-    TriangleFramesLeaves() = default;
-    // Leaf i has the triangles order[begin[i]] to order[begin[i + 1] - 1], at most sixteen. `mesh` must outlive this
-    // object. No unit of a leaf is below `least_unit`.
-    TriangleFramesLeaves(const TriangleMesh& mesh, std::vector<Index> order, std::vector<std::uint32_t> begin,
-                         double least_unit);
-
-    std::size_t size() const { return begin_.size() - 1; }
-    const TriangleFramesLeaf& operator[](std::size_t i) const {
-        if (state_[i].load(std::memory_order_acquire) != State::made) make(i);
-        return leaves_[i];
-    }
-    std::size_t bytes() const;  // once all leaves are made
-
-private:
-    enum class State : std::uint8_t { missing, in_work, made };
-
-    void make(std::size_t i) const;
-
-    const TriangleMesh* mesh_ = nullptr;
-    std::vector<Index> order_;
-    std::vector<std::uint32_t> begin_;
-    double least_unit_ = 0;
-    std::unique_ptr<TriangleFramesLeaf[]> leaves_;  // its pages are untouched until a leaf in them is made
-    std::unique_ptr<std::atomic<State>[]> state_;
 };
 
 // The boxes of up to sixteen children, in the local coordinates `units`.
@@ -165,10 +133,10 @@ template <class T> inline constexpr double near_error = frame_error<T> + 16;
 class TriangleBlocks {
 public:
     static constexpr std::string_view structure_name = "triangle blocks";
-    static constexpr int structure_layout = 2;
+    static constexpr int structure_layout = 1;
 
     // `mesh` must outlive this object. O(n) time, unless the sizes of details differ by many orders of magnitude (see
-    // morton_order in kernel/morton.h); about 92 bytes per triangle. The result is the same for any number of threads.
+    // morton_order in kernel/morton.h); about 87 bytes per triangle. The result is the same for any number of threads.
     explicit TriangleBlocks(const TriangleMesh& mesh, const Threads& threads = Threads());
 
     // Returns the same closest point, bit for bit, as closest_by_scan (kernel/closest.h). O(log n) on well-behaved
@@ -184,12 +152,12 @@ public:
     void gather(const Vec3& centre, double radius, NearTriangles<float>& near, Counters& counters) const;
 
     const TriangleMesh& mesh() const { return *mesh_; }
-    const TriangleFramesLeaves& leaves() const { return leaves_; }
+    const std::vector<TriangleFramesLeaf>& leaves() const { return leaves_; }
     std::size_t bytes() const;
 
     // A view of the members, for the functions in triangle_blocks_search.cpp.
     struct Tree {
-        const TriangleFramesLeaves& leaves;
+        const std::vector<TriangleFramesLeaf>& leaves;
         const std::vector<BoxNode>& nodes;
         // Level i of the tree begins at nodes[level_begin[i - 1]]. Level 1 has the boxes of the leaves; the last level
         // is a single node, the root. Child c of node n is node 16 * n + c of the level below; for level 1, leaf 16 * n
@@ -205,7 +173,7 @@ private:
     void add_level(const std::vector<Box>& below, std::vector<Box>& boxes, double least_unit);
 
     const TriangleMesh* mesh_;
-    TriangleFramesLeaves leaves_;
+    std::vector<TriangleFramesLeaf> leaves_;
     std::vector<BoxNode> nodes_;
     std::vector<std::size_t> level_begin_;
 };

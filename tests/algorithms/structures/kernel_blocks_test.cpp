@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -254,25 +253,6 @@ TEST(TriangleBlocks, AreTheSameForAnyNumberOfThreads) {
             ASSERT_EQ(std::memcmp(x.units.origin, y.units.origin, sizeof x.units.origin), 0) << i;
             ASSERT_EQ(x.units.unit, y.units.unit) << i;
         }
-    }
-}
-
-// All threads visit all leaves in the same order, so that they often meet at a leaf that is being made.
-TEST(TriangleBlocks, MakeALeafOnceForAllThreads) {
-    Random random(17);
-    const TriangleMesh mesh = triangle_grid(random, 100, 0.05);
-    const TriangleBlocks alone(mesh);
-    for (int round = 0; round < 20; ++round) {
-        const TriangleBlocks blocks(mesh);
-        std::atomic<int> different = 0;
-        Threads(4).for_each(8, [&](std::size_t) {
-            for (std::size_t i = 0; i < blocks.leaves().size(); ++i) {
-                const TriangleFramesLeaf &x = blocks.leaves()[i], &y = alone.leaves()[i];
-                if (x.count != y.count || std::memcmp(x.frames.row, y.frames.row, sizeof x.frames.row) != 0)
-                    ++different;
-            }
-        });
-        ASSERT_EQ(different, 0) << round;
     }
 }
 

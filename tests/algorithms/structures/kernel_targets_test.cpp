@@ -140,7 +140,7 @@ TEST(Targets, TreesAnswerAndCountAlike) {
                               blocks.certified_distance(p, counters)};
                 if (i % 4 == 3) answer.closest = blocks.closest(p, hints, counters);
                 NearTriangles<float> near;
-                near.clear(blocks.leaves()[0].units);
+                near.clear(blocks.leaves().front().units);
                 blocks.gather(p, 2 * std::sqrt(answer.closest.squared_distance), near, counters);
                 warm = answer.closest.triangle;
                 answers.push_back(answer);
