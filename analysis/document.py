@@ -8,7 +8,6 @@ PAPER `hausbench` has the experiments that belong to no paper. --compile makes <
 from __future__ import annotations
 
 import argparse
-import ast
 import os
 import re
 import shutil
@@ -23,7 +22,7 @@ from analysis import forest, ledger, which_solver
 from analysis.paper_page import TITLES, papers
 from analysis.shared import claims, tables
 from analysis.shared.report import CAPTION
-from analysis.shared.stems import ANALYSIS, drawn_with, has_script, script_of
+from analysis.shared.stems import ANALYSIS, drawn_with, has_script
 from analysis.shared.tex import tex_escape
 
 # Defines adjustbox to do nothing, so that LaTeX reports tables that are too wide instead of shrinking them.
@@ -35,6 +34,14 @@ PREAMBLE: Final = r"""\documentclass[letterpaper]{article}
 \makeatletter\def\fps@table{!htbp}\makeatother
 \setlength{\parindent}{0pt}
 """
+# Titles of what is drawn from the results of other experiments.
+DRAWN: Final = {"scaling_billion": "Point sets: the cost of a billion points each, forecast",
+                "statistics_programs": "Statistics of the distance: MeshLab and CloudCompare",
+                "stability_error": "Stiff and extreme cases: error and gap against severity",
+                "stability_time": "Stiff and extreme cases: time and counted work against severity",
+                "which_solver": "Which certified solver is fastest",
+                "claims": "Ratios of all claims: measured against claimed",
+                "ledger": "Work left out, and the time that this saved"}
 OF_ALL: Final = {"which_solver": which_solver.CAPTION, "claims": forest.CAPTION, "ledger": ledger.CAPTION}  # figures about all experiments
 WITHOUT_LATEX: Final = "pdflatex is not installed (on Debian: texlive-latex-extra)"
 _OVERFULL: Final = re.compile(r"^Overfull \\hbox \((\d+\.\d+)pt too wide\).*$|^LaTeX Warning: Float too large for page by (\d+\.\d+)pt.*$", re.MULTILINE)
@@ -59,11 +66,10 @@ def stems_of(paper: str) -> list[str]:
 
 
 def title_of(stem: str) -> str:
-    """Returns the title of an experiment from its file; without one, what its script says of itself, or the stem."""
+    """Returns the title of an experiment from its file, or of what is drawn from the results of others; without one, the stem."""
     for file in (ANALYSIS.parent / "experiments").rglob(f"{stem}.toml"):
         return str(tomllib.loads(file.read_text(encoding="utf-8")).get("title", stem))
-    said = ast.get_docstring(ast.parse(script_of(stem).read_text(encoding="utf-8"))) if has_script(stem) else None
-    return said.partition("\n")[0].rstrip(".") if said else stem
+    return DRAWN.get(stem, stem)
 
 
 def caption_of(folder: Path, stem: str) -> str:

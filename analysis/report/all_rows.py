@@ -25,7 +25,7 @@ NUMBERS: Final = ("tolerance", "lower", "upper", "error", "seconds", "certified"
 PROVERS: Final = ("cover", "guthe", "sacht", "kang", "zheng")  # solvers that write certificates, see docs/certificate.md
 STATUSES: Final = {"ok": "an answer within the tolerance", "budget": "the solver's own limit of work was reached; the bounds hold",
                    "floor": "the tolerance is below the precision of doubles; the bounds hold", "timeout": "no answer in time", "out_of_memory": "no answer: too little memory",
-                   "signal": "no answer: the solver crashed", "failed": "no answer; the reason says what happened", "unsound": "the check refutes the answer",
+                   "signal": "no answer: the solver crashed", "failed": "the solver gave up, or refused the input; the reason says why", "unsound": "the check refutes the answer",
                    "skipped": "not run: something that the case needs is missing", "not_built": "not run: this build lacks the solver"}
 UNMOVED: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 

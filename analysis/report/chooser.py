@@ -23,22 +23,20 @@ NEAR_SHARE: Final = 0.01
 
 
 @dataclass(frozen=True)
-class Best:
-    """The solver that wins most scenes of a group."""
+class Win:
+    """A solver that is fastest on some scenes of a group."""
 
     solver: str
     wins: int
-    scenes: int
     ratio: float  # time of the next best / its time: geometric mean over its wins; NaN: it ran alone, or is not ahead of all others
     least: float  # of these ratios
     most: float
     separated: int  # the number of its wins that are separated from all others
     rounds_suffice: bool  # some win has enough rounds to be separated
-    names: Sequence[str]
 
     @property
-    def text(self) -> str:
-        return f"{self.solver} {tables.number(self.ratio, 2)}×" if self.ratio == self.ratio else self.solver
+    def factor(self) -> str:
+        return f"{tables.number(self.ratio, 2)}×" if self.ratio == self.ratio else ""
 
     @property
     def range(self) -> str:
@@ -48,16 +46,38 @@ class Best:
 
     @property
     def doubt(self) -> str:
-        """Says that no win is separated, and whether more rounds could help; empty if one is."""
-        if self.separated or self.ratio != self.ratio:
+        """Says how many wins are separated, and if none is, whether more rounds could help; empty if all are, or there is no ratio."""
+        if self.separated == self.wins or self.ratio != self.ratio:
             return ""
-        return "not separated" if self.rounds_suffice else "too few rounds to tell"
+        return f"{self.separated} of them separated" if self.separated else "not separated" if self.rounds_suffice else "too few rounds to tell"
+
+
+@dataclass(frozen=True)
+class Group:
+    """The scenes of one kind, distance, size and tolerance."""
+
+    winners: Sequence[Win]  # the one with most wins first
+    scenes: Sequence[str]
+
+    @property
+    def leader(self) -> Win | None:
+        """The solver that wins more than half of the scenes; None: no solver does."""
+        return self.winners[0] if 2 * self.winners[0].wins > len(self.scenes) else None
+
+
+@dataclass(frozen=True)
+class Kind:
+    """The table of one kind of shape."""
+
+    title: str
+    sized: bool  # has a column of sizes
+    tolerances: Sequence[str]
+    rows: Sequence[tuple[str, str, Sequence[Group | None]]]  # distance, size, and a cell for each tolerance
 
 
 @dataclass(frozen=True)
 class Matrix:
-    tolerances: Sequence[str]
-    rows: Sequence[tuple[str, str, str, Sequence[Best | None]]]  # kind, distance, size, and a cell for each tolerance
+    kinds: Sequence[Kind]
     stems: Sequence[str]  # the experiments that were used
     rounds: tuple[int, int]  # the fewest and the most rounds of a comparison
 
@@ -75,13 +95,16 @@ def size(results: Results, scene: str) -> str:
     return next(name for least_above, name in SIZES if larger < least_above)
 
 
-def best(cells: Sequence[Cell]) -> Best:
-    title, wins = Counter(one.title for one in cells).most_common(1)[0]
-    own = [one for one in cells if one.title == title]
+def group(cells: Sequence[Cell]) -> Group:
+    by_wins = Counter(one.title for one in cells).most_common()
+    return Group([win([one for one in cells if one.title == title]) for title, _ in by_wins], [f"{one.stem}: {one.scene}" for one in cells])
+
+
+def win(own: Sequence[Cell]) -> Win:
     known = [one.ratio for one in own if one.ratio is not None and one.ratio.n]
     ratios = [one.value for one in known] or [float("nan")]
-    return Best(title, wins, len(cells), float(scipy.stats.gmean(ratios)), min(ratios), max(ratios), sum(one.separated for one in own),
-                any(one.coverage >= CONFIDENCE for one in known), [f"{one.stem}: {one.scene}" for one in cells])
+    return Win(own[0].title, len(own), float(scipy.stats.gmean(ratios)), min(ratios), max(ratios), sum(one.separated for one in own),
+               any(one.coverage >= CONFIDENCE for one in known))
 
 
 def matrix(results: dict[str, Results]) -> Matrix:
@@ -90,12 +113,17 @@ def matrix(results: dict[str, Results]) -> Matrix:
     for stem in STEMS:
         if stem in results:
             for one in which_solver.cells_of(results[stem]):
-                key = (one.domain, regime(results[stem], one.scene), size(results[stem], one.scene), one.tolerance)
-                groups.setdefault(key, []).append(one)
+                large = size(results[stem], one.scene) if one.domain != "surface" else ""
+                groups.setdefault((one.domain, regime(results[stem], one.scene), large, one.tolerance), []).append(one)
     cells = [one for own in groups.values() for one in own]
     rounds = [one.ratio.n for one in cells if one.ratio is not None and one.ratio.n] or [0]
-    tolerances = sorted({key[3] for key in groups}, reverse=True)
-    wanted = [(domain, near, name) for domain in DOMAINS for near in REGIMES for _, name in SIZES]
-    rows = [(DOMAINS[domain], near, name, [best(groups[domain, near, name, x]) if (domain, near, name, x) in groups else None for x in tolerances])
-            for domain, near, name in wanted if any((domain, near, name, x) in groups for x in tolerances)]
-    return Matrix(["finest" if x == FINEST else f"{x:g}" for x in tolerances], rows, list(dict.fromkeys(one.stem for one in cells)), (min(rounds), max(rounds)))
+    kinds = [kind({key[1:]: own for key, own in groups.items() if key[0] == domain}, title) for domain, title in DOMAINS.items()]
+    return Matrix([one for one in kinds if one.rows], list(dict.fromkeys(one.stem for one in cells)), (min(rounds), max(rounds)))
+
+
+def kind(groups: dict[tuple[str, str, float], list[Cell]], title: str) -> Kind:
+    tolerances = sorted({tolerance for _, _, tolerance in groups}, reverse=True)
+    sizes = [name for _, name in SIZES] + [""]
+    rows = [(near, large, [group(groups[near, large, x]) if (near, large, x) in groups else None for x in tolerances])
+            for near in REGIMES for large in sizes if any((near, large, x) in groups for x in tolerances)]
+    return Kind(title, any(large for _, large, _ in rows), ["" if x == FINEST else f"{x:g}" for x in tolerances], rows)

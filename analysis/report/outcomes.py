@@ -81,6 +81,11 @@ class Paper:
         return sum(line.verdict.css == css for line in self.lines)
 
     @property
+    def kept(self) -> int:
+        """The number of verdicts that are kept from longer runs."""
+        return sum(line.kept for line in self.lines)
+
+    @property
     def counts(self) -> list[tuple[Outcome, int]]:
         found = Counter(line.verdict.words for line in self.lines)
         return [(Outcome(words), found[words]) for words in ORDER if found[words]]

@@ -37,7 +37,7 @@ from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.printable import printable
 from analysis.shared.results import ResultError, Results
-from analysis.stability.stability_outcomes import Outcome
+from analysis.stability.stability_outcomes import STOPS, Outcome
 
 HERE: Final = Path(__file__).resolve().parent
 ROOT: Final = HERE.parents[1]
@@ -169,7 +169,7 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
     pages_of = {name: [experiment(stem, results, out) for stem in document.stems_of(name)] for name in lines}
     verdicts = {name: outcomes.paper(name, several) for name, several in lines.items()}
     rows = sum(len(one.cases) for one in results.values())
-    page("index", "index.html.j2", results=results, rows=rows, problems=problems, choice=chooser.matrix(results), claims=verdicts,
+    page("index", "index.html.j2", results=results, rows=rows, problems=problems, choice=chooser.matrix(results), claims=verdicts, paper_claims=outcomes.Paper("", [line for name in common["papers"] for line in verdicts[name].lines]),
          runs=[Experiment(stem, document.title_of(stem), one, "", (), ()) for stem, one in results.items()])
     for name in common["papers"]:
         page(name, "paper.html.j2", name=name, experiments=pages_of[name], claims=verdicts[name], sketches=paper_page.SKETCHES.get(name, ()))
@@ -178,7 +178,7 @@ def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
     shown = scenes.described(results)
     page("scenes", "scenes.html.j2", count=len(shown["scenes"]), view=(LIBRARIES / "view.js").exists())
     kinds, answers = matrix.described(results)
-    page("stability", "stability.html.j2", kinds=kinds, plots=plots, outcomes=list(Outcome))
+    page("stability", "stability.html.j2", kinds=kinds, plots=plots, outcomes=list(Outcome), stops=[(words, letter) for letter, words in STOPS.values()])
     timings, left_out = history(), ledger.by_time([ledger.read(one) for one in results.values()])
     page("work", "work.html.j2", table=ledger.table(left_out) if left_out else None, totals=ledger.line(left_out) if left_out else "",
          history=bool(timings), plots=plots)

@@ -63,7 +63,7 @@ def verdicts(pairs: list[Shown]) -> list[Verdict]:
         used = all_of(claims.of("sacht2024", "all_bounds", pair.scene), len(unused), len(NAMES), len(NAMES), f"bounds, of {n:,} triangles")
         # The exact case and u1 are the two least used if both counts are below all others.
         more = [name for name, count in zip(NAMES[2:], counts[2:]) if count <= max(counts[:2])]
-        least = all_of(claims.of("sacht2024", "least_used", pair.scene), len(more), 3, 3, f"other bounds: {said}")
+        least = all_of(claims.of("sacht2024", "least_used", pair.scene), len(more), 3, 3, f"comparisons with another bound: {said}")
         # u2 and u3 are the two most used if both counts are above all others.
         less = [name for name, count in zip(NAMES[2:4], counts[2:4]) if count <= max(*counts[:2], counts[4])]
         found += [used, least, all_of(claims.of("sacht2024", "u2_u3", pair.scene), len(less), 2, 2, f"bounds: {said}")]

@@ -157,7 +157,7 @@ def wins_more(claim: str, ahead: Mapping[str, Wins], behind: Mapping[str, Wins],
     parts = [f"{ours} of {pairs} pairs, and "
              + (f"of the others {best} most: " if len(behind) > 1 else f"{best} ") + f"{int(behind[best].sum())}",
              f"{sum(clear)} of {len(both)} comparisons separated in its favour" if len(both) > 1 else ""] \
-        + [f"more: {', '.join(f'{b} than {a}' for a, b in against[:3])}"] * (len(both) > 1 and bool(against))
+        + [f"separated against it: {', '.join(f'{b} more often than {a}' for a, b in against[:3])}"] * (len(both) > 1 and bool(against))
     return Verdict(claim, outcome, "; ".join(part for part in parts if part))
 
 

@@ -109,8 +109,8 @@ def power_of(ratios: Sequence[Estimate], what: str) -> str:
     needed = next((k for k in range(1, of + 1) if of * chances[k - 1] / k <= ERROR), of + 1)
     if needed == 1:
         return ""
-    return (f"n = {n} cannot refute it for {of} {what}" if needed > of else
-            f"n = {n} refutes it only if at least {needed} of {of} {what} are below 1")
+    return (f"{'1 round is' if n == 1 else f'{n} rounds are'} too few to refute it for {of} {what}" if needed > of else
+            f"{'1 round refutes' if n == 1 else f'{n} rounds refute'} it only if at least {needed} of {of} {what} are below 1")
 
 
 def most_of(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> Verdict:
@@ -270,5 +270,5 @@ def least_among(claim: str, rivals: Sequence[tuple[str, Sequence[Estimate]]], be
     parts = [f"least at {best}"] + [f"faster than {' and '.join(among)}: {', '.join(faster)}"] * bool(faster) \
         + [f"less time, but not less than one of {len(rivals)} may take by chance: {', '.join(below)}"] * bool(below) \
         + [f"not separated from it: {', '.join(level)}"] * bool(level) \
-        + [f"n = {min(y.n for _, x in rivals for y in x)} cannot refute it for {len(rivals)} rivals"] * (blind and outcome == OPEN)
+        + [f"{min(y.n for _, x in rivals for y in x)} rounds are too few to refute it for {len(rivals)} rivals"] * (blind and outcome == OPEN)
     return Verdict(claim, outcome, "; ".join(parts))

@@ -90,23 +90,39 @@ def test_without_results_the_kept_verdicts_are_shown(tmp_path: Path) -> None:
 
 def test_which_solver_to_take(tmp_path: Path) -> None:
     found = chooser.matrix({"mesh_peers": load(peers().write(tmp_path))})
-    assert found.tolerances == ["1e-06"]
-    ((kind, distance, size, (best,)),) = found.rows
-    assert (kind, distance, size) == ("Meshes", chooser.APART, "10K to 100K") and best is not None
-    assert (best.solver, best.wins, best.scenes, best.separated) == ("cover", 1, 1, 1) and best.ratio == pytest.approx(2.0, rel=0.05)
-    assert chooser.matrix({}).rows == []
+    (kind,) = found.kinds
+    assert (kind.title, kind.sized, kind.tolerances) == ("Meshes", True, ["1e-06"])
+    ((distance, size, (group,)),) = kind.rows
+    assert (distance, size) == (chooser.APART, "10K to 100K") and group is not None and len(group.scenes) == 1
+    best = group.leader
+    assert best is not None and (best.solver, best.wins, best.separated) == ("cover", 1, 1) and best.ratio == pytest.approx(2.0, rel=0.05)
+    assert chooser.matrix({}).kinds == []
 
 
 def test_every_status_is_explained() -> None:
     assert set(all_rows.STATUSES) == {"ok", *style.STATUS_WORDS}
 
 
+def won(solver: str, rounds: int, *ratios: float) -> list[Cell]:
+    """Returns cells that a solver wins by these ratios, with so many rounds each."""
+    times = [ratio_by_round(dict.fromkeys(range(rounds), ratio), dict.fromkeys(range(rounds), 1.0)) for ratio in ratios]
+    return [Cell("mesh", "mesh_peers", f"{solver} {k}", "", 1e-6, solver, solver, 1, one, one.separated) for k, one in enumerate(times)]
+
+
 @pytest.mark.parametrize("rounds,doubt", [(7, ""), (2, "too few rounds to tell")])
 def test_a_win_without_enough_rounds_says_so(rounds: int, doubt: str) -> None:
-    wins = [Cell("mesh", "mesh_peers", f"scene {k}", "", 1e-6, "cover", "cover", 1, ratio, ratio.separated)
-            for k, ratio in enumerate((ratio_by_round(dict.fromkeys(range(rounds), slow), dict.fromkeys(range(rounds), 1.0)) for slow in (2.0, 8.0)))]
-    best = chooser.best(wins)
-    assert (best.text, best.range, best.doubt) == ("cover 4.0×", "2.0× to 8.0×", doubt)
+    best = chooser.group(won("cover", rounds, 2.0, 8.0)).leader
+    assert best is not None and (best.factor, best.range, best.doubt) == ("4.0×", "2.0× to 8.0×", doubt)
+
+
+def test_one_separated_win_does_not_speak_for_the_others() -> None:
+    best = chooser.group(won("cover", 7, 2.0) + won("cover", 2, 3.0, 4.0)).leader
+    assert best is not None and (best.wins, best.doubt) == (3, "1 of them separated")
+
+
+def test_half_of_the_scenes_make_no_winner() -> None:
+    tie = chooser.group(won("cover", 7, 2.0, 3.0) + won("sacht", 7, 1.5, 1.2))
+    assert tie.leader is None and [(one.solver, one.wins) for one in tie.winners] == [("cover", 2), ("Sacht 2024", 2)]
 
 
 def test_rows_keep_the_digits_of_bounds(tmp_path: Path) -> None:

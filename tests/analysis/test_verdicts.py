@@ -58,12 +58,12 @@ def test_everywhere_says_what_its_rounds_cannot_refute() -> None:
     def evidence(rounds: int, pairs: int, below: int = 0) -> str:
         return verdicts.everywhere("x", [ratio(1.1, rounds, odd=2)] * (pairs - below) + [ratio(0.5, rounds)] * below).evidence
     # 15 / 2^6 = 0.23 > 5 %, but 15 / 2^6 / 5 = 0.047. Four rounds are never enough: 3 / 2^4 / 3 = 0.0625.
-    assert evidence(6, 15, 1).endswith("n = 6 refutes it only if at least 5 of 15 pairs are below 1")
-    assert evidence(4, 3).endswith("n = 4 cannot refute it for 3 pairs")
+    assert evidence(6, 15, 1).endswith("6 rounds refute it only if at least 5 of 15 pairs are below 1")
+    assert evidence(4, 3).endswith("4 rounds are too few to refute it for 3 pairs")
     assert "refute" not in evidence(10, 15) and "refute" not in evidence(6, 3)
     assert "refute" not in verdicts.everywhere("x", [FASTER] * 2 + [ratio(2.0, 6)] * 13).evidence  # the claim holds
     assert verdicts.everywhere("x", [one_draw(2.0)] * 5).outcome == NOT_JUDGED
-    assert verdicts.everywhere("x", [one_draw(2.0)] * 5).evidence.endswith("n = 1 cannot refute it for 5 pairs")
+    assert verdicts.everywhere("x", [one_draw(2.0)] * 5).evidence.endswith("1 round is too few to refute it for 5 pairs")
 
 
 def rate(outcome: str, verdict: Callable[[np.random.Generator], verdicts.Verdict], trials: int = 150) -> float:
@@ -199,7 +199,7 @@ def test_least_among_tells_level_from_less() -> None:
                            "not separated from it: b, c, d, e, f, g")
     assert "faster than 5: a" in evidence(10) and "not separated from it: a, b" in evidence(10, 3)
     few = verdicts.least_among("x", [(c, (ratio(0.5, 6),)) for c in "abcdefgh"], "a", ["5"])
-    assert few.outcome == OPEN and few.evidence.endswith("n = 6 cannot refute it for 8 rivals")
+    assert few.outcome == OPEN and few.evidence.endswith("6 rounds are too few to refute it for 8 rivals")
     assert "refute" not in evidence(6)  # seven of the rivals have ten rounds
 
 
