@@ -17,7 +17,7 @@ CAPTION: Final = ("Measured / claimed, for each claim about a ratio. Values abov
                   "A triangle: a value beyond the axis.")
 LEAST, MOST = 1e-2, 1e2  # ends of the axis; values beyond them are drawn as arrows
 ROW: Final = 0.116  # inches
-HIGHEST: Final = 7.7  # inches; leaves space on a page for a heading and a caption. If there are many rows, they move closer together
+HIGHEST: Final = 8.3  # inches; leaves space on a page for a caption. If there are many rows, they and their names become smaller
 SECOND: Final = 0.08  # inches added for a second line of a name
 WORK: Final = "distances, bounds and nodes"
 WIDTH: Final = 96  # letters per line; a longer claim takes two lines
@@ -60,7 +60,8 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
         more = 0.5 * SECOND / ROW if "\n" in name_of(one) else 0.0
         heights.append(at + more)
         at += 1 + 2 * more
-    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, min(HIGHEST, ROW * (at + 1) + FOOT)))
+    shrink = min(1.0, (HIGHEST - FOOT) / (ROW * (at + 1)))
+    figure = plt.figure(figsize=(style.DOUBLE_COLUMN, shrink * ROW * (at + 1) + FOOT))
     ax = figure.add_subplot()
     ax.set(xscale="log", xlim=(LEAST, MOST), ylim=(at, -1), yticks=[])
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
@@ -68,12 +69,12 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
     left = {"transform": ax.get_yaxis_transform(), "ha": "right", "va": "center", "clip_on": False}
     for one, y in zip(shown, heights):
         ax.axhline(y, color="#EEEEEE", linewidth=0.5, zorder=0)
-        ax.text(-0.02, y, name_of(one), fontsize=5.6, linespacing=1.05, **left)
+        ax.text(-0.02, y, name_of(one), fontsize=5.6 * shrink, linespacing=1.05, **left)
         both = len(bars(one)) > 1
         for k, (in_time, bar) in enumerate(bars(one)):
             _draw_bar(ax, y + (0.4 * k - 0.2 if both else 0.0), bar, in_time)
     for y, paper in heads:
-        ax.text(-0.02, y, PAPERS.get(paper, paper), fontsize=6.5, fontweight="bold", **left)
+        ax.text(-0.02, y, PAPERS.get(paper, paper), fontsize=6.5 * shrink, fontweight="bold", **left)
     ax.set_xlabel("← less than claimed        measured / claimed        more than claimed →")
     entries = [plt.Line2D([], [], label="in time", **_marker(True)), plt.Line2D([], [], label="in counted work, or memory", **_marker(False)),
                plt.Line2D([], [], label="least to greatest of several", color="black", marker="|", markersize=4, linewidth=0.8)]
