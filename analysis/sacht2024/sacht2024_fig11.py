@@ -128,7 +128,8 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
     palette = np.array([to_rgba(colour) for colour in COLOURS])
     for (left, middle, right), pair in zip(axes, pairs):
         source, target = (str(column[pair.case]) for column in (results.cases.source, results.cases.target))
-        eye, a = mesh_picture.view_of(source), shapes.mesh(results, source)
+        a, farthest = shapes.mesh(results, source), results.cases.witness_source[pair.case]
+        eye = mesh_picture.showing(a, mesh_picture.view_of(source), farthest)
         mesh_picture.draw(left, a, eye, palette[pair.last], edges=0.12, both_sides=not a.closed, shade=SHADE)
         far, diagonal = shapes.drawn(results, pair.case), float(results.cases.source_diagonal[pair.case])
         scale = square_root_scale(far, 100 / diagonal)
@@ -138,7 +139,7 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
             f"% of the diagonal, square-root scale;\nthe largest: {tables.number(100 * float(far.distances.max()) / diagonal)}")
         b = shapes.mesh(results, target)
         mesh_picture.draw(right, b, eye, edges=0.12, both_sides=not b.closed)
-        witness = eye.seen(results.cases.witness_source[pair.case])
+        witness = eye.seen(farthest)
         for ax in (left, middle):
             mesh_picture.ring(ax, witness)
         left.set_title(f"A: {pair.scene}, {results.cases.source_elements[pair.case]:,} triangles")
