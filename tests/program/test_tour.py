@@ -33,7 +33,7 @@ def pattern(text: str) -> str:
     """Removes the parts of the output that depend on the machine: numbers, units of time and verdicts. Lines with distances stay as they are."""
     lines = []
     for line in text.splitlines():
-        if line.startswith("not all of these times compare"):
+        if line.startswith("not all of these times are comparable"):
             continue  # an external program that waits on a busy machine is timed by wall clock
         if not line.startswith(("distance", "witness")):
             line = re.sub(r"commit [0-9a-f]+( with changes)?", "commit", line)
