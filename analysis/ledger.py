@@ -158,7 +158,7 @@ def _most(reasons: Counter[str]) -> str:
 
 def line(stems: Sequence[Stem]) -> str:
     entries, saved, run = (sum(values) for values in zip(*((stem.left_out, stem.seconds_saved, stem.run) for stem in stems)))
-    return f"left out: {entries:,} entries in the ledgers of {len(stems)} results, {saved:,.0f} s saved, {run:,.0f} s spent in solvers, with what saving cost"
+    return f"left out: {entries:,} entries in the ledgers of {len(stems)} results, {saved:,.0f} s saved, {run:,.0f} s spent in solvers and on reference answers"
 
 
 def draw(stems: Sequence[Stem]) -> Any:

@@ -46,7 +46,7 @@ class Regime:
     target: str
     triangles: int
     seconds: dict[str, list[float]] = field(default_factory=dict)
-    page_ratio: list[float] = field(default_factory=list)  # peak memory / memory of the structures
+    memory_ratio: list[float] = field(default_factory=list)  # peak memory / memory of the structures
 
 
 def measured(rounds: int) -> dict[str, Regime]:
@@ -72,7 +72,7 @@ def add_round(regimes: dict[str, Regime], file: Path) -> None:
             raise ValueError(f"no column for {', '.join(sorted(unknown))}")
         for stage, names in STAGES.items():
             regime.seconds.setdefault(stage, []).append(sum(parts.get(name, 0.0) for name in names))
-        regime.page_ratio.append(float(cases.peak_bytes[i]) / float(cases.prepare_bytes[i]))
+        regime.memory_ratio.append(float(cases.peak_bytes[i]) / float(cases.prepare_bytes[i]))
 
 
 def benchmarks(pairs: list[str]) -> dict[str, float]:
@@ -91,7 +91,7 @@ def table(regimes: dict[str, Regime], floor: dict[str, float], cpu: str, rounds:
         least = 1e9 * floor[f"floor/{regime.source}:{regime.target}"]
         total = 1e9 * float(np.median(np.sum(list(regime.seconds.values()), axis=0))) / regime.triangles
         cells = [name, f"{regime.source} → {regime.target}", f"{regime.triangles:,}", *(number(x, 3) for x in each.values()),
-                 number(total, 3), number(least, 3), number(total / least, 2), number(float(np.median(regime.page_ratio)), 3)]
+                 number(total, 3), number(least, 3), number(total / least, 2), number(float(np.median(regime.memory_ratio)), 3)]
         lines.append("| " + " | ".join(cells) + " |")
     page = {how: number(1e6 * floor[f"page/{how}"], 2) for how in ("one_by_one", "touch_pages", "huge")}
     return f"""Nanoseconds for each triangle of A and B by stage, at 1e-6 of the diagonal, on one core ({cpu}); median of {rounds} processes. A page

@@ -15,9 +15,9 @@
 // A mesh becomes a Surface_mesh with shared vertices. If one of its faces does not fit the others (CGAL's add_face
 // refuses it), each triangle gets three vertices of its own. CGAL accepts both, because it uses the faces one by one.
 // Only its search for faces that A and B share compares vertices, and it compares their sorted positions.
-// Making the Surface_mesh of B counts in prepare(), that of A in solve(): together 24 ms for bunny and armadillo, where
-// CGAL's own function takes 110 ms. Asking is_polygon_soup_a_polygon_mesh() beforehand, as this solver did until November
-// 2026, took 280 ms for B alone. Apart from this, a plain program takes as long.
+// The time to build B's Surface_mesh counts in prepare(), and the time to build A's in solve(). For bunny and armadillo,
+// both together take 24 ms, and CGAL's function takes 110 ms. Until November 2026, this solver first called
+// is_polygon_soup_a_polygon_mesh(), which took 280 ms for B alone.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/solver.h"
 

@@ -46,7 +46,7 @@ class Win:
 
     @property
     def doubt(self) -> str:
-        """Says how many wins are separated, and if none is, whether more rounds could help; empty if all are, or there is no ratio."""
+        """Returns how many wins are separated or, if none is, whether more rounds could help. Empty if all are, or without a ratio."""
         if self.separated == self.wins or self.ratio != self.ratio:
             return ""
         return f"{self.separated} of them separated" if self.separated else "not separated" if self.rounds_suffice else "too few rounds to tell"

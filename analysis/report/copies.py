@@ -11,14 +11,14 @@ from typing import Any, Final
 from PIL import Image
 
 LARGE_TABLE: Final = 100_000  # bytes; a larger CSV file is compressed, which pandas and R read as it is
-LARGE_PICTURE: Final = 300_000  # bytes; a larger picture shows a mesh, and may lose what the eye does not see
+LARGE_PICTURE: Final = 300_000  # bytes of a PNG
 
 
 def copied(path: Path, folder: Path) -> str:
     """Copies a file into a folder and returns the name of the copy.
 
-    A PNG becomes a WebP with the same pixels, half as large. If it shows a mesh, and losing quality that the eye does not see halves it
-    again, it does. A large CSV file becomes CSV.GZ. All else stays as it is.
+    A PNG becomes a WebP with the same pixels, which is half as large. A large picture becomes a WebP with slightly other pixels if that halves
+    the size again, as it does for pictures of meshes. A large CSV file is compressed (.csv.gz). Other files stay as they are.
     """
     if path.suffix == ".png":
         return _written(folder / f"{path.stem}.webp", _webp(path))

@@ -8,7 +8,7 @@
 
 namespace hausbench {
 
-// What compare_results() and compare_solvers() look at.
+// Returns the part of a result that compare_results() and compare_solvers() use.
 const ResultPart& compared_part();
 
 // Compares the rows of two results that have the same identity and scene. Lists differing answers first, then for each

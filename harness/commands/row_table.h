@@ -12,7 +12,7 @@ namespace hausbench {
 
 enum class TableForm { text, csv, json, markdown };
 
-// What show_rows() shows, in any form.
+// Returns the part of a result that show_rows() uses.
 const ResultPart& shown_part();
 std::string show_rows(const ResultFile& result, const std::vector<std::size_t>& rows, TableForm form,
                       const Paper& paper);

@@ -145,7 +145,7 @@ HOSTILE: dict[str, tuple[Change, str]] = {
 }
 
 
-# What `compare` does not read, so that it answers.
+# The files that `compare` accepts, because it does not read the damaged part.
 NOT_COMPARED = {"a trace from -1", "a trace to 2^62", "traces on top of each other", "a triangle of another number", "options that are no object"}
 
 

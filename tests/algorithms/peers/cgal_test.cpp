@@ -1,5 +1,4 @@
-// The peer `cgal` on meshes that are no polygon meshes: CGAL refuses some of their faces, and the answer must still be
-// of all of them.
+// Tests the peer `cgal` on meshes some of whose faces CGAL refuses. The answer must take all faces into account.
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/quick_options.h"
@@ -41,7 +40,7 @@ void expect_answers(const char* name, const Faces& faces) {
     }
 }
 
-TEST(Cgal, UsesAllFacesOfMeshesThatAreNoPolygonMeshes) {
+TEST(Cgal, UsesAllFacesIfCgalRefusesSome) {
     expect_answers("a polygon mesh", {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
     expect_answers("turned faces", {{0, 1, 4}, {1, 4, 2}, {2, 3, 4}, {3, 4, 0}});
     expect_answers("three faces at an edge", {{0, 1, 4}, {1, 0, 5}, {0, 1, 2}, {2, 3, 4}});
