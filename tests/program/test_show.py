@@ -14,11 +14,11 @@ import signal
 import struct
 import subprocess
 import termios
+import threading
 from pathlib import Path
 
 import h5py
 import pytest
-import signal
 
 from program import ROOT, Program
 from test_run import numbers, run, same_answers, texts
@@ -76,19 +76,24 @@ def on_terminal(hausbench: Program, columns: int, *arguments: str | Path, **envi
     surroundings = {key: value for key, value in hausbench.environment().items() if key not in ("NO_COLOR", "COLUMNS")}
     process = subprocess.Popen(hausbench.command(*arguments), stdout=theirs, stderr=subprocess.PIPE, cwd=hausbench.folder,
                                env={**surroundings, "TERM": "xterm", **environment})
-    os.close(theirs)
-    written = b""
-    while True:
+
+    def end() -> None:
+        """Marks the end of the output. The terminal stays open until then: some systems drop unread text when it closes."""
         try:
-            piece = os.read(ours, 1 << 16)
-        except OSError:  # the program has closed its end
-            break
-        if not piece:
-            break
-        written += piece
+            process.wait(60)
+        finally:
+            os.write(theirs, b"\0")
+
+    waiting = threading.Thread(target=end)
+    waiting.start()
+    written = b""
+    while not written.endswith(b"\0"):
+        written += os.read(ours, 1 << 16)
+    waiting.join()
     os.close(ours)
-    assert process.wait(60) == 0
-    return written.decode().replace("\r\n", "\n")
+    os.close(theirs)
+    assert process.returncode == 0
+    return written[:-1].decode().replace("\r\n", "\n")
 
 
 def test_a_line_for_each_case_with_its_reason(hausbench: Program, result: Path) -> None:
