@@ -12,6 +12,7 @@ import scipy.stats
 
 from analysis.shared import claims, style, tables
 from analysis.shared.cells import Cell, Grid, compare
+from analysis.shared.claims import Claim
 from analysis.shared.comparable import apart, reason_apart
 from analysis.shared.notes import machine_line
 from analysis.shared.report import Report
@@ -23,6 +24,7 @@ PEER: Final = "cgal"
 AIMS: Final = {"cover": 40, "sacht": 3, "zheng": 2, "tang": 1}  # claimed speedup over CGAL, geometric mean
 LARGE: Final = {"cover": 30_000}  # this mean includes only pairs with at least so many triangles (default: all pairs)
 EVERYWHERE: Final = {"cover": 5}  # claimed speedup over CGAL on every pair
+FINER: Final = {"cover": 25}  # claimed speedup over CGAL at each finer tolerance, geometric mean
 INTERVAL: Final = ", interval over rounds, for these pairs"
 
 Pair = tuple[Cell, Cell]  # the cells of CGAL and of the solver
@@ -79,11 +81,21 @@ def mean_ratio(pairs: Sequence[Pair]) -> Estimate:
 
 
 def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
+    """Judges the speedup of a solver over CGAL at the first tolerance."""
     title, aim = style.title(label), AIMS[label]
     among = f" over pairs of {LARGE[label]:,} triangles and more" if label in LARGE else ""
     claim = claims.of("hausbench", "times_cgal" if aim > 1 else "as_fast_as_cgal", title=title, aim=aim, among=among, label=label)
-    if label in LARGE:
-        pairs = [pair for pair in pairs if size_of(pair[0]) >= LARGE[label]]
+    return judge_mean(claim, aim, [pair for pair in pairs if size_of(pair[0]) >= LARGE.get(label, 0)])
+
+
+def judge_finer(label: str, tolerance: float, pairs: Sequence[Pair]) -> Verdict:
+    """Judges the speedup of a solver over CGAL at a finer tolerance."""
+    aim = FINER[label]
+    claim = claims.of("hausbench", "times_cgal", title=style.title(label), aim=aim, among=f" at {tables.number(tolerance)}", label=label)
+    return judge_mean(claim, aim, pairs)
+
+
+def judge_mean(claim: Claim, aim: float, pairs: Sequence[Pair]) -> Verdict:
     answered = [pair for pair in pairs if comparable(pair)]
     mean = mean_ratio(answered)
     scaled = replace(mean, value=mean.value / aim, low=mean.low / aim, high=mean.high / aim)
@@ -136,13 +148,41 @@ def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: 
             f"{len(answered)} pairs that both answered (interval over rounds, for these pairs)."]
 
 
+def pairs_with_cgal(results: Results, grid: Grid) -> dict[str, dict[str, Pair]]:
+    """Returns the pairs by label and scene, without those of a mesh and itself."""
+    return {label: {scene: (grid.cells[scene, PEER], grid.cells[scene, label]) for scene in grid.scenes
+                    if not identical(results, scene) and {(scene, PEER), (scene, label)} <= grid.cells.keys()}
+            for _, label in grid.labels if label != PEER}
+
+
+def means(pairs: dict[str, dict[str, Pair]], labels: Sequence[tuple[str, str]], among: Sequence[str] | None = None) -> list[str]:
+    """Returns the geometric mean of each label over the pairs that it answered, or over the scenes `among`; empty for one without pairs."""
+    known = {label: {scene: pair for scene, pair in of.items() if comparable(pair)} for label, of in pairs.items()}
+    return [tables.estimate(mean_ratio([pair for scene, pair in known[label].items() if among is None or scene in among])) if known.get(label) else ""
+            for _, label in labels]
+
+
+def records_of(results: Results, grid: Grid, tolerance: float) -> list[tables.Record]:
+    records: list[tables.Record] = []
+    for scene in grid.scenes:
+        peer, diagonal = grid.cells.get((scene, PEER)), float(results.cases.source_diagonal[grid.first(scene)])
+        for (solver, label), cell in zip(grid.labels, grid.row(scene)):
+            if cell:
+                x = ratio((peer, cell)) if peer and cell is not peer else NO_DATA
+                records.append({"scene": scene, "tolerance": tolerance, "solver": solver, "label": label, "status": cell.status(), **tables.seconds(cell.time),
+                                "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "cgal_over_it": x.value, "cgal_over_it_low": x.low,
+                                "cgal_over_it_high": x.high, "h_of_diagonal": best_lower([cell for cell in grid.row(scene) if cell]) / diagonal})
+    return records
+
+
 def make(results: Results) -> Report:
-    cases, grid = results.cases, Grid(results)
+    cases = results.cases
+    tolerance, *finer = sorted({float(x) for x in cases.tolerance}, reverse=True)
+    grid = Grid(results, tolerance=tolerance)
     scenes, labels, cells = grid.scenes, grid.labels, grid.cells
     table = tables.Table("Time to prepare and solve, ms; how many times as long CGAL takes; and peak memory without the shapes, MiB. Directed distance, "
-                         f"tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A.",
+                         f"tolerance {tables.number(tolerance)} of the diagonal of A.",
                          ["pair", "triangles", "h / diagonal", "", *grid.titles()], left=4)
-    records: list[tables.Record] = []
     for scene in scenes:
         row, own, peer = grid.first(scene), grid.row(scene), cells.get((scene, PEER))
         ratios = [ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own]
@@ -155,31 +195,30 @@ def make(results: Results) -> Report:
         table.rows.append(["", "", "", "MiB", *[tables.number(cell.peak / 2**20) if cell else tables.NOTHING for cell in own]])
         if cases.scene_note[row]:
             table.notes.append(f"{scene}: {cases.scene_note[row]}.")
-        records += [{"scene": scene, "solver": solver, "label": label, "status": cell.status(), **tables.seconds(cell.time),
-                     "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "cgal_over_it": x.value,
-                     "cgal_over_it_low": x.low, "cgal_over_it_high": x.high, "h_of_diagonal": h}
-                    for (solver, label), cell, x in zip(labels, own, ratios) if cell]
-    pairs = {label: {scene: (cells[scene, PEER], cells[scene, label]) for scene in scenes
-                     if not identical(results, scene) and {(scene, PEER), (scene, label)} <= cells.keys()}
-             for _, label in labels if label != PEER}
-    answered = {label: {scene: pair for scene, pair in known.items() if comparable(pair)} for label, known in pairs.items()}
+    records = records_of(results, grid, tolerance)
+    pairs = pairs_with_cgal(results, grid)
+    answered = {label: [scene for scene, pair in known.items() if comparable(pair)] for label, known in pairs.items()}
     shared = [scene for scene in scenes if all(scene in known for known in answered.values())]
     table.rules.add(len(table.rows))
-    table.rows.append(["geometric mean", "", "", "times",
-                       *[tables.estimate(mean_ratio(list(answered[label].values()))) if label in answered else "" for _, label in labels]])
+    table.rows.append(["geometric mean", "", "", "times", *means(pairs, labels)])
     if shared and any(len(known) > len(shared) for known in answered.values()):
-        table.rows.append([f"over the {len(shared)} pairs that all answered", "", "", "times",
-                           *[tables.estimate(mean_ratio([answered[label][scene] for scene in shared])) if label in answered else "" for _, label in labels]])
-    counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
+        table.rows.append([f"over the {len(shared)} pairs that all answered", "", "", "times", *means(pairs, labels, shared)])
     table.verdicts = [*[judge(label, list(pairs[label].values())) for label in AIMS if label in pairs],
                       *[judge_each(label, list(pairs[label].values())) for label in EVERYWHERE if label in pairs]]
+    for small in finer:
+        own_grid = Grid(results, tolerance=small)
+        records += records_of(results, own_grid, small)
+        tighter = pairs_with_cgal(results, own_grid)
+        table.rows.append([f"geometric mean at {tables.number(small)}", "", "", "times", *means(tighter, labels)])
+        table.verdicts += [judge_finer(label, small, list(tighter[label].values())) for label in FINER if label in tighter]
+    counted = ", ".join(f"{style.title(label)} {len(found)}" for label, found in answered.items())
     table.notes += [
         f"Geometric mean: over the pairs that a solver answered ({counted}), of {len(scenes)}, without identical shapes. If CGAL did not end, its limit of "
         f"{tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, for these pairs: it shows how "
         "certain the mean of these pairs is, not what other pairs would give.",
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
         tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results)}."]
-    caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {tables.number(float(cases.tolerance[0]))} of the diagonal of A. "
+    caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {tables.number(tolerance)} of the diagonal of A. "
                "Right of the frame: no answer, and why.")
     return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status), caption=caption)
 

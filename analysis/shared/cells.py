@@ -139,12 +139,15 @@ def count_text(cell: Cell | None, names: Sequence[str]) -> str:
 class Grid:
     """A table of cells: scenes as rows, solvers (by label) as columns."""
 
-    def __init__(self, results: Results, labels: Sequence[tuple[str, str]] = ()) -> None:
-        """`labels` are the columns, as (solver, label) pairs; default: all pairs, in the order of style.LOOKS."""
+    def __init__(self, results: Results, labels: Sequence[tuple[str, str]] = (), **equal: object) -> None:
+        """`labels` are the columns, as (solver, label) pairs; default: all pairs, in the order of style.LOOKS.
+
+        `equal`: columns and their value in the rows that count (default: all rows).
+        """
         self.results, self.scenes = results, results.scenes
-        self.labels = list(labels) or style.order(zip(results.cases.solver, results.cases.label))
+        self.labels = list(labels) or style.order((results.cases.solver[row], results.cases.label[row]) for row in results.rows(**equal))
         self.cells = {(scene, label): Cell(results, rows) for scene in self.scenes for _, label in self.labels
-                      if (rows := results.rows(scene=scene, label=label))}
+                      if (rows := results.rows(scene=scene, label=label, **equal))}
 
     def first(self, scene: str) -> int:
         return self.results.rows(scene=scene)[0]

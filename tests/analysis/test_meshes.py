@@ -47,6 +47,21 @@ def claim(text: str, name: str) -> str:
     return next(line for line in text.splitlines() if line.startswith("- Claim") and name in line)
 
 
+def test_peers_at_a_finer_tolerance_have_a_mean_and_a_claim_of_their_own(make: Make) -> None:
+    file = peers(cover=0.0005, stopped=False)
+    for scene, peer, seconds in (("near", 0.3, 0.01), ("far", 0.3, 0.01)):  # 30 times; at 1e-6 it is 200
+        common: dict[str, Any] = {"lower": 0.25, "upper": 0.25 + 1e-9, "tolerance": 1e-8, "source_elements": 2000, "target_elements": 1000,
+                                  "source_diagonal": 2.0, "case_seconds_limit": 5.0, "peak_bytes": 3 * 2**20}
+        file.case("cover", scene, spread(seconds, 6), prepare_seconds=0.0, **common)
+        file.case("cgal", scene, spread(peer, 6), prepare_seconds=0.0, certified=0, **common)
+    records, rows, text = make(file)
+    assert [row[3:] for row in rows["geometric mean at 1.00e-8"]][0][-2].startswith("30.0 [")
+    assert any(cell.startswith("200 [") for cell in rows["geometric mean"][0])
+    line = claim(text, "at least 25 times as fast as CGAL in geometric mean at 1.00e-8")
+    assert "Here it holds (30.0 [" in line and "over 2 pairs" in line
+    assert {float(record["tolerance"]) for record in records} == {1e-6, 1e-8}
+
+
 def test_peers_ratios_and_means(make: Make) -> None:
     records, rows, text = make(peers())
     near = rows["near"][0]
