@@ -8,7 +8,11 @@
 // Measurements: `least_part` is 0.05 by default. With 0.25, pieces stay more compact: six pairs of real meshes took
 // 0.78 to 0.96 times as many subdivisions, at a tolerance of 1e-6 of the diagonal. If neighbouring triangles of B lie
 // in one plane, as in a mesh subdivided at midpoints, the choice `midpoint` of the parameter `split` is better, because
-// its cuts meet the edges of B (12,448 subdivisions instead of 20,708 for one such mesh).
+// its cuts meet the edges of B (12,448 subdivisions instead of 20,708 for one such mesh). With noise on such a mesh the
+// difference is large: bull -> bull_subdivided_noisy takes 542,602 subdivisions, or 13,070 at midpoints, a tenth of the
+// time. Which triangle is nearest to a corner is then a matter of noise, and the planes of two such triangles may be
+// equally far anywhere. It does not help to choose the bisecting plane that comes nearest to equal distances from the
+// triangles themselves (820,048 subdivisions).
 #pragma once
 
 #include "algorithms/kernel/rounding.h"
