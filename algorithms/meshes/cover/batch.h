@@ -32,7 +32,7 @@ struct CoverBatch {
             for (std::size_t k = 0; k < 3; ++k) {
                 const Vec3& at = pieces[i].corners[k];
                 std::size_t slot = slot_of(at);
-                while (number[slot] != 0 && corner[number[slot] - 1U] != at) slot = (slot + 1) % slots;
+                while (number[slot] != 0 && !same(corner[number[slot] - 1U], at)) slot = (slot + 1) % slots;
                 if (number[slot] == 0) {
                     corner[points.count++] = at;
                     number[slot] = static_cast<std::uint8_t>(points.count);
@@ -58,10 +58,14 @@ private:
 
     // Returns the slot at which to begin the search for a point: six bits of a hash of its coordinates.
     static std::size_t slot_of(const Vec3& at) {
-        std::uint64_t mixed = 0;
-        for (const double x : at) mixed = (mixed ^ std::bit_cast<std::uint64_t>(x)) * golden_step;
-        return mixed >> 58;
+        const std::uint64_t mixed = bits(at[0]) ^ std::rotl(bits(at[1]), 21) ^ std::rotl(bits(at[2]), 42);
+        return mixed * golden_step >> 58;
     }
+    // Compares bits, which is faster. So 0 and -0 differ: then a corner is stored twice.
+    static bool same(const Vec3& a, const Vec3& b) {
+        return ((bits(a[0]) ^ bits(b[0])) | (bits(a[1]) ^ bits(b[1])) | (bits(a[2]) ^ bits(b[2]))) == 0;
+    }
+    static std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 };
 
 }  // namespace hausbench

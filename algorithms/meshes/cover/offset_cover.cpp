@@ -23,6 +23,12 @@ void shared_rows(OffsetCover<float>& cover, const CoverPoints<float>& points) {
 
 CoverResult shared_piece(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work) {
+    // One triangle of B covers most pieces, and an engine takes longer to set up than this takes to find out.
+    if (const Covering one = covering_triangle<float>(cover, cover.near, points, 0); one.triangle != none) {
+        ++cover.tests;
+        if (cover.proof) cover.proof->one(cover.near.triangle[one.triangle]);
+        return {true, one.upper};
+    }
     return Engine<float>(cover, nullptr, nullptr, most_work).run(piece, points.data());
 }
 

@@ -145,39 +145,46 @@ template <class T> void Engine<T>::cut() {
     std::size_t end = first;
     while (side[next(end)] > 0) end = next(end);
     const std::size_t before = last(first), after = next(end);
-    struct Crossing {
+    struct Corner {
         T x, y, z;
         float slack;
-        CutPoint place;
+        std::size_t row;  // in c_.squared
+    };
+    const auto corner = [&](std::size_t i) -> Corner {
+        return {piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i], row_[i]};
     };
     // Returns the point between two corners at which `side` changes sign. If `side` is 0 at corner `zero`, which is one
     // of the two, returns this corner.
-    const auto crossing = [&](std::size_t from, std::size_t to, std::size_t zero) -> Crossing {
-        if (side[zero] == 0)
-            return {piece_.x[zero], piece_.y[zero], piece_.z[zero], piece_.slack[zero], CutPoint::corner(zero)};
+    const auto crossing = [&](std::size_t from, std::size_t to, std::size_t zero, CutPoint& place) -> Corner {
+        place = CutPoint::corner(zero);
+        if (side[zero] == 0) return corner(zero);
         const T t = side[from] / (side[from] - side[to]);
-        return {piece_.x[from] + t * (piece_.x[to] - piece_.x[from]),
-                piece_.y[from] + t * (piece_.y[to] - piece_.y[from]),
-                piece_.z[from] + t * (piece_.z[to] - piece_.z[from]), slack_of_cut(from, to, t),
-                CutPoint::along(from, static_cast<double>(t))};
+        place = CutPoint::along(from, static_cast<double>(t));
+        const Corner at{piece_.x[from] + t * (piece_.x[to] - piece_.x[from]),
+                        piece_.y[from] + t * (piece_.y[to] - piece_.y[from]),
+                        piece_.z[from] + t * (piece_.z[to] - piece_.z[from]), slack_of_cut(from, to, t), take_row()};
+        measure_row(c_, all_, at.row, at.x, at.y, at.z);
+        return at;
     };
-    const Crossing p = crossing(before, first, before), q = crossing(end, after, after);
+    CutPoint start = CutPoint::corner(0), stop = start;
+    const Corner p = crossing(before, first, before, start), q = crossing(end, after, after, stop);
     CoverPolygon<T> high, low;
-    const auto add = [](CoverPolygon<T>& part, const Crossing& at) { part.add(at.x, at.y, at.z, at.slack); };
-    const auto copy = [&](CoverPolygon<T>& part, std::size_t i) {
-        part.add(piece_.x[i], piece_.y[i], piece_.z[i], piece_.slack[i]);
+    std::size_t rows[most_polygon_corners];
+    const auto add = [&](CoverPolygon<T>& part, const Corner& at) {
+        rows[part.count] = at.row;
+        part.add(at.x, at.y, at.z, at.slack);
     };
-    add(high, p);
-    for (std::size_t i = first; i != after; i = next(i)) copy(high, i);
-    add(high, q);
     add(low, q);
     for (std::size_t i = side[after] == 0 ? next(after) : after; i != first && (i != before || side[before] != 0);
          i = next(i))
-        copy(low, i);
+        add(low, corner(i));
     add(low, p);
-    if (c_.proof) c_.proof->cut(p.place, q.place);
+    add(high, p);
+    for (std::size_t i = first; i != after; i = next(i)) add(high, corner(i));
+    add(high, q);
+    if (c_.proof) c_.proof->cut(start, stop);
     c_.stack.push_back(low);
-    begin(high, nullptr);
+    begin(high, rows);  // `rows` are now the rows of `high`
 }
 
 }  // namespace

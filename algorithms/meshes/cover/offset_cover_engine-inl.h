@@ -1,8 +1,7 @@
 // Shows that a piece of A is within a threshold of B, polygon by polygon, as explained in offset_cover.h. Peeling is in
 // offset_cover_peel-inl.h, cutting in two in offset_cover_cut-inl.h. Compiled once for each instruction set, so include
 // it after hwy/foreach_target.h.
-#include "algorithms/kernel/triangle_frames-inl.h"
-#include "algorithms/meshes/cover/offset_cover.h"
+#include "algorithms/meshes/cover/offset_cover_measure-inl.h"
 
 #include <algorithm>
 #include <array>
@@ -24,83 +23,8 @@ HWY_BEFORE_NAMESPACE();
 namespace hausbench::HWY_NAMESPACE {
 namespace {
 
-// Number of sample points whose distances to one triangle of B are computed at once: half of them on one edge of a
-// polygon, half on another.
-template <class T> inline constexpr std::size_t samples = sizeof(T) == 4 ? 16 : 8;
-
 // Number of triangles of B that are compared before a part of a polygon is cut off.
 constexpr std::size_t tried_triangles = 3;
-
-// The triangles of B that are tried for a polygon, and their limits: all of OffsetCover::near, or the few kept by
-// keep_few().
-template <class T> struct Candidates {
-    const NearTriangles<T>* frames;
-    const T* limit;
-
-    std::size_t count() const { return frames->count(); }
-    const T* row(std::size_t i) const { return frames->row(i); }
-};
-
-// Returns the triangles certainly within the threshold of a point: their squared distance is at most their limit.
-template <class T> NearSet compare(const Candidates<T>& candidates, const T* squares) {
-    using D = FrameLanes<T>;
-    const D d;
-    NearSet within;
-    for (std::size_t k = 0; k < candidates.count(); k += hn::Lanes(d)) {
-        const auto near = hn::Le(hn::LoadU(d, squares + k), hn::LoadU(d, candidates.limit + k));
-        within.word[k / 64] |= std::uint64_t{mask_bits<T>(near)} << (k % 64);
-    }
-    return within;  // without unused lanes, because their limits are -1
-}
-
-template <class T> HWY_INLINE void measure_all(const Candidates<T>& candidates, T x, T y, T z, T* squares) {
-    using D = FrameLanes<T>;
-    const D d;
-    const auto px = hn::Set(d, x), py = hn::Set(d, y), pz = hn::Set(d, z);
-    for (std::size_t k = 0; k < candidates.count(); k += hn::Lanes(d)) {
-        const auto load = [&](std::size_t i) HWY_ATTR { return hn::LoadU(d, candidates.row(i) + k); };
-        hn::StoreU(squared_in_frames<T>(load, px, py, pz), d, squares + k);
-    }
-}
-
-template <class T>
-void measure_row(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t point, T x, T y, T z) {
-    measure_all(candidates, x, y, z, c.squares(point));
-    c.distances += candidates.count();
-    c.within[point] = compare(candidates, c.squares(point));
-}
-
-template <class T> struct SamplePoints { T x[samples<T>], y[samples<T>], z[samples<T>]; };
-
-// The distances from the sample points to one triangle of B.
-template <class T> struct Sampled {
-    T square[samples<T>];
-    unsigned within;  // bit i: point i is certainly within the threshold of the triangle
-};
-template <class T>
-Sampled<T> measure_samples(OffsetCover<T>& c, const Candidates<T>& candidates, std::size_t k,
-                           const SamplePoints<T>& points) {
-    using D = FrameLanes<T>;
-    const D d;
-    const auto set = [&](std::size_t i) HWY_ATTR { return hn::Set(d, candidates.row(i)[k]); };
-    const auto limit = hn::Set(d, candidates.limit[k]);
-    Sampled<T> found;
-    found.within = 0;
-    for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d)) {
-        const auto squared = squared_in_frames<T>(set, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
-                                                  hn::LoadU(d, points.z + i));
-        hn::StoreU(squared, d, found.square + i);
-        found.within |= mask_bits<T>(hn::Le(squared, limit)) << i;
-    }
-    c.distances += samples<T>;
-    return found;
-}
-
-template <class T> void roots(const T (&squares)[samples<T>], T (&distances)[samples<T>]) {
-    const FrameLanes<T> d;
-    for (std::size_t i = 0; i < samples<T>; i += hn::Lanes(d))
-        hn::StoreU(hn::Sqrt(hn::LoadU(d, squares + i)), d, distances + i);
-}
 
 // Shows that one piece of A is within the threshold of B (offset_cover.h).
 template <class T> class Engine {
@@ -119,7 +43,7 @@ private:
         std::size_t begin = 0, length = 0;  // first corner, number of corners
         NearSet common;                     // all triangles for which this holds
     };
-    static constexpr std::size_t half = samples<T> / 2, none = static_cast<std::size_t>(-1);
+    static constexpr std::size_t half = samples<T> / 2;
     struct Exits {
         std::size_t triangle = 0;  // a triangle of B that covers the part of the polygon with the run
         // How much of the edges before and after the run of corners is within the threshold of `triangle`, as fractions
@@ -136,7 +60,7 @@ private:
     enum class Peel { stuck, peeled, covered };
 
     CoverResult cover(const CoverPolygon<T>& piece, const std::size_t* shared);
-    void begin(const CoverPolygon<T>& polygon, const std::size_t* shared);
+    void begin(const CoverPolygon<T>& polygon, const std::size_t* rows);
     bool pop();
     bool one_for_all();
     bool every_corner_near();
@@ -163,7 +87,10 @@ private:
     void settle();
 
     std::size_t next(std::size_t i) const { return i + 1 == piece_.count ? 0 : i + 1; }
-    std::size_t end_of(const Run& run) const { return (run.begin + run.length - 1) % piece_.count; }
+    std::size_t end_of(const Run& run) const {
+        const std::size_t i = run.begin + run.length - 1;
+        return i < piece_.count ? i : i - piece_.count;
+    }
     std::size_t last(std::size_t i) const { return i == 0 ? piece_.count - 1 : i - 1; }
     T square(std::size_t corner, std::size_t k) const { return c_.squares(row_[corner])[k]; }
     // Returns an upper bound on the rounding error of a new corner at fraction t of the way between two corners, as a
@@ -184,19 +111,13 @@ private:
         c_.proof->cut(CutPoint::back(last(run.begin), static_cast<double>(out.before)),
                       CutPoint::along(end_of(run), static_cast<double>(out.after)));
     }
-    // Returns an upper bound on the exact distance to triangle k, given the computed squared distance.
-    double at_most(T square, std::size_t k) const {
-        return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + c_.error(*all_.frames, k);
-    }
+    double at_most(T square, std::size_t k) const { return HWY_NAMESPACE::at_most(c_, *all_.frames, square, k); }
     T largest_square(std::size_t k) const {
         T most = 0;
         for (std::size_t i = 0; i < piece_.count; ++i) most = std::max(most, square(i, k));
         return most;
     }
-    std::size_t nearest(std::size_t point) const {
-        const T* const squares = c_.squares(point);
-        return static_cast<std::size_t>(std::min_element(squares, squares + all_.count()) - squares);
-    }
+    std::size_t nearest(std::size_t point) const;
     std::size_t take_row() {
         const auto free = static_cast<std::size_t>(std::countr_one(used_));
         used_ |= 1U << free;
@@ -221,14 +142,36 @@ private:
     float slack_ = 0;    // largest slack of a corner of the polygon
 };
 
-template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const std::size_t* shared) {
+// Returns the triangle of B nearest to a measured point, or the first one of several.
+template <class T> std::size_t Engine<T>::nearest(std::size_t point) const {
+    const FrameLanes<T> d;
+    const T* const squares = c_.squares(point);
+    const std::size_t count = all_.count(), whole = count - count % hn::Lanes(d);
+    auto all = hn::Set(d, std::numeric_limits<T>::infinity());
+    for (std::size_t k = 0; k < whole; k += hn::Lanes(d)) all = hn::Min(all, hn::LoadU(d, squares + k));
+    T least = hn::GetLane(hn::MinOfLanes(d, all));
+    for (std::size_t k = whole; k < count; ++k) least = std::min(least, squares[k]);
+    for (std::size_t k = 0; k < whole; k += hn::Lanes(d)) {
+        const unsigned here = mask_bits<T>(hn::Eq(hn::LoadU(d, squares + k), hn::Set(d, least)));
+        if (here != 0) return k + static_cast<std::size_t>(std::countr_zero(here));
+    }
+    return static_cast<std::size_t>(std::find(squares + whole, squares + count, least) - squares);
+}
+
+// Makes a polygon the current one. `rows`: the rows of its corners; null if they are not measured yet.
+template <class T> void Engine<T>::begin(const CoverPolygon<T>& polygon, const std::size_t* rows) {
     piece_ = polygon;
     used_ = 0;
     slow_ = 0;
     peels_ = 0;
     for (std::size_t i = 0; i < piece_.count; ++i) {
-        row_[i] = shared ? shared[i] : take_row();
-        if (!shared) measure_row(c_, all_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
+        if (rows) {
+            row_[i] = rows[i];
+            if (rows[i] >= most_shared_points) used_ |= 1U << (rows[i] - most_shared_points);
+        } else {
+            row_[i] = take_row();
+            measure_row(c_, all_, row_[i], piece_.x[i], piece_.y[i], piece_.z[i]);
+        }
     }
 }
 
@@ -303,25 +246,12 @@ template <class T> void Engine<T>::settle() {
     covered_by(best, least);
 }
 
-// Returns whether all corners, and so the whole polygon, are within the threshold of one triangle of B. If several
-// triangles qualify, records the one with the least upper bound, or the first with a bound of at most early_out.
+// Returns whether all corners, and so the whole polygon, are within the threshold of one triangle of B.
 template <class T> bool Engine<T>::one_for_all() {
     ++c_.tests;
-    NearSet common = within(0);
-    for (std::size_t i = 1; i < piece_.count; ++i) common = common & within(i);
-    if (common.empty()) return false;
-    double least = std::numeric_limits<double>::infinity();
-    const double early_out = std::max(upper_, c_.early_out);
-    std::size_t best = 0;
-    common.for_each([&](std::size_t k) {
-        if (least <= early_out) return;
-        const double bound = at_most(largest_square(k), k);
-        if (bound < least) {
-            least = bound;
-            best = k;
-        }
-    });
-    covered_by(best, least);
+    const Covering one = covering_triangle(c_, *all_.frames, std::span(row_, piece_.count), upper_);
+    if (one.triangle == none) return false;
+    covered_by(one.triangle, one.upper);
     return true;
 }
 
@@ -346,7 +276,7 @@ template <class T> void Engine<T>::ask(T x, T y, T z, double slack, std::size_t 
     } else {
         c_.set_threshold(host_->threshold());
         all_ = {&c_.near, c_.limit.data()};
-        for (std::size_t i = 0; i < piece_.count; ++i) c_.within[row_[i]] = compare(all_, c_.squares(row_[i]));
+        for (std::size_t i = 0; i < piece_.count; ++i) compare_row(c_, all_, row_[i]);
     }
 }
 

@@ -112,7 +112,8 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
     std::size_t looked = 0;
     others.for_each([&](std::size_t k) {
         if (out.second != none || ++looked > most_seconds) return;
-        const Sampled<T> second = measure_samples(c_, all_, k, points);
+        Sampled<T> second;
+        measure_samples(c_, all_, k, points, second);
         for (const Tried& first : tried) {
             const unsigned both = first.sampled.within & second.within,
                            sides[2] = {both & ((1U << half) - 1), both >> half};
@@ -147,7 +148,7 @@ T Engine<T>::exit_of(const Run& run, const Tried& tried, std::size_t side, const
         if (round > 0) {
             SamplePoints<T> finer = points;
             sample_edge(side, inside, outside, from, to, finer);
-            sampled = measure_samples(c_, all_, tried.k, finer);
+            measure_samples(c_, all_, tried.k, finer, sampled);
         }
         T distances[samples<T>];
         roots(sampled.square, distances);
@@ -172,7 +173,7 @@ template <class T> typename Engine<T>::Exits Engine<T>::exits(const Run& run) {
     const std::size_t count = choose(run, tried);
     SamplePoints<T> points;
     sample_edges(run, points);
-    for (std::size_t i = 0; i < count; ++i) tried[i].sampled = measure_samples(c_, all_, tried[i].k, points);
+    for (std::size_t i = 0; i < count; ++i) measure_samples(c_, all_, tried[i].k, points, tried[i].sampled);
     Exits best;
     if (by_two(run, std::span(tried).first(count), points, best)) return best;
     T best_score = -1;
@@ -227,8 +228,7 @@ template <class T> void Engine<T>::keep_few() {
     constexpr std::size_t least_lanes = HWY_HAVE_SCALABLE ? 1 : hn::MaxLanes(D());
     if (exact || all_.frames != &c_.near || count <= 2 * frames_width) return;
     find_centre();
-    measure_all(all_, centre_[0], centre_[1], centre_[2], c_.squares(centre_row));
-    c_.distances += count;
+    measure_row(c_, all_, centre_row, centre_[0], centre_[1], centre_[2]);
     const auto far = static_cast<T>((radius_ + c_.threshold) * (1 + 0x1p-20));
     // The bit masks of the vectors, two bytes each. LoadMaskBits() may read eight bytes, hence six more at the end.
     std::array<std::uint8_t, 2 * NearTriangles<T>::most_triangles / least_lanes + 6> bits{};
@@ -258,7 +258,7 @@ template <class T> void Engine<T>::keep_few() {
         const std::size_t from = row_[i];
         if (from < most_shared_points) row_[i] = take_row();
         compress(c_.squares(from), c_.squares(row_[i]));
-        c_.within[row_[i]] = compare(all_, c_.squares(row_[i]));
+        compare_row(c_, all_, row_[i]);
     }
 }
 

@@ -97,6 +97,7 @@ private:
     std::array<CoverPiece, 2> halve(const CoverPiece& piece);
     bool is_open(CoverPiece& half);
 
+    void fetch_after(std::size_t begin);
     bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
     void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool decide_whole(const CoverPiece& piece);

@@ -26,10 +26,23 @@ Triangle triangle_of(const CoverScene& scene, Index i) {
 
 }  // namespace
 
+// Begins to load the vertices of the triangles from this position in the order on, and the corner numbers of later ones.
+// Probably the next clusters have them, and they are scattered in memory.
+void CoverWorker::fetch_after(std::size_t begin) {
+    constexpr std::size_t ahead = 16;
+    const std::size_t count = scene_.order.size();
+    for (std::size_t i = begin; i < std::min(begin + ahead, count); ++i) {
+        if (i + ahead < count) __builtin_prefetch(scene_.a.triangles.row(scene_.order[i + ahead]).data());
+        for (const Index corner : scene_.a.triangles.row(scene_.order[i]))
+            __builtin_prefetch(scene_.points.row(corner).data());
+    }
+}
+
 void CoverWorker::cover(const Cluster& cluster) {
     ++outcome_.counters.bound_tests;
     look_at_clock();
     if (cluster.upper.value <= tau_ || stop_) return settle(cluster);
+    fetch_after(cluster.begin + cluster.count);
     pieces_.clear();
     for (std::size_t i = cluster.begin; i < cluster.begin + cluster.count; ++i) {
         const Triangle t = triangle_of(scene_, scene_.order[i]);
