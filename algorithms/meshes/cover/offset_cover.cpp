@@ -74,6 +74,20 @@ CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& p
                          const std::array<std::size_t, 3>& points, std::size_t most_work) {
     return HWY_DYNAMIC_DISPATCH(shared_piece)(cover, piece, points, most_work);
 }
+std::size_t may_cover(const OffsetCover<float>& cover, const std::array<std::size_t, 3>& points) {
+    const float* const corners[3] = {cover.squares(points[0]), cover.squares(points[1]), cover.squares(points[2])};
+    std::size_t best = none;
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t k = 0; k < cover.near.count(); ++k) {
+        const float most = std::max({corners[0][k], corners[1][k], corners[2][k]});
+        if (most >= least) continue;
+        least = most;
+        best = k;
+    }
+    if (best == none || std::sqrt(static_cast<double>(least)) > cover.threshold + cover.error(cover.near, best))
+        return none;
+    return best;
+}
 CoverResult cover_surely(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,
                          const TriangleMesh& target) {
     cover.make_rows(most_shared_points + most_polygon_corners + 4);

@@ -88,6 +88,8 @@ struct NearSet {
     }
 };
 
+inline constexpr std::size_t none = static_cast<std::size_t>(-1);  // no triangle
+
 inline constexpr std::size_t most_shared_points = 48;
 
 // The corners of several pieces of A, in local coordinates. Shared corners are stored once, so that their distances to
@@ -147,6 +149,7 @@ template <class T> struct OffsetCover {
     std::vector<T> few_limit;
 
     T* squares(std::size_t point) { return squared.data() + point * NearTriangles<T>::stride; }
+    const T* squares(std::size_t point) const { return squared.data() + point * NearTriangles<T>::stride; }
 
     // Returns an upper bound on the rounding error of the distance from a corner to triangle k, in local units: the
     // exact distance is at most the computed one plus this error.
@@ -177,6 +180,10 @@ void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points)
 // cover.squared.
 CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work);
+
+// Returns the triangle of B that seems nearest to all corners of a piece, if it may be within the threshold of all: if
+// the computed distances do not show that it is not. Otherwise `none`. Takes the arguments of cover_shared().
+std::size_t may_cover(const OffsetCover<float>& cover, const std::array<std::size_t, 3>& points);
 
 // Finds an upper bound on the distance from a piece to B in double precision. The host measures points that may be
 // beyond the threshold, which may raise the threshold. A part that must not be cut further gets the best bound found

@@ -109,8 +109,6 @@ template <class T> double at_most(const OffsetCover<T>& c, const NearTriangles<T
     return std::sqrt(static_cast<double>(square)) * (1 + 0x1p-50) + c.error(frames, k);
 }
 
-inline constexpr std::size_t none = static_cast<std::size_t>(-1);
-
 struct Covering {
     std::size_t triangle = none;
     double upper = std::numeric_limits<double>::infinity();

@@ -99,6 +99,7 @@ private:
 
     void fetch_after(std::size_t begin);
     bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
+    bool covered_in_double(const CoverPiece& piece, const std::array<std::size_t, 3>& points);
     void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool decide_whole(const CoverPiece& piece);
     void count();

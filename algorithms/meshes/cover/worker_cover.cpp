@@ -148,11 +148,26 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
         }
         if (result.covered)
             settle(surface_sum_at_most(result.upper * batch.place.unit, scene_.magnitude, piece.level), piece.source);
+        else if (any && covered_in_double(piece, batch.of_piece[i]))
+            continue;
         else if (radius < all)
             again_.push_back(piece);
         else
             outcome_.undecided.push_back(piece);
     }
+    return true;
+}
+
+// Settles a piece that one triangle of B covers by so little that only double precision can tell. Returns false if there is
+// none. If the threshold is below the errors of single precision, and A nearly equal to B, this settles most pieces.
+// `points`: as in cover_shared().
+bool CoverWorker::covered_in_double(const CoverPiece& piece, const std::array<std::size_t, 3>& points) {
+    const std::size_t k = may_cover(cover_, points);
+    if (k == none) return false;
+    CoverPiece covered = piece;
+    covered.upper.improve(by_corners(piece, cover_.near.triangle[k]).upper);
+    if (covered.upper.value > tau_) return false;
+    settle(covered);
     return true;
 }
 

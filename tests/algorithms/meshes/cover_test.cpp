@@ -356,6 +356,35 @@ TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
     }
 }
 
+// Tolerances far below the errors of single precision: a mesh and itself need hardly any closest points, because the
+// triangle of B that seems nearest to a triangle of A is tried in double precision.
+TEST(Cover, EqualMeshesNeedFewQueriesBelowSinglePrecision) {
+    Random random(46);
+    const TriangleMesh mesh = triangle_grid(random, 20, 0.2);
+    for (const double tolerance : {1e-8, 1e-10, 1e-13}) {
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, tolerance};
+        const Result result = answer(mesh, mesh, query);
+        EXPECT_EQ(result.status, Status::converged);
+        EXPECT_LE(result.bounds.upper, tolerance);
+        EXPECT_LT(result.counters.closest_point_queries, static_cast<std::uint64_t>(mesh.triangles.rows()) / 4);
+    }
+}
+
+// There, a triangle of B that seems to cover a piece may be too far away. The answer is as tight as ever.
+TEST(Cover, NearlyEqualMeshesBelowSinglePrecisionAreMeasuredToTheTolerance) {
+    Random random(47);
+    const TriangleMesh mesh = triangle_grid(random, 20, 0.2);
+    TriangleMesh moved = mesh;
+    for (Eigen::Index i = 0; i < moved.vertices.rows(); ++i) moved.vertices.row(i) += 1e-8 * random.vector();
+    Query query;
+    query.tolerance = {Tolerance::Of::absolute, 1e-11};
+    const Result result = answer(mesh, moved, query);
+    EXPECT_EQ(result.status, Status::converged);
+    EXPECT_GT(result.bounds.lower, 1e-10);
+    EXPECT_LE(result.bounds.upper, result.bounds.lower + 1e-11);
+}
+
 // Along the middle of a hole with parallel edges, the distance is constant, so pieces must be cut there to within the
 // tolerance. Few cuts must suffice, even at tolerances near rounding.
 TEST(Cover, AFewCutsAreEnoughAlongARidge) {
