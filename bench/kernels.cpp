@@ -11,7 +11,6 @@
 // with each other, because the machine may have been disturbed during one of them. compare.cpp, which times its
 // contenders in turn, is made for comparisons.
 #include "algorithms/error.h"
-#include "algorithms/kernel/pages.h"
 #include "algorithms/kernel/textbook.h"
 #include "algorithms/kernel/triangle_block.h"
 #include "algorithms/meshes/tang/adjacency.h"
@@ -23,13 +22,12 @@
 #include "algorithms/structures/octree.h"
 #include "algorithms/structures/triangle_blocks.h"
 #include "algorithms/structures/triangle_grid.h"
+#include "bench/machine.h"
 #include "bench/models.h"
 #include "datasets/random.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
-
-#include <sys/mman.h>
 
 #include <memory>
 #include <string_view>
@@ -37,41 +35,9 @@
 namespace hausbench {
 namespace {
 
-// Adds the counter `each`: the time per item, if one iteration processes this many items.
-void count(benchmark::State& state, std::size_t items) {
-    state.counters["each"] = benchmark::Counter(
-        static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-}
-
 Vec3 random_vector(const RandomNumbers& random, std::uint64_t& next) {
     const double x = random.uniform(next++), y = random.uniform(next++), z = random.uniform(next++);
     return {2 * x - 1, 2 * y - 1, 2 * z - 1};
-}
-
-// --- pages of memory ---------------------------------------------------------------------------------------------------
-
-// Writes one byte to each page of 32 MiB of new memory, after `before` was called for it. Structures are built in such
-// memory, so this cost is part of every first answer of a process.
-template <class Before> void touch(benchmark::State& state, const Before& before) {
-    constexpr std::size_t bytes = std::size_t{1} << 25, page = 4096;
-    for (auto _ : state) {
-        void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-        before(memory, bytes);
-        for (std::size_t i = 0; i < bytes; i += page) static_cast<volatile char*>(memory)[i] = 1;
-        state.PauseTiming();
-        ::munmap(memory, bytes);
-        state.ResumeTiming();
-    }
-    count(state, bytes / page);
-}
-
-void register_pages() {
-    using benchmark::RegisterBenchmark;
-    RegisterBenchmark("page/one_by_one", [](auto& state) { touch(state, [](void*, std::size_t) {}); });
-    RegisterBenchmark("page/touch_pages", [](auto& state) { touch(state, touch_pages); });
-    RegisterBenchmark("page/huge", [](auto& state) {
-        touch(state, [](void* memory, std::size_t bytes) { ::madvise(memory, bytes, MADV_HUGEPAGE); });
-    });
 }
 
 // --- one point and one triangle --------------------------------------------------------------------------------------
@@ -367,7 +333,7 @@ int main(int argc, char** argv) {
     const std::string meshes = take_option(argc, argv, "--meshes=", pairs.empty() ? "torus:187" : "");
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-    register_pages();
+    register_machine();
     register_pairs();
     std::vector<std::unique_ptr<Subject>> subjects;
     each_of(meshes, [&](const std::string& name) {
