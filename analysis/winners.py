@@ -50,11 +50,14 @@ class Time:
 
 
 def times(records: Iterable[tables.Record], results: Results) -> list[tables.Record]:
-    """Converts the records of a table to the JSON records that read() reads."""
+    """Converts the records of a table to the JSON records that read() reads: those of the largest tolerance, if there are several."""
+    known = list(records)
+    largest = max((float(str(one["tolerance"])) for one in known if "tolerance" in one), default=None)
+    known = [one for one in known if one.get("tolerance", largest) == largest]
     apart = {scene: reason_apart(one._replace(clock="") for one in origins(results, results.rows(scene=scene))) for scene in results.scenes}
     return [{"stem": results.stem, **{name: one[name] for name in ("scene", "solver", "label")}, "title": style.title(str(one["solver"]), str(one["label"])), "n": one["n"],
              "seconds": [x for end in ("median", "low", "high") if isinstance(x := one[f"{end}_seconds"], float) and math.isfinite(x)],
-             "apart": apart[str(one["scene"])]} for one in records]
+             "apart": apart[str(one["scene"])]} for one in known]
 
 
 def read(file: str, folder: Path = REFERENCE) -> list[Time]:

@@ -126,6 +126,18 @@ def test_times_are_kept_with_their_table(tmp_path: Path) -> None:
     assert (tmp_path / "zhang2017_paper_profile.times.json").read_bytes() == before
 
 
+def test_a_scene_is_one_race_at_its_largest_tolerance(tmp_path: Path) -> None:
+    file = synthetic.ResultFile("mesh_peers")
+    for tolerance, ours in ((1e-6, 0.001), (1e-8, 0.5)):
+        for solver, seconds in (("cover", ours), ("sacht", 0.01)):
+            file.case(solver, "near", [seconds * (1 + k / 1000) for k in range(6)], prepare_seconds=0.0, lower=0.25, upper=0.25, tolerance=tolerance)
+    file.meta["profile"] = "paper"
+    file.write(tmp_path)
+    assert paper_profile.main(["mesh_peers", "--results", str(tmp_path), "--out", str(tmp_path)]) == 0
+    found = winners.race(winners.read("mesh_peers.md", tmp_path))
+    assert found.scenes == 1 and found.won == {"`cover`": [pytest.approx(10.0)]}
+
+
 def test_marks_are_needed(tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text(f"a\n{winners.BEGIN}\noutdated\n{winners.END}\nb\n", encoding="utf-8")
     winners.write(kept(tmp_path), tmp_path / "README.md")
