@@ -50,10 +50,13 @@ class Time:
 
 
 def times(records: Iterable[tables.Record], results: Results) -> list[tables.Record]:
-    """Converts the records of a table to the JSON records that read() reads: those of the largest tolerance, if there are several."""
+    """Converts the records of a table to the JSON records that read() reads: those of the largest tolerance of each scene."""
     known = list(records)
-    largest = max((float(str(one["tolerance"])) for one in known if "tolerance" in one), default=None)
-    known = [one for one in known if one.get("tolerance", largest) == largest]
+    largest: dict[object, float] = {}
+    for one in known:
+        if "tolerance" in one:
+            largest[one["scene"]] = max(float(str(one["tolerance"])), largest.get(one["scene"], 0.0))
+    known = [one for one in known if "tolerance" not in one or one["tolerance"] == largest[one["scene"]]]
     apart = {scene: reason_apart(one._replace(clock="") for one in origins(results, results.rows(scene=scene))) for scene in results.scenes}
     return [{"stem": results.stem, **{name: one[name] for name in ("scene", "solver", "label")}, "title": style.title(str(one["solver"]), str(one["label"])), "n": one["n"],
              "seconds": [x for end in ("median", "low", "high") if isinstance(x := one[f"{end}_seconds"], float) and math.isfinite(x)],

@@ -91,7 +91,7 @@ def judge(label: str, pairs: Sequence[Pair]) -> Verdict:
 def judge_finer(label: str, tolerance: float, pairs: Sequence[Pair]) -> Verdict:
     """Judges the speedup of a solver over CGAL at a finer tolerance."""
     aim = FINER[label]
-    claim = claims.of("hausbench", "times_cgal", title=style.title(label), aim=aim, among=f" at {tables.number(tolerance)}", label=label)
+    claim = claims.of("hausbench", "times_cgal", title=style.title(label), aim=aim, among=f" over all pairs, at a tolerance of {tables.number(tolerance)} of the diagonal", label=label)
     return judge_mean(claim, aim, pairs)
 
 

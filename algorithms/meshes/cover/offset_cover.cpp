@@ -23,7 +23,7 @@ void shared_rows(OffsetCover<float>& cover, const CoverPoints<float>& points) {
 
 CoverResult shared_piece(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work) {
-    // One triangle of B covers most pieces, and an engine takes longer to set up than this takes to find out.
+    // Most pieces are covered by a single triangle of B, which is found in less time than it takes to set up an engine.
     if (const Covering one = covering_triangle<float>(cover, cover.near, points, 0); one.triangle != none) {
         ++cover.tests;
         if (cover.proof) cover.proof->one(cover.near.triangle[one.triangle]);

@@ -181,8 +181,8 @@ void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points)
 CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work);
 
-// Returns the triangle of B that seems nearest to all corners of a piece, if it may be within the threshold of all: if
-// the computed distances do not show that it is not. Otherwise `none`. Takes the arguments of cover_shared().
+// Returns the triangle of B with the least computed distance to the farthest corner of a piece. Returns `none` if even this
+// distance, less its error, is above the threshold. Takes the arguments of cover_shared().
 std::size_t may_cover(const OffsetCover<float>& cover, const std::array<std::size_t, 3>& points);
 
 // Finds an upper bound on the distance from a piece to B in double precision. The host measures points that may be

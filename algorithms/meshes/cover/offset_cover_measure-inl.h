@@ -116,14 +116,14 @@ struct Covering {
 
 // Finds a triangle of B that is within the threshold of all measured points, given by their rows, and an upper bound on
 // its distance to any of them. If there are several, takes the one with the least bound, or the first with a bound of at
-// most early_out or `upper`.
+// most early_out or `enough`.
 template <class T>
 Covering covering_triangle(OffsetCover<T>& c, const NearTriangles<T>& frames, std::span<const std::size_t> rows,
-                           double upper) {
+                           double enough) {
     NearSet common = c.within[rows[0]];
     for (const std::size_t row : rows.subspan(1)) common = common & c.within[row];
     Covering best;
-    const double enough = std::max(upper, c.early_out);
+    enough = std::max(enough, c.early_out);
     for (std::size_t w = 0; w < NearSet::words; ++w) {
         for (std::uint64_t rest = common.word[w]; rest != 0; rest &= rest - 1) {
             const std::size_t k = 64 * w + static_cast<std::size_t>(std::countr_zero(rest));

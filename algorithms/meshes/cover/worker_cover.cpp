@@ -1,5 +1,5 @@
-// The functions of CoverWorker that work on single pieces of A. cover() handles several pieces at a time in single
-// precision; decide() handles one in double precision and always finishes it.
+// The functions of CoverWorker that work on single pieces of A. cover() handles several pieces at a time, in single
+// precision except for a last test; decide() handles one in double precision and always finishes it.
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/meshes/cover/batch.h"
 #include "algorithms/meshes/cover/worker.h"
@@ -148,19 +148,15 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
         }
         if (result.covered)
             settle(surface_sum_at_most(result.upper * batch.place.unit, scene_.magnitude, piece.level), piece.source);
-        else if (any && covered_in_double(piece, batch.of_piece[i]))
-            continue;
-        else if (radius < all)
-            again_.push_back(piece);
-        else
-            outcome_.undecided.push_back(piece);
+        else if (!(any && covered_in_double(piece, batch.of_piece[i])))
+            (radius < all ? again_ : outcome_.undecided).push_back(piece);
     }
     return true;
 }
 
-// Settles a piece that one triangle of B covers by so little that only double precision can tell. Returns false if there is
-// none. If the threshold is below the errors of single precision, and A nearly equal to B, this settles most pieces.
-// `points`: as in cover_shared().
+// Tries one triangle of B in double precision, the one that seems nearest to the piece. Settles the piece if it is within tau
+// of this triangle; otherwise returns false. If the threshold is below the errors of single precision, and A nearly equal
+// to B, this settles most pieces. `points`: as in cover_shared().
 bool CoverWorker::covered_in_double(const CoverPiece& piece, const std::array<std::size_t, 3>& points) {
     const std::size_t k = may_cover(cover_, points);
     if (k == none) return false;

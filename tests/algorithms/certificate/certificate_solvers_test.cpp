@@ -11,6 +11,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/searches.h"
 #include "tests/support/small_scenes.h"
+#include "tests/support/tree_meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -190,6 +191,23 @@ TEST_P(Certificates, OfFiveThousandSoupsAreAccepted) {
         if (HasFailure()) return;
     }
     EXPECT_GT(tally.certificates, tally.answers * 9 / 10);
+    expect_own_steps(tally);
+}
+
+// Tolerances below the errors of single precision.
+TEST_P(Certificates, OfNearlyEqualMeshesAreAccepted) {
+    if (slow) return;
+    Tally tally;
+    Random random(93);
+    const TriangleMesh mesh = triangle_grid(random, 8, 0.2);
+    TriangleMesh moved = mesh;
+    for (Eigen::Index i = 0; i < moved.vertices.rows(); ++i) moved.vertices.row(i) += 1e-8 * random.vector();
+    Query query;
+    query.tolerance.value = 1e-10;
+    query.budget = 3000;  // some solvers would need very many subdivisions
+    ask({"equal", {mesh, mesh}, {Pose{}}}, query, tally, "h");
+    ask({"nearly equal", {mesh, moved}, {Pose{}}}, query, tally, "h");
+    EXPECT_EQ(tally.certificates, tally.answers);
     expect_own_steps(tally);
 }
 
