@@ -50,7 +50,10 @@ class Time:
 
 
 def times(records: Iterable[tables.Record], results: Results) -> list[tables.Record]:
-    """Converts the records of a table to the JSON records that read() reads: those of the largest tolerance of each scene."""
+    """Converts the records of a table to the JSON records that read() reads.
+
+    Keeps only the records of the largest tolerance of each scene.
+    """
     known = list(records)
     largest: dict[object, float] = {}
     for one in known:

@@ -149,7 +149,7 @@ def against(label: str, other: str, cells: dict[tuple[str, str], Cell], scenes: 
 
 
 def pairs_with_cgal(results: Results, grid: Grid) -> dict[str, dict[str, Pair]]:
-    """Returns the pairs by label and scene, without those of a mesh and itself."""
+    """Returns the cells of CGAL and of each solver, by label and scene. Leaves out scenes in which A and B are the same mesh."""
     return {label: {scene: (grid.cells[scene, PEER], grid.cells[scene, label]) for scene in grid.scenes
                     if not identical(results, scene) and {(scene, PEER), (scene, label)} <= grid.cells.keys()}
             for _, label in grid.labels if label != PEER}
@@ -163,6 +163,7 @@ def means(pairs: dict[str, dict[str, Pair]], labels: Sequence[tuple[str, str]], 
 
 
 def records_of(results: Results, grid: Grid, tolerance: float) -> list[tables.Record]:
+    """Returns one record for each pair and solver of the grid, for the CSV file."""
     records: list[tables.Record] = []
     for scene in grid.scenes:
         peer, diagonal = grid.cells.get((scene, PEER)), float(results.cases.source_diagonal[grid.first(scene)])

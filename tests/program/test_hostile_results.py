@@ -140,13 +140,13 @@ HOSTILE: dict[str, tuple[Change, str]] = {
     "a trace to 2^62": (value("cases/trace_end", 1, 2**62), "past the samples"),
     "traces on top of each other": (shared_samples, "share samples"),
     "a pose of another number": (value("cases/pose_index", 0, 2**32), "cases/pose_index holds 4294967296"),
-    "a triangle of another number": (value("cases/witness_source_element", 0, 2**32), "witness_source_element holds 4294967296"),
-    "options that are no object": (value("cases/options", 0, "[" * 200_000), "damaged"),
+    "a triangle number that is too large": (value("cases/witness_source_element", 0, 2**32), "witness_source_element holds 4294967296"),
+    "options that are not an object": (value("cases/options", 0, "[" * 200_000), "damaged"),
 }
 
 
 # The files that `compare` accepts, because it does not read the damaged part.
-NOT_COMPARED = {"a trace from -1", "a trace to 2^62", "traces on top of each other", "a triangle of another number", "options that are no object"}
+NOT_COMPARED = {"a trace from -1", "a trace to 2^62", "traces on top of each other", "a triangle number that is too large", "options that are not an object"}
 
 
 @pytest.mark.parametrize("name", HOSTILE)

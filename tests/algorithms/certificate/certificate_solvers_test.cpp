@@ -194,7 +194,7 @@ TEST_P(Certificates, OfFiveThousandSoupsAreAccepted) {
     expect_own_steps(tally);
 }
 
-// Tolerances below the errors of single precision.
+// Here the tolerance is below the errors of single precision, so `cover` settles pieces in other ways.
 TEST_P(Certificates, OfNearlyEqualMeshesAreAccepted) {
     if (slow) return;
     Tally tally;
@@ -207,7 +207,7 @@ TEST_P(Certificates, OfNearlyEqualMeshesAreAccepted) {
     query.budget = 3000;  // some solvers would need very many subdivisions
     ask({"equal", {mesh, mesh}, {Pose{}}}, query, tally, "h");
     ask({"nearly equal", {mesh, moved}, {Pose{}}}, query, tally, "h");
-    EXPECT_EQ(tally.certificates, tally.answers);
+    EXPECT_EQ(tally.certificates, 2);
     expect_own_steps(tally);
 }
 

@@ -371,7 +371,8 @@ TEST(Cover, EqualMeshesNeedFewQueriesBelowSinglePrecision) {
     }
 }
 
-// There, a triangle of B that seems to cover a piece may be too far away. The answer is as tight as ever.
+// With such tolerances, a triangle of B that seems to cover a piece may be too far away. The answer must still be within the
+// tolerance.
 TEST(Cover, NearlyEqualMeshesBelowSinglePrecisionAreMeasuredToTheTolerance) {
     Random random(47);
     const TriangleMesh mesh = triangle_grid(random, 20, 0.2);
