@@ -218,10 +218,10 @@ def make(results: Results) -> Report:
         f"{tables.number(limit_of(next(iter(cells.values()))))} s stands for its time (≥). Its interval is over rounds, for these pairs: it shows how "
         "certain the mean of these pairs is, not what other pairs would give.",
         *against("cover", "sacht", cells, [scene for scene in scenes if not identical(results, scene)]),
-        tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results)}."]
+        tables.coverage_note(cell.time for cell in cells.values()), f"{machine_line(results, results.rows(tolerance=tolerance))}."]
     caption = (f"Time to prepare and solve, s: the median, and its interval. Directed distance, tolerance {tables.number(tolerance)} of the diagonal of A. "
                "Right of the frame: no answer, and why.")
-    return Report(lambda: draw(grid), table, records, style.letters_key(results.cases.status), caption=caption)
+    return Report(lambda: draw(grid), table, records, style.letters_key(status for cell in cells.values() for status in cell.failures), caption=caption)
 
 
 def best_lower(cells: Sequence[Cell]) -> float:

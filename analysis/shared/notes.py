@@ -34,9 +34,9 @@ def side_by_side_line(results: Results) -> str:
     return f"{several} of {len(results.cases)} rows were run beside others (--jobs, or a cluster): their times are not comparable." if several else ""
 
 
-def machine_line(results: Results) -> str:
-    """Returns measured_on(), followed by unchecked_line() if it is not empty."""
-    unchecked = unchecked_line(results)
+def machine_line(results: Results, rows: Sequence[int] | None = None) -> str:
+    """Returns measured_on(), followed by unchecked_line() of `rows` (default: all) if it is not empty."""
+    unchecked = unchecked_line(results, rows)
     return f"{measured_on(results)}. {unchecked}" if unchecked else measured_on(results)
 
 

@@ -48,15 +48,15 @@ Status search_blocks(const ScanWork& work, const std::vector<Index>* rows, const
     for (std::size_t begin = 0; begin < count; begin += size * at_once) {
         if (const Status stopped = work.stop(state); stopped != Status::converged) return stopped;
         const std::size_t end = std::min(count, begin + size * at_once), blocks = (end - begin + size - 1) / size;
-        std::vector<CellFindings> findings(blocks, CellFindings{state.farthest, {}, {}});
+        std::vector<CellFindings> findings(blocks);
         work.threads.for_each(blocks, [&](std::size_t block) {
             const std::size_t from = begin + block * size, to = std::min(end, from + size);
+            CellFindings found{state.farthest, {}, {}};  // a copy of its own: neighbours in a vector share cache lines
             if (rows)
-                search_cells(cells, work.grid, work.a, std::span(*rows).subspan(from, to - from), work.b,
-                             findings[block]);
+                search_cells(cells, work.grid, work.a, std::span(*rows).subspan(from, to - from), work.b, found);
             else
-                search_cells(cells, work.grid, work.a, static_cast<Index>(from), static_cast<Index>(to), work.b,
-                             findings[block]);
+                search_cells(cells, work.grid, work.a, static_cast<Index>(from), static_cast<Index>(to), work.b, found);
+            findings[block] = std::move(found);
         });
         for (const CellFindings& found : findings) {
             take(found, state);

@@ -19,7 +19,8 @@
 //      would decide fewer than half of the points, steps 3 and 4 are skipped. Only the grid is built in advance: the
 //      structures of steps 5 and 6 depend on the largest distance, and building them costs less than searching.
 //
-// Threads share the points of A in steps 1 and 5, and the points of B in steps 2 and 3. In step 5 each block of points
+// Threads share the points of A in steps 1 and 5, and the points of B in steps 2 and 3. Small point sets are left to one
+// thread, because starting another takes longer than it saves. In step 5 each block of points
 // of A starts from the largest distance known before its round of 64 blocks, so the work, the answer and its witness do
 // not depend on the number of threads.
 //
@@ -48,14 +49,16 @@ class Scan final : public Solver {
 public:
     explicit Scan(const Options& options)
         : cells_from_(static_cast<double>(options.integer("cells_from"))),
-          tree_from_(static_cast<double>(options.integer("tree_from"))) {}
+          tree_from_(static_cast<double>(options.integer("tree_from"))),
+          threads_from_(static_cast<double>(options.integer("threads_from"))) {}
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
         scene_ = &scene;
         const Points& b = points_of(scene.target);
-        target_ = extent_of(b, prepared.threads());
+        const Threads threads = threads_of(prepared.threads().most());
+        target_ = extent_of(b, threads);
         if (target_.magnitude() > largest_safe_coordinate) return;
-        grid_ = NearGrid(b, target_.box, prepared.threads());
+        grid_ = NearGrid(b, target_.box, threads);
     }
 
     std::size_t prepared_bytes() const override { return grid_.bytes(); }
@@ -65,7 +68,7 @@ public:
         if (!query.source_pose.is_identity()) moved = posed(points_of(scene_->source), query.source_pose);
         const Points& a = query.source_pose.is_identity() ? points_of(scene_->source) : moved;
         const Points& b = points_of(scene_->target);
-        const Threads threads(query.threads);
+        const Threads threads = threads_of(query.threads);
         const Extent source = extent_of(a, threads);
         if (std::max(source.magnitude(), target_.magnitude()) > largest_safe_coordinate) return {};
 
@@ -98,6 +101,12 @@ public:
 private:
     static constexpr std::size_t batch = 8;  // points compared with all of B in one pass
     static constexpr std::size_t block_rows = ScanWork::block_rows;
+
+    // Returns at most `most` threads; a single one if there are few points.
+    Threads threads_of(int most) const {
+        const auto points = points_of(scene_->source).rows() + points_of(scene_->target).rows();
+        return Threads(static_cast<double>(points) < threads_from_ ? 1 : most);
+    }
 
     // Returns the largest squared distance, or -1 if there is none.
     static double most_of(const std::vector<Undecided>& undecided) {
@@ -197,7 +206,7 @@ private:
         std::erase_if(undecided, [&](const Undecided& one) { return one.squared <= state.farthest.squared; });
     }
 
-    double cells_from_, tree_from_;
+    double cells_from_, tree_from_, threads_from_;
     const Scene* scene_ = nullptr;
     Extent target_;
     NearGrid grid_;
@@ -220,6 +229,12 @@ SolverEntry scan_solver() {
          .default_value = std::int64_t{1} << 17,
          .unit = "pairs",
          .description = "build a tree from this many pairs that the cells leave undecided",
+         .least = 0,
+         .most = 1e18},
+        {.name = "threads_from",
+         .default_value = std::int64_t{1} << 18,
+         .unit = "points",
+         .description = "use several threads from this many points of A and B together; starting one takes 1 ms",
          .least = 0,
          .most = 1e18},
     };

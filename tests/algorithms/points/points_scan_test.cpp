@@ -13,8 +13,10 @@
 #include "tests/support/scenes.h"
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <set>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
@@ -158,6 +160,36 @@ const std::vector<ParameterMap>& variants() {
     return list;
 }
 
+Result with_threads(const Pair& pair, int threads, const ParameterMap& given) {
+    const SolverEntry& entry = find_solver("scan");
+    QuerySet queries;
+    queries.threads = threads;
+    const Session session(entry, Options("scan", entry.info.parameters, given),
+                          Scene{PointSet{pair.a}, PointSet{pair.b}}, queries);
+    Query query;
+    query.tolerance.value = 1e-9;
+    query.threads = threads;
+    Trace trace;
+    return session.solve(query, trace);
+}
+
+std::ptrdiff_t threads_of_process() {
+    const std::filesystem::directory_iterator tasks("/proc/self/task");
+    return std::distance(begin(tasks), end(tasks));
+}
+
+// The first test of this program: later ones start threads, which stay.
+TEST(Scan, StartsNoThreadForFewPoints) {
+    Random random(45);
+    const Pair few{"few", cloud(random, 100'000), cloud(random, 162'143)}, many{"many", few.a, cloud(random, 162'144)};
+    const std::ptrdiff_t before = threads_of_process();
+    with_threads(few, 2, {});
+    EXPECT_EQ(threads_of_process(), before);
+    if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one core";
+    with_threads(many, 2, {});
+    EXPECT_GT(threads_of_process(), before);
+}
+
 TEST(Scan, SameBitsAsNaiveOnManyScenes) {
     Random random(31);
     for (int i = 0; i < 2000; ++i) {
@@ -284,19 +316,10 @@ TEST(Scan, SameWorkAndWitnessWhateverTheThreads) {
     Random random(43);
     for (int i = 0; i < 2 * kinds; ++i) {
         const Pair pair = random_pair(random, i % kinds, 20'000 + random.below(20'000), 40'000 + random.below(20'000));
-        const SolverEntry& entry = find_solver("scan");
         const std::string where = "scene " + std::to_string(i) + ", " + pair.name;
         Result one;
         for (const int threads : {1, 2, 3, 8}) {
-            QuerySet queries;
-            queries.threads = threads;
-            const Session session(entry, Options("scan", entry.info.parameters, {}),
-                                  Scene{PointSet{pair.a}, PointSet{pair.b}}, queries);
-            Query query;
-            query.tolerance.value = 1e-9;
-            query.threads = threads;
-            Trace trace;
-            const Result result = session.solve(query, trace);
+            const Result result = with_threads(pair, threads, {{"threads_from", std::int64_t{0}}});
             if (threads == 1) one = result;
             EXPECT_EQ(result.bounds.lower, one.bounds.lower) << where;
             EXPECT_EQ(result.bounds.upper, one.bounds.upper) << where;
