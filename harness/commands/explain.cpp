@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <regex>
 #include <set>
 #include <utility>
@@ -40,14 +41,32 @@ std::size_t shapes_of(const Job& job) {
     return files.size();
 }
 
+// Reads shapes, and keeps the scene read last: most jobs have the scene of the job before.
+class LastScene {
+public:
+    Scene of(const fs::path& source, const fs::path& target) { return {source_.of(source), target_.of(target)}; }
+
+private:
+    struct Last {
+        const SharedShape& of(const fs::path& wanted) {
+            if (file != wanted) shape.emplace(read_shape(wanted).shape);
+            file = wanted;
+            return *shape;
+        }
+        fs::path file;
+        std::optional<SharedShape> shape;
+    };
+    Last source_, target_;
+};
+
 // Adds a line for each structure that the solver may need: whether it is prepared or left out for this scene, or for
 // the first pair of a matrix.
-void describe_needs(const Plan& plan, const Job& job, std::string& text) {
+void describe_needs(const Plan& plan, const Job& job, LastScene& last, std::string& text) {
     const Case& first = plan.cases[job.cases.front()];
     const SolverEntry& entry = find_solver(first.solver);
     if (entry.info.may_need.empty() && !is_of_plugin(first.solver)) return;
     const Job::Pair& pair = job.pairs.front();
-    const Scene scene{read_shape(pair.source_file).shape, read_shape(pair.target_file).shape};
+    const Scene scene = last.of(pair.source_file, pair.target_file);
     const Options options(first.solver, entry.info.parameters, first.options);
     const Needs needs = checked_needs(entry, *make_solver(entry, options), scene, pair.queries);
     for (const Need& need : entry.info.may_need) {
@@ -83,7 +102,7 @@ std::vector<std::vector<const Job*>> alike(const Plan& plan) {
 // Appends lines about these jobs to `text`. Returns their estimated total time and the largest estimated memory of a
 // job.
 JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs, const Estimates& estimates,
-                          std::string& text) {
+                          LastScene& last, std::string& text) {
     const Experiment& e = plan.experiment;
     const Job& job = *jobs.front();
     const Case& first = plan.cases[job.cases.front()];
@@ -103,7 +122,7 @@ JobEstimate describe_jobs(const Plan& plan, const std::vector<const Job*>& jobs,
     }
     text += fmt::format("  {:<44} {:>4} {}, about {}{}, {} MB\n", label, cases, cases == 1 ? "case" : "cases",
                         clock_text(all.seconds), all.known == cases ? "" : " (a guess)", all.bytes >> 20);
-    describe_needs(plan, job, text);
+    describe_needs(plan, job, last, text);
     std::set<int> poses;
     for (std::size_t row : job.cases) poses.insert(plan.cases[row].pose_index);
     if (job.pairs.front().queries.target_copied)
@@ -140,8 +159,9 @@ std::string explain(const Plan& plan, const fs::path& results) {
     text += "RUN\n";
     double total = 0;
     std::int64_t most = 0;
+    LastScene last;
     for (const auto& jobs : alike(plan)) {
-        const JobEstimate all = describe_jobs(plan, jobs, estimates, text);
+        const JobEstimate all = describe_jobs(plan, jobs, estimates, last, text);
         total += all.seconds;
         known += all.known;
         most = std::max(most, all.bytes);

@@ -123,7 +123,7 @@ namespace {
 // plan has this file.
 std::int64_t shape_bytes(const Plan& plan, const fs::path& file) {
     for (const ModelRow& model : plan.models) {
-        if (model.resolved.shape_file != file) continue;
+        if (model.resolved.shape_file.native() != file.native()) continue;  // comparing paths is slow
         const bool mesh = model.resolved.kind == ShapeKind::mesh;
         return model.resolved.vertices * bytes_per_point + (mesh ? model.resolved.elements * bytes_per_triangle : 0);
     }
