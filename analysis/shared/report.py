@@ -114,8 +114,9 @@ def save_figures(drawn: Any, out: Path, stem: str, caption: str, footnote: str, 
 
 def _whole(figure: Any) -> Any:
     """Returns the bounding box of the figure and of text that sticks out, for savefig()."""
-    box, pad = figure.get_tightbbox(figure.canvas.get_renderer()), 0.05
-    return Bbox([[min(0, box.x0), min(0, box.y0) - pad], [max(figure.get_figwidth(), box.x1), max(figure.get_figheight(), box.y1)]])
+    box, pad, width = figure.get_tightbbox(figure.canvas.get_renderer()), 0.05, figure.get_figwidth()
+    right = box.x1 + pad if box.x1 > width else width
+    return Bbox([[min(0, box.x0), min(0, box.y0) - pad], [right, max(figure.get_figheight(), box.y1)]])
 
 
 def save_figure(figure: Any, out: Path, stem: str, caption: str = "", footnote: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
