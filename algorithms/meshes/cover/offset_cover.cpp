@@ -24,7 +24,7 @@ void shared_rows(OffsetCover<float>& cover, const CoverPoints<float>& points) {
 CoverResult shared_piece(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work) {
     // Most pieces are covered by a single triangle of B, which is found in less time than it takes to set up an engine.
-    if (const Covering one = covering_triangle<float>(cover, cover.near, points, 0); one.triangle != none) {
+    if (const Covering one = covering_triangle<float>(cover, cover.near, points, 0); one.triangle != no_triangle) {
         ++cover.tests;
         if (cover.proof) cover.proof->one(cover.near.triangle[one.triangle]);
         return {true, one.upper};
@@ -76,7 +76,7 @@ CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& p
 }
 std::size_t may_cover(const OffsetCover<float>& cover, const std::array<std::size_t, 3>& points) {
     const float* const corners[3] = {cover.squares(points[0]), cover.squares(points[1]), cover.squares(points[2])};
-    std::size_t best = none;
+    std::size_t best = no_triangle;
     float least = std::numeric_limits<float>::infinity();
     for (std::size_t k = 0; k < cover.near.count(); ++k) {
         const float most = std::max({corners[0][k], corners[1][k], corners[2][k]});
@@ -84,8 +84,8 @@ std::size_t may_cover(const OffsetCover<float>& cover, const std::array<std::siz
         least = most;
         best = k;
     }
-    if (best == none || std::sqrt(static_cast<double>(least)) > cover.threshold + cover.error(cover.near, best))
-        return none;
+    if (best == no_triangle || std::sqrt(static_cast<double>(least)) > cover.threshold + cover.error(cover.near, best))
+        return no_triangle;
     return best;
 }
 CoverResult cover_surely(OffsetCover<double>& cover, const CoverPolygon<double>& piece, CoverHost& host,

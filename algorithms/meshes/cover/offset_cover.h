@@ -88,7 +88,7 @@ struct NearSet {
     }
 };
 
-inline constexpr std::size_t none = static_cast<std::size_t>(-1);  // no triangle
+inline constexpr std::size_t no_triangle = static_cast<std::size_t>(-1);
 
 inline constexpr std::size_t most_shared_points = 48;
 
@@ -181,8 +181,8 @@ void measure_shared(OffsetCover<float>& cover, const CoverPoints<float>& points)
 CoverResult cover_shared(OffsetCover<float>& cover, const CoverPolygon<float>& piece,
                          const std::array<std::size_t, 3>& points, std::size_t most_work);
 
-// Returns the triangle of B with the least computed distance to the farthest corner of a piece. Returns `none` if even this
-// distance, less its error, is above the threshold. Takes the arguments of cover_shared().
+// Returns the triangle of B with the least computed distance to the farthest corner of a piece. Returns no_triangle if
+// even this distance, less its error, is above the threshold. Takes the arguments of cover_shared().
 std::size_t may_cover(const OffsetCover<float>& cover, const std::array<std::size_t, 3>& points);
 
 // Finds an upper bound on the distance from a piece to B in double precision. The host measures points that may be

@@ -49,8 +49,8 @@ private:
         // How much of the edges before and after the run of corners is within the threshold of `triangle`, as fractions
         // of the edges, counted from the run.
         T before = 0, after = 0;
-        std::size_t second = none;  // a triangle that covers the other part, or `none`
-        double upper = 0;           // only if `second` is set: upper bound for the whole polygon, from both triangles
+        std::size_t second = no_triangle;  // covers the other part
+        double upper = 0;  // only if `second` is set: upper bound for the whole polygon, from both triangles
     };
     struct Tried {
         std::size_t k;
@@ -250,7 +250,7 @@ template <class T> void Engine<T>::settle() {
 template <class T> bool Engine<T>::one_for_all() {
     ++c_.tests;
     const Covering one = covering_triangle(c_, *all_.frames, std::span(row_, piece_.count), upper_);
-    if (one.triangle == none) return false;
+    if (one.triangle == no_triangle) return false;
     covered_by(one.triangle, one.upper);
     return true;
 }

@@ -110,7 +110,7 @@ template <class T> double at_most(const OffsetCover<T>& c, const NearTriangles<T
 }
 
 struct Covering {
-    std::size_t triangle = none;
+    std::size_t triangle = no_triangle;
     double upper = std::numeric_limits<double>::infinity();
 };
 

@@ -111,7 +111,7 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
     for (std::size_t i = next(end); i != run.begin; i = next(i)) others = others & within(i);
     std::size_t looked = 0;
     others.for_each([&](std::size_t k) {
-        if (out.second != none || ++looked > most_seconds) return;
+        if (out.second != no_triangle || ++looked > most_seconds) return;
         Sampled<T> second;
         measure_samples(c_, all_, k, points, second);
         for (const Tried& first : tried) {
@@ -132,7 +132,7 @@ bool Engine<T>::by_two(const Run& run, std::span<const Tried> tried, const Sampl
             return;
         }
     });
-    return out.second != none;
+    return out.second != no_triangle;
 }
 
 // Returns how far one edge (side 0: before the run of corners, 1: after it) stays within the threshold of a triangle of
@@ -270,7 +270,7 @@ template <class T> typename Engine<T>::Peel Engine<T>::peel() {
     const Run run = longest_run();
     Exits out = exits(run);
     const std::size_t first = run.begin, end = end_of(run);
-    if (out.second != none) {
+    if (out.second != no_triangle) {
         if (std::max(slack_of_cut(first, last(first), out.before), slack_of_cut(end, next(end), out.after)) >
             OffsetCover<T>::most_slack)
             return Peel::stuck;

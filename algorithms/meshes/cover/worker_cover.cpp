@@ -159,7 +159,7 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
 // to B, this settles most pieces. `points`: as in cover_shared().
 bool CoverWorker::covered_in_double(const CoverPiece& piece, const std::array<std::size_t, 3>& points) {
     const std::size_t k = may_cover(cover_, points);
-    if (k == none) return false;
+    if (k == no_triangle) return false;
     CoverPiece covered = piece;
     covered.upper.improve(by_corners(piece, cover_.near.triangle[k]).upper);
     if (covered.upper.value > tau_) return false;
