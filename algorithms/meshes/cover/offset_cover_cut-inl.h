@@ -76,7 +76,8 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
 
 // Chooses a plane through an edge of triangle k and perpendicular to the triangle, to cut the polygon with. Takes the
 // one of the three planes that cuts deepest into the polygon, and sets `side` to the signed distances of the corners of
-// the polygon from it. Returns false if even this plane only grazes the polygon.
+// the polygon from it. Returns false if even this plane only grazes the polygon: a part that is farther than twice the
+// threshold beyond the plane is worth a cut, however large the rest is, because triangle k does not cover it.
 template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_polygon_corners]) const {
     const auto row = [&](std::size_t i) { return all_.row(i)[k]; };
     T sides[3][most_polygon_corners], best = 0;
@@ -99,7 +100,8 @@ template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_pol
             chosen = s;
         }
     }
-    if (chosen == 3 || !(static_cast<double>(best) > 0.05 * radius_)) return false;
+    if (chosen == 3) return false;
+    if (!(static_cast<double>(best) > std::min(0.05 * radius_, 2 * c_.threshold))) return false;
     std::copy_n(sides[chosen], piece_.count, side);
     return true;
 }
