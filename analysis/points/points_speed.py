@@ -52,11 +52,16 @@ def ratio(other: Cell, ours: Cell) -> Estimate:
 
 
 def at_least(other: Cell, ours: Cell, limit: float) -> Estimate:
-    """Returns time of `other` / time of `ours`. If the other timed out, its limit is used, which can only show that it is slower."""
-    if other.status != "timeout" or not ours.time.n:
+    """Returns time of `other` / time of `ours`. If one of them timed out, the limit stands for its time, which can only show that it is slower."""
+    late = [one.status == "timeout" for one in (other, ours)]
+    if not any(late):
         return ratio(other, ours)
-    found = ratio_of_medians([limit] * ours.time.n, list(ours.rounds.values()))
-    return found if found.separated and found.low > 1 else NO_DATA
+    answered = ours if late[0] else other
+    if all(late) or not answered.time.n:
+        return NO_DATA
+    limits = dict.fromkeys(answered.rounds, limit)
+    found = ratio_by_round(limits, ours.rounds) if late[0] else ratio_by_round(other.rounds, limits)
+    return found if (found.low > 1 if late[0] else found.high < 1) else NO_DATA
 
 
 def judge(results: Results, cells: dict[tuple[str, str], Cell]) -> Verdict:

@@ -123,6 +123,14 @@ def test_points_speed_judges_lss_against_earlybreak(make: Make, seconds: tuple[f
     assert "2017). Here: not tested" in make(synthetic.points_speed())[2]
 
 
+def test_points_speed_counts_a_timeout_of_either_as_slower(make: Make) -> None:
+    """Six rounds, which paper profile has, are enough to compare with the limit."""
+    file = synthetic.points_speed()
+    file.case("lss", "overlapping_100K", [], status="timeout", scene_note="clouds")
+    file.case("lss", "noisy_100K", [0.005] * 6, prepare_seconds=0.0, lower=0.25, upper=0.25, scene_note="clouds")
+    assert "(above 1 for 1 of 2 workloads, below 1 for 1" in make(file)[2]
+
+
 def test_points_hostile_finds_where_scan_is_slower(make: Make) -> None:
     records, rows, text = make(synthetic.points_hostile())
     assert rows["line 20K"][0][2].startswith("4.00 [") and rows["line 20K"][0][-1] == "32.0"
