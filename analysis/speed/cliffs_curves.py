@@ -30,18 +30,20 @@ class Family:
 
 
 QUERIES: Final = "closest point work"
+TOLERANCE: Final = "1 / tolerance"
 FAMILIES: Final[dict[str, Family]] = {
     "mesh_stray_in_B": Family("mesh, stray triangle in B", claim=QUERIES),
     "mesh_stray_in_A": Family("mesh, stray triangle in A", claim=QUERIES),
     "mesh_away": Family("mesh, A moved away", claim=QUERIES),
     "mesh_two_clusters": Family("meshes, two clusters", claim=QUERIES),
+    "mesh_refined": Family("mesh, B a refinement of A", TOLERANCE),
     "points_stray_in_B": Family("points, outlier in B", claim=QUERIES),
     "points_stray_in_A": Family("points, outlier in A", claim=QUERIES),
     "points_away": Family("points, A moved away", claim=QUERIES),
     "points_two_clusters": Family("points, two clusters", claim=QUERIES),
     "needle": Family("A: one needle triangle", claim="work on a needle triangle"),
     "surface_degree": Family("surfaces, by degree", "degree of A"),
-    "surface_concentric": Family("concentric spheres", "1 / tolerance"),
+    "surface_concentric": Family("concentric spheres", TOLERANCE),
 }
 
 
@@ -65,7 +67,7 @@ def place(results: Results, case: int) -> tuple[str, float]:
     cases, scene = results.cases, results.cases.scene[case]
     if scene.endswith("_away") and scene in FAMILIES:
         return scene, float(f"{np.linalg.norm(cases.pose[case][9:]):.3g}")  # 10^k without its rounding error
-    if scene == "surface_concentric":
+    if scene in FAMILIES and FAMILIES[scene].axis == TOLERANCE:
         return scene, 1 / float(cases.tolerance[case])
     found = re.fullmatch(r"(.+)_(1e)?(\d\d)", scene)
     if not found or found[1] not in FAMILIES:

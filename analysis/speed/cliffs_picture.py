@@ -34,10 +34,10 @@ def look(solver: str, label: str) -> style.Look:
 def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
     """Draws a panel per family: work above, time below, over the ratio. Frames in a row share their scale.
 
-    Frames are placed in inches, without a layout engine; the legend is in place of a last panel.
+    Frames are placed in inches, without a layout engine, and the legend below them.
     """
     deep = 0.2 + 2 * TALL + 0.06 + 0.36
-    height = deep * -(-(len(FAMILIES) + 1) // ACROSS) + 0.22
+    height = deep * -(-len(FAMILIES) // ACROSS) + 0.14 * -(-len(labels) // ACROSS) + 0.4
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
     figure.set_layout_engine("none")
     keys = list(FAMILIES)
@@ -61,7 +61,7 @@ def draw(curves: Curves, labels: Sequence[tuple[str, str]]) -> Any:
                 ax.tick_params(labelbottom=False)
             else:
                 ax.set_xlabel(family.axis, labelpad=1)
-    add_legend(figure, labels, statuses, len(FAMILIES), deep, height)
+    add_legend(figure, labels, statuses, height)
     return figure
 
 
@@ -116,13 +116,10 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
     return statuses
 
 
-def add_legend(figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str], slot: int, band: float,
-               height: float) -> None:
-    left = (0.52 + (slot % ACROSS) * (WIDE + 0.2) - 0.05) / style.DOUBLE_COLUMN
-    top = 1 - ((slot // ACROSS) * band + 0.18) / height
+def add_legend(figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str], height: float) -> None:
     handles = [plt.Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
                for looks in (look(*pair) for pair in labels)]
-    legend = figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(left, top), handlelength=2.2,
+    legend = figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.24 / height), ncols=ACROSS, handlelength=2.2,
                            borderaxespad=0, fontsize=6.5)
     legend.set_in_layout(False)
     key = style.letters_key(statuses)

@@ -15,7 +15,7 @@ from stem_runner import Make, stem_runner
 from analysis.__main__ import main
 from analysis.shared import load, style
 from analysis.speed import cliffs, cliffs_picture
-from analysis.speed.cliffs_curves import FAMILIES, Row, collect
+from analysis.speed.cliffs_curves import FAMILIES, TOLERANCE, Row, collect
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "experiments" / "speed"
@@ -135,6 +135,9 @@ def test_experiment_has_every_family_at_every_ratio() -> None:
     for key in FAMILIES:
         if key.endswith("_away"):
             assert scenes[key]["motion"]["file"] == "cliffs_away.txt"
+        elif FAMILIES[key].axis == TOLERANCE:
+            asked = {tolerance for solver in experiment["solver"] if key in solver.get("scenes", []) for tolerance in solver.get("tolerances", [])}
+            assert key in scenes and len(asked) == 5
         elif not key.startswith("surface"):
             assert {name for name in scenes if name.startswith(key + "_")} == {f"{key}_{ratio}" for ratio in ratios}
             for ratio in ratios:
