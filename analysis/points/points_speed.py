@@ -56,6 +56,8 @@ def at_least(other: Cell, ours: Cell, limit: float) -> Estimate:
     late = [one.status == "timeout" for one in (other, ours)]
     if not any(late):
         return ratio(other, ours)
+    if lacking := apart([other.origin, ours.origin]):
+        return lacking
     answered = ours if late[0] else other
     if all(late) or not answered.time.n:
         return NO_DATA
@@ -112,8 +114,8 @@ def make(results: Results) -> Report:
         f"Best other / ours: geometric mean {tables.number(mean)}, least {tables.number(least)}, over {len(ratios)} of {len(scenes)} workloads. Solvers that "
         f"did not end in {tables.number(float(cases.case_seconds_limit[0]))} s are left out: they took longer.",
         tables.coverage_note(cell.time for cell in cells.values())
-        + " SciPy: by its own clock, without starting Python and reading files, and compared with our wall time; its memory is that of the whole process, "
-        "Python included.",
+        + " SciPy's programs measure their own time, without starting Python and reading files, and are compared with our wall time. Their memory includes "
+        "Python.",
         f"{machine_line(results)}."]
     caption = "Time to prepare and solve, s, of exact directed distances between point sets: the median, and its interval. Right of the frame: no answer, and why."
     return Report(lambda: draw(scenes, labels, cells), table, records, style.letters_key(cell.status for cell in cells.values()), caption=caption)

@@ -41,22 +41,22 @@ std::size_t shapes_of(const Job& job) {
     return files.size();
 }
 
-// Reads shapes, and keeps the scene read last: most jobs have the scene of the job before.
-class LastScene {
+// Keeps the shape that was read last, because most jobs have the same shapes as the job before.
+class LastShape {
 public:
-    Scene of(const fs::path& source, const fs::path& target) { return {source_.of(source), target_.of(target)}; }
+    const SharedShape& of(const fs::path& file) {
+        if (file_ != file) shape_.emplace(read_shape(file).shape);
+        file_ = file;
+        return *shape_;
+    }
 
 private:
-    struct Last {
-        const SharedShape& of(const fs::path& wanted) {
-            if (file != wanted) shape.emplace(read_shape(wanted).shape);
-            file = wanted;
-            return *shape;
-        }
-        fs::path file;
-        std::optional<SharedShape> shape;
-    };
-    Last source_, target_;
+    fs::path file_;
+    std::optional<SharedShape> shape_;
+};
+
+struct LastScene {
+    LastShape source, target;
 };
 
 // Adds a line for each structure that the solver may need: whether it is prepared or left out for this scene, or for
@@ -66,7 +66,7 @@ void describe_needs(const Plan& plan, const Job& job, LastScene& last, std::stri
     const SolverEntry& entry = find_solver(first.solver);
     if (entry.info.may_need.empty() && !is_of_plugin(first.solver)) return;
     const Job::Pair& pair = job.pairs.front();
-    const Scene scene = last.of(pair.source_file, pair.target_file);
+    const Scene scene{last.source.of(pair.source_file), last.target.of(pair.target_file)};
     const Options options(first.solver, entry.info.parameters, first.options);
     const Needs needs = checked_needs(entry, *make_solver(entry, options), scene, pair.queries);
     for (const Need& need : entry.info.may_need) {

@@ -137,7 +137,7 @@ def test_experiment_has_every_family_at_every_ratio() -> None:
             assert scenes[key]["motion"]["file"] == "cliffs_away.txt"
         elif FAMILIES[key].axis == TOLERANCE:
             asked = {tolerance for solver in experiment["solver"] if key in solver.get("scenes", []) for tolerance in solver.get("tolerances", [])}
-            assert key in scenes and len(asked) == 5
+            assert key in scenes and max(asked) > 1e6 * min(asked)
         elif not key.startswith("surface"):
             assert {name for name in scenes if name.startswith(key + "_")} == {f"{key}_{ratio}" for ratio in ratios}
             for ratio in ratios:

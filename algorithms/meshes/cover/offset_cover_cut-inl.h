@@ -76,8 +76,9 @@ template <class T> typename Engine<T>::Centre Engine<T>::look_at_centre() {
 
 // Chooses a plane through an edge of triangle k and perpendicular to the triangle, to cut the polygon with. Takes the
 // one of the three planes that cuts deepest into the polygon, and sets `side` to the signed distances of the corners of
-// the polygon from it. Returns false if even this plane only grazes the polygon: a part that is farther than twice the
-// threshold beyond the plane is worth a cut, however large the rest is, because triangle k does not cover it.
+// the polygon from it. Returns false if even this plane only grazes the polygon: if the corners on one side are within
+// twice the threshold and within a twentieth of the radius of the plane. Corners farther beyond it than the threshold
+// are not near triangle k, so a cut along the plane is needed even if the part beyond is small.
 template <class T> bool Engine<T>::along_prism(std::size_t k, T (&side)[most_polygon_corners]) const {
     const auto row = [&](std::size_t i) { return all_.row(i)[k]; };
     T sides[3][most_polygon_corners], best = 0;

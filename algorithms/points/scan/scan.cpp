@@ -20,9 +20,9 @@
 //      structures of steps 5 and 6 depend on the largest distance, and building them costs less than searching.
 //
 // Threads share the points of A in steps 1 and 5, and the points of B in steps 2 and 3. Small point sets are left to one
-// thread, because starting another takes longer than it saves. In step 5 each block of points
-// of A starts from the largest distance known before its round of 64 blocks, so the work, the answer and its witness do
-// not depend on the number of threads.
+// thread, because starting another takes longer than it saves. In step 5 each block of points of A starts from the
+// largest distance known before its round of 64 blocks, so the work, the answer and its witness do not depend on the
+// number of threads.
 //
 // Outliers do not slow it down: the grid covers only the part of B that contains most points, and crowded cells are
 // sorted again in a smaller Morton frame (kernel/morton.h).
@@ -234,7 +234,7 @@ SolverEntry scan_solver() {
         {.name = "threads_from",
          .default_value = std::int64_t{1} << 18,
          .unit = "points",
-         .description = "use several threads from this many points of A and B together; starting one takes 1 ms",
+         .description = "use several threads from this many points of A and B together",
          .least = 0,
          .most = 1e18},
     };

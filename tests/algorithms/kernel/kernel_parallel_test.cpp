@@ -4,6 +4,7 @@
 
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/session/session.h"
+#include "tests/support/process_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,6 @@
 #include <atomic>
 #include <cfenv>
 #include <chrono>
-#include <filesystem>
 #include <stdexcept>
 #include <thread>
 
@@ -97,11 +97,6 @@ TEST(Threads, AreNoMoreThanAskedFor) {
         EXPECT_FALSE(beyond) << most;
         EXPECT_FALSE(shared) << most << ": two blocks at the same time had one worker";
     }
-}
-
-std::ptrdiff_t threads_of_process() {
-    const std::filesystem::directory_iterator tasks("/proc/self/task");
-    return std::distance(begin(tasks), end(tasks));
 }
 
 TEST(Threads, OneRunsInOrderInTheCaller) {

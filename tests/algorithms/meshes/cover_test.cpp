@@ -3,6 +3,7 @@
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/exact.h"
+#include "tests/support/metamorphic.h"
 #include "tests/support/scenes.h"
 #include "tests/support/small_scenes.h"
 #include "tests/support/tree_meshes.h"
@@ -386,35 +387,13 @@ TEST(Cover, NearlyEqualMeshesBelowSinglePrecisionAreMeasuredToTheTolerance) {
     EXPECT_LE(result.bounds.upper, result.bounds.lower + 1e-11);
 }
 
-// Along the middle of a hole with parallel edges, the distance is constant, so pieces must be cut there to within the
-// tolerance. Few cuts must suffice, even at tolerances near rounding.
-// Each triangle in four, at the midpoints of its edges.
-TriangleMesh in_four(const TriangleMesh& mesh) {
-    TriangleMesh fine;
-    fine.vertices.resize(6 * mesh.triangles.rows(), 3);
-    fine.triangles.resize(4 * mesh.triangles.rows(), 3);
-    for (Index i = 0; i < mesh.triangles.rows(); ++i) {
-        const Index first = 6 * i;
-        for (Index v = 0; v < 3; ++v) {
-            const auto a = mesh.vertices.row(mesh.triangles(i, v)),
-                       b = mesh.vertices.row(mesh.triangles(i, (v + 1) % 3));
-            fine.vertices.row(first + v) = a;
-            fine.vertices.row(first + 3 + v) = 0.5 * (a + b);
-        }
-        const Index four[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
-        for (Index k = 0; k < 4; ++k)
-            for (Index v = 0; v < 3; ++v) fine.triangles(4 * i + k, v) = first + four[k][v];
-    }
-    return fine;
-}
-
 // One vertex is pulled away, so that six triangles are needles. The small triangles that B has there are even thinner.
 TEST(Cover, AFewCutsAreEnoughIfBIsARefinementOfA) {
     Random random(48);
     for (const double pulled : {1.0, 3.0, 100.0, 1e4}) {
         TriangleMesh a = triangle_grid(random, 10, 0.01);
         a.vertices.row(a.vertices.rows() / 2 + 5) *= pulled;
-        const TriangleMesh b = in_four(a);
+        const TriangleMesh b = mesh_of(metamorphic::subdivided(a));
         for (const double tolerance : {1e-6, 1e-8, 1e-9, 1e-11}) {
             Query query;
             query.tolerance.value = tolerance * std::max(pulled, 1.0);
@@ -426,6 +405,8 @@ TEST(Cover, AFewCutsAreEnoughIfBIsARefinementOfA) {
     }
 }
 
+// Along the middle of a hole with parallel edges, the distance is constant, so pieces must be cut there to within the
+// tolerance. Few cuts must suffice, even at tolerances near rounding.
 TEST(Cover, AFewCutsAreEnoughAlongARidge) {
     Random random(47);
     for (int scene = 0; scene < 40; ++scene) {

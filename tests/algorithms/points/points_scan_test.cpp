@@ -9,11 +9,11 @@
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "tests/support/exact.h"
+#include "tests/support/process_threads.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <set>
 #include <thread>
@@ -171,11 +171,6 @@ Result with_threads(const Pair& pair, int threads, const ParameterMap& given) {
     query.threads = threads;
     Trace trace;
     return session.solve(query, trace);
-}
-
-std::ptrdiff_t threads_of_process() {
-    const std::filesystem::directory_iterator tasks("/proc/self/task");
-    return std::distance(begin(tasks), end(tasks));
 }
 
 // The first test of this program: later ones start threads, which stay.
