@@ -64,7 +64,7 @@ double estimated_elements(const ModelInfo& model, double origin) {
 constexpr int most_derivations = 100;  // limit on the length of a chain of models, each derived from the next
 
 // Part of every key of the shape cache. Increase it whenever a reader, a recipe or an operation changes its output.
-constexpr std::string_view shapes_version = "2";
+constexpr std::string_view shapes_version = "3";
 
 std::string key_of(const ModelInfo& model, const std::string& input) {
     Sha256 hash;
@@ -210,7 +210,7 @@ LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
     }
     if (model.source == "generated")
         return {model.written ? *model.written : generate(model.recipe, model.numbers), {"generated"}};
-    if (model.source != "derived") return load_separately(program_, input.file, model.format);
+    if (model.source != "derived") return load_separately(program_, input.file, {.format = model.format});
     if (made_in_a_process(model.recipe) && !program_.empty())
         return derive_separately(program_, model.recipe, model.numbers, input.file);
     return derive(model.recipe, model.numbers, read_shape(input.file));

@@ -1,126 +1,28 @@
 #include "datasets/load.h"
 
 #include "algorithms/error.h"
-#include "datasets/merge_points.h"
-#include "datasets/parse.h"
-#include "datasets/readers.h"
+#include "datasets/formats/formats.h"
+#include "datasets/formats/parse.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
 
 #include <cerrno>
 #include <cstring>
-#include <limits>
-#include <map>
 #include <memory>
-#include <set>
 
 namespace hausbench {
-namespace readers {
-namespace {
-
-std::string line_of(const std::vector<std::uint32_t>& lines, std::size_t i) {
-    return i < lines.size() ? fmt::format("line {}: ", lines[i]) : "";
-}
-
-void check(const std::string& name, const Soup& soup) {
-    if (soup.points.empty()) throw InputError(name + ": holds no vertices");
-    if (soup.points.size() > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
-        throw InputError(fmt::format("{}: holds {} vertices, more than {}", name, soup.points.size(),
-                                     std::numeric_limits<Index>::max()));
-    for (std::size_t v = 0; v < soup.points.size(); ++v) {
-        const Vec3& p = soup.points[v];
-        if (!p.allFinite())
-            throw InputError(fmt::format("{}: {}vertex {} (from 0) has a coordinate that is not finite: {} {} {}", name,
-                                         line_of(soup.point_lines, v), v, p.x(), p.y(), p.z()));
-    }
-    for (std::size_t f = 0; f < soup.faces.size(); ++f)
-        for (const std::size_t v : soup.faces[f])
-            if (v >= soup.points.size())
-                throw InputError(fmt::format("{}: {}face {} (from 0) names vertex {} (from 0), but there are {}", name,
-                                             line_of(soup.face_lines, f), f, static_cast<std::int64_t>(v),
-                                             soup.points.size()));
-}
-
-// Returns the face without corners that repeat their predecessor. If fewer than three corners remain, returns the first
-// three of the face, a degenerate triangle, instead.
-std::vector<std::size_t> without_repeats(const std::vector<std::size_t>& face) {
-    std::vector<std::size_t> corners;
-    for (const std::size_t v : face)
-        if (corners.empty() || corners.back() != v) corners.push_back(v);
-    while (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
-    return corners.size() < 3 ? std::vector(face.begin(), face.begin() + 3) : corners;
-}
-
-// Returns the corners of the triangles of all faces, three for each triangle. Counts in `polygons` the faces that it
-// splits.
-std::vector<Index> triangles_of(const Soup& soup, std::int64_t& polygons) {
-    std::vector<Index> corners;
-    for (const auto& face : soup.faces) {
-        if (face.size() < 3) continue;
-        if (face.size() == 3) {
-            for (const std::size_t v : face) corners.push_back(static_cast<Index>(v));
-            continue;
-        }
-        ++polygons;
-        const std::vector<std::size_t> polygon = without_repeats(face);
-        std::vector<Vec3> positions;
-        for (const std::size_t v : polygon) positions.push_back(soup.points[v]);
-        for (const auto& triple : triangulate(positions))
-            for (const std::size_t k : triple) corners.push_back(static_cast<Index>(polygon[k]));
-    }
-    return corners;
-}
-
-}  // namespace
-
-void add_point(const std::string& name, std::string_view line, std::uint32_t number, Soup& soup) {
-    Vec3 point;
-    for (double& coordinate : point) {
-        const std::string_view word = next_word(line);
-        const auto value = decimal(word);
-        if (word.empty())
-            refuse(name, number, fmt::format("vertex {} (from 0) does not have three coordinates", soup.points.size()));
-        if (!value) refuse(name, number, fmt::format("'{}' is no number", shown(word)));
-        coordinate = *value;
-    }
-    soup.points.push_back(point);
-    soup.point_lines.push_back(number);
-}
-
-LoadedShape finish(const std::string& name, Soup soup, LoadReport report, bool merge) {
-    check(name, soup);
-    report.objects = soup.objects;
-    report.float32 = soup.float32;
-    static_assert(sizeof(Vec3) == 3 * sizeof(double));
-    const Points points =
-        Eigen::Map<const Points>(soup.points.front().data(), static_cast<Eigen::Index>(soup.points.size()), 3);
-    if (soup.faces.empty()) return {PointSet{points}, report};
-    if (merge) {
-        const std::vector<Index> first = first_equal(points);
-        for (auto& face : soup.faces)
-            for (std::size_t& v : face) v = static_cast<std::size_t>(first[v]);
-    }
-    const std::vector<Index> corners = triangles_of(soup, report.polygons);
-    if (corners.empty()) throw InputError(name + ": none of its faces has three corners");
-    if (corners.size() / 3 > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
-        throw InputError(name + ": has more triangles than can be numbered");
-    TriangleMesh mesh = without_unused(
-        points, Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3));
-    // With `merge`, the dropped vertices are repetitions of others, not unreferenced vertices of the file.
-    if (report.unreferenced && !merge) report.unreferenced = points.rows() - mesh.vertices.rows();
-    return {std::move(mesh), report};
-}
-
-}  // namespace readers
-
 namespace {
 
 using readers::lower_case;
 
-std::string extension_of(const std::filesystem::path& file) {
+constexpr std::string_view surface_ending = "surface.toml";
+
+// Returns the ending of a file in lower case, without ".gz" and without the dot.
+std::string ending_of(const std::filesystem::path& file) {
     std::filesystem::path base = file.filename();
     if (lower_case(base.extension().string()) == ".gz") base = base.stem();
+    if (lower_case(base.string()).ends_with("." + std::string(surface_ending))) return std::string(surface_ending);
     const std::string extension = lower_case(base.extension().string());
     return extension.empty() ? "" : extension.substr(1);
 }
@@ -154,17 +56,35 @@ std::string read_all(const std::filesystem::path& file) {
     }
 }
 
+bool is_one_of(std::string_view ending, const std::vector<std::string_view>& endings) {
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+const Unread* unread_with_ending(std::string_view ending) {
+    for (const Unread& one : unread_formats())
+        if (is_one_of(ending, one.endings)) return &one;
+    return nullptr;
+}
+
+std::string refusal(const std::string& name, const Unread& unread) {
+    return fmt::format("{}: is {}, which is not read here: {}", name, unread.title, unread.advice);
+}
+
+// Throws `error`, or a better one if the file begins like a file of another kind, whatever its ending says.
+[[noreturn]] void explain(const InputError& error, const std::string& name, std::string_view bytes) {
+    for (const Unread& one : unread_formats())
+        if (!one.begins.empty() && bytes.starts_with(one.begins)) throw InputError(refusal(name, one));
+    throw error;
+}
+
 }  // namespace
 
 bool names_a_file(const std::string& text) {
-    static const std::set<std::string> known = {"off", "obj", "ply", "stl", "xyz",  "pts", "csv", "pcd",
-                                                "las", "laz", "e57", "glb", "gltf", "3ds", "dae", "fbx",
-                                                "ac",  "ase", "wrl", "wrz", "vrml", "x3d"};
-    return text.find('/') != std::string::npos || known.contains(extension_of(text)) ||
-           lower_case(text).ends_with(".surface.toml");
+    const std::string ending = ending_of(text);
+    return text.find('/') != std::string::npos || find_format(ending) || unread_with_ending(ending);
 }
 
-LoadedShape load_file(const std::filesystem::path& file, const std::string& format) {
+LoadedShape load_file(const std::filesystem::path& file, const LoadOptions& options) {
     std::error_code error;
     const std::string name = file.string();
     const auto status = std::filesystem::status(file, error);
@@ -172,35 +92,27 @@ LoadedShape load_file(const std::filesystem::path& file, const std::string& form
     if (std::filesystem::is_directory(status)) throw InputError(name + ": is a folder: name a file in it");
     if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) == 0)
         throw InputError(name + ": is empty: save or fetch it again");
-    if (format.empty() && lower_case(name).ends_with(".surface.toml")) return readers::load_foreign(file, "surface");
-    const std::string kind = lower_case(format.empty() ? extension_of(file) : format);
+    const std::string kind = options.format.empty() ? ending_of(file) : lower_case(options.format);
     if (kind.empty())
         throw InputError(name +
                          ": has no extension, which tells the format: rename it to .off, .obj, .ply, .stl, .wrl, .xyz "
                          "or its format");
-    if (kind == "las" || kind == "laz" || kind == "e57")
+    if (kind == surface_ending) return readers::read_surface(file);
+    const Format* const format = find_format(kind);
+    if (const Unread* unread = format ? nullptr : unread_with_ending(kind)) throw InputError(refusal(name, *unread));
+    if (!format)
         throw InputError(
-            fmt::format("{}: {} cannot be read, because Debian 12 has no library for it: convert it to .xyz or .ply, "
-                        "for example with `las2txt -parse xyz` or `pdal translate`",
-                        name,
-                        kind == "las"   ? "LAS"
-                        : kind == "laz" ? "LAZ"
-                                        : "E57"));
-    using Read = readers::Soup (*)(const std::string& name, std::string_view bytes);
-    static const std::map<std::string, Read> own = {
-        {"obj", readers::read_obj},   {"off", readers::read_off}, {"ply", readers::read_ply},
-        {"stl", readers::read_stl},   {"pcd", readers::read_pcd}, {"xyz", readers::read_xyz},
-        {"pts", readers::read_xyz},   {"csv", readers::read_csv}, {"wrl", readers::read_vrml},
-        {"vrml", readers::read_vrml}, {"wrz", readers::read_vrml}};
-    const auto read = own.find(kind);
-    if (read == own.end()) return readers::load_foreign(file, format);
+            fmt::format("{}: '{}' is no format that is read here: convert it to OBJ, PLY, STL or OFF; "
+                        "`hausbench list formats` has all that are read",
+                        name, kind));
     const std::string bytes = read_all(file);
     if (bytes.empty()) throw InputError(name + ": is empty: save or fetch it again");
-    LoadReport report;
-    report.format = kind;
-    const bool vrml = read->second == readers::read_vrml;
-    if (vrml) report.unreferenced = std::nullopt;  // unknown, because shapes may share vertices
-    return readers::finish(name, read->second(name, bytes), report, vrml || kind == "stl");
+    const readers::Input input{name, bytes, file, kind, options};
+    try {
+        return readers::finish(input, format->read(input));
+    } catch (const InputError& wrong) {
+        explain(wrong, name, bytes);
+    }
 }
 
 }  // namespace hausbench

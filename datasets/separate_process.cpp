@@ -60,12 +60,14 @@ void run(const Task& task, std::vector<std::string> words, double seconds_limit,
 }  // namespace
 
 LoadedShape load_separately(const std::filesystem::path& program, const std::filesystem::path& file,
-                            const std::string& format, double seconds_limit, std::int64_t bytes_limit) {
+                            const LoadOptions& options, double seconds_limit, std::int64_t bytes_limit) {
     const HoldInterrupts hold;  // declared first, so that Ctrl-C ends this process only after the folder is removed
     const ScratchFolder folder("load");
     const std::filesystem::path out = folder.path() / "shape.h5";
     std::vector<std::string> words = {program.string(), "load"};
-    if (!format.empty()) words.insert(words.end(), {"--format", format});
+    if (!options.format.empty()) words.insert(words.end(), {"--format", options.format});
+    if (!options.columns.empty()) words.push_back("--columns=" + options.columns);
+    if (options.drop_invalid) words.emplace_back("--drop-invalid");
     words.insert(words.end(), {"--", file.string(), out.string()});  // "--", because a path may begin with a dash
     run({file.string(), "the reader", "the file is damaged"}, std::move(words), seconds_limit, bytes_limit);
     return read_shape(out);

@@ -5,15 +5,17 @@
 #include "datasets/hdf5.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
 namespace hausbench {
 namespace {
 
-constexpr std::int64_t shape_schema = 1;
+constexpr std::int64_t shape_schema = 2;
 
 template <class Matrix, class Value> Matrix rows_of_three(const std::vector<Value>& values) {
     if (values.size() % 3 != 0) throw std::runtime_error("its coordinates or indices do not come by three");
@@ -46,6 +48,16 @@ LoadedShape read_unchecked(const std::filesystem::path& path, const std::string&
     loaded.report.float32 = file.has_attribute("", "float32") && file.integer_attribute("", "float32") != 0;
     loaded.report.polygons = file.integer_attribute("", "polygons");
     loaded.report.objects = file.integer_attribute("", "objects");
+    loaded.report.segments = file.integer_attribute("", "segments");
+    loaded.report.single_points = file.integer_attribute("", "single_points");
+    loaded.report.dropped_points = file.integer_attribute("", "dropped_points");
+    loaded.report.dropped_faces = file.integer_attribute("", "dropped_faces");
+    loaded.report.stated.unit = file.text_attribute("", "unit");
+    loaded.report.stated.micrometres = file.read_doubles("micrometres").at(0);
+    const std::string up = file.text_attribute("", "up");
+    loaded.report.stated.up = up.empty() ? '\0' : up[0];
+    std::istringstream notes(file.text_attribute("", "notes"));
+    for (std::string line; std::getline(notes, line);) loaded.report.notes.push_back(line);
     if (content_hash(loaded.shape) != file.text_attribute("", "content_hash"))
         throw std::runtime_error("does not match its content hash");
     return loaded;
@@ -70,6 +82,14 @@ void write_shape(const std::filesystem::path& path, const LoadedShape& loaded, c
         file.attribute("", "float32", std::int64_t(loaded.report.float32));
         file.attribute("", "polygons", loaded.report.polygons);
         file.attribute("", "objects", loaded.report.objects);
+        file.attribute("", "segments", loaded.report.segments);
+        file.attribute("", "single_points", loaded.report.single_points);
+        file.attribute("", "dropped_points", loaded.report.dropped_points);
+        file.attribute("", "dropped_faces", loaded.report.dropped_faces);
+        file.attribute("", "unit", loaded.report.stated.unit);
+        file.write("micrometres", std::vector<double>{loaded.report.stated.micrometres}, 1);
+        file.attribute("", "up", loaded.report.stated.up ? std::string(1, loaded.report.stated.up) : std::string());
+        file.attribute("", "notes", fmt::format("{}", fmt::join(loaded.report.notes, "\n")));
         const Points& points = points_of(loaded.shape);
         file.write("coordinates", std::vector<double>(points.data(), points.data() + points.size()), 3);
         if (const auto* mesh = std::get_if<TriangleMesh>(&loaded.shape)) {

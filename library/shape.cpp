@@ -2,9 +2,11 @@
 
 #include "datasets/load.h"
 #include "datasets/merge_points.h"
-#include "datasets/readers.h"
+#include "datasets/formats/formats.h"
 #include "library/arrays.h"
 #include "library/errors.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
@@ -57,11 +59,14 @@ std::shared_ptr<Model> model_of(const hausbench_shape* handle, const char* name,
 
 namespace readers {
 
-LoadedShape load_foreign(const std::filesystem::path& file, const std::string&) {
-    throw InputError(
-        file.string() +
-        ": is in no format that this library reads: convert it to OBJ, PLY, STL, OFF, VRML, XYZ, PTS, CSV or "
-        "PCD");
+Soup read_with_assimp(const Input& input) {
+    throw InputError(fmt::format("{}: .{} is read by the program alone, through a library that this one does not link: "
+                                 "convert it with `hausbench export`, or to one of {}",
+                                 input.name, input.format, known_endings(true)));
+}
+
+LoadedShape read_surface(const std::filesystem::path& file) {
+    throw InputError(file.string() + ": algebraic surfaces are read by the program alone: use `hausbench measure`");
 }
 
 }  // namespace readers

@@ -51,14 +51,17 @@ std::string described(const CLI::App& program, const std::string& what) {
 
 void add_internal_verbs(CLI::App& app, int& code) {
     static fs::path in, out;
-    static std::string format, operation;
+    static std::string operation;
+    static LoadOptions options;
     static std::vector<std::string> numbers;
     static int events = -1;
     auto* load = app.add_subcommand("load")->group("");
     load->add_option("file", in)->required();
     load->add_option("out", out)->required();
-    load->add_option("--format", format);
-    load->callback([] { write_shape(out, load_file(in, format)); });
+    load->add_option("--format", options.format);
+    load->add_option("--columns", options.columns);
+    load->add_flag("--drop-invalid", options.drop_invalid);
+    load->callback([] { write_shape(out, load_file(in, options)); });
     auto* derive = app.add_subcommand("derive")->group("");
     derive->add_option("operation", operation)->required();
     derive->add_option("origin", in)->required();

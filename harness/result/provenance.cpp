@@ -6,7 +6,7 @@
 #include "build_info.h"
 #include "datasets/hash.h"
 #include "datasets/paths.h"
-#include "datasets/readers.h"
+#include "datasets/formats/readers.h"
 
 #include <CGAL/version.h>
 #include <Eigen/Core>

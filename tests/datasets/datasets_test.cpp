@@ -26,7 +26,7 @@ protected:
         return folder_.path() / name;
     }
     LoadedShape load(const std::string& name, const std::string& bytes, const std::string& format = "") const {
-        return load_file(write(name, bytes), format);
+        return load_file(write(name, bytes), {.format = format});
     }
     // Expects an error of one line that names the file and contains all `parts`.
     void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts) const {
@@ -482,7 +482,7 @@ protected:
     }
     std::string message(const std::string& body, double seconds = 60, std::int64_t bytes = 0) const {
         try {
-            load_separately(script(body), "mesh.obj", "", seconds, bytes);
+            load_separately(script(body), "mesh.obj", {}, seconds, bytes);
         } catch (const InputError& error) {
             return error.what();
         }
@@ -494,7 +494,7 @@ TEST_F(Isolated, TheChildsShapeComesBack) {
     write_shape(folder_.path() / "shape.h5", {awkward(), {}});
     const auto program = script(fmt::format(
         "[ \"$1 $2 $3 $4 $5\" = 'load --format obj -- mesh.obj' ] && cp {}/shape.h5 \"$6\"", folder_.path().string()));
-    EXPECT_TRUE(same_bits(points_of(load_separately(program, "mesh.obj", "obj").shape), awkward().vertices));
+    EXPECT_TRUE(same_bits(points_of(load_separately(program, "mesh.obj", {.format = "obj"}).shape), awkward().vertices));
 }
 
 TEST_F(Isolated, TheChildsFailuresAreTold) {

@@ -31,7 +31,7 @@ void readers(std::string_view bytes) {
     const auto format = static_cast<std::uint8_t>(bytes[0]) % formats.size();
     const MemoryFile file(bytes.substr(1));
     try {
-        const LoadedShape loaded = load_file(file.path(), formats[format]);
+        const LoadedShape loaded = load_file(file.path(), {.format = formats[format]});
         expect_valid(loaded);
         expect(loaded.report.format == formats[format], "the report names another format");
     } catch (const InputError& error) {

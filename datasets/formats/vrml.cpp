@@ -4,8 +4,8 @@
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
 #include "datasets/circle.h"
-#include "datasets/parse.h"
-#include "datasets/readers.h"
+#include "datasets/formats/parse.h"
+#include "datasets/formats/readers.h"
 
 #include <fmt/format.h>
 
@@ -351,10 +351,14 @@ private:
 
 }  // namespace
 
-Soup read_vrml(const std::string& name, std::string_view bytes) {
+Soup read_vrml(const Input& input) {
+    const std::string& name = input.name;
+    const std::string_view bytes = input.bytes;
     VrmlText text(name, bytes);
     const VrmlField scene = text.read();
-    return VrmlScene(name, bytes.size()).draw(scene);
+    Soup soup = VrmlScene(name, bytes.size()).draw(scene);
+    soup.merge = soup.unreferenced_unknown = true;  // shapes may share vertices
+    return soup;
 }
 
 }  // namespace hausbench::readers

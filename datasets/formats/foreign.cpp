@@ -1,10 +1,10 @@
-#include "datasets/readers.h"
+// Readers that the program has, and the C library has not.
+#include "datasets/formats/readers.h"
 #include "datasets/surface_file.h"
 
 namespace hausbench::readers {
 
-LoadedShape load_foreign(const std::filesystem::path& file, const std::string& format) {
-    if (format != "surface") return load_with_assimp(file, format);
+LoadedShape read_surface(const std::filesystem::path& file) {
     LoadedShape loaded{read_surface_file(file), {}};
     loaded.report.format = "surface";
     return loaded;

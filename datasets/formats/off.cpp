@@ -1,8 +1,8 @@
 // Reads OFF as text: a header, whose keyword may be missing, then one line for each vertex and for each face. Ignores
 // the colours, normals and texture coordinates that may follow in a line.
 #include "algorithms/error.h"
-#include "datasets/parse.h"
-#include "datasets/readers.h"
+#include "datasets/formats/parse.h"
+#include "datasets/formats/readers.h"
 
 #include <fmt/format.h>
 
@@ -97,7 +97,9 @@ void add_face(const std::string& name, Line line, Soup& soup) {
 
 }  // namespace
 
-Soup read_off(const std::string& name, std::string_view bytes) {
+Soup read_off(const Input& input) {
+    const std::string& name = input.name;
+    const std::string_view bytes = input.bytes;
     if (bytes.find('\0') != std::string_view::npos)
         throw InputError(name + ": binary OFF is not supported: convert it to text");
     std::vector<Line> lines;  // without empty lines and comments

@@ -1,6 +1,6 @@
 #include "algorithms/error.h"
-#include "datasets/parse.h"
-#include "datasets/readers.h"
+#include "datasets/formats/parse.h"
+#include "datasets/formats/readers.h"
 
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
@@ -11,8 +11,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <stdexcept>
 
@@ -29,7 +27,6 @@ public:
     }
 
     void* const library = ::dlopen(HAUSBENCH_ASSIMP, RTLD_NOW | RTLD_LOCAL);  // never closed
-    decltype(&aiImportFile) import_file = find<decltype(&aiImportFile)>("aiImportFile");
     decltype(&aiImportFileFromMemory) import_memory = find<decltype(&aiImportFileFromMemory)>("aiImportFileFromMemory");
     decltype(&aiApplyPostProcessing) process = find<decltype(&aiApplyPostProcessing)>("aiApplyPostProcessing");
     decltype(&aiReleaseImport) release = find<decltype(&aiReleaseImport)>("aiReleaseImport");
@@ -50,12 +47,10 @@ private:
 
 using Scene = std::unique_ptr<const aiScene, decltype(&aiReleaseImport)>;
 
-// assimp 5.2.5 either rejects UTF-16 text (AC, Collada, Irrlicht), or reads every number in it as 0 (ASE).
-void refuse_utf16(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::string mark(2, ' ');
-    if (in.read(mark.data(), 2) && (mark == "\xff\xfe" || mark == "\xfe\xff"))
-        throw InputError(file.string() + ": is UTF-16 text, which its reader does not support: convert it to UTF-8");
+// assimp 5.2.5 either rejects UTF-16 text (AC, Irrlicht), or reads every number in it as 0 (ASE).
+void refuse_utf16(const Input& input) {
+    if (input.bytes.starts_with("\xff\xfe") || input.bytes.starts_with("\xfe\xff"))
+        throw InputError(input.name + ": is UTF-16 text, which its reader does not support: convert it to UTF-8");
 }
 
 struct Tally {
@@ -71,17 +66,6 @@ void count(const aiScene& scene, const aiNode& node, Tally& tally) {
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) tally.polygons += mesh.mFaces[f].mNumIndices > 3 ? 1 : 0;
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) count(scene, *node.mChildren[i], tally);
-}
-
-// Returns null if assimp cannot read the file; its error() then has the reason. `extension` is the extension of the
-// file, and `format` the extension that assimp should assume instead, if it is not empty.
-const aiScene* read_scene(const Library& assimp, const std::filesystem::path& file, const std::string& extension,
-                          const std::string& format) {
-    if (format.empty() || format == extension)
-        return assimp.import_file(file.c_str(), 0);  // by its path, because the file may refer to others beside it
-    std::ifstream in(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    return assimp.import_memory(bytes.data(), unsigned(bytes.size()), 0, format.c_str());
 }
 
 Soup soup_of(const aiScene& scene) {
@@ -102,13 +86,12 @@ Soup soup_of(const aiScene& scene) {
 
 }  // namespace
 
-LoadedShape load_with_assimp(const std::filesystem::path& file, const std::string& format) {
-    const std::string name = file.string();
-    refuse_utf16(file);
-    std::string extension = file.extension().string();
-    if (!extension.empty()) extension.erase(0, 1);
+// Reads from memory, so that assimp opens no other file.
+Soup read_with_assimp(const Input& input) {
+    refuse_utf16(input);
     const Library& assimp = Library::get();
-    Scene scene(read_scene(assimp, file, extension, format), assimp.release);
+    Scene scene(assimp.import_memory(input.bytes.data(), unsigned(input.bytes.size()), 0, input.format.c_str()),
+                assimp.release);
     Tally tally;
     if (scene && scene->mRootNode) {
         count(*scene, *scene->mRootNode, tally);
@@ -119,19 +102,18 @@ LoadedShape load_with_assimp(const std::filesystem::path& file, const std::strin
     if (!scene) {
         std::string why = assimp.error();
         std::replace(why.begin(), why.end(), '\n', ' ');
-        throw InputError(name + ": cannot be read: " + (why.empty() ? "assimp gives no reason" : why) +
+        throw InputError(input.name + ": cannot be read: " + (why.empty() ? "assimp gives no reason" : why) +
                          "; if it is sound, convert it to OBJ, PLY, STL or OFF");
     }
     if (tally.meshes == 0)
-        throw InputError(name + ": assimp finds no mesh in it; if there is one, convert it to OBJ, PLY, STL or OFF");
+        throw InputError(input.name +
+                         ": assimp finds no mesh in it; if there is one, convert it to OBJ, PLY, STL or OFF");
     Soup soup = soup_of(*scene);
     soup.objects = tally.meshes;
-    LoadReport report;
-    report.format = lower_case(format.empty() ? extension : format);
-    report.precision = "float32";
-    report.unreferenced = std::nullopt;
-    report.polygons = tally.polygons;
-    return finish(name, std::move(soup), report, true);
+    soup.precision = "float32";
+    soup.unreferenced_unknown = true;
+    soup.merge = true;
+    return soup;
 }
 
 std::string assimp_version() {

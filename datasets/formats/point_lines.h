@@ -1,7 +1,7 @@
 // Lines of decimal numbers, shared by .xyz, .pts, .csv and text PCD files; private to datasets/.
 #pragma once
 
-#include "datasets/readers.h"
+#include "datasets/formats/readers.h"
 
 #include <limits>
 #include <string_view>

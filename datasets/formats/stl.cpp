@@ -2,8 +2,8 @@
 // "solid" like a text file, because some programs write such binary files. Keywords of a text file may be in upper or
 // lower case.
 #include "algorithms/error.h"
-#include "datasets/parse.h"
-#include "datasets/readers.h"
+#include "datasets/formats/parse.h"
+#include "datasets/formats/readers.h"
 
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ Soup read_binary(const std::string& name, std::string_view bytes) {
                                      bytes.size() < expected ? "truncated" : "damaged", facets, expected,
                                      bytes.size()));
     Soup soup;
-    soup.float32 = true;
+    soup.merge = soup.float32 = true;
     soup.points.reserve(3 * facets);
     for (std::size_t f = 0; f < facets; ++f) {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -47,6 +47,7 @@ Soup read_binary(const std::string& name, std::string_view bytes) {
 
 Soup read_text(const std::string& name, std::string_view bytes) {
     Soup soup;
+    soup.merge = true;
     soup.objects = 0;
     bool in_solid = false, in_facet = false;
     for (std::uint32_t number = 1; !bytes.empty(); ++number) {
@@ -80,7 +81,9 @@ Soup read_text(const std::string& name, std::string_view bytes) {
 
 }  // namespace
 
-Soup read_stl(const std::string& name, std::string_view bytes) {
+Soup read_stl(const Input& input) {
+    const std::string& name = input.name;
+    const std::string_view bytes = input.bytes;
     const std::string_view start = bytes.substr(0, 512);
     const std::size_t first = start.find_first_not_of(" \t\r\n");
     const bool solid = first != std::string_view::npos && lower_case(start.substr(first, 5)) == "solid" &&

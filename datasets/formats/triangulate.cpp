@@ -1,4 +1,4 @@
-#include "datasets/readers.h"
+#include "datasets/formats/readers.h"
 
 #include <numeric>
 

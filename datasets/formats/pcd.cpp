@@ -1,8 +1,8 @@
 // Reads PCD, the format of the Point Cloud Library: DATA ascii, binary, and binary_compressed if
 // liblzf is built in. Ignores VIEWPOINT, as PCL does.
 #include "algorithms/error.h"
-#include "datasets/parse.h"
-#include "datasets/point_lines.h"
+#include "datasets/formats/parse.h"
+#include "datasets/formats/point_lines.h"
 
 #ifdef HAUSBENCH_HAS_LZF
 #include <liblzf/lzf.h>
@@ -173,7 +173,9 @@ std::string inflated(const std::string& name, std::string_view body) {
 
 }  // namespace
 
-Soup read_pcd(const std::string& name, std::string_view bytes) {
+Soup read_pcd(const Input& input) {
+    const std::string& name = input.name;
+    const std::string_view bytes = input.bytes;
     const PcdHeader header = PcdHeaderReader(name, bytes).read();
     Soup soup;
     if (header.data == "ascii") {

@@ -1,4 +1,4 @@
-#include "datasets/parse.h"
+#include "datasets/formats/parse.h"
 
 #include "algorithms/error.h"
 

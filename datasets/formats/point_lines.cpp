@@ -7,9 +7,9 @@
 // header of a .csv file without these names is skipped. A line of a .csv file with more columns than the header is an
 // error: it probably has decimal commas, or a separator within quotes, and its numbers would be read from the wrong
 // columns.
+#include "datasets/formats/point_lines.h"
 #include "algorithms/error.h"
-#include "datasets/parse.h"
-#include "datasets/point_lines.h"
+#include "datasets/formats/parse.h"
 
 #include <fmt/format.h>
 
@@ -153,7 +153,7 @@ Soup read_lines(const std::string& name, std::string_view bytes, bool csv) {
 
 }  // namespace
 
-Soup read_xyz(const std::string& name, std::string_view bytes) { return read_lines(name, bytes, false); }
-Soup read_csv(const std::string& name, std::string_view bytes) { return read_lines(name, bytes, true); }
+Soup read_xyz(const Input& input) { return read_lines(input.name, input.bytes, false); }
+Soup read_csv(const Input& input) { return read_lines(input.name, input.bytes, true); }
 
 }  // namespace hausbench::readers

@@ -1,8 +1,8 @@
 // Reads PLY as text or binary, in either byte order, with numbers and lists of any type. Ignores everything except x, y
 // and z of the vertices and the vertex numbers of the faces.
 #include "algorithms/error.h"
-#include "datasets/parse.h"
-#include "datasets/readers.h"
+#include "datasets/formats/parse.h"
+#include "datasets/formats/readers.h"
 
 #include <fmt/format.h>
 
@@ -205,6 +205,10 @@ private:
 
 }  // namespace
 
-Soup read_ply(const std::string& name, std::string_view bytes) { return PlyReader(name, bytes).read(); }
+Soup read_ply(const Input& input) {
+    const std::string& name = input.name;
+    const std::string_view bytes = input.bytes;
+    return PlyReader(name, bytes).read();
+}
 
 }  // namespace hausbench::readers

@@ -1,6 +1,6 @@
 // Reads Wavefront OBJ: `v` lines, and the vertex numbers of `f` lines. Ignores everything else.
-#include "datasets/parse.h"
-#include "datasets/readers.h"
+#include "datasets/formats/parse.h"
+#include "datasets/formats/readers.h"
 
 #include <fmt/format.h>
 
@@ -52,7 +52,9 @@ std::vector<std::size_t> face_of(const std::string& name, std::string_view line,
 
 }  // namespace
 
-Soup read_obj(const std::string& name, std::string_view bytes) {
+Soup read_obj(const Input& input) {
+    const std::string& name = input.name;
+    const std::string_view bytes = input.bytes;
     Soup soup;
     soup.objects = 0;
     bool new_object = true;

@@ -1,0 +1,114 @@
+#include "datasets/units.h"
+
+#include "algorithms/error.h"
+#include "datasets/formats/parse.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+struct Names {
+    Unit unit;
+    std::vector<std::string_view> others;
+};
+
+const std::vector<Names>& units() {
+    static const std::vector<Names> all = {
+        {{"um", 1}, {"micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres", "\xc2\xb5m"}},
+        {{"mm", 1e3}, {"millimeter", "millimeters", "millimetre", "millimetres"}},
+        {{"cm", 1e4}, {"centimeter", "centimeters", "centimetre", "centimetres"}},
+        {{"dm", 1e5}, {"decimeter", "decimeters", "decimetre", "decimetres"}},
+        {{"m", 1e6}, {"meter", "meters", "metre", "metres"}},
+        {{"km", 1e9}, {"kilometer", "kilometers", "kilometre", "kilometres"}},
+        {{"inch", 25400}, {"in", "inches", "\""}},
+        {{"ft", 304800}, {"foot", "feet", "'"}},
+        {{"yd", 914400}, {"yard", "yards"}},
+        {{"mile", 1609344000}, {"mi", "miles"}},
+        {{"mil", 25.4}, {"thou", "mils"}},
+        {{"nm", 1e-3}, {"nanometer", "nanometers", "nanometre", "nanometres"}},
+    };
+    return all;
+}
+
+// The directions to the right, up and towards the viewer, each as an axis and a sign.
+struct Axes {
+    int right, up, toward;
+    double right_sign;
+    double toward_sign;
+};
+
+Axes axes_of(char up) {
+    if (up == 'X') return {1, 0, 2, -1, 1};
+    if (up == 'Y') return {0, 1, 2, 1, 1};
+    return {0, 2, 1, 1, -1};
+}
+
+template <class Change> void change_points(Shape& shape, const Change& change) {
+    if (auto* mesh = std::get_if<TriangleMesh>(&shape)) change(mesh->vertices);
+    if (auto* points = std::get_if<PointSet>(&shape)) change(points->points);
+}
+
+}  // namespace
+
+std::optional<Unit> unit_named(std::string_view name) {
+    const std::string lower = readers::lower_case(name);
+    for (const Names& one : units())
+        if (one.unit.name == lower || std::find(one.others.begin(), one.others.end(), lower) != one.others.end())
+            return one.unit;
+    return std::nullopt;
+}
+
+Stated stated_unit(const Unit& unit) { return {std::string(unit.name), unit.micrometres, 0}; }
+
+Stated stated_unit(double metres) {
+    for (const Names& one : units())
+        if (one.unit.micrometres / 1e6 == metres) return stated_unit(one.unit);
+    return {fmt::format("{} m", metres), metres * 1e6, 0};
+}
+
+std::string unit_names() {
+    std::string text;
+    for (const Names& one : units()) text += (text.empty() ? "" : ", ") + std::string(one.unit.name);
+    return text;
+}
+
+void convert_to_unit(LoadedShape& loaded, const Unit& unit, const std::string& name) {
+    Stated& stated = loaded.report.stated;
+    if (stated.micrometres == 0)
+        loaded.report.notes.push_back(fmt::format("states no unit: its numbers count as {}", unit.name));
+    else if (stated.micrometres != unit.micrometres) {
+        const double factor = stated.micrometres / unit.micrometres;
+        change_points(loaded.shape, [&](Points& points) { points *= factor; });
+        if (!points_of(loaded.shape).allFinite())
+            throw InputError(
+                fmt::format("{}: a coordinate in {} is too large for a double: choose a larger unit", name, unit.name));
+        loaded.report.notes.push_back(
+            fmt::format("its coordinates are multiplied by {} ({} / {}), and rounded", factor, stated.unit, unit.name));
+    }
+    const char up = stated.up;
+    stated = stated_unit(unit);
+    stated.up = up;
+}
+
+void convert_to_up(LoadedShape& loaded, char up) {
+    char& stated = loaded.report.stated.up;
+    if (stated == 0) {
+        loaded.report.notes.push_back(fmt::format("does not state which axis points up: {} counts as up", up));
+    } else if (stated != up) {
+        const Axes from = axes_of(stated), to = axes_of(up);
+        change_points(loaded.shape, [&](Points& points) {
+            const Points before = points;
+            points.col(to.right) = to.right_sign * from.right_sign * before.col(from.right);
+            points.col(to.up) = before.col(from.up);
+            points.col(to.toward) = to.toward_sign * from.toward_sign * before.col(from.toward);
+        });
+        loaded.report.notes.push_back(fmt::format("is turned: {} pointed up, and now {} does", stated, up));
+    }
+    stated = up;
+}
+
+}  // namespace hausbench
