@@ -1,9 +1,12 @@
-// Reads a mesh or points with load_file(), which must give a valid shape or an InputError. First byte:
-// the format; the rest: the file.
-#include "datasets/load.h"
+// Reads a mesh or points with load_file(), which must give a valid shape or an InputError. The first line names the
+// ending of the format, and may have the options `drop` and `columns=...`; the rest is the file. Formats that foreign
+// libraries read are left out.
+#include "datasets/formats/formats.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
 
+#include <algorithm>
+#include <sstream>
 #include <vector>
 
 namespace hausbench::fuzz {
@@ -26,14 +29,21 @@ void expect_valid(const LoadedShape& loaded) {
 }
 
 void readers(std::string_view bytes) {
-    static const std::vector<std::string> formats = {"off", "obj", "stl", "ply", "xyz", "pts", "csv", "pcd", "wrl"};
-    if (bytes.empty()) return;
-    const auto format = static_cast<std::uint8_t>(bytes[0]) % formats.size();
-    const MemoryFile file(bytes.substr(1));
+    const std::size_t end = std::min(bytes.find('\n'), bytes.size());
+    std::istringstream words(std::string(bytes.substr(0, end)));
+    LoadOptions options;
+    words >> options.format;
+    for (std::string word; words >> word;) {
+        options.drop_invalid = options.drop_invalid || word == "drop";
+        if (word.starts_with("columns=")) options.columns = word.substr(8);
+    }
+    const Format* const format = find_format(options.format);
+    if (!format || !format->own) return;
+    const MemoryFile file(bytes.substr(std::min(end + 1, bytes.size())));
     try {
-        const LoadedShape loaded = load_file(file.path(), {.format = formats[format]});
+        const LoadedShape loaded = load_file(file.path(), options);
         expect_valid(loaded);
-        expect(loaded.report.format == formats[format], "the report names another format");
+        expect(loaded.report.format == options.format, "the report names another format");
     } catch (const InputError& error) {
         expect_one_line(error);
     }
@@ -43,3 +53,14 @@ void readers(std::string_view bytes) {
 }  // namespace hausbench::fuzz
 
 HAUSBENCH_FUZZ_TARGET(readers)
+
+#ifdef HAUSBENCH_LIBFUZZER
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
+
+// Changes the file, and keeps its format.
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned) {
+    const auto* const found = std::find(data, data + size, std::uint8_t{'\n'});
+    const auto head = std::min(static_cast<std::size_t>(found - data) + 1, size);
+    return head + LLVMFuzzerMutate(data + head, size - head, most - head);
+}
+#endif
