@@ -27,4 +27,17 @@ Index element_count(const Shape& shape) {
     return 1;
 }
 
+CountedBy counted_by(const Shape& shape) {
+    if (kind_of(shape) == ShapeKind::points) return CountedBy::points;
+    const auto* mesh = std::get_if<TriangleMesh>(&shape);
+    CountedBy by = CountedBy::nothing;
+    for (Eigen::Index i = 0; mesh && i < mesh->triangles.rows(); ++i) {
+        const auto corner = [&](int k) { return mesh->vertices.row(mesh->triangles(i, k)); };
+        const bool equal[] = {corner(0) == corner(1), corner(1) == corner(2), corner(2) == corner(0)};
+        if (!equal[0] && !equal[1] && !equal[2]) return CountedBy::area;
+        if (!equal[0] || !equal[1]) by = CountedBy::length;
+    }
+    return by;
+}
+
 }  // namespace hausbench

@@ -26,6 +26,16 @@ Points& points_of(Shape& shape);
 // Returns the number of points of a point set or of triangles of a mesh; 1 for a surface.
 Index element_count(const Shape& shape);
 
+// What the parts of a shape count by in statistics by area.
+enum class CountedBy {
+    points,   // a point set: each point once
+    area,     // a mesh with a triangle of three different corners
+    length,   // a mesh of line segments, which are triangles with two equal corners, and single points
+    nothing,  // a mesh of single points alone, or a surface
+};
+
+CountedBy counted_by(const Shape& shape);  // O(n)
+
 // Return the mesh or the surface in a shape. Throw std::bad_variant_access if the shape is of another kind.
 inline const TriangleMesh& mesh_of(const Shape& shape) { return std::get<TriangleMesh>(shape); }
 inline const AlgebraicSurface& surface_of(const Shape& shape) { return std::get<AlgebraicSurface>(shape); }

@@ -35,7 +35,7 @@ struct Statistic {
 
 // How much each point of a shape counts.
 enum class WeighBy {
-    area,    // each part of a mesh by its area; each point of a point set once
+    area,    // each part of a mesh by its area, of line segments alone by its length; each point of a point set once
     number,  // each vertex of a mesh that belongs to a triangle once, the rest of the mesh not at all; each point once
 };
 

@@ -1,7 +1,7 @@
 // Monte Carlo: statistics of the distance from random points of A, as Metro and MeshLab sample (Cignoni, Rocchini,
 // Scopigno 1998), with statistical intervals (ours; Metro prints none). The rival of `distribution`.
 //
-// Draws points uniformly by area (of a point set: points) until the 95 % intervals of all statistics are within the
+// Draws points uniformly by area (of line segments alone: by length; of a point set: points) until the 95 % intervals of all statistics are within the
 // tolerance. The intervals are the usual ones for many samples, by the central limit theorem:
 // - mean m of n samples with standard deviation s: m +- 1.96 s / sqrt(n); the same for the mean of d^2, whose root is
 //   the rms, and of (d - m)^2, whose root is the deviation;
@@ -34,13 +34,15 @@ constexpr std::size_t first_batch = 4096, most_of_batch = 1 << 20, most_samples 
 
 class Drawing {
 public:
-    Drawing(const TriangleMesh& source, const Points& points, const TriangleBlocks& target, bool by_area,
+    Drawing(const TriangleMesh& source, const Points& points, const TriangleBlocks& target, CountedBy by,
             std::uint64_t seed)
-        : source_(source), points_(points), target_(target), seed_(seed) {
+        : source_(source), points_(points), target_(target), by_(by), seed_(seed) {
         double sum = 0;
         for (Index i = 0; i < source.triangles.rows(); ++i) {
             const Triangle t = triangle(i);
-            sums_.push_back(sum += by_area ? (t.b - t.a).cross(t.c - t.a).norm() : 1);
+            sums_.push_back(sum += by == CountedBy::area     ? (t.b - t.a).cross(t.c - t.a).norm()
+                                   : by == CountedBy::length ? (end_of(t) - t.a).norm()
+                                                             : 1);
         }
     }
 
@@ -72,7 +74,8 @@ private:
             while (at + 1 < source_.triangles.rows() && sums_[static_cast<std::size_t>(at)] <= place) ++at;
             const Triangle t = triangle(at);
             const double root = std::sqrt(uniform()), part = uniform();
-            const Vec3 p = (1 - root) * t.a + root * (1 - part) * t.b + root * part * t.c;
+            Vec3 p = (1 - root) * t.a + root * (1 - part) * t.b + root * part * t.c;
+            if (by_ == CountedBy::length) p = (1 - part) * t.a + part * end_of(t);
             ClosestHints hints;
             hints.warm_triangle = near;
             const ClosestPoint closest = target_.closest(p, hints, counters);
@@ -81,6 +84,8 @@ private:
         }
         return true;
     }
+
+    static const Vec3& end_of(const Triangle& segment) { return segment.b != segment.a ? segment.b : segment.c; }
 
     double uniform() { return static_cast<double>(splitmix(seed_ + ++drawn_ * golden_step) >> 11) * 0x1p-53; }
     Triangle triangle(Index i) const {
@@ -91,6 +96,7 @@ private:
     const TriangleMesh& source_;
     const Points& points_;
     const TriangleBlocks& target_;
+    CountedBy by_;
     std::uint64_t seed_, drawn_ = 0;
     std::vector<double> sums_;  // of the weights of the triangles up to each
     std::vector<double> distances_;
@@ -156,7 +162,7 @@ public:
     void prepare(const Scene& scene, const Prepared& prepared) override {
         source_ = &prepared.triangles(Side::source);
         target_ = &prepared.get<TriangleBlocks>(Side::target);
-        of_points_ = kind_of(scene.source) == ShapeKind::points;
+        by_ = counted_by(scene.source);
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
@@ -165,12 +171,13 @@ public:
             result.statistics.push_back(is_share(statistic) ? Bounds{0, 1} : Bounds{});
             if (needs_target(statistic)) result.note = "only statistics over A are offered";
         }
-        if (query.weigh == WeighBy::number && !of_points_) result.note = "only weights by area are offered";
+        if (query.weigh == WeighBy::number && by_ != CountedBy::points)
+            result.note = "only weights by area are offered";
         const Points points = posed(source_->vertices, query.source_pose);
         if (!result.note.empty() || !(magnitude(points) <= largest_safe_magnitude)) return result;
         const Deadline deadline = query.deadline();
         const std::uint64_t most = std::min<std::uint64_t>(query.budget, most_samples);
-        Drawing drawing(*source_, points, *target_, !of_points_, splitmix(seed_ + golden_step));
+        Drawing drawing(*source_, points, *target_, by_, splitmix(seed_ + golden_step));
         if (drawing.empty()) return result;
         for (std::uint64_t count = std::min<std::uint64_t>(first_batch, most); count > 1;) {
             const bool all = drawing.draw(count, deadline, result.counters);
@@ -203,7 +210,7 @@ public:
 private:
     const TriangleMesh* source_ = nullptr;
     const TriangleBlocks* target_ = nullptr;
-    bool of_points_ = false;
+    CountedBy by_ = CountedBy::area;
     std::uint64_t seed_;
 };
 

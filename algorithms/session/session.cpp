@@ -30,17 +30,24 @@ void check(const Query& query) {
     }
 }
 
-void check_statistics(const Query& query, ShapeKind source, ShapeKind target) {
+void check_statistics(const Query& query, const Shape& source, const Shape& target) {
     if (query.statistics.empty()) throw InputError("query: no statistic is given; name at least one, such as mean");
     if (!(query.share_tolerance > 0))
         throw InputError(
             fmt::format("query: the tolerance of shares is {}; give a positive number", query.share_tolerance));
+    if (query.weigh == WeighBy::number) return;
+    const CountedBy a = counted_by(source), b = counted_by(target);
     for (const Statistic& one : query.statistics) {
-        if (one.over == Statistic::Over::pooled && source != target && query.weigh == WeighBy::area)
+        if ((needs_source(one) && a == CountedBy::nothing) || (needs_target(one) && b == CountedBy::nothing))
             throw InputError(
-                fmt::format("query: '{}' adds the area of a mesh to a number of points; count each vertex once, or "
-                            "take another statistic",
+                fmt::format("query: '{}' weighs by area, and a shape has neither area nor length; count "
+                            "each vertex once",
                             to_string(one)));
+        if (one.over == Statistic::Over::pooled && a != b)
+            throw InputError(fmt::format(
+                "query: '{}' would add areas, lengths or numbers of points to each other; count each vertex "
+                "once, or take another statistic",
+                to_string(one)));
     }
 }
 
@@ -158,8 +165,7 @@ std::unique_ptr<State> Session::begin() const { return maker_->info().can(Abilit
 Result Session::solve(const Query& query, State* state, Trace& trace) const {
     check(query);
     expect(query.quantity);
-    if (query.quantity == Quantity::distribution)
-        check_statistics(query, kind_of(pair_.source->shape()), kind_of(pair_.target->shape()));
+    if (query.quantity == Quantity::distribution) check_statistics(query, pair_.source->shape(), pair_.target->shape());
     Query asked = query;
     asked.threads = usable_threads(query.threads);
     Result result = solver_->solve(asked, state, trace);

@@ -27,6 +27,9 @@ double exact_area(const Element& e) {
     return 0.5 * root_at_most(squared);
 }
 
+// Returns the other end of a segment, which is a triangle with two equal corners.
+const Vec3& end_of(const Element& segment) { return segment[1] != segment[0] ? segment[1] : segment[2]; }
+
 bool has_tiny_edge(const Standing& shape) {
     for (Index i = 0; i < shape.count(); ++i) {
         const Element e = shape[i];
@@ -128,10 +131,11 @@ struct StatisticsChecker::Pair {
         } else {
             std::vector<double> sums;
             double sum = 0;
+            const bool lines = counted_by(of_source ? source_shape : target_shape) == CountedBy::length;
             for (Index i = 0; i < from.count(); ++i) {
                 if (stop && stop()) return std::nullopt;
                 const Element e = from[i];
-                sums.push_back(sum += exact_area(e));
+                sums.push_back(sum += lines ? (end_of(e) - e[0]).norm() : exact_area(e));
                 const Vec3 centre = (e[0] + e[1] + e[2]) / 3;
                 const Element& nearest = tree.element(tree.nearest(centre).first);
                 for (const Vec3& v : e) found.most = std::max(found.most, distance_to(v, nearest));
@@ -143,7 +147,10 @@ struct StatisticsChecker::Pair {
                 const auto at = std::upper_bound(sums.begin(), sums.end(), uniform(random) * sum);
                 const Element e = from[std::min(Index(at - sums.begin()), from.count() - 1)];
                 const double root = std::sqrt(uniform(random)), t = uniform(random);
-                measure((1 - root) * e[0] + root * (1 - t) * e[1] + root * t * e[2]);
+                if (lines)
+                    measure((1 - t) * e[0] + t * end_of(e));
+                else
+                    measure((1 - root) * e[0] + root * (1 - t) * e[1] + root * t * e[2]);
             }
         }
         std::sort(found.distances.begin(), found.distances.end());

@@ -7,6 +7,7 @@
 #include "datasets/generate.h"
 #include "datasets/paths.h"
 #include "harness/commands/text_table.h"
+#include "datasets/formats/formats.h"
 #include "harness/commands/verb.h"
 #include "harness/plan/experiment.h"
 #include "harness/plan/keys.h"
@@ -129,6 +130,12 @@ json model_json(const ModelInfo& m) {
             {"sha256", m.sha256},   {"licence", m.licence}, {"note", m.note}};
 }
 
+json format_json(const Format& f) {
+    return {{"name", f.endings.front()}, {"endings", f.endings}, {"title", f.title}, {"own", f.own},
+            {"reads", f.reads},          {"refuses", f.refuses}, {"unit", f.unit},   {"axes", f.axes},
+            {"error", f.error}};
+}
+
 std::string text_of(const json& object, const char* key) { return object.at(key).get<std::string>(); }
 
 std::string joined(const json& list) {
@@ -156,6 +163,26 @@ std::string solvers_text(const json& all, const Paper& paper) {
     for (const json& s : all["not_built"])
         table.add({{text_of(s, "name"), "not built", "", text_of(s, "reason")}, "", Colour::grey});
     return table.text(paper);
+}
+
+std::string formats_text(const json& all, const Paper& paper) {
+    TextTable table({{"format"}, {"endings", false, 1}, {"read by", false, 2}, {"what is read", false, 0, true}});
+    for (const json& f : all["formats"])
+        table.add({{text_of(f, "title"), joined(f["endings"]),
+                    f["own"].get<bool>() ? "program, C, Python" : "program", text_of(f, "reads")}});
+    return table.text(paper) + wrapped("a file may be gzipped; `hausbench list ENDING` says what is refused, and what "
+                                       "a file says of its unit and axes",
+                                       0, paper.width);
+}
+
+std::string one_format(const json& f, const Paper& paper) {
+    std::string text = wrapped(fmt::format("{}: {}", joined(f["endings"]), text_of(f, "title")), 0, paper.width);
+    for (const auto& [key, title] : {std::pair{"reads", "read"}, std::pair{"refuses", "refused"}, std::pair{"unit", "unit"},
+                                     std::pair{"axes", "axes"}, std::pair{"error", "error of a coordinate"}})
+        text += wrapped(fmt::format("{}: {}", title, text_of(f, key)), 2, paper.width);
+    return text + wrapped(f["own"].get<bool>() ? "read by the program, the C library and Python"
+                                               : "read by the program alone, through a library",
+                          2, paper.width);
 }
 
 std::string experiments_text(const json& all, const Paper& paper) {
@@ -319,12 +346,14 @@ std::string screen(const json& all, const Paper& paper) {
 json list_as_json(bool all_experiments, const std::string& experiment = "") {
     json out = {{"solvers", json::array()},
                 {"not_built", json::array()},
+                {"formats", json::array()},
                 {"experiments", json::array()},
                 {"models", json::array()},
                 {"corpus", json::array()}};
     for (const SolverEntry& entry : solvers()) out["solvers"].push_back(solver_json(entry.info));
     for (const NotBuilt& absent : solvers_not_built())
         out["not_built"].push_back({{"name", absent.name}, {"reason", absent.reason}});
+    for (const Format& format : formats()) out["formats"].push_back(format_json(format));
     for (const auto& file : experiment_files(experiments_folder())) {
         const std::string stem = file.stem().string();
         out["experiments"].push_back(all_experiments || stem == experiment ? experiment_or_error(file)
@@ -342,6 +371,7 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
     const json all = list_as_json(what == "experiments", what);
     if (what.empty()) return screen(all, paper);
     if (what == "solvers") return solvers_text(all, paper);
+    if (what == "formats") return formats_text(all, paper);
     if (what == "experiments") return experiments_text(all, paper);
     if (what == "models") return models_text(all, paper);
     if (what == "corpus") return corpus_text(all, paper);
@@ -350,15 +380,17 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
         std::string (*text)(const json&, const Paper&);
     };
     constexpr Kind kinds[] = {{"solvers", "name", one_solver},
+                              {"formats", "name", one_format},
                               {"experiments", "stem", one_experiment},
                               {"models", "name", one_model},
                               {"corpus", "name", one_model}};
     std::string text;  // describes every match, because a solver and a model may have the same name
-    std::vector<std::string> known = {"solvers", "experiments", "models", "corpus", "keys", "columns"};
+    std::vector<std::string> known = {"solvers", "formats", "experiments", "models", "corpus", "keys", "columns"};
     for (const Kind& kind : kinds) {
         for (const json& one : all[kind.group]) {
             known.push_back(text_of(one, kind.key));
-            if (known.back() == what) text += kind.text(one, paper);
+            const bool other_ending = one.contains("endings") && std::find(one["endings"].begin(), one["endings"].end(), what) != one["endings"].end();
+            if (known.back() == what || other_ending) text += kind.text(one, paper);
         }
     }
     for (const json& absent : all["not_built"]) {
@@ -367,7 +399,7 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
     }
     if (text.empty())
         throw InputError(
-            fmt::format("list {}: no solver, experiment or model of that name{}", what, nearest_hint(what, known)));
+            fmt::format("list {}: no solver, format, experiment or model of that name{}", what, nearest_hint(what, known)));
     return text;
 }
 
@@ -376,12 +408,12 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
 void add_list(CLI::App& app, int&) {
     static bool as_json = false;
     static std::string what;
-    auto* verb = add_verb(app, "list", "lists solvers, experiments, models, keys or columns", "hausbench list cover");
+    auto* verb = add_verb(app, "list", "lists solvers, formats, experiments, models, keys or columns", "hausbench list cover");
     verb->add_option(
             "what", what,
-            "solvers, experiments, models, corpus, keys (of experiments) or columns (of results, as JSON); or the "
-            "name of a solver, experiment or model (default: solvers)")
-        ->type_name("solvers|experiments|models|corpus|keys|columns");
+            "solvers, formats, experiments, models, corpus, keys (of experiments) or columns (of results, as JSON); or the "
+            "name of a solver, format, experiment or model (default: solvers)")
+        ->type_name("solvers|formats|experiments|models|corpus|keys|columns");
     verb->add_flag("--json", as_json, "prints all lists as one JSON object (with keys: the keys)");
     take_plugins(verb);
     verb->callback([] {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <tuple>
 
 namespace hausbench {
 
@@ -62,6 +63,11 @@ void take_arguments(CLI::App* verb, Arguments& given) {
         ->type_name("MODEL");
     verb->add_option("B", request.target, "target, likewise; of two patterns, files of one name are a pair")
         ->type_name("MODEL");
+    take_shape_options(verb, request.reading);
+    for (const auto& [name, file, shape] : {std::tuple{"--transform-source", &request.source_matrix, "A"},
+                                            std::tuple{"--transform-target", &request.target_matrix, "B"}})
+        verb->add_option(name, *file, fmt::format("moves {} by the 4 x 4 matrix in this text file", shape))
+            ->type_name("FILE");
     verb->add_option("--pairs", given.pairs, "instead of A and B: a file with a line \"A, B\" for each pair")
         ->type_name("FILE")
         ->check(CLI::ExistingFile);
@@ -152,8 +158,11 @@ void check_batch(const MeasureRequest& request, const std::filesystem::path& pai
     if (!pairs.empty() && !request.source.empty())
         throw InputError("--pairs: the list names the shapes: leave out A and B");
     if (pairs.empty() && request.target.empty()) throw InputError("measure: name B, too");
-    const std::pair<bool, const char*> alone[] = {
-        {json, "--json"}, {!request.fields.empty(), "--fields"}, {!request.certificate.empty(), "--certificate"}};
+    const std::pair<bool, const char*> alone[] = {{json, "--json"},
+                                                  {!request.source_matrix.empty(), "--transform-source"},
+                                                  {!request.target_matrix.empty(), "--transform-target"},
+                                                  {!request.fields.empty(), "--fields"},
+                                                  {!request.certificate.empty(), "--certificate"}};
     for (const auto& [given, name] : alone) {
         if (given) throw InputError(fmt::format("{}: not with several pairs, which are written as CSV", name));
     }

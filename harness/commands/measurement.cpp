@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace hausbench {
 
@@ -99,6 +100,20 @@ void check(const MeasureRequest& request) {
     if (!request.fields.empty() && request.asks_for_h()) check_export_place(file_of_way_back(request.fields));
     if (!request.certificate.empty()) check_place_to_write(request.certificate);
     if (!request.fields.empty() || !request.certificate.empty()) expect_places_apart(request);
+    if (!request.certificate.empty() &&
+        (request.reading.any() || !request.source_matrix.empty() || !request.target_matrix.empty()))
+        throw InputError(
+            "--certificate: proves a bound for the files as they stand, without --unit, --up, --columns, "
+            "--drop-invalid "
+            "and matrices: write the converted shapes with `hausbench export`, and measure those");
+}
+
+// Returns the lengths of the sides of the box, the smallest first.
+std::array<double, 3> extents_of(const Points& points) {
+    std::array<double, 3> extents{};
+    for (int k = 0; k < 3; ++k) extents[std::size_t(k)] = points.col(k).maxCoeff() - points.col(k).minCoeff();
+    std::sort(extents.begin(), extents.end());
+    return extents;
 }
 
 MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded) {
@@ -111,9 +126,11 @@ MeasuredShape about(const std::filesystem::path& file, const LoadedShape& loaded
     return {file,
             loaded.report,
             kind_of(loaded.shape),
+            counted_by(loaded.shape),
             element_count(loaded.shape),
             static_cast<Index>(points.rows()),
             diagonal(points),
+            extents_of(points),
             std::ldexp(1.0, exponent - 23),
             mesh ? connected_parts(*mesh) : std::vector<Index>()};
 }
@@ -150,9 +167,48 @@ void warn_of_float32(const MeasureRequest& request, Measured& measured) {
     }
 }
 
-// Warns about a common mistake: one file in millimetres, the other in metres.
-void warn_of_units(Measured& measured) {
+constexpr double agreement = 1.02;  // largest ratio of lengths that count as equal in a warning
+
+// Returns the factor by which all sides of B's box are longer than A's, or nothing if they have different factors.
+std::optional<double> common_factor(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (a[k] == 0 && b[k] == 0) continue;
+        const double factor = b[k] / a[k];
+        if (!(factor > 0) || !std::isfinite(factor)) return std::nullopt;
+        least = std::min(least, factor);
+        most = std::max(most, factor);
+    }
+    return most > 0 && most <= agreement * least ? std::optional(std::sqrt(least) * std::sqrt(most)) : std::nullopt;
+}
+
+// Returns the ratio of two units that a factor is within 2 % of, or nothing: inches in mm, metres in inches, feet in mm,
+// a power of ten, or the inverse of one of these.
+std::optional<double> ratio_of_units(double factor) {
+    const double larger = std::max(factor, 1 / factor);
+    const double power = std::pow(10, std::round(std::log10(larger)));
+    for (const double ratio : {25.4, 39.37, 304.8, power > 1 ? power : 10.0})
+        if (larger <= agreement * ratio && ratio <= agreement * larger) return ratio;
+    return std::nullopt;
+}
+
+// Warns about common mistakes: one file in millimetres, the other in metres or inches; one of two equal shapes moved.
+void warn_of_units(const Points& source, const Points& target, Measured& measured) {
     const double a = measured.source.diagonal, b = measured.target.diagonal;
+    const auto factor = common_factor(measured.source.extents, measured.target.extents);
+    if (const auto known = factor ? ratio_of_units(*factor) : std::nullopt) {
+        measured.warnings.push_back(
+            fmt::format("all sides of the box of {} are about {:g} times as long as those of {}: are both in the same "
+                        "unit? If a file states its unit, --unit converts it; else scale one file",
+                        *factor > 1 ? "B" : "A", *known, *factor > 1 ? "A" : "B"));
+        return;
+    }
+    const bool apart = (source.colwise().maxCoeff().array() < target.colwise().minCoeff().array()).any() ||
+                       (target.colwise().maxCoeff().array() < source.colwise().minCoeff().array()).any();
+    if (factor && *factor <= agreement && agreement * *factor >= 1 && apart)
+        measured.warnings.push_back(
+            "the boxes of A and B do not overlap, although their sizes agree: is one of them moved or turned? "
+            "--transform-source and --transform-target take a matrix");
     const double ratio = std::max(a, b) / std::min(a, b);
     if (ratio >= 100 && std::isfinite(ratio))
         measured.warnings.push_back(fmt::format("{} is {:.3g} times as large as the other: are both in the same unit?",
@@ -170,6 +226,41 @@ void warn_of_unreferenced(Measured& measured) {
     }
 }
 
+// Throws InputError if both files state a unit, or which axis points up, and they differ.
+void expect_one_convention(const MeasureRequest& request, const Stated& a, const Stated& b) {
+    const std::string source = request.source.string(), target = request.target.string();
+    if (a.micrometres != 0 && b.micrometres != 0 && a.micrometres != b.micrometres)
+        throw InputError(
+            fmt::format("{} is in {}, and {} in {}: convert both with --unit mm, or compare the numbers as "
+                        "they stand with --unit none",
+                        source, a.unit, target, b.unit));
+    if (a.up != 0 && b.up != 0 && a.up != b.up)
+        throw InputError(
+            fmt::format("{} has {} pointing up, and {} has {}: turn both with --up Z, or compare the numbers "
+                        "as they stand with --up none",
+                        source, a.up, target, b.up));
+}
+
+// Notes how the files were read, and what only one of them states.
+void take_notes(const MeasureRequest& request, Measured& measured) {
+    const Stated &a = measured.source.report.stated, &b = measured.target.report.stated;
+    for (const auto& [name, shape, other] :
+         {std::tuple{"A", &measured.source, &b}, std::tuple{"B", &measured.target, &a}}) {
+        const Stated& stated = shape->report.stated;
+        if (shape->counted_by == CountedBy::length && !request.statistics.empty() && request.weigh == WeighBy::area)
+            measured.notes.push_back(
+                fmt::format("{}: has no area, only line segments: its statistics are by length", name));
+        for (const std::string& note : shape->report.notes) measured.notes.push_back(fmt::format("{}: {}", name, note));
+        if (!request.reading.unit.empty() || stated.micrometres == 0) continue;
+        measured.notes.push_back(
+            fmt::format("{}: is in {}{}", name, stated.unit,
+                        other->micrometres != 0
+                            ? ""
+                            : ", and the other file states no unit: the numbers are compared as they stand; --unit "
+                              "converts them"));
+    }
+}
+
 }  // namespace
 
 Measured measure(const MeasureRequest& asked) {
@@ -177,11 +268,16 @@ Measured measure(const MeasureRequest& asked) {
     MeasureRequest request = asked;
     // A cutoff very close to the distance may never be decided, so the search needs a time limit.
     if (request.cutoff && std::isinf(request.time_limit)) request.time_limit = question_seconds;
-    LoadedShape source = load_named(request.source.string());
-    LoadedShape target = load_named(request.target.string());
+    LoadedShape source = load_named(request.source.string(), request.reading);
+    LoadedShape target = load_named(request.target.string(), request.reading);
+    expect_one_convention(request, source.report.stated, target.report.stated);
+    if (!request.source_matrix.empty()) transform(source, request.source_matrix);
+    if (!request.target_matrix.empty()) transform(target, request.target_matrix);
     Measured measured;
     measured.source = about(request.source, source);
     measured.target = about(request.target, target);
+    take_notes(request, measured);
+    warn_of_units(points_of(source.shape), points_of(target.shape), measured);
     const ShapeKind a = measured.source.kind, b = measured.target.kind;
     const Quantity quantity = request.quantity();
     measured.solver = !request.solver.empty()              ? request.solver
@@ -208,7 +304,6 @@ Measured measure(const MeasureRequest& asked) {
     else
         solve_outside(work, std::move(source.shape), std::move(target.shape), measured);
     warn_of_float32(request, measured);
-    warn_of_units(measured);
     warn_of_unreferenced(measured);
     if (const std::string wrong =
             wrong_witness(measured.result.witness, measured.source.elements, measured.target.elements);
@@ -226,7 +321,7 @@ Measured measure(const MeasureRequest& asked) {
     return measured;
 }
 
-std::vector<Statistic> asked_statistics(const MeasureRequest& request, ShapeKind source, ShapeKind target) {
+std::vector<Statistic> asked_statistics(const MeasureRequest& request, CountedBy source, CountedBy target) {
     std::vector<Statistic> all = request.statistics;
     if (!request.symmetric) return all;
     for (const Statistic::Over over : {Statistic::Over::target, Statistic::Over::larger, Statistic::Over::mean_of_both,

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "datasets/load.h"
+#include "harness/commands/named_shape.h"
 #include "harness/record/row.h"
 
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -15,6 +17,8 @@ namespace hausbench {
 
 struct MeasureRequest {
     std::filesystem::path source, target;
+    ShapeOptions reading = {};
+    std::filesystem::path source_matrix = {}, target_matrix = {};  // files that transform() moves A and B by
     // Empty: cover for meshes, scan for point sets, surface_enclosure for surfaces.
     std::string solver;
     ParameterMap options;
@@ -51,10 +55,12 @@ struct MeasuredShape {
     std::filesystem::path file;
     LoadReport report;
     ShapeKind kind{};
+    CountedBy counted_by{};
     Index elements = 0, vertices = 0;
     double diagonal = 0;
-    double float32_spacing = 0;     // spacing of float32 numbers at its largest coordinate
-    std::vector<Index> parts = {};  // for a mesh: number of the connected part of each triangle
+    std::array<double, 3> extents = {};  // of its box, sorted
+    double float32_spacing = 0;          // spacing of float32 numbers at its largest coordinate
+    std::vector<Index> parts = {};       // for a mesh: number of the connected part of each triangle
 };
 
 // A file written by --fields: A, cut into small triangles (pieces), with the distance to B at each vertex. With
@@ -99,6 +105,7 @@ struct Measured {
     std::vector<DrawnFile> drawn = {};  // the file of A; with --symmetric also the file of B
     std::string why_not_drawn = {};     // one line: why not all fields were written
     std::vector<std::string> warnings = {};
+    std::vector<std::string> notes = {};  // how the files were read, each one line
 };
 
 // Loads the files, then solves in a separate process. If a solver crashes, hangs, ends the process or throws, measure()
@@ -111,9 +118,9 @@ Measured measure(const MeasureRequest& request);
 // allows. This can happen because the certificate comes from a second run, which may have had less time.
 bool proves_less(const Measured& measured);
 
-// Returns the statistics that `request` asks for of shapes of these kinds. With `symmetric`, first all over A, then all
-// over B, and so on; `pooled` only if both shapes have areas or both count points.
-std::vector<Statistic> asked_statistics(const MeasureRequest& request, ShapeKind source, ShapeKind target);
+// Returns the statistics that `request` asks for of shapes that are counted so. With `symmetric`, first all over A, then all
+// over B, and so on; `pooled` only if both shapes are counted by the same.
+std::vector<Statistic> asked_statistics(const MeasureRequest& request, CountedBy source, CountedBy target);
 
 // Returns by how many seconds the solving process may exceed its time limit before it is killed.
 double grace_of(double time_limit);

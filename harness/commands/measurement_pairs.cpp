@@ -87,18 +87,19 @@ std::string more_fields(const Measured& m, bool known) {
     fields.push_back(known ? number_field(m.result.bounds.gap()) : "");
     fields.push_back(m.tolerance_of == "lower" ? "" : number_field(m.tolerance_absolute));
     fields.emplace_back(m.certified ? "yes" : "no");
+    fields.push_back(csv_field(fmt::format("{}", fmt::join(m.notes, "; "))));
     return fmt::format("{}", fmt::join(fields, ","));
 }
 
 constexpr const char* columns =
     "A,B,quantity,lower,upper,status,above_cutoff,seconds,solver,warnings,error,witness_direction,source_x,source_y,"
     "source_z,target_x,target_y,target_z,lower_a_to_b,upper_a_to_b,lower_b_to_a,upper_b_to_a,gap,"
-    "tolerance_absolute,certified";
-const std::string no_more_fields(13, ',');
+    "tolerance_absolute,certified,notes";
+const std::string no_more_fields(14, ',');
 
 // The statistics that have columns. Those of a pair are the same or, where nothing can be pooled, the first of these.
 std::vector<Statistic> columns_of_statistics(const MeasureRequest& request) {
-    return asked_statistics(request, ShapeKind::mesh, ShapeKind::mesh);
+    return asked_statistics(request, CountedBy::area, CountedBy::area);
 }
 
 std::string statistics_fields(const MeasureRequest& request, const std::vector<Bounds>& bounds) {

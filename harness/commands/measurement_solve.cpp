@@ -30,7 +30,7 @@ public:
         const MeasureRequest& request = work.request;
         // A symmetric query is answered by two directed ones.
         query_.quantity = request.asks_for_h() ? Quantity::directed : request.quantity();
-        query_.statistics = asked_statistics(request, measured.source.kind, measured.target.kind);
+        query_.statistics = asked_statistics(request, measured.source.counted_by, measured.target.counted_by);
         query_.weigh = request.weigh;
         query_.share_tolerance = request.share_tolerance;
         query_.tolerance = work.tolerance;

@@ -60,6 +60,12 @@ json shape_json(const MeasuredShape& s) {
             {"format", s.report.format},
             {"precision", s.report.precision},
             {"float32", s.report.float32},
+            {"segments", s.report.segments},
+            {"single_points", s.report.single_points},
+            {"dropped_points", s.report.dropped_points},
+            {"dropped_faces", s.report.dropped_faces},
+            {"unit", s.report.stated.micrometres != 0 ? json(s.report.stated.unit) : json()},
+            {"up", s.report.stated.up ? json(std::string(1, s.report.stated.up)) : json()},
             {"float32_spacing", s.report.float32 ? number(s.float32_spacing) : json()},
             {"unreferenced", s.report.unreferenced ? json(*s.report.unreferenced) : json()}};
 }
@@ -111,6 +117,13 @@ std::string shape_text(const MeasuredShape& s) {
     if (const Index parts = count_parts(s); parts > 1) text += fmt::format(", {} connected parts", parts);
     text += fmt::format(", diagonal {:.9g}", s.diagonal);
     if (s.report.precision != "float64") text += fmt::format(", {} coordinates", s.report.precision);
+    const auto also = [&](std::int64_t count, const char* what, const char* end = "") {
+        if (count > 0) text += fmt::format(", {} {}{}{}", count, what, count == 1 ? "" : "s", end);
+    };
+    also(s.report.segments, "line segment");
+    also(s.report.single_points, "single point");
+    also(s.report.dropped_points, "point", " dropped because not finite");
+    also(s.report.dropped_faces, "face", " dropped with them");
     if (s.report.unreferenced.value_or(0) > 0)
         text += fmt::format(", {} unreferenced vertices dropped", *s.report.unreferenced);
     return text;
@@ -157,7 +170,7 @@ std::string statistics_text(const Measured& m, const MeasureRequest& request) {
                                       "the mean of the two",
                                       "the harmonic mean of the two",
                                       "points of A and B together"};
-    const std::vector<Statistic> asked = asked_statistics(request, m.source.kind, m.target.kind);
+    const std::vector<Statistic> asked = asked_statistics(request, m.source.counted_by, m.target.counted_by);
     std::string text;
     std::optional<Statistic::Over> block;
     for (std::size_t i = 0; i < std::min(asked.size(), m.result.statistics.size()); ++i) {
@@ -182,7 +195,7 @@ std::string statistics_text(const Measured& m, const MeasureRequest& request) {
 json statistics_json(const Measured& m, const MeasureRequest& request) {
     if (request.statistics.empty()) return {};
     json all = json::object();
-    const std::vector<Statistic> asked = asked_statistics(request, m.source.kind, m.target.kind);
+    const std::vector<Statistic> asked = asked_statistics(request, m.source.counted_by, m.target.counted_by);
     for (std::size_t i = 0; i < std::min(asked.size(), m.result.statistics.size()); ++i) {
         const Statistic& one = asked[i];
         json& place = one.over == Statistic::Over::source ? all : all[std::string(to_string(one.over))];
@@ -263,6 +276,7 @@ json to_json(const Measured& m, const MeasureRequest& request) {
                 {"fields", drawn_json(m)},
                 {"distribution", statistics_json(m, request)},
                 {"warnings", m.warnings},
+                {"notes", m.notes},
                 {"prepare_seconds", m.prepare_seconds},
                 {"solve_seconds", m.solve_seconds},
                 {"peak_bytes", m.peak_bytes}});
@@ -284,6 +298,7 @@ std::string describe(const Measured& m, const MeasureRequest& request) {
                             request.certificate.string(), *m.proven, proves_less(m) ? larger : "");
     for (std::size_t i = 0; i < m.drawn.size(); ++i)
         text += drawn_text(m.drawn[i], i == 0 ? "h(A,B)" : "h(B,A)", request.resolution);
+    for (const std::string& note : m.notes) text += fmt::format("note       {}\n", note);
     for (const std::string& warning : m.warnings) text += fmt::format("warning    {}\n", warning);
     return text + fmt::format("time       {:.4f} s to prepare, {:.4f} s to solve; peak {}\n", m.prepare_seconds,
                               m.solve_seconds,

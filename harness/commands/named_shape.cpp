@@ -5,9 +5,16 @@
 #include "datasets/paths.h"
 #include "datasets/separate_process.h"
 #include "datasets/shape_file.h"
+#include "datasets/units.h"
 #include "harness/commands/verb.h"
+#include "harness/plan/motion.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <sstream>
 
 namespace hausbench {
 
@@ -21,11 +28,30 @@ const Catalogue& known_models() {
 
 }  // namespace
 
-LoadedShape load_named(const std::string& name) {
-    if (names_a_file(name)) return load_separately(program_path(), name);
+void take_shape_options(CLI::App* verb, ShapeOptions& options) {
+    verb->add_option("--columns", options.columns,
+                     "the columns of x, y and z in a text file of points: numbers from 1, or names of its header")
+        ->type_name("2,3,4|E,N,H");
+    verb->add_flag("--drop-invalid", options.drop_invalid,
+                   "leaves out points with a coordinate that is not finite, and faces that use them");
+    verb->add_option("--unit", options.unit,
+                     "converts each shape from the unit that its file states to this one; a file that states none "
+                     "counts as being in it. none: compares the numbers as they stand")
+        ->type_name("mm|m|inch|...|none");
+    verb->add_option("--up", options.up,
+                     "turns each shape from the axes that its file states so that this axis points up; none: compares "
+                     "the numbers as they stand")
+        ->type_name("X|Y|Z|none")
+        ->check(CLI::IsMember({"X", "Y", "Z", "none"}, CLI::ignore_case));
+}
+
+namespace {
+
+LoadedShape load_unconverted(const std::string& name, const LoadOptions& options) {
+    if (names_a_file(name)) return load_separately(program_path(), name, options);
     const Catalogue& models = known_models();
     if (!models.has(name)) {
-        if (std::filesystem::exists(name)) return load_separately(program_path(), name);
+        if (std::filesystem::exists(name)) return load_separately(program_path(), name, options);
         std::vector<std::string> names;
         for (const ModelInfo& model : models.models()) names.push_back(model.name);
         throw InputError(fmt::format("'{}' is neither a model nor a file{}", name, nearest_hint(name, names)));
@@ -34,6 +60,77 @@ LoadedShape load_named(const std::string& name) {
     if (const auto* missing = std::get_if<MissingModel>(&resolved))
         throw InputError(fmt::format("model '{}': {}", name, missing->reason));
     return read_shape(std::get<ResolvedModel>(resolved).shape_file);
+}
+
+void expect_vertices(const LoadedShape& loaded, const std::string& why) {
+    if (kind_of(loaded.shape) == ShapeKind::surface)
+        throw InputError(
+            fmt::format("{}: an algebraic surface has no vertices to move: write its polynomial anew", why));
+}
+
+// Reads the 16 numbers of a 4 x 4 matrix, row by row; '#' begins a comment.
+Pose read_matrix(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    if (!in || std::filesystem::is_directory(file))
+        throw InputError(fmt::format("{}: cannot be opened: name a text file with a 4 x 4 matrix", file.string()));
+    std::string all;
+    for (std::string line; std::getline(in, line) && all.size() < 10'000;) {
+        std::replace(line.begin(), line.end(), ',', ' ');
+        all += line.substr(0, line.find('#')) + ' ';
+    }
+    std::istringstream words(all);
+    const auto m = finite_numbers(words, 16);
+    if (!m)
+        throw InputError(
+            fmt::format("{}: is not a 4 x 4 matrix: write four rows of four finite numbers", file.string()));
+    if ((*m)[12] != 0 || (*m)[13] != 0 || (*m)[14] != 0 || (*m)[15] != 1)
+        throw InputError(
+            fmt::format("{}: the last row is {} {} {} {}, not 0 0 0 1: the translation belongs in the last "
+                        "column",
+                        file.string(), (*m)[12], (*m)[13], (*m)[14], (*m)[15]));
+    Pose pose;
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) pose.rotation(i, k) = (*m)[std::size_t(4 * i + k)];
+        pose.translation[i] = (*m)[std::size_t(4 * i + 3)];
+    }
+    return pose;
+}
+
+}  // namespace
+
+LoadedShape load_named(const std::string& name, const ShapeOptions& options) {
+    LoadedShape loaded = load_unconverted(name, {.columns = options.columns, .drop_invalid = options.drop_invalid});
+    Stated& stated = loaded.report.stated;
+    if (options.unit == "none") {
+        stated.unit = "";
+        stated.micrometres = 0;
+    } else if (!options.unit.empty()) {
+        const auto unit = unit_named(options.unit);
+        if (!unit)
+            throw InputError(fmt::format("--unit: '{}' is no unit that is known: choose one of {}, or none",
+                                         one_line(options.unit), unit_names()));
+        expect_vertices(loaded, "--unit");
+        convert_to_unit(loaded, *unit, name);
+    }
+    if (options.up == "none") {
+        stated.up = 0;
+    } else if (!options.up.empty()) {
+        expect_vertices(loaded, "--up");
+        convert_to_up(loaded, char(std::toupper(options.up[0])));
+    }
+    return loaded;
+}
+
+void transform(LoadedShape& loaded, const std::filesystem::path& matrix) {
+    expect_vertices(loaded, matrix.string());
+    const Pose pose = read_matrix(matrix);
+    auto* mesh = std::get_if<TriangleMesh>(&loaded.shape);
+    Points& points = mesh ? mesh->vertices : std::get<PointSet>(loaded.shape).points;
+    points = posed(points, pose);
+    if (!points.allFinite())
+        throw InputError(
+            fmt::format("{}: moves a vertex beyond the largest double: choose smaller numbers", matrix.string()));
+    loaded.report.notes.push_back(fmt::format("is moved by the matrix of {}, and rounded", matrix.string()));
 }
 
 std::filesystem::path file_behind(const std::string& name) {

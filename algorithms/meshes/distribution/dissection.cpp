@@ -235,21 +235,35 @@ private:
     std::vector<std::unique_ptr<std::vector<std::uint16_t>>> lists_;
 };
 
+Triangles both_orders(const Triangles& triangles, const Points& points) {
+    const Eigen::Index n = triangles.rows();
+    Triangles both(2 * n, 3);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const Index a = triangles(i, 0);
+        const bool first = points.row(a) != points.row(triangles(i, 1));
+        const Index b = triangles(i, first ? 1 : 2);
+        both.row(i) << a, b, b;
+        both.row(n + i) << b, a, a;
+    }
+    return both;
+}
+
 Dissection::Dissection(const Triangles& triangles, const Points& points, const TriangleBlocks& target, double magnitude,
-                       WeighBy weigh, int threads)
+                       CountedBy weigh, int threads)
     : triangles_(triangles),
       points_(points),
       target_(target),
       magnitude_(magnitude),
       threads_(threads),
-      counted_(weigh == WeighBy::number) {
+      counted_(weigh == CountedBy::points) {
     weights_.assign(static_cast<std::size_t>(triangles.rows()), 1);
     if (counted_) return;
     const double inverse = magnitude > 0 ? std::ldexp(1.0, -std::ilogb(magnitude) - 1) : 1;
     for (Eigen::Index i = 0; i < triangles.rows(); ++i) {
         const auto v = triangles.row(i);
-        const Area area = area_of(
-            {inverse * Vec3(points.row(v[0])), inverse * Vec3(points.row(v[1])), inverse * Vec3(points.row(v[2]))});
+        const Triangle t{inverse * Vec3(points.row(v[0])), inverse * Vec3(points.row(v[1])),
+                         inverse * Vec3(points.row(v[2]))};
+        const Area area = weigh == CountedBy::length ? length_of(t) : area_of(t);
         weights_[static_cast<std::size_t>(i)] = area.value;
         extra_ += area.extra;
     }

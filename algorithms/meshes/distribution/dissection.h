@@ -4,6 +4,7 @@
 #include "algorithms/kernel/counters.h"
 #include "algorithms/kernel/parallel.h"
 #include "algorithms/meshes/distribution/piece_bounds.h"
+#include "algorithms/scene.h"
 #include "algorithms/statistic.h"
 #include "algorithms/structures/triangle_blocks.h"
 
@@ -54,13 +55,21 @@ struct SpreadBounds {
 };
 SpreadBounds spread_about(const AffineBounds& bounds, double about);
 
+// Returns the segments (a, b, b) of a mesh of segments as triangles (a, b, b) and, behind all of these, (b, a, a).
+//
+// Pieces of a triangle have shares of its area, and a degenerate triangle is the image of a proper one under an affine
+// map. Of (a, b, b), the image of equal areas is denser near b: its density falls linearly from 2 at b to 0 at a. The
+// triangle (b, a, a) has the opposite density, so both together, with half of the length each, weigh every part of the
+// segment by its length.
+Triangles both_orders(const Triangles& triangles, const Points& points);
+
 // The pieces of all triangles of A. At first none; refine() makes them.
 class Dissection {
 public:
     // Keeps references. `points` are the vertices of A, moved by its pose, `magnitude` is M of kernel/rounding.h.
-    // O(n).
+    // O(n). CountedBy::length is for the triangles of both_orders().
     Dissection(const Triangles& triangles, const Points& points, const TriangleBlocks& target, double magnitude,
-               WeighBy weigh, int threads);
+               CountedBy weigh, int threads);
 
     // Tells whether to stop, given the number of pieces so far. Threads call it concurrently. It may throw; the pieces
     // are then incomplete.

@@ -42,7 +42,7 @@ public:
         target_ = &prepared.triangles(Side::target);
         of_target_ = &prepared.get<TriangleBlocks>(Side::target);
         of_source_ = prepared.has<TriangleBlocks>(Side::source) ? &prepared.get<TriangleBlocks>(Side::source) : nullptr;
-        points_ = {kind_of(scene.source) == ShapeKind::points, kind_of(scene.target) == ShapeKind::points};
+        counted_by_ = {counted_by(scene.source), counted_by(scene.target)};
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
@@ -57,9 +57,15 @@ public:
         const bool there = std::any_of(query.statistics.begin(), query.statistics.end(), needs_source);
         const bool back = std::any_of(query.statistics.begin(), query.statistics.end(), needs_target);
         const bool number = query.weigh == WeighBy::number;
-        const Triangles of_a = number ? vertices_of(*source_) : source_->triangles;
-        const Triangles of_b = number && back ? vertices_of(*target_) : target_->triangles;
-        const auto weigh = [&](bool is_points) { return number || is_points ? WeighBy::number : WeighBy::area; };
+        const CountedBy by_a = number ? CountedBy::points : counted_by_.first;
+        const CountedBy by_b = number ? CountedBy::points : counted_by_.second;
+        const auto pieces_of = [&](const TriangleMesh& mesh, CountedBy by) {
+            return number                    ? vertices_of(mesh)
+                   : by == CountedBy::length ? both_orders(mesh.triangles, mesh.vertices)
+                                             : mesh.triangles;
+        };
+        const Triangles of_a = pieces_of(*source_, by_a);
+        const Triangles of_b = back ? pieces_of(*target_, by_b) : Triangles();
         // B is compared with A as it is posed.
         std::optional<TriangleMesh> moved;
         std::optional<TriangleBlocks> of_moved;
@@ -68,10 +74,9 @@ public:
             moved->vertices = points;
             of_moved.emplace(*moved);
         }
-        const OneWay from_a{of_a, points, *of_target_, weigh(points_.first)};
+        const OneWay from_a{of_a, points, *of_target_, by_a};
         std::optional<OneWay> from_b;
-        if (back)
-            from_b.emplace(OneWay{of_b, target_->vertices, of_moved ? *of_moved : *of_source_, weigh(points_.second)});
+        if (back) from_b.emplace(OneWay{of_b, target_->vertices, of_moved ? *of_moved : *of_source_, by_b});
         Query left = query;
         left.time_limit -= std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         const Narrowed narrowed = narrow(there ? &from_a : nullptr, back ? &*from_b : nullptr, most, left);
@@ -81,8 +86,13 @@ public:
         result.counters = narrowed.counters;
         result.witness = narrowed.witness;
         // Vertices that count once each have numbers of their own.
-        if (number && !points_.first) result.witness.source_element = -1;
-        if (number && !points_.second) result.witness.target_element = -1;
+        if (number && counted_by_.first != CountedBy::points) result.witness.source_element = -1;
+        if (number && counted_by_.second != CountedBy::points) result.witness.target_element = -1;
+        // both_orders() numbers the second order of all segments behind the first.
+        if (by_a == CountedBy::length && result.witness.source_element >= source_->triangles.rows())
+            result.witness.source_element -= static_cast<Index>(source_->triangles.rows());
+        if (by_b == CountedBy::length && result.witness.target_element >= target_->triangles.rows())
+            result.witness.target_element -= static_cast<Index>(target_->triangles.rows());
         result.reported["pieces"] = static_cast<double>(narrowed.pieces);
         return result;
     }
@@ -91,8 +101,8 @@ private:
     const TriangleMesh* source_ = nullptr;
     const TriangleMesh* target_ = nullptr;
     const TriangleBlocks* of_target_ = nullptr;
-    const TriangleBlocks* of_source_ = nullptr;  // null if no query asks for the distances from B to A, or if A moves
-    std::pair<bool, bool> points_;               // whether A and B are point sets
+    const TriangleBlocks* of_source_ = nullptr;   // null if no query asks for the distances from B to A, or if A moves
+    std::pair<CountedBy, CountedBy> counted_by_;  // what the parts of A and B count by, unless vertices count
 };
 
 }  // namespace

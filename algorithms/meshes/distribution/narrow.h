@@ -13,7 +13,7 @@ struct OneWay {
     const Triangles& triangles;
     const Points& points;  // the vertices, moved by the pose
     const TriangleBlocks& other;
-    WeighBy weigh;
+    CountedBy weigh;
 };
 
 struct Narrowed {

@@ -1,4 +1,4 @@
-// Areas of triangles, as weights of the pieces of A.
+// Areas of triangles and lengths of segments, as weights of the pieces of A.
 #pragma once
 
 #include "algorithms/kernel/triangle.h"
@@ -39,6 +39,13 @@ inline Area area_of(const Triangle& t) {
     const Vec3 precise{component(1, 2), component(2, 0), component(0, 1)};
     const double extra = edges * 0x1p-107 + 0x1p-530;
     return {std::fmax(0.5 * std::sqrt(squared_length(precise)) - 0.5 * extra, 0.0), extra};
+}
+
+// Returns the length of the edge from a to b, in the form of an area. Its relative error is below 4u, far less than
+// area_error; underflow takes less than 2^-530. |Coordinates| must be at most 1.
+inline Area length_of(const Triangle& t) {
+    const double length = std::sqrt(squared_length(t.b - t.a));
+    return {length, length > 0x1p-450 ? 0 : 0x1p-449};
 }
 
 // A sum of numbers that are not negative, with a relative error below 4u for fewer than 2^50 of them: adds the rounding
