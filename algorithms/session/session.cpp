@@ -38,12 +38,7 @@ void check_statistics(const Query& query, const Shape& source, const Shape& targ
     if (query.weigh == WeighBy::number) return;
     const CountedBy a = counted_by(source), b = counted_by(target);
     for (const Statistic& one : query.statistics) {
-        if ((needs_source(one) && a == CountedBy::nothing) || (needs_target(one) && b == CountedBy::nothing))
-            throw InputError(
-                fmt::format("query: '{}' weighs by area, and a shape has neither area nor length; count "
-                            "each vertex once",
-                            to_string(one)));
-        if (one.over == Statistic::Over::pooled && a != b)
+        if (one.over == Statistic::Over::pooled && a != b && a != CountedBy::nothing && b != CountedBy::nothing)
             throw InputError(fmt::format(
                 "query: '{}' would add areas, lengths or numbers of points to each other; count each vertex "
                 "once, or take another statistic",

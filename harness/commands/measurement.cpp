@@ -295,6 +295,14 @@ Measured measure(const MeasureRequest& asked) {
     if (!request.certificate.empty() && !entry.info.can(Ability::certificates))
         throw InputError(fmt::format("--certificate {}: solver '{}' writes no certificates; {}",
                                      request.certificate.string(), entry.info.name, solvers_with_certificates(a, b)));
+    for (const auto& [name, shape] :
+         {std::pair{&request.source, &measured.source}, {&request.target, &measured.target}}) {
+        const bool counts = shape == &measured.source || request.symmetric;
+        if (counts && !request.statistics.empty() && request.weigh == WeighBy::area &&
+            shape->counted_by == CountedBy::nothing)
+            throw InputError(fmt::format("{}: has neither area nor length, by which statistics weigh: add --by-vertex",
+                                         name->string()));
+    }
     measured.certified = promises(entry, request.options);
     measured.extent = diagonal_of_both(points_of(source.shape), points_of(target.shape));
     const Tolerance tolerance = tolerance_of(request, points_of(source.shape), measured);

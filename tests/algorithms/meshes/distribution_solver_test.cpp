@@ -256,7 +256,7 @@ TEST(DistributionSolver, TiesOfPointsAreExact) {
 }
 
 TEST(DistributionSolver, AMeshWithoutAnyAreaIsBetweenItsLeastAndGreatestDistance) {
-    const TriangleMesh line = soup(rows({{0, 0, 1}, {0, 0, 2}, {0, 0, 2}}));
+    const TriangleMesh line = soup(rows({{0, 0, 1}, {0, 0, 1.25}, {0, 0, 2}}));
     const Result result =
         answer({line, sheet(2, 0)}, query_of({{Kind::mean}, {Kind::deviation}, {Kind::share_within, 1}}));
     EXPECT_EQ(result.status, Status::precision_floor);
@@ -286,6 +286,63 @@ TEST(DistributionSolver, WrongQueriesAreRefused) {
     query.quantity = Quantity::directed;
     EXPECT_THROW(answer(scene, query), InputError);
     EXPECT_NE(refusal(find_solver("cover").info, ShapeKind::mesh, ShapeKind::mesh, Quantity::distribution), "");
+}
+
+// A path of segments along the x axis, of very different lengths; b is where it begins.
+Scene path_and_point(std::vector<double> ends) {
+    TriangleMesh path;
+    path.vertices = Points::Zero(static_cast<Eigen::Index>(ends.size()), 3);
+    path.triangles.resize(static_cast<Eigen::Index>(ends.size()) - 1, 3);
+    for (Index i = 0; i < path.vertices.rows(); ++i) path.vertices(i, 0) = ends[static_cast<std::size_t>(i)];
+    for (Index i = 0; i + 1 < path.vertices.rows(); ++i) {
+        if (i % 2 == 0)
+            path.triangles.row(i) << i, i + 1, i + 1;
+        else
+            path.triangles.row(i) << i, i, i + 1;
+    }
+    return {path, PointSet{Points::Zero(1, 3)}};
+}
+
+TEST(DistributionSolver, SegmentsAloneCountByLength) {
+    const Scene scene = path_and_point({0, 0.125, 1, 3});
+    expect_around(one(scene, {Kind::mean}), 1.5);
+    expect_around(one(scene, {Kind::rms}), std::sqrt(3.0));
+    expect_around(one(scene, {Kind::deviation}), std::sqrt(0.75));
+    expect_around(one(scene, {Kind::quantile, 0.75}), 2.25);
+    expect_around(one(scene, {Kind::share_within, 1}), 1.0 / 3);
+    expect_around(one(scene, {Kind::share_within, 0.0625}), 0.0625 / 3);
+    expect_around(one(scene, {Kind::mean, 0, Over::mean_of_both}), 0.75);
+    EXPECT_EQ(answer(scene, query_of({{Kind::maximum}})).witness.source_element, 2);
+    const Scene lengths = path_and_point({0, 1e-12, 1});  // a short segment counts little
+    expect_around(one(lengths, {Kind::mean}), 0.5);
+}
+
+TEST(DistributionSolver, ATriangleMakesSegmentsCountNothing) {
+    TriangleMesh both;
+    both.vertices.resize(5, 3);
+    both.vertices << 0, 0, 1, 1, 0, 1, 0, 1, 1, 0, 0, 9, 1, 0, 9;
+    both.triangles.resize(2, 3);
+    both.triangles << 0, 1, 2, 3, 4, 4;
+    TriangleMesh floor = sheet(4, 0);
+    floor.vertices *= 10;
+    EXPECT_EQ(counted_by(both), CountedBy::area);
+    expect_around(one({both, floor}, {Kind::mean}), 1);
+    expect_around(one({both, floor}, {Kind::maximum}), 9);
+}
+
+TEST(DistributionSolver, WhatIsCountedByAreaLengthOrNumber) {
+    TriangleMesh dot;
+    dot.vertices = Points::Zero(1, 3);
+    dot.triangles = Triangles::Zero(1, 3);
+    EXPECT_EQ(counted_by(dot), CountedBy::nothing);
+    const Scene scene{dot, sheet(2, 1)};
+    expect_around(answer(scene, query_of({{Kind::mean}})).statistics[0], 1);  // whatever it weighs
+    Query by_number = query_of({{Kind::mean}});
+    by_number.weigh = WeighBy::number;
+    expect_around(answer(scene, by_number).statistics[0], 1);
+    EXPECT_THROW(one({path_and_point({0, 1}).source, sheet(2, 1)}, {Kind::mean, 0, Over::pooled}), InputError);
+    const Scene lines{path_and_point({0, 1}).source, path_and_point({0, 2}).source};
+    expect_around(one(lines, {Kind::mean, 0, Over::pooled}), 0.5 / 3);
 }
 
 }  // namespace
