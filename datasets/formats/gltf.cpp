@@ -103,7 +103,8 @@ const std::set<std::string_view> harmless = {
 
 // --- JSON ------------------------------------------------------------------------------------------------------------
 
-// Parses JSON. Refuses deep nesting, and a key that an object has twice, because programs differ in which one they take.
+// Parses JSON. Refuses deep nesting, and a key that an object has twice, because programs differ in which one they
+// take.
 Json parsed(const std::string& name, std::string_view text) {
     std::vector<std::set<std::string>> keys;
     const auto check = [&](int depth, Json::parse_event_t event, const Json& value) {
@@ -405,6 +406,12 @@ public:
         return {&all[index], place};
     }
 
+    // Returns whether an accessor has elements of its own. Otherwise they are 0, unless an extension gives them.
+    bool has_elements(std::size_t index) const {
+        const Part part = element("accessors", "accessor", index);
+        return part.find("bufferView") || part.find("sparse");
+    }
+
     const Accessor& accessor(std::size_t index) {
         const auto known = accessors_.find(index);
         return known != accessors_.end() ? known->second : accessors_[index] = read_accessor(index);
@@ -513,7 +520,7 @@ private:
             no(view.place, fmt::format("EXT_meshopt_compression has {} elements of {} bytes, which does not match the "
                                        "bufferView: save the file again",
                                        stream.count, stream.stride));
-        if (length / meshopt_bytes_a_byte > size_ - decoded_bytes_ / meshopt_bytes_a_byte)
+        if (length > meshopt_bytes_a_byte * size_ - decoded_bytes_)
             no(view.place,
                "the compressed data hold more than 64 bytes for each byte of the file: save the file again");
         decoded_bytes_ += length;
@@ -580,6 +587,9 @@ private:
         one.indices = within(*indices, indices->required("bufferView"), one.replaced, size, size);
         one.values =
             within(*values, values->required("bufferView"), one.replaced, one.element_size(), one.element_size());
+        replaced_ += one.replaced;
+        if (replaced_ > parts_anyway + parts_a_byte * size_)
+            no(part.place, "the file repeats its 'sparse' elements too often: write them once");
         for (std::size_t i = 0; i < one.replaced; ++i)
             if (one.replaced_index(i) >= one.count || (i > 0 && one.replaced_index(i) <= one.replaced_index(i - 1)))
                 no(part.place,
@@ -592,7 +602,7 @@ private:
     const Part& root_;
     std::optional<std::string_view> binary_;
     bool needs_meshopt_;
-    std::size_t size_, decoded_bytes_ = 0;
+    std::size_t size_, decoded_bytes_ = 0, replaced_ = 0;
     const std::string empty_;
     std::map<std::size_t, std::string> inside_, decoded_;
     std::map<std::string, std::string> beside_;
@@ -887,9 +897,11 @@ void Scene::draw_node(const Part& node, const Transform& at) {
     ++drawn_;
     const Part mesh = data_.element("meshes", "mesh", node.required("mesh"));
     const std::vector<double> morph = weights(node, mesh);
+    spend(mesh.place, morph.size());
     MeshShape shape;
     const Json& primitives = mesh.array("primitives");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
+        spend(mesh.place, 1 + morph.size());
         const Part primitive{&primitives[i], fmt::format("{}: primitive {} (from 0)", mesh.place, i)};
         if (!primitives[i].is_object()) no(primitive.place, "is not an object");
         add_primitive(primitive, morph, shape);
@@ -984,6 +996,10 @@ std::vector<std::size_t> Scene::indices(const Part& primitive, std::size_t point
     if (at.components != 1 || at.normalized ||
         (at.component != unsigned_byte && at.component != unsigned_short && at.component != unsigned_int))
         no(at.place, "is used as indices, but does not have unsigned integers: save the file again");
+    if (at.data.empty() && at.replaced == 0)
+        no(at.place,
+           "is used as indices, but has no data, as if an extension compressed it: decompress the file with "
+           "`gltf-transform copy`");
     spend(primitive.place, at.count);
     const std::size_t restart = (std::size_t{1} << 8 * size_of(at.component)) - 1;
     for (std::size_t i = 0; i < at.count; ++i) {
@@ -1057,6 +1073,8 @@ std::vector<std::size_t> Scene::decompressed(const Part& primitive, const Part& 
     spend(primitive.place, count);
     const DracoMesh& mesh =
         data_.draco(draco.required("bufferView"), {{}, at.count, count, static_cast<std::uint32_t>(*id), at.component});
+    if (mesh.positions.size() != at.count * at.element_size() || mesh.corners.size() != count)
+        no(primitive.place, "shares its Draco data with a primitive of another size: save the file again");
     at.data = mesh.positions;
     at.stride = at.element_size();
     at.replaced = 0;
@@ -1077,11 +1095,16 @@ void Scene::add_primitive(const Part& primitive, const std::vector<double>& weig
     Accessor at = positions(primitive, *position);
     const Targets morphs = targets(primitive, weights, at.count);
     const auto draco = primitive.extension("KHR_draco_mesh_compression");
+    const auto index = primitive.integer("indices");
     const bool fallback = draco && !extensions_.required.contains("KHR_draco_mesh_compression") &&
-                          data_.element("accessors", "accessor", *position).find("bufferView");
+                          data_.has_elements(*position) && (!index || data_.has_elements(*index));
     draco_copies_ += fallback ? 1 : 0;
     std::vector<std::size_t> corners =
         draco && !fallback ? decompressed(primitive, *draco, at) : indices(primitive, at.count);
+    if (at.data.empty() && at.replaced == 0)
+        no(primitive.place,
+           "its POSITION has no data, as if an extension compressed it: decompress the file with "
+           "`gltf-transform copy`");
     if (!complete(mode, corners.size()))
         no(primitive.place, fmt::format("has {} corners, which cannot be with the mode {}: save the file again",
                                         corners.size(), number));
@@ -1104,8 +1127,7 @@ void Scene::add_notes() {
     std::size_t meshes = 0;
     for (const Json& node : root_.array("nodes")) meshes += node.is_object() && node.contains("mesh") ? 1 : 0;
     const std::size_t left_out = meshes - drawn_;
-    if (hidden_ > 0)
-        note(hidden_, "node", "nodes", "with everything below are hidden (KHR_node_visibility), and left out");
+    note(hidden_, "node", "nodes", "hidden by KHR_node_visibility, with everything below: left out");
     note(left_out, "node with a mesh", "nodes with a mesh", "that the default scene does not show: left out");
     note(flat_, "mesh", "meshes", "scaled to a single point, by which the format hides a mesh: left out");
     note(without_position_, "primitive", "primitives", "without POSITION: left out");
@@ -1151,11 +1173,7 @@ void check_version(const std::string& name, const Part& root) {
                        shown(least.empty() ? version : least)));
 }
 
-}  // namespace
-}  // namespace gltf
-
-Soup read_gltf(const Input& input) {
-    using namespace gltf;
+Soup read(const Input& input) {
     const Container container = opened(input.name, input.bytes);
     const Json json = parsed(input.name, container.json);
     if (!json.is_object()) no(input.name, "its JSON is not an object: fetch or save the file again");
@@ -1171,5 +1189,10 @@ Soup read_gltf(const Input& input) {
             fmt::format("has {} bytes after the end that its header states, which are ignored", container.after));
     return soup;
 }
+
+}  // namespace
+}  // namespace gltf
+
+Soup read_gltf(const Input& input) { return gltf::read(input); }
 
 }  // namespace hausbench::readers

@@ -206,11 +206,7 @@ DracoMesh copied(const std::string& place, const DracoStream& stream, const drac
     return decoded;
 }
 
-}  // namespace
-}  // namespace gltf_codecs
-
-std::string decode_meshopt(const std::string& place, const MeshoptStream& stream) {
-    using namespace gltf_codecs;
+std::string meshopt(const std::string& place, const MeshoptStream& stream) {
     check(place, stream);
     std::string bytes(stream.count * stream.stride, '\0');
     // The library reads unsigned bytes.
@@ -225,8 +221,7 @@ std::string decode_meshopt(const std::string& place, const MeshoptStream& stream
     return bytes;
 }
 
-DracoMesh decode_draco(const std::string& place, const DracoStream& stream) {
-    using namespace gltf_codecs;
+DracoMesh draco_mesh(const std::string& place, const DracoStream& stream) {
     check_draco_header(place, stream);
     draco::DecoderBuffer buffer;
     buffer.Init(stream.bytes.data(), stream.bytes.size());
@@ -240,6 +235,17 @@ DracoMesh decode_draco(const std::string& place, const DracoStream& stream) {
     } catch (const std::length_error&) {
         no(place, damaged);
     }
+}
+
+}  // namespace
+}  // namespace gltf_codecs
+
+std::string decode_meshopt(const std::string& place, const MeshoptStream& stream) {
+    return gltf_codecs::meshopt(place, stream);
+}
+
+DracoMesh decode_draco(const std::string& place, const DracoStream& stream) {
+    return gltf_codecs::draco_mesh(place, stream);
 }
 
 }  // namespace hausbench::readers

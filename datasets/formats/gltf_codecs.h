@@ -1,5 +1,5 @@
-// Compressed geometry in glTF files; private to datasets/. The program decodes it (gltf_codecs.cpp). The C library links
-// neither meshoptimizer nor Draco; its definitions refuse.
+// Compressed geometry in glTF files; private to datasets/. The program decodes it (gltf_codecs.cpp). The C library
+// links neither meshoptimizer nor Draco; its definitions refuse.
 #pragma once
 
 #include <cstddef>
@@ -35,8 +35,8 @@ struct DracoMesh {
     std::vector<std::uint32_t> corners;  // three for each triangle, below the number of points
 };
 
-// Decodes a mesh of KHR_draco_mesh_compression. Throws InputError, with a message that begins with `place`: the file and
-// the bufferView.
+// Decodes a mesh of KHR_draco_mesh_compression. Throws InputError, with a message that begins with `place`: the file
+// and the bufferView.
 DracoMesh decode_draco(const std::string& place, const DracoStream& stream);
 
 }  // namespace hausbench::readers
