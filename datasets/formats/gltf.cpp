@@ -11,10 +11,10 @@
 // The unit is the metre, and y points up, as the specification defines.
 //
 // The error of a coordinate, with u = 2^-53: none for a float32 or an integer under nodes without a transform; u for a
-// normalized integer. Each applied morph target adds 2 u of the largest sum. A point under k nodes with a transform is
-// within (14 k + 4) u of the exact one, relative to |M_1| ... |M_k| |p| with the absolute values of all entries; a
-// rotation is the one of the quaternion divided by its length. Draco stores integers on a grid; the positions are the
-// float32 numbers that its library computes from them.
+// normalized integer. Each applied morph target adds 3 u of the sum of all |weight * displacement| and |position|. A
+// point p under k nodes with a transform is within (20 k + 4) u of |M_1| ... |M_k| |p|, where each entry of a rotation
+// counts as 1, and a rotation is the one of the quaternion divided by its length. Draco stores integers on a grid; the
+// positions are the float32 numbers that its library computes from them.
 #include "algorithms/error.h"
 #include "datasets/formats/gltf_codecs.h"
 #include "datasets/formats/parse.h"
