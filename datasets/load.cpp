@@ -70,10 +70,14 @@ std::string refusal(const std::string& name, const Unread& unread) {
     return fmt::format("{}: is {}, which is not read here: {}", name, unread.title, unread.advice);
 }
 
-// Throws `error`, or a better one if the file begins like a file of another kind, whatever its ending says.
-[[noreturn]] void explain(const InputError& error, const std::string& name, std::string_view bytes) {
+// Throws `error`, or a better one if the file begins like a file of another kind, whatever its ending says. A 3MF or
+// AMF file may be a ZIP archive itself.
+[[noreturn]] void explain(const InputError& error, const std::string& name, const std::string& kind,
+                          std::string_view bytes) {
+    const bool may_be_zip = kind == "3mf" || kind == "amf";
     for (const Unread& one : unread_formats())
-        if (!one.begins.empty() && bytes.starts_with(one.begins)) throw InputError(refusal(name, one));
+        if (!one.begins.empty() && bytes.starts_with(one.begins) && !(may_be_zip && bytes.starts_with("PK")))
+            throw InputError(refusal(name, one));
     throw error;
 }
 
@@ -111,7 +115,7 @@ LoadedShape load_file(const std::filesystem::path& file, const LoadOptions& opti
     try {
         return readers::finish(input, format->read(input));
     } catch (const InputError& wrong) {
-        explain(wrong, name, bytes);
+        explain(wrong, name, kind, bytes);
     }
 }
 
