@@ -47,8 +47,6 @@ constexpr int deepest = 256;  // levels of nodes, with those that <instance_node
 constexpr std::size_t parts_a_byte = 200,
                       parts_anyway = std::size_t{1} << 18;  // a part: a node, point or corner, each time it occurs
 
-constexpr double radians_a_degree = 0.017453292519943295;  // pi / 180, the nearest double
-
 bool is_element(pugi::xml_node node, std::string_view name) {
     return node.type() == pugi::node_element && local_name(node.name()) == name;
 }
@@ -96,13 +94,6 @@ struct Affine {
         return both;
     }
 };
-
-// Returns the point of the unit circle at an angle in degrees; exact for multiples of 90.
-Circle circle_at_degrees(double degrees) {
-    const double within = std::fmod(degrees, 360.0), quarters = std::round(within / 90);
-    const Circle rest = circle_near_zero((within - quarters * 90) * radians_a_degree);
-    return turned(rest, (static_cast<int>(quarters) + 4) % 4);
-}
 
 // The mesh of a <geometry>, before any node moves it.
 struct ColladaMesh {
