@@ -2,6 +2,8 @@
 // and on the processor.
 #pragma once
 
+#include <cmath>
+
 namespace hausbench {
 
 // A point of the unit circle.
@@ -26,6 +28,14 @@ inline Circle circle_near_zero(double angle) {
 inline Circle turned(Circle circle, int quarters) {
     for (; quarters > 0; --quarters) circle = {-circle.sine, circle.cosine};
     return circle;
+}
+
+// Returns the point at a finite angle in degrees. The error is a few units in the last place; none for multiples of 90.
+inline Circle circle_at_degrees(double degrees) {
+    constexpr double radians_a_degree = 0.017453292519943295;  // pi / 180, the nearest double
+    const double within = std::fmod(degrees, 360.0), quarters = std::round(within / 90);
+    const Circle rest = circle_near_zero((within - quarters * 90) * radians_a_degree);
+    return turned(rest, (static_cast<int>(quarters) + 4) % 4);
 }
 
 }  // namespace hausbench
