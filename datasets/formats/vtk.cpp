@@ -17,7 +17,7 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -40,6 +40,10 @@ const std::map<std::string, Stored, std::less<>> types = {{"char", {'I', 1}},
                                                           {"vtkidtype", {'I', 4}},
                                                           {"float", {'F', 4}},
                                                           {"double", {'F', 8}}};
+
+constexpr std::array<std::string_view, 11> sections = {"points",          "vertices",  "lines",      "polygons",
+                                                       "triangle_strips", "cells",     "cell_types", "connectivity",
+                                                       "point_data",      "cell_data", "field"};
 
 struct Cells {
     std::vector<std::int64_t> ends, corners;
@@ -279,6 +283,10 @@ private:
         while (!rest_.empty()) {
             const std::string_view text = line();
             if (text.empty()) return;
+            std::string_view copy = text;
+            const std::string keyword = lower_case(next_word(copy));
+            if (std::find(sections.begin(), sections.end(), keyword) != sections.end())
+                refuse_here(fmt::format("an empty line must end METADATA before '{}'", shown(text)));
             if (lower_case(text) == "component_names")
                 for (std::uint64_t i = 0; i < components_ && !rest_.empty(); ++i) line();
         }
@@ -348,8 +356,9 @@ private:
     }
 
     // Finds the array vtkGhostType in the sections POINT_DATA and CELL_DATA, where `rest_` begins. VTK writes it as a
-    // field, "vtkGhostType 1 12 unsigned_char", or as "SCALARS vtkGhostType unsigned_char". A search is enough, as VTK
-    // encodes blanks in names and no other program uses this name.
+    // field, "vtkGhostType 1 12 unsigned_char", as "SCALARS vtkGhostType unsigned_char" or as
+    // "COLOR_SCALARS vtkGhostType 1". A search is enough, as VTK encodes blanks in names and no other program uses this
+    // name.
     void read_ghosts() {
         constexpr std::string_view array = "vtkGhostType";
         const auto blank = [](char c) { return std::string_view(" \t\r\n").find(c) != std::string_view::npos; };
@@ -367,6 +376,11 @@ private:
         const bool of_cells = cells != std::string::npos && (points == std::string::npos || cells > points);
         const std::uint64_t size = of_cells ? piece_.types.size() : soup_.points.size();
         once(of_cells ? "vtkGhostType of cells" : "vtkGhostType of points");
+        auto& ghosts = of_cells ? piece_.cell_ghosts : piece_.point_ghosts;
+        if (trimmed(before).ends_with("color_scalars")) {
+            read_color_ghosts(size, ghosts);
+            return;
+        }
         const bool scalars = trimmed(before).ends_with("scalars");
         if (!scalars && (count("components") != 1 || count("tuples") != size))
             refuse_here(
@@ -377,7 +391,18 @@ private:
             if (lower_case(next()) != "lookup_table") refuse_here("LOOKUP_TABLE must follow SCALARS vtkGhostType");
             next();
         }
-        (of_cells ? piece_.cell_ghosts : piece_.point_ghosts) = integers(size, stored);
+        ghosts = integers(size, stored);
+    }
+
+    // Reads an array of bytes that is written as colours: in text, each byte is divided by 255.
+    void read_color_ghosts(std::uint64_t size, std::vector<std::int64_t>& ghosts) {
+        if (count("components") != 1)
+            refuse_here("the array vtkGhostType has several components: remove it in ParaView");
+        const Stored stored = binary_ ? Stored{'U', 1} : Stored{'F', 4};
+        begin_array();
+        check_room(size, 1, stored);
+        for (std::uint64_t i = 0; i < size; ++i)
+            ghosts.push_back(vtk_integer(std::round(number(stored) * (binary_ ? 1 : 255))));
     }
 
     Soup finished() {

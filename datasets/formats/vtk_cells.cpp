@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace hausbench::readers {
@@ -107,7 +108,9 @@ std::optional<double> vtk_number(std::string_view word, Stored type) {
     return *value >= -most - 1 && *value <= most ? std::optional(static_cast<double>(*value)) : std::nullopt;
 }
 
-std::int64_t vtk_integer(double value) { return static_cast<std::int64_t>(std::clamp(value, -0x1p62, 0x1p62)); }
+std::int64_t vtk_integer(double value) {
+    return std::isnan(value) ? 0 : static_cast<std::int64_t>(std::clamp(value, -0x1p62, 0x1p62));
+}
 
 void VtkPiece::append(const std::string& name, VtkType type, const std::vector<std::int64_t>& more_ends,
                       const std::vector<std::int64_t>& more_corners) {

@@ -26,7 +26,7 @@ struct VtkGhost {
 // Returns nothing if the word is not a number of this type.
 std::optional<double> vtk_number(std::string_view word, Stored type);
 
-// Returns the value of an integer type as an integer. Values beyond 2^62 become 2^62, which is never a valid index.
+// Returns a number as an integer. Values beyond 2^62 become 2^62, which is never a valid index, and NaN becomes 0.
 std::int64_t vtk_integer(double value);
 
 // A part of a VTK dataset: cells, whose corners index the points of the same part.

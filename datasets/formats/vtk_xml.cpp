@@ -206,8 +206,13 @@ private:
         return found;
     }
 
-    std::uint64_t number_of(xml_node piece, const char* what) const {
-        return piece.attribute(what) ? xml_.index(piece, what) : 0;
+    // Returns the number of cells in an element <Verts>, <Lines>, <Polys> or <Strips> of PolyData.
+    std::uint64_t number_of(xml_node piece, const std::string& element) const {
+        const std::string attribute = "NumberOf" + element;
+        if (piece.attribute(attribute.c_str())) return xml_.index(piece, attribute.c_str());
+        if (Xml::child(Xml::child(piece, element), "DataArray"))
+            xml_.refuse(piece, fmt::format("<Piece> has <{}> and no attribute {}", element, attribute));
+        return 0;
     }
 
     void read_piece(xml_node piece, bool poly_data, const std::string& place) {
@@ -217,10 +222,10 @@ private:
         const std::uint64_t points = xml_.index(piece, "NumberOfPoints");
         if (points > 0) read_points(piece, points);
         if (poly_data) {
-            read_cells(piece, "Verts", number_of(piece, "NumberOfVerts"), VtkType::poly_vertex, cells);
-            read_cells(piece, "Lines", number_of(piece, "NumberOfLines"), VtkType::poly_line, cells);
-            read_cells(piece, "Polys", number_of(piece, "NumberOfPolys"), VtkType::polygon, cells);
-            read_cells(piece, "Strips", number_of(piece, "NumberOfStrips"), VtkType::triangle_strip, cells);
+            read_cells(piece, "Verts", number_of(piece, "Verts"), VtkType::poly_vertex, cells);
+            read_cells(piece, "Lines", number_of(piece, "Lines"), VtkType::poly_line, cells);
+            read_cells(piece, "Polys", number_of(piece, "Polys"), VtkType::polygon, cells);
+            read_cells(piece, "Strips", number_of(piece, "Strips"), VtkType::triangle_strip, cells);
         } else if (const std::uint64_t count = xml_.index(piece, "NumberOfCells"); count > 0) {
             const xml_node parent = read_cells(piece, "Cells", count, VtkType::polygon, cells);
             cells.types = integers(needed(parent, "types"), count);
