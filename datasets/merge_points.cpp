@@ -30,6 +30,10 @@ std::vector<Index> first_equal(const Points& points) {
     std::vector<Index> firsts(count);
     for (Index v = 0; v < points.rows(); ++v) {  // + 0.0 turns -0 into +0
         const Coordinates p{points(v, 0) + 0.0, points(v, 1) + 0.0, points(v, 2) + 0.0};
+        if (!points.row(v).allFinite()) {  // NaN equals nothing, so that many of them would fill one bucket
+            firsts[static_cast<std::size_t>(v)] = v;
+            continue;
+        }
         firsts[static_cast<std::size_t>(v)] = first.try_emplace(p, v).first->second;
     }
     return firsts;

@@ -1,10 +1,19 @@
-// Reads Wavefront OBJ: `v` lines, and the vertex numbers of `f` lines. Ignores everything else.
+// Reads Wavefront OBJ: x, y and z of `v` lines, and the vertex numbers of faces (`f`, `fo`), lines (`l`, whose parts are
+// segments) and points (`p`). A face of two corners is a segment.
+//
+// Ignores texture coordinates, normals, `vp`, groups, materials and display attributes, and what follows z in a `v`
+// line: colours, or a weight, which by the format's specification counts only in rational curves and surfaces. Refuses
+// free-form curves and surfaces (cstype, curv, surf, ...), superseded ones (bzp, bsp, cdc, cdp, res), and `call` and
+// `csh`, which insert what another file or program says. A note names the first of other lines, which are left out.
+//
+// OBJ states no unit and no axes. A coordinate is the double nearest to the decimal number.
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 
 namespace hausbench::readers {
 namespace {
@@ -50,6 +59,46 @@ std::vector<std::size_t> face_of(const std::string& name, std::string_view line,
     return face;
 }
 
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+// Refuses a statement that makes geometry which is not read. Returns whether the statement is known, and makes none.
+bool may_be_ignored(const std::string& name, std::string_view keyword, std::uint32_t number) {
+    if (is_one_of(keyword, {"cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv",
+                            "sp", "con", "bzp", "bsp", "cdc", "cdp", "res"}))
+        refuse(name, number,
+               fmt::format("'{}' belongs to a free-form curve or surface, which is not read: convert it to polygons in "
+                           "the program that wrote it, or in Blender",
+                           keyword));
+    if (is_one_of(keyword, {"call", "csh"}))
+        refuse(
+            name, number,
+            fmt::format("'{}' inserts what another file or program says, which is not read: write its lines into the "
+                        "file",
+                        keyword));
+    if (is_one_of(keyword, {"V", "F", "L", "P"}))
+        refuse(name, number, fmt::format("'{}' is not a keyword: write it in lower case", keyword));
+    return keyword.empty() || keyword.front() == '#' ||
+           is_one_of(keyword, {"v",        "vt",       "vn",         "vp",        "o",      "g",     "s",
+                               "mg",       "usemtl",   "mtllib",     "usemap",    "maplib", "bevel", "lod",
+                               "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech",  "stech", "end"});
+}
+
+// Adds the faces of an f, l or p statement.
+void add_faces(const std::string& name, std::string_view keyword, std::string_view line, std::uint32_t number,
+               Soup& soup) {
+    const std::vector<std::size_t> corners = face_of(name, line, number, soup.points.size());
+    if (keyword == "l" && corners.size() < 2) refuse(name, number, "a line needs two vertices or more");
+    const std::size_t size = keyword == "p" ? 1 : keyword == "l" ? 2 : corners.size();  // corners of each face
+    if (corners.empty()) return;
+    for (std::size_t i = 0; i + size <= corners.size(); ++i) {
+        const auto first = corners.begin() + static_cast<std::ptrdiff_t>(i);
+        soup.faces.emplace_back(first, first + static_cast<std::ptrdiff_t>(size));
+        soup.face_lines.push_back(number);
+    }
+}
+
 }  // namespace
 
 Soup read_obj(const Input& input) {
@@ -58,6 +107,8 @@ Soup read_obj(const Input& input) {
     Soup soup;
     soup.objects = 0;
     bool new_object = true;
+    std::size_t unknown = 0;
+    std::string first_unknown;
     const std::string text = as_ascii(bytes);
     std::string_view rest = text;
     for (std::uint32_t last = 0; !rest.empty();) {
@@ -67,12 +118,20 @@ Soup read_obj(const Input& input) {
         const std::string_view keyword = next_word(line);
         if (keyword == "v") add_point(name, line.substr(0, line.find('#')), number, soup);
         if (keyword == "o" || keyword == "g") new_object = true;
-        if (keyword != "f" && keyword != "fo") continue;
+        if (!is_one_of(keyword, {"f", "fo", "l", "p"})) {
+            if (!may_be_ignored(name, keyword, number) && unknown++ == 0)
+                first_unknown = fmt::format("'{}' in line {}", shown(keyword), number);
+            continue;
+        }
         soup.objects += new_object ? 1 : 0;
         new_object = false;
-        soup.faces.push_back(face_of(name, line, number, soup.points.size()));
-        soup.face_lines.push_back(number);
+        add_faces(name, keyword, line, number, soup);
     }
+    if (unknown > 0)
+        soup.notes.push_back(
+            unknown == 1
+                ? fmt::format("a line with an unknown keyword, {}, was left out", first_unknown)
+                : fmt::format("{} lines with unknown keywords, the first {}, were left out", unknown, first_unknown));
     soup.objects = std::max<std::int64_t>(soup.objects, 1);
     return soup;
 }

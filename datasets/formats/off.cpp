@@ -1,5 +1,10 @@
-// Reads OFF as text: a header, whose keyword may be missing, then one line for each vertex and for each face. Ignores
-// the colours, normals and texture coordinates that may follow in a line.
+// Reads OFF as text: a header, whose keyword may be missing, then one line for each vertex and for each face. A face of
+// two corners is a segment, and one of one corner a point. Ignores the colours, normals and texture coordinates that may
+// follow in a line. The counts may follow the keyword without a blank, as in the "OFF8 6 0" of ModelNet40. Refuses nOFF,
+// 4nOFF and binary files.
+//
+// OFF states no unit and no axes. A coordinate is the double nearest to the decimal number; in 4OFF, the quotient of two
+// such doubles, rounded once.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
@@ -51,6 +56,12 @@ OffHeader header_of(const std::string& name, const std::vector<Line>& lines, std
     for (; header.lines < lines.size() && counts.size() < 2; ++header.lines) {
         auto [line, number] = lines[header.lines];
         for (auto word = next_word(line); !word.empty(); word = next_word(line)) {
+            const std::size_t end = word.find("OFF") + 3;  // of the keyword, if the number of vertices follows it
+            if (keyword.empty() && counts.empty() && end >= 3 && end < word.size() &&
+                word.find_first_not_of("0123456789", end) == std::string_view::npos) {
+                line = {word.begin() + static_cast<std::ptrdiff_t>(end), line.end()};
+                word = word.substr(0, end);
+            }
             if (!keyword.empty() || !counts.empty() || !std::isalpha(static_cast<unsigned char>(word.back()))) {
                 counts.push_back(word);
                 continue;
@@ -118,6 +129,9 @@ Soup read_off(const Input& input) {
     Soup soup;
     for (std::size_t i = 0; i < header.points; ++i) add_vertex(name, lines[header.lines + i], header.four, soup);
     for (std::size_t i = 0; i < header.faces; ++i) add_face(name, lines[header.lines + header.points + i], soup);
+    if (const std::size_t more = there - header.points - header.faces; more > 0)
+        soup.notes.push_back(fmt::format("{} line{} after its last face {} left out", more, more == 1 ? "" : "s",
+                                         more == 1 ? "was" : "were"));
     return soup;
 }
 

@@ -1,5 +1,9 @@
-// Reads PCD, the format of the Point Cloud Library: DATA ascii, binary, and binary_compressed if
-// liblzf is built in. Ignores VIEWPOINT, as PCL does.
+// Reads PCD, the format of the Point Cloud Library: DATA ascii, binary, and binary_compressed if liblzf is built in.
+//
+// The points are the fields x, y and z, which may have any type of number. An organised cloud (HEIGHT over 1) is a list
+// of points like any other; a missing measurement in it is NaN, which finish() refuses or drops. VIEWPOINT, the pose of
+// the sensor, does not move the points: PCL ignores it for coordinates too. The format states no unit and no axes. A
+// coordinate is exactly the stored number, or the float32 or float64 nearest to the decimal number of a text file.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/point_lines.h"
@@ -179,7 +183,9 @@ Soup read_pcd(const Input& input) {
     const PcdHeader header = PcdHeaderReader(name, bytes).read();
     Soup soup;
     if (header.data == "ascii") {
-        PointLines points(name, {header.axes[0].column, header.axes[1].column, header.axes[2].column}, header.points);
+        const auto& [x, y, z] = header.axes;
+        PointLines points(name, {x.column, y.column, z.column},
+                          {x.type.is_float32(), y.type.is_float32(), z.type.is_float32()}, header.points);
         points.add_lines(header.body, header.lines + 1);
         soup = points.finish();
     } else if (header.data == "binary") {
@@ -198,12 +204,6 @@ Soup read_pcd(const Input& input) {
     }
     soup.float32 =
         std::any_of(header.axes.begin(), header.axes.end(), [](const Field& f) { return f.type.is_float32(); });
-    for (std::size_t i = 0; i < soup.points.size(); ++i)
-        if (!soup.points[i].allFinite())
-            throw InputError(
-                fmt::format("{}: {}point {} (from 0) is not finite, which in PCD marks a missing measurement: remove "
-                            "such points first",
-                            name, soup.point_lines.empty() ? "" : fmt::format("line {}: ", soup.point_lines[i]), i));
     return soup;
 }
 

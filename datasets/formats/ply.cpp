@@ -1,5 +1,14 @@
-// Reads PLY as text or binary, in either byte order, with numbers and lists of any type. Ignores everything except x, y
-// and z of the vertices and the vertex numbers of the faces.
+// Reads PLY as text or binary, in either byte order, with numbers and lists of any type: x, y and z of the vertices;
+// the list vertex_indices (or vertex_index) of faces and of triangle strips, in which -1 begins another strip; and
+// vertex1 and vertex2 of edges, which are segments. A triangle of a strip that repeats a vertex only joins two strips,
+// and is left out. A vertex that nothing uses may have coordinates that are not finite.
+//
+// A note names other elements with lists of vertices, which are left out; without faces, strips and edges such a file
+// is refused, except a range_grid of points. Words after the last element of a text file are refused, because its
+// header then disagrees with its lines.
+//
+// PLY states no unit and no axes. A coordinate is exactly the stored number; in a text file, the float32 or float64
+// nearest to the decimal number, by the type of the property.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
@@ -7,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -36,6 +46,12 @@ struct Element {
 
     bool is_vertices() const { return name == "vertex" || name == "vertices"; }
     bool is_faces() const { return name == "face" || name == "faces"; }
+    bool is_strips() const { return name == "tristrips" || name == "tristrip"; }
+    bool is_edges() const { return name == "edge" || name == "edges"; }
+    bool has(std::string_view property) const {
+        return std::any_of(properties.begin(), properties.end(),
+                           [&](const Property& one) { return one.name == property && !one.count; });
+    }
 };
 
 class PlyReader {
@@ -48,6 +64,7 @@ public:
             refuse_file(fmt::format("unknown PLY format '{}'", shown(format_)));
         std::uint64_t least = 0;  // least number of bytes that the announced elements can take
         for (const Element& element : elements_) least += checked(element);
+        check_others();
         if (points_ == 0) refuse_file("holds no vertices");
         if (body_.size() + (text() ? 1 : 0) < least)
             refuse_file(
@@ -58,6 +75,7 @@ public:
             if (element.properties.empty()) continue;  // takes no bytes, so there is nothing to read
             for (std::uint64_t i = 0; i < element.count; ++i) read_one(element);
         }
+        check_rest();
         return std::move(soup_);
     }
 
@@ -107,12 +125,10 @@ private:
         return type->second;
     }
 
-    // Checks an element of the header and counts its vertices or faces. Refuses triangle strips, vertices without x, y
-    // and z, and faces without a list of vertices. Returns the least number of bytes that all elements of this kind can
+    // Checks an element of the header and counts its vertices or faces. Refuses vertices without x, y and z, and faces,
+    // strips and edges without their vertices. Returns the least number of bytes that all elements of this kind can
     // take.
     std::uint64_t checked(const Element& element) {
-        if (element.name == "tristrips" && element.count > 0)
-            refuse_file("triangle strips are not supported: convert the file to faces");
         std::uint64_t least = 0;
         int axes = 0, named = 0, lists = 0;
         for (const Property& property : element.properties) {
@@ -131,36 +147,88 @@ private:
             if (axes != 7 || named != 3) refuse_file("its vertices do not have x, y and z");
             points_ += element.count;
         }
-        if (element.is_faces() && element.count > 0) {
-            if (lists != 1) refuse_file("its faces have no list vertex_indices");
+        if ((element.is_faces() || element.is_strips()) && element.count > 0) {
+            if (lists != 1)
+                refuse_file(fmt::format("its {} have no list vertex_indices: write it for each of them",
+                                        element.is_faces() ? "faces" : "triangle strips"));
             faces_ += element.count;
+        } else if (element.is_edges() && element.count > 0) {
+            if (lists > 0 || !element.has("vertex1") || !element.has("vertex2"))
+                refuse_file("its edges do not have vertex1 and vertex2: write them, or leave the edges out");
+            faces_ += element.count;
+        } else if (!element.is_vertices() && lists > 0 && element.count > 0) {
+            others_.push_back(element);
         }
         if (element.count > body_.size()) least = std::max<std::uint64_t>(least, 1);
         return std::min<std::uint64_t>(element.count, std::uint64_t{1} << 40) * least;
     }
 
+    // Says which elements with lists of vertices are left out. Refuses them if the file has no other faces.
+    void check_others() {
+        for (const Element& other : others_) {
+            const std::string text = fmt::format("'{}' ({})", shown(other.name), other.count);
+            if (faces_ == 0 && other.name != "range_grid")
+                refuse_file(
+                    fmt::format("its elements {} have lists of vertices, but only faces, tristrips and edges "
+                                "are read: name them 'face' if they are faces",
+                                text));
+            soup_.notes.push_back(fmt::format("its elements {}, which have lists of vertices, were left out", text));
+        }
+    }
+
+    // Checks the bytes after the last element.
+    void check_rest() {
+        const std::size_t size = body_.size();
+        const std::string_view word = next_word_of_body();
+        if (word.empty()) return;
+        if (text())
+            refuse_file(
+                fmt::format("has words after its last element, such as '{}': the header announces fewer "
+                            "elements or properties than its lines have: correct it",
+                            shown(word)));
+        soup_.notes.push_back(fmt::format("{} bytes after its last element were left out", size));
+    }
+
+    // Adds the triangles of a strip. Every second triangle has its corners in the reverse order.
+    void add_strip(const std::vector<std::size_t>& strip) {
+        std::size_t start = 0;
+        for (std::size_t i = 0; i < strip.size(); ++i) {
+            if (strip[i] == static_cast<std::size_t>(-1)) start = i + 1;
+            if (i < start + 2) continue;
+            const std::size_t a = strip[i - 2], b = strip[i - 1], c = strip[i];
+            if (a == b || b == c || a == c) continue;
+            soup_.faces.push_back((i - start) % 2 == 0 ? std::vector{a, b, c} : std::vector{b, a, c});
+        }
+    }
+
     void read_one(const Element& element) {
         Vec3 point = Vec3::Zero();
         std::vector<std::size_t> face;
+        std::array<std::size_t, 2> edge{};
+        const bool corners = element.is_faces() || element.is_strips();
         for (const Property& property : element.properties) {
             const int axis = element.is_vertices() ? property.axis() : -1;
             const std::uint64_t count = property.count ? whole_number(*property.count) : 1;
             for (std::uint64_t i = 0; i < count; ++i) {
-                if (element.is_faces() && property.is_corners())
+                if (corners && property.is_corners())
                     face.push_back(whole_number(property.type));
+                else if (element.is_edges() && (property.name == "vertex1" || property.name == "vertex2"))
+                    edge[property.name == "vertex1" ? 0 : 1] = whole_number(property.type);
                 else if (const double value = number(property.type); axis >= 0)
                     point[axis] = value;
             }
             if (axis >= 0) soup_.float32 = soup_.float32 || property.type.is_float32();
         }
         if (element.is_vertices()) soup_.points.push_back(point);
+        if (element.is_edges()) soup_.faces.push_back({edge[0], edge[1]});
+        if (element.is_strips()) add_strip(face);
         if (element.is_faces()) soup_.faces.push_back(std::move(face));
     }
 
     [[noreturn]] void end_early() const {
         refuse_file(
-            fmt::format("is truncated or damaged after {} of {} vertices and {} of {} faces (a coordinate that "
-                        "is no finite number ends the reading too)",
+            fmt::format("is truncated or damaged after {} of {} vertices and {} of {} faces (a word that is not a "
+                        "number ends the reading too): save or fetch it again",
                         soup_.points.size(), points_, soup_.faces.size(), faces_));
     }
 
@@ -169,7 +237,7 @@ private:
             const std::string_view word = next_word_of_body();
             // Reads a float32 as such, so that it is rounded once. Rounding to double first could give another float.
             const auto value = type.is_float32() ? std::optional<double>(decimal<float>(word)) : decimal(word);
-            if (!value || !std::isfinite(*value)) end_early();
+            if (!value) end_early();
             return *value;
         }
         if (body_.size() < type.size) end_early();
@@ -183,7 +251,7 @@ private:
     // Reads an integer. A negative vertex number becomes a very large one, which finish() refuses.
     std::size_t whole_number(Stored type) {
         const double value = number(type);
-        if (std::floor(value) != value || std::abs(value) > 0x1p53) end_early();
+        if (std::floor(value) != value || !(std::abs(value) <= 0x1p53)) end_early();
         return static_cast<std::size_t>(static_cast<std::int64_t>(value));
     }
 
@@ -199,7 +267,8 @@ private:
     std::string_view body_, format_;
     std::uint32_t line_ = 0;  // current line of the header
     std::vector<Element> elements_;
-    std::uint64_t points_ = 0, faces_ = 0;  // numbers that the header announces
+    std::vector<Element> others_;           // with lists of vertices that are not read
+    std::uint64_t points_ = 0, faces_ = 0;  // numbers that the header announces; strips and edges count as faces
     Soup soup_;
 };
 

@@ -1,21 +1,33 @@
 // Lines of decimal numbers, shared by .xyz, .pts, .csv and text PCD files; private to datasets/.
 #pragma once
 
+#include "datasets/formats/column_names.h"
 #include "datasets/formats/readers.h"
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace hausbench::readers {
 
+// Splits a line at its separators into fields, without the quotes around them. Returns false if a quoted field does not
+// end. `blanks` tells whether white space was the separator.
+bool split_fields(std::string_view line, std::vector<std::string_view>& fields, bool& blanks);
+
 // Reads such lines. A line may also be a *count line*, a single integer that gives the number of points to come, and
-// the first line may be a header with the names of the columns. point_file.cpp has the rules.
+// the first line may be a header with the names of the columns. point_lines.cpp has the rules.
 class PointLines {
 public:
-    // For a whole file. A .csv file has no count lines, and its header may have any names.
-    PointLines(std::string name, bool csv) : name_(std::move(name)), any_header_(csv), counts_(!csv) {}
-    // For the lines after the header of a PCD file, which gives the columns of x, y and z and the number of points.
-    PointLines(std::string name, std::array<std::size_t, 3> columns, std::uint64_t announced);
+    // For a whole file: by its ending, and with the columns that the user chose.
+    explicit PointLines(const Input& input);
+    // For the lines after the header of a PCD file, which gives the columns of x, y and z, whether each is stored as
+    // float32, and the number of points.
+    PointLines(std::string name, std::array<std::size_t, 3> columns, std::array<bool, 3> float32,
+               std::uint64_t announced);
 
     // Reads lines, the first of which has the number `first` in the file. Throws InputError with file, line and column.
     void add_lines(std::string_view bytes, std::uint32_t first);
@@ -24,21 +36,33 @@ public:
 
 private:
     void add(std::string_view line, std::uint32_t number);
-    // If the current line names the columns x, y and z, stores their indices and returns true.
-    bool take_header(std::uint32_t number);
+    bool take_count(std::string_view line, std::uint32_t number);    // if the line is a count line
+    bool take_header(std::uint32_t number);                          // if the current line is a header
+    void take_comment(std::string_view line, std::uint32_t number);  // which may name the columns
+    // Decides on the columns of x, y and z. The current line is the first point.
+    void choose_columns(std::uint32_t number);
+    void choose_unnamed_columns(std::uint32_t number);
+    void check_width(std::uint32_t number);
     void add_point(std::uint32_t number);
+    double coordinate(std::size_t k, std::uint32_t number) const;
+    [[noreturn]] void refuse_unnamed(std::uint32_t number) const;  // more columns than x, y and z
     std::string announcer() const;  // "line 3" or "the header", which announced the number of points; for messages
 
-    std::string name_;
+    std::string name_, format_, choice_;  // of the file; its ending; LoadOptions::columns
+    bool molecule_ = false;               // a molecule's .xyz file, whose second line is a comment
     std::array<std::size_t, 3> columns_{0, 1, 2};
-    std::uint64_t announced_ = 0;   // number of points, by the header or by all count lines so far
-    std::uint32_t count_line_ = 0;  // the last count line; 0: none
-    // Number of columns in the header of a .csv file; no line may have more.
-    std::size_t named_ = std::numeric_limits<std::size_t>::max();
-    // Whether a number of points was announced, the header may have any names, and count lines may occur.
-    bool counted_ = false, any_header_ = false, counts_ = false;
-    bool begun_ = false;                    // a header, a count line or a point was read
+    std::array<bool, 3> float32_{};
+    bool chosen_ = false;  // columns_ is final
+    Header header_, comment_;
+    // The largest number of fields in a line. Fewer fields, separated by blanks, are an error too if `exact_`.
+    std::size_t width_ = std::numeric_limits<std::size_t>::max();
+    bool exact_ = false;
+    std::uint64_t announced_ = 0;           // number of points, by the header or by all count lines so far
+    std::uint32_t count_line_ = 0;          // the last count line; 0: none
+    bool counted_ = false;                  // a number of points was announced
+    std::string_view line_;                 // the current line
     std::vector<std::string_view> fields_;  // of the current line
+    bool blanks_ = false;                   // separate its fields
     Soup soup_;
 };
 

@@ -1,6 +1,9 @@
-// Reads STL. A file counts as binary if its size matches the number of triangles in its header, even if it begins with
+// Reads STL, text or binary: the facets of all solids. A file counts as binary if its size matches the number of triangles in its header, even if it begins with
 // "solid" like a text file, because some programs write such binary files. Keywords of a text file may be in upper or
-// lower case.
+// lower case. Ignores normals, and the attribute bytes of a binary facet (colours).
+//
+// STL states no unit and no axes. A coordinate of a binary file is exactly the stored float32; of a text file, the
+// double nearest to the decimal number. Corners with equal coordinates become one vertex.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
@@ -21,7 +24,7 @@ std::size_t facets_of(std::string_view bytes) {
     return facets;
 }
 
-Soup read_binary(const std::string& name, std::string_view bytes) {
+Soup read_binary(const std::string& name, std::string_view bytes, bool drop_invalid) {
     const std::size_t facets = facets_of(bytes), expected = header + facet * facets;
     // A file that is too long was usually transferred as text, which inserts bytes; its coordinates would be wrong.
     if (bytes.size() != expected)
@@ -36,9 +39,11 @@ Soup read_binary(const std::string& name, std::string_view bytes) {
             std::array<float, 3> corner;
             std::memcpy(corner.data(), bytes.data() + header + f * facet + 12 * (k + 1), sizeof corner);
             soup.points.emplace_back(corner[0], corner[1], corner[2]);
-            if (!soup.points.back().allFinite())
+            if (!drop_invalid && !soup.points.back().allFinite())
                 throw InputError(fmt::format(
-                    "{}: vertex {} of facet {} (both from 0) has a coordinate that is not finite", name, k, f));
+                    "{}: vertex {} of facet {} (both from 0) has a coordinate that is not finite: mend it, or leave "
+                    "such facets out with --drop-invalid (in Python drop_invalid=True)",
+                    name, k, f));
         }
         soup.faces.push_back({3 * f, 3 * f + 1, 3 * f + 2});
     }
@@ -89,7 +94,7 @@ Soup read_stl(const Input& input) {
     const bool solid = first != std::string_view::npos && lower_case(start.substr(first, 5)) == "solid" &&
                        start.find('\0') == std::string_view::npos;
     if (bytes.size() >= header && (!solid || bytes.size() == header + facet * facets_of(bytes)))
-        return read_binary(name, bytes);
+        return read_binary(name, bytes, input.options.drop_invalid);
     if (!solid)
         throw InputError(
             name + ": is not an STL file: it neither begins with 'solid' nor has the 84 bytes of a binary header");

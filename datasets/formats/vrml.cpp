@@ -1,11 +1,19 @@
-// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, moved by the Transform nodes that contain it. USE
-// repeats a node that DEF named. Ignores everything without a surface (colours, lights, scripts, lines, points).
-// Refuses visible shapes other than IndexedFaceSet.
+// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, the lines of every IndexedLineSet, whose parts are
+// segments, and the points of every PointSet, moved by the Transform nodes that contain them. USE repeats a node that
+// DEF named. A LOD is seen at its first level, and a Switch at its choice. Ignores nodes without a shape (colours,
+// lights, scripts, sensors). Refuses other shapes, PROTO, Inline, and nodes that VRML97 does not define.
+//
+// VRML97 defines that the unit is the metre and that y points up (section 4.4.5). A point outside of all Transform nodes
+// has the doubles nearest to its decimal numbers. A Transform computes matrix * point + shift in doubles; the matrices of
+// nested nodes are multiplied first, from the outer to the inner. A point p under n of them, with angles of at most one
+// turn, is within 200 n u S (|p| + T) of the exact one, where u = 2^-53, S is the product of the largest scale of each
+// (1 if less), and T the sum of the lengths of all translations and, twice, of all centers.
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
 #include "datasets/circle.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
+#include "datasets/units.h"
 
 #include <fmt/format.h>
 
@@ -213,7 +221,10 @@ public:
 
     Soup draw(const VrmlField& scene) {
         for (const Node* node : scene.nodes) draw(*node, {}, 0);
-        if (soup_.faces.empty()) throw InputError(name_ + ": holds no IndexedFaceSet with a face");
+        if (soup_.faces.empty())
+            throw InputError(name_ +
+                             ": holds no IndexedFaceSet with a face, no IndexedLineSet with a line, and no "
+                             "PointSet with a point");
         return std::move(soup_);
     }
 
@@ -285,13 +296,36 @@ private:
             draw_all(node.field("children").nodes, {at.matrix * here.matrix, at.matrix * here.shift + at.shift}, depth);
         }
         if (node.is({"Group", "Anchor", "Billboard", "Collision"})) draw_all(node.field("children").nodes, at, depth);
-        if (node.is({"LOD"}) && !node.field("level").nodes.empty()) draw(*node.field("level").nodes[0], at, depth + 1);
+        if (node.is({"LOD"})) draw_first_level(node, at, depth);
         if (node.is({"Switch"})) {
             const auto& chosen = node.field("whichChoice").words;
             const auto& choice = node.field("choice").nodes;
             const auto which = whole<std::size_t>(chosen.empty() ? "-1" : chosen[0].text);  // negative: none
             if (which && *which < choice.size()) draw(*choice[*which], at, depth + 1);
         }
+        static const std::set<std::string_view> known = {
+            "Shape", "Transform", "Group", "Anchor", "Billboard", "Collision", "LOD", "Switch",
+            // nodes without a shape
+            "Appearance", "AudioClip", "Background", "Color", "ColorInterpolator", "Coordinate",
+            "CoordinateInterpolator", "CylinderSensor", "DirectionalLight", "Fog", "FontStyle", "ImageTexture",
+            "Material", "MovieTexture", "NavigationInfo", "Normal", "NormalInterpolator", "OrientationInterpolator",
+            "PixelTexture", "PlaneSensor", "PointLight", "PositionInterpolator", "ProximitySensor",
+            "ScalarInterpolator", "Script", "Sound", "SphereSensor", "SpotLight", "TextureCoordinate",
+            "TextureTransform", "TimeSensor", "TouchSensor", "Viewpoint", "VisibilitySensor", "WorldInfo"};
+        if (!node.is(known))
+            refuse_at(node.type,
+                      fmt::format("{} is not a node of VRML97 that may stand here: remove it, or convert the "
+                                  "file to OBJ or STL",
+                                  shown(node.type.text)));
+    }
+
+    void draw_first_level(const Node& lod, const Placement& at, int depth) {
+        const auto& levels = lod.field("level").nodes;
+        if (levels.empty()) return;
+        if (levels.size() > 1 && !levels_left_out_)
+            soup_.notes.push_back("only the first level of each LOD is read, which is seen from near");
+        levels_left_out_ = levels_left_out_ || levels.size() > 1;
+        draw(*levels[0], at, depth + 1);
     }
 
     void draw_all(const std::vector<const Node*>& nodes, const Placement& at, int depth) {
@@ -299,11 +333,10 @@ private:
     }
 
     void draw_geometry(const Node& node, const Placement& at) {
-        if (node.is({"IndexedLineSet", "PointSet"})) return;
-        if (!node.is({"IndexedFaceSet"}))
-            refuse_at(node.type,
-                      fmt::format("{} is not supported, only IndexedFaceSet: convert it, or the file to OBJ or STL",
-                                  shown(node.type.text)));
+        if (!node.is({"IndexedFaceSet", "IndexedLineSet", "PointSet"}))
+            refuse_at(node.type, fmt::format("{} is not supported, only IndexedFaceSet, IndexedLineSet and PointSet: "
+                                             "convert it, or the file to OBJ or STL",
+                                             shown(node.type.text)));
         if (node.field("coord").nodes.empty()) return;
         const Node& coordinate = *node.field("coord").nodes[0];
         if (!coordinate.is({"Coordinate"}))
@@ -319,14 +352,36 @@ private:
             soup_.points.push_back(at.matrix * point + at.shift);
             soup_.point_lines.push_back(numbers[i].line);
         }
+        if (node.is({"PointSet"})) return add_points(first);
+        if (node.is({"IndexedLineSet"})) return add_faces(node.field("coordIndex").words, first, false, true);
         const auto& ccw = node.field("ccw").words;
         const bool backwards = !ccw.empty() && ccw[0].text == "FALSE";
-        add_faces(node.field("coordIndex").words, first, backwards != (at.matrix.determinant() < 0));
+        add_faces(node.field("coordIndex").words, first, backwards != (at.matrix.determinant() < 0), false);
     }
 
-    // Adds the faces of a coordIndex list. -1 ends a face; it may be missing after the last one. `first` is the index
-    // in the soup of the vertex that the list calls 0. `backwards` reverses the corners of each face.
-    void add_faces(const std::vector<Word>& corners, std::size_t first, bool backwards) {
+    // Adds the points of the soup from index `first` on as single points.
+    void add_points(std::size_t first) {
+        for (std::size_t i = first; i < soup_.points.size(); ++i) {
+            soup_.faces.push_back({i});
+            soup_.face_lines.push_back(soup_.point_lines[i]);
+        }
+    }
+
+    // Adds the segments of a line, or a point if it has one corner.
+    void add_line(const std::vector<std::size_t>& line, std::uint32_t number) {
+        if (line.size() == 1) {
+            soup_.faces.push_back(line);
+            soup_.face_lines.push_back(number);
+        }
+        for (std::size_t i = 1; i < line.size(); ++i) {
+            soup_.faces.push_back({line[i - 1], line[i]});
+            soup_.face_lines.push_back(number);
+        }
+    }
+
+    // Adds the faces or lines of a coordIndex list. -1 ends a face; it may be missing after the last one. `first` is the
+    // index in the soup of the vertex that the list calls 0. `backwards` reverses the corners of each face.
+    void add_faces(const std::vector<Word>& corners, std::size_t first, bool backwards, bool lines) {
         std::vector<std::size_t> face;
         for (std::size_t i = 0; i <= corners.size(); ++i) {
             const bool ends = i == corners.size() || corners[i].text == "-1";
@@ -336,6 +391,8 @@ private:
                     refuse_at(corners[i], fmt::format("'{}' names none of the {} vertices, which are counted from 0",
                                                       shown(corners[i].text), soup_.points.size() - first));
                 face.push_back(first + *index);
+            } else if (lines && !face.empty()) {
+                add_line(std::exchange(face, {}), corners[i - 1].line);
             } else if (!face.empty()) {
                 if (backwards) std::reverse(face.begin(), face.end());
                 soup_.face_lines.push_back(corners[i - 1].line);
@@ -346,6 +403,7 @@ private:
 
     const std::string& name_;
     std::size_t parts_left_;
+    bool levels_left_out_ = false;
     Soup soup_;
 };
 
@@ -358,6 +416,8 @@ Soup read_vrml(const Input& input) {
     const VrmlField scene = text.read();
     Soup soup = VrmlScene(name, bytes.size()).draw(scene);
     soup.merge = soup.unreferenced_unknown = true;  // shapes may share vertices
+    soup.stated = stated_unit(1.0);
+    soup.stated.up = 'Y';
     return soup;
 }
 

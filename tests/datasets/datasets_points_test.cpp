@@ -20,12 +20,13 @@ using Rows = std::vector<std::array<double, 3>>;
 
 class PointFiles : public ::testing::Test {
 protected:
-    LoadedShape load(const std::string& name, const std::string& bytes) const {
+    LoadedShape load(const std::string& name, const std::string& bytes, const LoadOptions& options = {}) const {
         std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
-        return load_file(folder_.path() / name);
+        return load_file(folder_.path() / name, options);
     }
-    void reads(const std::string& name, const std::string& bytes, const Rows& expected) const {
-        const LoadedShape loaded = load(name, bytes);
+    void reads(const std::string& name, const std::string& bytes, const Rows& expected,
+               const LoadOptions& options = {}) const {
+        const LoadedShape loaded = load(name, bytes, options);
         ASSERT_EQ(kind_of(loaded.shape), ShapeKind::points) << bytes;
         const Points& points = points_of(loaded.shape);
         ASSERT_EQ(points.rows(), Eigen::Index(expected.size())) << bytes;
@@ -35,9 +36,10 @@ protected:
         EXPECT_EQ(loaded.report.precision, "float64");
     }
     // Expects an error of one line that begins with the file name and contains all `parts`.
-    void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts) const {
+    void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts,
+                 const LoadOptions& options = {}) const {
         try {
-            load(name, bytes);
+            load(name, bytes, options);
             FAIL() << name << " was read: " << bytes;
         } catch (const InputError& error) {
             const std::string message = error.what();
@@ -60,9 +62,16 @@ TEST_F(PointFiles, LinesOfNumbers) {
         reads(name, "1 -2.5 3e-3\n4 5 6\n", two);
         reads(name, "1\t-2.5\t3e-3\r\n4\t5\t6", two);
         reads(name, "\xef\xbb\xbf# x y z\n\n  +1, -2.5 ,3e-3 # here\n// no more\n4,5,6\n", two);
-        reads(name, "1;-2.5;3e-3;0.5;255\r4;5;6;0.5;255\r", two);          // old line ends; intensity and a colour
-        reads(name, "1 -2.5 3e-3\r4 5 6\r\n", two);                        // the same file, saved again
+        reads(name, "x;y;z;i;r\r1;-2.5;3e-3;0.5;255\r4;5;6;0.5;255\r", two);  // old line ends
+        reads(name, "1 -2.5 3e-3\r4 5 6\r\n", two);                           // the same file, saved again
+        reads(name, "\"1\";\"-2.5\";3e-3;\n4;5;6;;\n", two);                  // quotes, and separators at the end
+    }
+    for (const std::string name : {"a.xyzn", "a.xyzrgb"}) {
         reads(name, "1 -2.5 3e-3 nan nan nan\n4 5 6 nan nan nan\n", two);  // unknown normals
+        reads(name, "1 -2.5 3e-3\n4 5 6\n", two);
+        refused(name, "1 2 3 4\n", {"line 1: 4 columns, and nothing names them"});
+        refused(name, "1 2 3 4 5 6\n1 2 3 4 5\n", {"line 2: 5 columns, and the first point has 6"});
+        refused(name, "1 2 3\n1 2 3 4 5 6\n", {"line 2: 6 columns"});
     }
 }
 
@@ -84,6 +93,7 @@ TEST_F(PointFiles, CountLines) {
     refused("a.pts", "3\n1 2 3\n4 5 6\n", {"is truncated", "line 1 announces 3 points, and 2 are there"});
     refused("a.pts", "1\n1 2 3\n4 5 6\n", {"line 3", "another point, though line 1 announces 1"});
     refused("a.pts", "2\n1 2 3\n2\n4 5 6\n", {"line 3", "1 column, and a point"});
+    refused("a.pts", "1 2 3 -5 10 20 30\n", {"line 1: 7 columns", "--columns 1,2,3"});  // no count line
     refused("a.csv", "2\n1,2,3\n", {"line 1", "1 column"});
 }
 
@@ -93,33 +103,157 @@ TEST_F(PointFiles, HeadersOfColumns) {
     reads("a.csv", "id;\"Z\";\"Y\";\"X\"\n7;3;2;1\n", one);
     reads("a.csv", "//X,Y,Z,Intensity\n1,2,3,9\n", one);  // as CloudCompare writes it
     reads("a.csv", "//Intensity,X,Y,Z\n9,1,2,3\n", one);
+    reads("a.asc", "//X Y Z R G B\n1\n1 2 3 4 5 6\n", one);
     reads("a.csv", "easting,northing,height\n1,2,3\n", one);
     reads("a.xyz", "X Y Z R G B\n1 2 3 4 5 6\n", one);
-    refused("a.csv", "x,y,height\n1,2,3\n", {"line 1", "names only some of x, y and z"});
+    reads("a.csv", "x,y,z\n1,2,3,\n", one);
+    reads("a.csv", ",x,y,z\n0,1,2,3\n", one);                      // pandas, with its index
+    reads("a.csv", "\"\",\"x\",\"y\",\"z\"\n\"1\",1,2,3\n", one);  // R, with the names of rows
+    reads("a.txt", "\tx\ty\tz\n0\t1\t2\t3\n", one);
+    reads("a.csv", "sep=;\nx;y;z\n1;2;3\n", one);
+    reads("a.csv", "name,x,y,z\n\"a,7,8,9,b\",1,2,3\n", one);
+    reads("a.csv", "name,x,y,z\n\"a \"\"b\"\", # c\",1,2,3\n", one);
+    refused("a.csv", "x,y,height\n1,2,3\n", {"line 1", "names only some of x, y and z", "--columns"});
     refused("a.csv", "1.0.0,2,3\n4,5,6\n", {"line 1", "'1.0.0'"});  // a bad number, not a header
     refused("a.csv", "id,z,y,x\n7,3,2\n", {"line 2", "column 4 (x) is missing"});
     refused("a.csv", "x,y,z\nx,y,z\n", {"line 2", "column 1 (x) is 'x', which is not a number"});
     refused("a.csv", "x,y,z\n", {"holds no vertices"});
     refused("a.csv", "x,y,z\n1,2,3\n1,5,2,0,3,0\n",
             {"line 3: 6 columns, and the header names 3", "decimals with a point"});
-    refused("a.csv", "name,x,y,z\n\"a,7,8,9,b\",1,2,3\n", {"line 2: 8 columns, and the header names 4"});
-    reads("a.csv", "x,y,z\n1,2,3,\n", one);
+    refused("a.csv", "name,x,y,z\na,7,8,9,b,1,2,3\n", {"line 2: 8 columns, and the header names 4"});
+    refused("a.csv", "x,y,z\n\"1,2,3\n", {"line 2", "quoted field", "does not end"});
+    refused("a.txt", "x y z\n1 7 8 9\n", {"line 2: 4 columns, and the header names 3"});  // write.table of R
+    refused("a.txt", "x y z w\n1 2 3\n", {"line 2: 3 columns, and the header names 4"});  // which value is missing?
+    refused("a.csv", "a,b,c\n1,2,3\n", {"line 1", "names none of x, y and z ('a', 'b', 'c')", "--columns"});
+    refused("a.csv", ",0,1,2\n0,1,2,3\n", {"names none of x, y and z"});  // pandas, without names
+}
+
+TEST_F(PointFiles, NamesOfCoordinates) {
+    for (const std::string names :
+         {"x,y,z", "X,Y,Z", "px,py,pz", "pos_x,pos_y,pos_z", "position.x,position.y,position.z",
+          "coord x,coord y,coord z", "X coordinate,Y coordinate,Z coordinate", "Points:0,Points:1,Points:2",
+          "Points_0,Points_1,Points_2", "point_x,point_y,point_z", "East,North,Up", "Easting,Northing,Elevation",
+          "easting,northing,altitude", "easting,northing,z", "X/East,Y/North,Z/Altitude",
+          "\"x [mm]\",\"y [mm]\",\"z [mm]\"", "x(m),y(m),z(m)", "x_mm,y_mm,z_mm"}) {
+        const auto reversed = [&] {
+            const std::size_t first = names.find(','), second = names.rfind(',');
+            return names.substr(second + 1) + ",id," + names.substr(first + 1, second - first - 1) + "," +
+                   names.substr(0, first);
+        };
+        reads("a.csv", "id," + names + "\n9,1,2,3\n", {{1, 2, 3}});
+        reads("a.csv", reversed() + "\n3,9,2,1\n", {{1, 2, 3}});
+        reads("a.csv", "# " + reversed() + "\n3,9,2,1\n", {{1, 2, 3}});
+    }
+    reads("a.txt", "id x [mm] y [mm] z [mm]\n9 1 2 3\n", {{1, 2, 3}});
+    reads("a.txt", "X coordinate\tY coordinate\tZ coordinate\n1\t2\t3\n", {{1, 2, 3}});
+    reads("a.csv", "nx,ny,nz,x,y,z\n9,9,9,1,2,3\n", {{1, 2, 3}});  // normals
+    reads("a.csv", "lat,lon,x,y,z\n9,9,1,2,3\n", {{1, 2, 3}});
+    for (const std::string names :
+         {"x,y,z,px,py,pz", "x,y,z,X,Y,Z", "x,y,z,x,q,q", "x,y,z,easting,northing,up", "east,north,up,height,q,q"})
+        refused("a.csv", names + "\n1,2,3,4,5,6\n", {"line 1", "more than once", "--columns"});
+    for (const std::string names : {"x,py,z", "east,y,z", "x,y,elevation", "height,width,depth"})
+        refused("a.csv", names + "\n1,2,3\n", {"line 1", "names only some of x, y and z"});
+    for (const std::string names : {"lat,lon,height", "Longitude,Latitude,Altitude", "# lat lon h"})
+        refused("a.txt", names + "\n1 2 3\n", {"line 1", "angles"});
+    const auto notes = load("a.csv", "ID,Easting,Northing,Height\n9,1,2,3\n").report.notes;
+    EXPECT_EQ(
+        notes,
+        (std::vector<std::string>{"x is column 2 ('Easting'), y column 3 ('Northing') and z column 4 ('Height')"}));
+    EXPECT_TRUE(load("a.csv", "id,z,y,x\n9,1,2,3\n").report.notes.empty());
+}
+
+TEST_F(PointFiles, UnitsOfColumns) {
+    const auto stated = [&](const std::string& names) { return load("a.csv", names + "\n1,2,3\n").report.stated; };
+    EXPECT_EQ(stated("x [mm],y [mm],z [mm]").micrometres, 1000);
+    EXPECT_EQ(stated("X(m),Y(metre),Z(M)").unit, "m");
+    EXPECT_EQ(stated("x_inch,y_inch,z_inch").micrometres, 25400);
+    EXPECT_EQ(stated("x,y,z").micrometres, 0);
+    EXPECT_EQ(stated("x [px],y [px],z [px]").micrometres, 0);
+    EXPECT_EQ(load("a.csv", "x [px],y [px],z [px]\n1,2,3\n").report.notes,
+              (std::vector<std::string>{"its unit 'px' is not known, and left out"}));
+    refused("a.csv", "x [m],y [m],z [ft]\n1,2,3\n", {"line 1", "'m', 'm' and 'ft'", "--columns"});
+    refused("a.csv", "x [m],y [m],z\n1,2,3\n", {"line 1", "differ: 'm', 'm' and ''"});
+    const LoadedShape chosen = load("a.csv", "x [m],y [m],z [ft]\n1,2,3\n", {.columns = "1,2,3"});
+    EXPECT_EQ(chosen.report.stated.micrometres, 0);
+    EXPECT_EQ(chosen.report.notes,
+              (std::vector<std::string>{"the units of x, y and z differ: 'm', 'm' and 'ft'; the numbers count"}));
+    EXPECT_EQ(load("a.csv", "a [m],b [m],c [m]\n1,2,3\n", {.columns = "a,b,c"}).report.stated.unit, "m");
+}
+
+TEST_F(PointFiles, ColumnsThatTheUserChose) {
+    const Rows one = {{1, 2, 3}};
+    reads("a.csv", "7,1,2,3,IP\n", one, {.columns = "2,3,4"});
+    reads("a.csv", "7,1,2,3,\"a;b, c\"\n", one, {.columns = "2,3,4"});
+    reads("a.txt", "3 2 1\n", one, {.columns = "3, 2, 1"});
+    reads("a.csv", "E,N,H,x,y,z\n1,2,3,4,5,6\n", one, {.columns = "E,N,H"});
+    reads("a.csv", "E,N,H,x,y,z\n1,2,3,4,5,6\n", one, {.columns = "1,2,3"});
+    reads("a.csv", "e [m],n [m],h [m]\n1,2,3\n", one, {.columns = "E,N,H"});
+    reads("a.csv", "x,y,z,X,Y,Z\n9,9,9,1,2,3\n", one, {.columns = "X,Y,Z"});
+    reads("a.txt", "# q E N H\n9 1 2 3\n", one, {.columns = "E,N,H"});
+    reads("a.txt", "x y z\n9 1 2 3\n", one, {.columns = "2,3,4"});  // write.table of R
+    reads("a.csv", ",0,1,2\n0,1,2,3\n", one, {.columns = "2,3,4"});
+    const std::string names = "id,E,N,H\n9,1,2,3\n";
+    refused("a.csv", names, {"line 1", "no column is named 'Q', only 'id', 'E', 'N', 'H'"}, {.columns = "E,N,Q"});
+    refused("a.csv", names, {"column 5", "there are 4", "'id', 'E'"}, {.columns = "3,4,5"});
+    refused("a.csv", names, {"column 0", "count from 1"}, {.columns = "0,1,2"});
+    refused("a.csv", names, {"'2,3' does not name three columns"}, {.columns = "2,3"});
+    refused("a.csv", names, {"names a column twice"}, {.columns = "2,3,3"});
+    refused("a.csv", names, {"names a column twice"}, {.columns = "E,N,e"});
+    refused("a.csv", "Ee,EE,n,h\n1,2,3,4\n", {"line 1: 2 columns are named 'ee'"}, {.columns = "ee,n,h"});
+    refused("a.csv", "9,1,2,3\n", {"no header", "2,3,4"}, {.columns = "E,N,H"});
+    refused("a.csv", "9,1,2,3\n9,1\n", {"line 2", "2 columns, and a point needs"}, {.columns = "2,3,4"});
+    refused("a.csv", "9,1,2,3\n9,1,x,3\n", {"line 2", "column 3 (y) is 'x'"}, {.columns = "2,3,4"});
+}
+
+TEST_F(PointFiles, ColumnsWithoutNamesAreNotGuessed) {
+    for (const std::string name : {"a.xyz", "a.txt", "a.asc", "a.csv", "a.pts"}) {
+        refused(name, "1 2 3 4 5 6\n", {"line 1: 6 columns, and nothing names them ('1 2 3 4 5 6')", "--columns"});
+        refused(name, "1 2 3\n1 2 3 4\n", {"line 2: 4 columns"});
+    }
+    refused("a.csv", "1,5000.25,2000.5,101.125,IP\n", {"'1,5000.25,2000.5,101.125,IP'", "columns=\"2,3,4\""});
+    reads("a.txt", "# made by a program on some day\n1 2 3\n", {{1, 2, 3}});
+    reads("a.txt", "# the x y z of it\n1 2 3\n", {{1, 2, 3}});
+    refused("a.txt", "# columns: z y x\n1 2 3\n", {"line 1", "another order", "--columns"});
+    refused("a.txt", "# y x height\n1 2 3\n", {"line 1", "names only some"});
+    EXPECT_EQ(load("a.csv", "0,1,2\n5,6,7\n").report.notes,
+              (std::vector<std::string>{"line 1 ('0,1,2') counts as a point: delete it if it numbers the columns"}));
+    const std::string water = "2\nwater 1 2\nO 0 0 0\nH 0 0 1\n";
+    refused("a.xyz", water, {"molecule", "--columns 2,3,4"});
+    reads("a.xyz", water, {{0, 0, 0}, {0, 0, 1}}, {.columns = "2,3,4"});
+    reads("a.xyz", "1\n\nO 0 0 0\n", {{0, 0, 0}}, {.columns = "2,3,4"});
+    refused("a.xyz", water + water, {"line 5", "second frame"}, {.columns = "2,3,4"});
+}
+
+TEST_F(PointFiles, MissingMeasurements) {
+    for (const std::string none :
+         {"", "NA", "nan", "NaN", "N/A", "#N/A", "null", "-1.#IND", "1.#QNAN", "inf", "-inf"}) {
+        const std::string text = "x,y,z\n1,2,3\n4," + none + ",6\n7,8,9\n";
+        refused("a.csv", text, {"line 3", "not finite", "--drop-invalid"});
+        reads("a.csv", text, {{1, 2, 3}, {7, 8, 9}}, {.drop_invalid = true});
+        EXPECT_EQ(load("a.csv", text, {.drop_invalid = true}).report.dropped_points, 1) << none;
+    }
+    reads("a.xyz", "1 2 3\n1 2 -1.#IND\n1 2 nan # none\n", {{1, 2, 3}}, {.drop_invalid = true});
+    refused("a.csv", "x,y,z\n1,abc,3\n", {"line 2", "'abc', which is not a number"}, {.drop_invalid = true});
+    refused("a.txt", "1\t\t3\n", {"line 1", "not finite"});  // an empty field between tabs
+    refused("a.txt", "1\t\t2\t3\n", {"line 1: 4 columns"});
 }
 
 TEST_F(PointFiles, BadLines) {
     refused("a.xyz", "1 2 3\n4 5\n", {"line 2", "2 columns, and a point needs x, y and z"});
-    refused("a.csv", "1,2,3\n4,,6\n", {"line 2", "column 2 (y) is empty"});
+    refused("a.csv", "1,2,3\n4,,6\n", {"line 2", "4 nan 6", "--drop-invalid"});
     refused("a.csv", "1,5;2,5;3,5\n4,5;5;6\n", {"line 1: column 1 (x) is '1,5'", "with a point, not a comma"});
-    refused("a.xyz", "1,5 2,5 3,5\n", {"line 1", "column 2 (y) is '5 2'"});
+    refused("a.csv", "x;y;z\n1,5;2,5;3,5\n", {"line 2: column 1 (x) is '1,5'", "with a point, not a comma"});
+    refused("a.xyz", "1,5 2,5 3,5\n", {"line 1: '1,5 2,5 3,5'", "with a point, not a comma"});
+    refused("a.xyz", "1,5 2,5\n", {"line 1: column 2 (y) is '5 2'", "with a point, not a comma"});
     refused("a.xyz", "1 2 3\n1 nan 3\n", {"line 2", "not finite"});
     refused("a.xyz", "1 2 -inf\n", {"line 1", "not finite"});
     refused("a.xyz", "1 2 1e400\n", {"line 1", "not finite"});
-    refused("a.xyz", "2\nwater\nO 0 0 0\nH 0 0 1\n", {"line 2", "not a number"});  // a molecule's .xyz
     refused("a.xyz", "1 2 0x3\n", {"line 1", "column 3 (z) is '0x3'"});
     refused("a.xyz", "1 2 +-3\n", {"line 1", "'+-3'"});
+    refused("a.xyz", "1 2 3#4\n", {"line 1", "'3#4'"});
     refused("a.xyz", std::string("\xff\xfe\x31\x00\x20\x00", 6), {"UTF-16", "UTF-8"});
     refused("a.xyz", "# nothing\n", {"holds no vertices"});
-    refused("a.laz", "LASF", {"LAZ cannot be read", "convert it to .xyz or .ply", "las2txt"});
+    refused("a.laz", "LASF", {"LAZ", "convert it to .xyz", "las2txt"});
 }
 
 std::string pcd(const std::string& types, const std::string& sizes, int points, const std::string& data,
@@ -142,7 +276,10 @@ TEST_F(PointFiles, PcdAsText) {
     refused("a.pcd", pcd("F F F", "8 8 8", 1, "ascii") + "1 2 3\n4 5 6\n", {"line 13", "announces 1"});
     refused("a.pcd", pcd("F F F", "8 8 8", 1, "ascii") + "1 x 3\n", {"line 12", "column 2 (y) is 'x'"});
     refused("a.pcd", pcd("F F F", "8 8 8", 2, "ascii") + "1 2 3\nnan nan nan\n",
-            {"line 13", "point 1 (from 0) is not finite", "remove such points"});
+            {"line 13", "vertex 1 (from 0)", "not finite", "--drop-invalid"});
+    reads("a.pcd", pcd("F F F", "8 8 8", 2, "ascii") + "1 2 3\nnan nan nan\n", {{1, 2, 3}}, {.drop_invalid = true});
+    // Text of a float32 field is rounded to float32, as binary data would be.
+    reads("a.pcd", pcd("F F F", "4 8 4", 1, "ascii") + "0.1 0.1 0.3\n", {{0.1f, 0.1, 0.3f}});
 }
 
 // Returns two points as floats, each with one unused byte before it and two after it.
@@ -171,7 +308,8 @@ TEST_F(PointFiles, PcdAsBytes) {
     std::string hole = binary_records();
     const float none = std::numeric_limits<float>::quiet_NaN();
     std::memcpy(hole.data() + 5, &none, 4);
-    refused("a.pcd", head + hole, {"point 0 (from 0) is not finite", "missing measurement"});
+    refused("a.pcd", head + hole, {"vertex 0 (from 0)", "0.5 nan 2.5", "--drop-invalid"});
+    reads("a.pcd", head + hole, {{4, 5, 6}}, {.drop_invalid = true});
 }
 
 TEST_F(PointFiles, PcdCompressed) {
@@ -210,6 +348,7 @@ TEST_F(PointFiles, BadPcdHeaders) {
         return text.replace(text.find(from), from.size(), to);
     };
     reads("a.pcd", good, {{1, 2, 3}});
+    reads("a.pcd", with("VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 9 9 9 0 1 0 0"), {{1, 2, 3}});  // the sensor's pose
     refused("a.pcd", "hello\n1 2 3\n", {"line 1", "'hello' is not a word of a PCD header"});
     refused("a.pcd", good.substr(0, good.find("DATA")), {"no DATA line"});
     refused("a.pcd", with("FIELDS x y z", "FIELDS x y w"), {"FIELDS has no 'z'"});

@@ -90,8 +90,43 @@ TEST_F(Vrml, TheReportSaysWhatWasThere) {
     EXPECT_EQ(loaded.report.polygons, 1);
     EXPECT_FALSE(loaded.report.unreferenced);
     const auto& mesh = std::get<TriangleMesh>(loaded.shape);
-    EXPECT_EQ(mesh.triangles.rows(), 4);  // a face with two corners is skipped
-    EXPECT_EQ(mesh.vertices.rows(), 4);   // both shapes have the same vertices
+    EXPECT_EQ(mesh.triangles.rows(), 5);
+    EXPECT_EQ(loaded.report.segments, 1);  // the face with two corners
+    EXPECT_EQ(mesh.vertices.rows(), 4);    // both shapes have the same vertices
+    EXPECT_EQ(loaded.report.stated.unit, "m");
+    EXPECT_EQ(loaded.report.stated.micrometres, 1e6);
+    EXPECT_EQ(loaded.report.stated.up, 'Y');
+    EXPECT_TRUE(loaded.report.notes.empty());
+}
+
+TEST_F(Vrml, LinesAndPointsAreRead) {
+    const std::string line = "Shape { geometry IndexedLineSet { " + points + " coordIndex [ 0 1 2 -1 3 0 -1 2 ] } }";
+    EXPECT_EQ(corners(transform("translation 0 0 1", line)), (std::vector<Vec3>{{0, 0, 1},
+                                                                                {1, 0, 1},
+                                                                                {1, 0, 1},
+                                                                                {1, 0, 1},
+                                                                                {0, 2, 1},
+                                                                                {0, 2, 1},
+                                                                                {0, 0, 4},
+                                                                                {0, 0, 1},
+                                                                                {0, 0, 1},
+                                                                                {0, 2, 1},
+                                                                                {0, 2, 1},
+                                                                                {0, 2, 1}}));
+    EXPECT_EQ(load(head + line).report.segments, 3);
+    EXPECT_EQ(load(head + line).report.single_points, 1);
+    const std::string cloud = "Shape { geometry PointSet { coord Coordinate { point [ 1 2 3, 1 2 3, 4 5 6 ] } } }";
+    const LoadedShape alone = load(head + transform("scale 2 2 2", cloud));
+    ASSERT_EQ(kind_of(alone.shape), ShapeKind::points);
+    EXPECT_EQ(points_of(alone.shape), (Points(3, 3) << 2, 4, 6, 2, 4, 6, 8, 10, 12).finished());
+    EXPECT_EQ(load(head + triangle + cloud).report.single_points, 3);
+    EXPECT_EQ(corners(triangle + cloud).size(), 12u);
+    refused(head + "Shape { geometry IndexedLineSet { " + points + "\ncoordIndex [ 0 4 ] } }", {"line 3", "'4'"});
+    refused(head + "Shape { geometry PointSet { coord Coordinate { point [ 1 2 ] } } }", {"'point' has 2 numbers"});
+    refused(head + "Shape { geometry PointSet { } }", {"holds no IndexedFaceSet"});
+    const std::string many =
+        "Shape { geometry PointSet { coord Coordinate { point [ " + repeated("0 0 0,", 3000) + "] } } }";
+    refused(head + "DEF T " + many + repeated("USE T ", 3000), {"USE repeats"});
 }
 
 TEST_F(Vrml, PolygonsAreCutByTheirShape) {
@@ -153,7 +188,7 @@ TEST_F(Vrml, UseRepeatsWhatDefNamed) {
     // Vertices may come from a node that is not read itself. If nodes share a name, the last one counts.
     const auto shared = corners(
         "Shape { geometry IndexedLineSet { coord DEF C Coordinate { point [ 9 9 9 ] } } }"
-        "Shape { geometry PointSet { coord DEF C Coordinate { point [ 1 2 3 4 5 6 7 8 10 ] } } }" +
+        "Switch { choice Shape { geometry PointSet { coord DEF C Coordinate { point [ 1 2 3 4 5 6 7 8 10 ] } } } }" +
         shape("coord USE C coordIndex [ 2 1 0 ]"));
     EXPECT_EQ(shared, (std::vector<Vec3>{{7, 8, 10}, {4, 5, 6}, {1, 2, 3}}));
 }
@@ -170,7 +205,11 @@ TEST_F(Vrml, WhatIsSeenOfASwitchAndALodIsRead) {
     EXPECT_EQ(chosen("whichChoice 2"), 1u);
     EXPECT_EQ(chosen("whichChoice -1"), 1u);
     EXPECT_EQ(chosen(""), 1u);
-    EXPECT_EQ(corners("LOD { level [ " + triangle + triangle + " ] range [ 7 ] }").size(), 3u);
+    const std::string lod = "LOD { level [ " + triangle + triangle + " ] range [ 7 ] }";
+    EXPECT_EQ(corners(lod).size(), 3u);
+    EXPECT_EQ(load(head + lod + lod).report.notes,
+              (std::vector<std::string>{"only the first level of each LOD is read, which is seen from near"}));
+    EXPECT_TRUE(load(head + "LOD { level " + triangle + " }").report.notes.empty());
     for (const char* group : {"Anchor", "Billboard", "Collision"})
         EXPECT_EQ(corners(fmt::format("{} {{ children [ {} ] }}", group, triangle)).size(), 3u) << group;
 }
@@ -224,7 +263,8 @@ TEST_F(Vrml, WhatIsNotReadIsToldWithItsLine) {
     refused(head, {"holds no IndexedFaceSet"});
     refused(head + shape(points), {"holds no IndexedFaceSet with a face"});
     refused(head + shape("coordIndex [ 0 1 2 ]"), {"holds no IndexedFaceSet with a face"});
-    refused(head + shape(points + " coordIndex [ 0 1 -1 2 3 -1 ]"), {"three corners"});
+    refused(head + triangle + "GeoLocation { children " + triangle + " }", {"line 3", "GeoLocation is not a node"});
+    EXPECT_EQ(load(head + shape(points + " coordIndex [ 0 1 -1 2 3 -1 ]")).report.segments, 2);
 }
 
 TEST_F(Vrml, MistakesAreToldWithTheirLine) {

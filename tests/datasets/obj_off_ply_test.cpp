@@ -1,0 +1,198 @@
+// Lines, points, strips and vertices that nothing uses in OBJ, OFF, PLY and STL, and geometry that is refused by name.
+#include "algorithms/error.h"
+#include "datasets/load.h"
+#include "tests/support/temporary_folder.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace hausbench {
+namespace {
+
+using Notes = std::vector<std::string>;
+
+class MeshFiles : public ::testing::Test {
+protected:
+    LoadedShape load(const std::string& name, const std::string& bytes, const LoadOptions& options = {}) const {
+        std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
+        return load_file(folder_.path() / name, options);
+    }
+    // Returns the corners of all triangles of a mesh, as "x y z, x y z, x y z; ...".
+    std::string corners(const std::string& name, const std::string& bytes, const LoadOptions& options = {}) const {
+        const LoadedShape loaded = load(name, bytes, options);
+        const auto& mesh = std::get<TriangleMesh>(loaded.shape);
+        std::string text;
+        for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
+            for (Eigen::Index k = 0; k < 3; ++k) {
+                const auto p = mesh.vertices.row(mesh.triangles(t, k));
+                text += fmt::format("{}{} {} {}", k > 0 ? ", " : t > 0 ? "; " : "", p[0], p[1], p[2]);
+            }
+        return text;
+    }
+    // Expects an error of one line that begins with the file name and contains all `parts`.
+    void refused(const std::string& name, const std::string& bytes, const Notes& parts) const {
+        try {
+            load(name, bytes);
+            FAIL() << name << " was read: " << bytes;
+        } catch (const InputError& error) {
+            const std::string message = error.what();
+            EXPECT_TRUE(message.starts_with((folder_.path() / name).string())) << message;
+            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+            for (const std::string& part : parts)
+                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
+        }
+    }
+    TemporaryFolder folder_;
+};
+
+const std::string four = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\n";
+
+TEST_F(MeshFiles, LinesOfObjAreSegments) {
+    EXPECT_EQ(corners("a.obj", four + "l 1 2/7 -1 # end\n"), "0 0 0, 1 0 0, 1 0 0; 1 0 0, 0 0 3, 0 0 3");
+    const LoadedShape both = load("a.obj", four + "f 1 2 3\nl 3 4\nf 1 4\n");
+    EXPECT_EQ(both.report.segments, 2);
+    EXPECT_EQ(both.report.unreferenced, 0);
+    EXPECT_EQ(element_count(both.shape), 3);
+    EXPECT_EQ(load("a.obj", "o a\n" + four + "l 1 2\no b\nl 3 4\n").report.objects, 2);
+    refused("a.obj", four + "l 1\n", {"line 5", "two vertices"});
+    refused("a.obj", four + "l 1 5\n", {"line 5", "vertex 4 (from 0), but there are 4"});
+    refused("a.obj", four + "l 1 x\n", {"line 5", "'x'"});
+}
+
+TEST_F(MeshFiles, PointsOfObjArePoints) {
+    const LoadedShape alone = load("a.obj", four + "p 4 2\np 1\n");
+    ASSERT_EQ(kind_of(alone.shape), ShapeKind::points);
+    EXPECT_EQ(points_of(alone.shape), (Points(3, 3) << 0, 0, 3, 1, 0, 0, 0, 0, 0).finished());
+    EXPECT_EQ(corners("a.obj", four + "f 1 2 3\np 4\n"), "0 0 0, 1 0 0, 0 2 0; 0 0 3, 0 0 3, 0 0 3");
+    EXPECT_EQ(load("a.obj", four + "f 1 2 3\np 4\n").report.single_points, 1);
+}
+
+TEST_F(MeshFiles, ObjRefusesWhatItDoesNotRead) {
+    for (const char* statement :
+         {"cstype bezier", "curv 0 1 1 2", "curv2 1 2", "surf 0 1 0 1 1 2 3 4", "bmat u 1 1 1 1", "deg 1 1",
+          "parm u 0 1", "bzp 1 2 3", "bsp 1 2 3", "cdc 1 2 3", "cdp 1 2 3", "res 1 1"})
+        refused("a.obj", four + "f 1 2 3\n" + statement + "\n", {"line 6", "free-form", "polygons"});
+    refused("a.obj", four + "call other.obj\nf 1 2 3\n", {"line 5", "'call'", "another file"});
+    refused("a.obj", four + "csh make\nf 1 2 3\n", {"line 5", "'csh'"});
+    refused("a.obj", four + "F 1 2 3\n", {"line 5", "'F'", "lower case"});
+    const std::string faces = "mg 1 2\ns off\nusemtl a\nvp 1 2\nvt 0 0\nvn 0 0 1\n#comment\nf 1 2 3\n";
+    EXPECT_TRUE(load("a.obj", four + faces).report.notes.empty());
+    EXPECT_EQ(load("a.obj", four + "q 1\n" + faces).report.notes,
+              (Notes{"a line with an unknown keyword, 'q' in line 5, was left out"}));
+    EXPECT_EQ(load("a.obj", four + "q 1\nr 2\n" + faces).report.notes,
+              (Notes{"2 lines with unknown keywords, the first 'q' in line 5, were left out"}));
+    // A weight counts only in rational curves and surfaces.
+    EXPECT_EQ(corners("a.obj", "v 2 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n"), "2 0 0, 1 0 0, 0 1 0");
+}
+
+TEST_F(MeshFiles, KeywordsOfOffMayTouchTheirCounts) {
+    const std::string body = "0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n";
+    for (const char* head : {"OFF3 1 0\n", "COFF3 1 0\n", "OFF3 1\n", "# a\n\nOFF3 1 0\n"})
+        EXPECT_EQ(corners("a.off", head + body), "0 0 0, 1 0 0, 0 2 0") << head;
+    EXPECT_EQ(corners("a.off", "4OFF3 1 0\n0 0 0 1\n2 0 0 2\n0 4 0 2\n3 0 1 2\n"), "0 0 0, 1 0 0, 0 2 0");
+    for (const char* head : {"nOFF3 1 0\n", "4nOFF 3 1 0\n", "OFFX3 1 0\n", "OFF3x 1 0\n"})
+        refused("a.off", head + body, {"OFF"});
+    refused("a.off", "OFF9999 1 0\n" + body, {"announces 9999 vertices", "cannot hold"});
+    EXPECT_EQ(load("a.off", "OFF 3 1 0\n" + body + "3 2 1 0\n").report.notes,
+              (Notes{"1 line after its last face was left out"}));
+}
+
+TEST_F(MeshFiles, ShortFacesOfOffAreSegmentsAndPoints) {
+    const LoadedShape loaded = load("a.off", "OFF\n3 3 0\n0 0 0\n1 0 0\n0 2 0\n2 0 1\n1 2\n0\n");
+    EXPECT_EQ(loaded.report.segments, 1);
+    EXPECT_EQ(loaded.report.single_points, 1);
+    EXPECT_EQ(element_count(loaded.shape), 2);
+    const LoadedShape points = load("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 2 0\n1 2\n1 0\n");
+    ASSERT_EQ(kind_of(points.shape), ShapeKind::points);
+    EXPECT_EQ(points_of(points.shape), (Points(2, 3) << 0, 2, 0, 0, 0, 0).finished());
+}
+
+// Returns a text file of PLY with four vertices and another element.
+std::string ply(const std::string& element, const std::string& lines, const std::string& last = "0 0 3\n") {
+    return "ply\nformat ascii 1.0\nobj_info x\nelement vertex 4\nproperty double x\nproperty double y\nproperty double "
+           "z\n" +
+           element + "end_header\n0 0 0\n1 0 0\n0 2 0\n" + last + lines;
+}
+const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n";
+const std::string edges = "element edge 2\nproperty uchar q\nproperty int vertex2\nproperty int vertex1\n";
+
+TEST_F(MeshFiles, EdgesOfPlyAreSegments) {
+    const std::string text = ply(edges, "9 1 0\n9 3 2\n");
+    EXPECT_EQ(corners("a.ply", text), "0 0 0, 1 0 0, 1 0 0; 0 2 0, 0 0 3, 0 0 3");
+    EXPECT_EQ(load("a.ply", text).report.segments, 2);
+    EXPECT_EQ(element_count(load("a.ply", ply(faces + edges, "3 0 1 2\n9 1 0\n9 3 2\n")).shape), 3);
+    refused("a.ply", ply(edges, "9 1 0\n9 4 2\n"), {"face 1 (from 0) names vertex 4"});
+    refused("a.ply", ply(edges, "9 1 0\n9 -1 2\n"), {"face 1 (from 0)"});
+    refused("a.ply", ply(edges, "9 1 0\n9 0.5 2\n"), {"damaged"});
+    refused("a.ply", ply("element edge 1\nproperty int vertex1\n", "0\n"), {"vertex1 and vertex2"});
+    refused("a.ply", ply("element edge 1\nproperty list uchar int vertex_indices\n", "2 0 1\n"),
+            {"vertex1 and vertex2"});
+}
+
+TEST_F(MeshFiles, StripsOfPlyAreTriangles) {
+    const std::string strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    EXPECT_EQ(corners("a.ply", ply(strips, "4 0 1 2 3\n")), "0 0 0, 1 0 0, 0 2 0; 0 2 0, 1 0 0, 0 0 3");
+    EXPECT_EQ(corners("a.ply", ply(strips, "8 0 1 2 -1 1 2 3 -1\n")), "0 0 0, 1 0 0, 0 2 0; 1 0 0, 0 2 0, 0 0 3");
+    EXPECT_EQ(corners("a.ply", ply(strips, "6 0 1 2 2 2 3\n")), "0 0 0, 1 0 0, 0 2 0");  // joins without an area
+    refused("a.ply", ply(strips, "4 0 1 2 4\n"), {"names vertex 4"});
+    refused("a.ply", ply(strips, "4 0 1 2 -2\n"), {"face 1 (from 0)"});
+    refused("a.ply", ply("element tristrips 1\nproperty int q\n", "4\n"), {"triangle strips have no list"});
+}
+
+TEST_F(MeshFiles, UnusedVerticesOfPlyNeedNotBeFinite) {
+    for (const std::string none : {"nan nan nan\n", "inf 0 -inf\n"}) {
+        const std::string text = ply(faces, "3 0 1 2\n", none), used = ply(faces, "3 0 1 3\n", none);
+        EXPECT_EQ(corners("a.ply", text), "0 0 0, 1 0 0, 0 2 0");
+        EXPECT_EQ(load("a.ply", text).report.unreferenced, 1);
+        refused("a.ply", used, {"vertex 3 (from 0)", "not finite", "--drop-invalid"});
+        refused("a.ply", ply("", "", none), {"vertex 3 (from 0)"});
+        EXPECT_EQ(load("a.ply", ply("", "", none), {.drop_invalid = true}).report.dropped_points, 1);
+    }
+    refused("a.ply", ply(faces, "nan 0 1 2\n"), {"damaged"});
+    refused("a.ply", ply(faces, "3 0 inf 2\n"), {"damaged"});
+}
+
+TEST_F(MeshFiles, OtherElementsOfPlyAreTold) {
+    const std::string polygons = "element polygon 1\nproperty list uchar int vertex_indices\n";
+    EXPECT_EQ(load("a.ply", ply(faces + polygons, "3 0 1 2\n3 1 2 3\n")).report.notes,
+              (Notes{"its elements 'polygon' (1), which have lists of vertices, were left out"}));
+    refused("a.ply", ply(polygons, "3 0 1 2\n"), {"'polygon' (1)", "'face'"});
+    const std::string grid = "element range_grid 2\nproperty list uchar int vertex_indices\n";
+    const LoadedShape scan = load("a.ply", ply(grid, "1 0\n0\n"));
+    EXPECT_EQ(kind_of(scan.shape), ShapeKind::points);
+    EXPECT_EQ(scan.report.notes.size(), 1u);
+    EXPECT_TRUE(
+        load("a.ply", ply(faces + "element camera 1\nproperty float f\n", "3 0 1 2\n1\n")).report.notes.empty());
+}
+
+TEST_F(MeshFiles, WordsAfterTheElementsOfPlyAreRefused) {
+    refused("a.ply", ply(faces, "3 0 1 2\n3 0 1 3\n"), {"'3'", "fewer elements or properties"});
+    EXPECT_EQ(corners("a.ply", ply(faces, "3 0 1 2\n \n\n")), "0 0 0, 1 0 0, 0 2 0");
+}
+
+TEST_F(MeshFiles, StlWithoutItsInvalidFacets) {
+    std::string bytes(80, ' ');
+    const std::uint32_t facets = 2;
+    bytes.append(reinterpret_cast<const char*>(&facets), 4);
+    for (const float x : {1.f, std::numeric_limits<float>::quiet_NaN()}) {
+        for (const float value : {0.f, 0.f, 1.f, 0.f, 0.f, 0.f, x, 0.f, 0.f, 0.f, 2.f, 0.f})
+            bytes.append(reinterpret_cast<const char*>(&value), 4);
+        bytes.append(2, '\0');
+    }
+    refused("a.stl", bytes, {"vertex 1 of facet 1", "--drop-invalid"});
+    EXPECT_EQ(corners("a.stl", bytes, {.drop_invalid = true}), "0 0 0, 1 0 0, 0 2 0");
+    EXPECT_EQ(load("a.stl", bytes, {.drop_invalid = true}).report.dropped_faces, 1);
+}
+
+}  // namespace
+}  // namespace hausbench
