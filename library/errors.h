@@ -36,6 +36,8 @@ template <class T> T* given(T* pointer, const char* name, int argument) {
 template <class T> inline constexpr std::size_t first_size = 0;
 template <> inline constexpr std::size_t first_size<hausbench_error> = offsetof(hausbench_error, text) + 1024;
 template <>
+inline constexpr std::size_t first_size<hausbench_read_options> = offsetof(hausbench_read_options, reserved) + 4;
+template <>
 inline constexpr std::size_t first_size<hausbench_description> = offsetof(hausbench_description, diagonal) + 8;
 template <> inline constexpr std::size_t first_size<hausbench_plan> = offsetof(hausbench_plan, reserved) + 4;
 template <> inline constexpr std::size_t first_size<hausbench_query> = offsetof(hausbench_query, reserved) + 4;

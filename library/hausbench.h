@@ -96,9 +96,30 @@ typedef struct hausbench_array {
 HAUSBENCH_API int hausbench_shape_of(const hausbench_array* vertices, const hausbench_array* faces,
                                      hausbench_shape** shape, hausbench_error* error);
 
-/* Reads OBJ, PLY, STL, OFF, VRML, XYZ, PTS, CSV or PCD, gzipped or not. A file without faces becomes a point set.
-   Polygons are split into triangles, and vertices that no face uses are dropped. */
+/* Reads a file of one of the formats in docs/formats.md whose reader is ours, gzipped or not. The coordinates are the
+   numbers that the file defines. A file without faces becomes a point set. Polygons are split into triangles, line
+   segments of a mesh become degenerate triangles, and vertices that no face uses are dropped. */
 HAUSBENCH_API int hausbench_read(const char* path, hausbench_shape** shape, hausbench_error* error);
+
+typedef struct hausbench_read_options {
+    size_t size;
+    const char* format;   /* "obj", ...: the format; NULL: the ending of the file counts */
+    const char* columns;  /* of a text file of points: "2,3,4" or the names of the columns of x, y and z; NULL: by their
+                             header */
+    const char* unit;     /* NULL: the numbers count. "mm", "inch", ...: multiplies the coordinates by the unit that the
+                             file states / this unit, each product rounded once; a file that states no unit counts as
+                             being in this one. "none": the numbers count, and the shape states no unit */
+    const char* up;       /* NULL: the numbers count. "X", "Y" or "Z": turns the shape so that this axis points up; a
+                             file that states no axes counts as having these. "none": the shape states no axes */
+    int32_t drop_invalid; /* 1: drops points with a coordinate that is not finite, and faces that use them */
+    int32_t reserved;     /* 0 */
+} hausbench_read_options;
+#define HAUSBENCH_READ_OPTIONS_INIT \
+    { sizeof(hausbench_read_options), NULL, NULL, NULL, NULL, 0, 0 }
+
+/* As hausbench_read, with options. */
+HAUSBENCH_API int hausbench_read_with(const char* path, const hausbench_read_options* options, hausbench_shape** shape,
+                                      hausbench_error* error);
 
 typedef struct hausbench_description {
     size_t size;
@@ -108,12 +129,31 @@ typedef struct hausbench_description {
     int64_t faces;    /* 0 for a point set */
     double box[6];    /* smallest x, y, z, largest x, y, z of the shape */
     double diagonal;  /* of this box, rounded */
+
+    /* Of a shape that was read from a file; else 0, or what hausbench_shape_stating was given. */
+    int64_t segments;       /* line segments, which are triangles (a, b, b) */
+    int64_t single_points;  /* single points of a mesh, which are triangles (a, a, a) */
+    int64_t dropped_points; /* by drop_invalid, and */
+    int64_t dropped_faces;  /* faces that used such points */
+    double unit;            /* length in metres of the unit that the file states or its format defines; 0: not stated */
+    int32_t up;             /* the axis that points up, 'X', 'Y' or 'Z'; 0: not stated */
+    int32_t reserved2;
 } hausbench_description;
 #define HAUSBENCH_DESCRIPTION_INIT \
-    { sizeof(hausbench_description), 0, 0, 0, 0, {0, 0, 0, 0, 0, 0}, 0 }
+    { sizeof(hausbench_description), 0, 0, 0, 0, {0, 0, 0, 0, 0, 0}, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 HAUSBENCH_API int hausbench_describe(const hausbench_shape* shape, hausbench_description* description,
                                      hausbench_error* error);
+
+/* What else you should know about a file that was read, such as parts that were left out: each note is one line. NULL
+   from their number on. The text lives as long as the shape. */
+HAUSBENCH_API const char* hausbench_note(const hausbench_shape* shape, size_t number);
+
+/* As hausbench_shape_of, for arrays whose unit or axes you know, or a copy of a shape that was read elsewhere: takes
+   `unit`, `up` and the four numbers before them from a description, and ignores its other members. */
+HAUSBENCH_API int hausbench_shape_stating(const hausbench_array* vertices, const hausbench_array* faces,
+                                          const hausbench_description* about, hausbench_shape** shape,
+                                          hausbench_error* error);
 
 /* Copies the rows out: vertices has room for 3 * description.vertices numbers, faces for 3 * description.faces. Either
    may be NULL. */
@@ -144,7 +184,8 @@ typedef struct hausbench_plan {
     { sizeof(hausbench_plan), NULL, NULL, 0, 1, HAUSBENCH_DIRECTED, 0, 0 }
 
 /* Makes a pair. Everything that an answer needs and that was not prepared here is prepared by the first call that needs
-   it. Structures over a shape that another pair has built already are used again. */
+   it. Structures over a shape that another pair has built already are used again. Fails with BAD_INPUT if both shapes
+   state a unit, or both an axis that points up, and these differ: read both with the same `unit` and `up`. */
 HAUSBENCH_API int hausbench_prepare(const hausbench_shape* source, const hausbench_shape* target,
                                     const hausbench_plan* plan, hausbench_pair** pair, hausbench_error* error);
 

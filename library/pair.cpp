@@ -73,6 +73,21 @@ void check(const hausbench_plan& plan) {
     if (plan.reserved != 0) fail("reserved must be 0");
 }
 
+// Throws ArgumentError if both shapes state a unit, or both an axis that points up, and these differ.
+void expect_same_units(const Model& source, const Model& target) {
+    const Origin &a = source.origin(), &b = target.origin();
+    const Stated &of_a = a.report.stated, &of_b = b.report.stated;
+    constexpr const char* otherwise = "\"none\" to compare the numbers as they stand";
+    if (a.unit != 0 && b.unit != 0 && a.unit != b.unit)
+        throw ArgumentError(
+            2, fmt::format("A ({}) is in {} and B ({}) in {}: read both with unit=\"mm\", or with unit={}", a.name,
+                           of_a.unit, b.name, of_b.unit, otherwise));
+    if (of_a.up != 0 && of_b.up != 0 && of_a.up != of_b.up)
+        throw ArgumentError(
+            2, fmt::format("{} points up in A ({}) and {} in B ({}): read both with up=\"Z\", or with up={}", of_a.up,
+                           a.name, of_b.up, b.name, otherwise));
+}
+
 // Prepares what the plan wants at once.
 void prepare_first(Pair& pair, const hausbench_plan& plan) {
     Query query;
@@ -152,7 +167,9 @@ int hausbench_prepare(const hausbench_shape* source, const hausbench_shape* targ
         const hausbench_plan ours = taken<hausbench_plan>(plan, HAUSBENCH_PLAN_INIT, "plan", 3);
         given(pair, "pair", 4);
         check(ours);
-        auto made = std::make_shared<Pair>(model_of(source, "source", 1), model_of(target, "target", 2), ours);
+        auto a = model_of(source, "source", 1), b = model_of(target, "target", 2);
+        expect_same_units(*a, *b);
+        auto made = std::make_shared<Pair>(std::move(a), std::move(b), ours);
         prepare_first(*made, ours);
         *pair = new hausbench_pair{std::move(made)};
     });

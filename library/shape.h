@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithms/prepared.h"
+#include "datasets/load.h"
 #include "library/hausbench.h"
 
 #include <list>
@@ -12,11 +13,18 @@
 
 namespace hausbench::library {
 
+// Where a shape comes from.
+struct Origin {
+    std::string name = "arrays";  // the file it was read from
+    LoadReport report = {};
+    double unit = 0;  // in metres, as the caller sees it; 0: not stated
+};
+
 // A mesh or point set as the caller gave it, and the structures built over it. Thread-safe.
 class Model {
 public:
-    // `given` has the rows as given. `name` names the file it was read from, or says "arrays".
-    Model(Shape given, std::string name);
+    // `given` has the rows as given.
+    Model(Shape given, Origin origin);
 
     // The shape that is measured: without the vertices that no face uses. Its triangles have the numbers of the rows.
     const Shape& shape() const { return measured_; }
@@ -26,7 +34,8 @@ public:
     const Points& given_points() const { return given_ ? given_->vertices : points_of(shape()); }
     const Triangles* given_faces() const;
 
-    const std::string& name() const { return name_; }
+    const Origin& origin() const { return origin_; }
+    const std::string& name() const { return origin_.name; }
 
     double largest() const { return largest_; }  // the largest |coordinate| of shape()
 
@@ -40,7 +49,7 @@ public:
 private:
     std::optional<TriangleMesh> given_;  // only if some vertices are not used
     SharedShape measured_;
-    std::string name_;
+    Origin origin_;
     double largest_;
     std::recursive_mutex building_;
     std::mutex keeping_;

@@ -15,18 +15,16 @@ namespace {
     throw py::error_already_set();
 }
 
-// Returns the text of an error. Names of files may hold bytes that are not UTF-8; they become question marks.
-py::object text_of(const hausbench_error& error) {
-    PyObject* text =
-        PyUnicode_DecodeUTF8(error.text, static_cast<Py_ssize_t>(std::string_view(error.text).size()), "replace");
-    if (!text) throw py::error_already_set();
-    return py::reinterpret_steal<py::object>(text);
-}
-
 }  // namespace
 
+py::object text_of(const char* text) {
+    PyObject* decoded = PyUnicode_DecodeUTF8(text, static_cast<Py_ssize_t>(std::string_view(text).size()), "replace");
+    if (!decoded) throw py::error_already_set();
+    return py::reinterpret_steal<py::object>(decoded);
+}
+
 void throw_python(const hausbench_error& error) {
-    const py::object text = text_of(error);
+    const py::object text = text_of(error.text);
     if (error.code == HAUSBENCH_BAD_INPUT)
         throw_input_error(text, error.row >= 0 ? py::object(py::int_(error.row)) : py::object(py::none()));
     PyErr_SetObject(error.code == HAUSBENCH_NO_MEMORY ? PyExc_MemoryError : PyExc_RuntimeError, text.ptr());

@@ -3,9 +3,13 @@
 #include "python/core/errors.h"
 #include "python/core/working.h"
 
+#include <pybind11/stl.h>
+
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <utility>
 
 namespace py = pybind11;
@@ -52,23 +56,40 @@ bool Shape::is_read(const py::object& values, bool integers) {
     return describe_array(values, integers, table);
 }
 
-Shape::Shape(const py::object& vertices, const py::object& faces) {
+Shape::Shape(const py::object& vertices, const py::object& faces, const std::optional<Stated>& stated) {
+    hausbench_description about = HAUSBENCH_DESCRIPTION_INIT;
+    if (stated) {
+        std::string up;
+        std::tie(about.segments, about.single_points, about.dropped_points, about.dropped_faces, about.unit, up) =
+            *stated;
+        about.up = up.empty() ? 0 : up.front();
+    }
     const bool is_mesh = !faces.is_none();
     const hausbench_array points = table_of(vertices, "vertices", false);
     const hausbench_array triangles = is_mesh ? table_of(faces, "faces", true) : hausbench_array{};
     hausbench_error error = HAUSBENCH_ERROR_INIT;
     hausbench_shape* shape = nullptr;
-    check(hausbench_shape_of(&points, is_mesh ? &triangles : nullptr, &shape, &error), error);
+    check(hausbench_shape_stating(&points, is_mesh ? &triangles : nullptr, &about, &shape, &error), error);
     shape_.reset(shape);
 }
 
-Shape Shape::read(const py::bytes& path) {
+Shape Shape::read(const py::bytes& path, const Text& format, const Text& columns, bool drop_invalid, const Text& unit,
+                  const Text& up) {
+    const auto text = [](const Text& given) { return given ? std::optional<std::string>(*given) : std::nullopt; };
+    const auto pointer = [](const std::optional<std::string>& given) { return given ? given->c_str() : nullptr; };
     const std::string name = path;
+    const std::optional<std::string> texts[] = {text(format), text(columns), text(unit), text(up)};
     if (name.find('\0') != std::string::npos) throw_input_error("the path contains a null character: remove it");
+    hausbench_read_options options = HAUSBENCH_READ_OPTIONS_INIT;
+    options.format = pointer(texts[0]);
+    options.columns = pointer(texts[1]);
+    options.unit = pointer(texts[2]);
+    options.up = pointer(texts[3]);
+    options.drop_invalid = drop_invalid;
     hausbench_error error = HAUSBENCH_ERROR_INIT;
     hausbench_shape* shape = nullptr;
     Working working;
-    const int code = working.run([&] { return hausbench_read(name.c_str(), &shape, &error); });
+    const int code = working.run([&] { return hausbench_read_with(name.c_str(), &options, &shape, &error); });
     check(code, error);
     return Shape(shape);
 }
@@ -96,19 +117,32 @@ py::object Shape::faces() const {
     return values;
 }
 
+py::tuple Shape::notes() const {
+    py::list notes;
+    for (std::size_t i = 0; const char* note = hausbench_note(get(), i); ++i) notes.append(text_of(note));
+    return py::tuple(notes);
+}
+
 void define_shape(py::module_& module) {
     py::class_<Shape>(module, "Shape")
-        .def(py::init<const py::object&, const py::object&>(), py::arg("vertices"), py::arg("faces"))
+        .def(py::init<const py::object&, const py::object&, const std::optional<Shape::Stated>&>(), py::arg("vertices"),
+             py::arg("faces"), py::arg("stated") = py::none())
         .def("describe",
              [](const Shape& self) {
                  const hausbench_description about = self.describe();
                  py::array_t<double> box({2, 3});
                  std::copy(about.box, about.box + 6, box.mutable_data());
-                 return py::make_tuple(about.is_mesh != 0, about.vertices, about.faces, box, about.diagonal);
+                 const Shape::Stated stated{
+                     about.segments,       about.single_points,
+                     about.dropped_points, about.dropped_faces,
+                     about.unit,           std::string(about.up ? 1 : 0, static_cast<char>(about.up))};
+                 return py::make_tuple(about.is_mesh != 0, about.vertices, about.faces, box, about.diagonal, stated);
              })
         .def("vertices", &Shape::vertices)
-        .def("faces", &Shape::faces);
-    module.def("read", &Shape::read, py::arg("path"));
+        .def("faces", &Shape::faces)
+        .def("notes", &Shape::notes);
+    module.def("read", &Shape::read, py::arg("path"), py::arg("format"), py::arg("columns"), py::arg("drop_invalid"),
+               py::arg("unit"), py::arg("up"));
     module.def("is_read", &Shape::is_read, py::arg("values"), py::arg("integers"));
 }
 

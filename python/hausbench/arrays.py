@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 EXACT = 2**53  # integers up to this are doubles
+# What surface distances of masks compare. All voxels, argwhere(mask), would be another shape: the inside of one mask lies in the other.
+MASK = ("for a mask give its boundary voxels as points: "
+        "numpy.argwhere(mask & ~scipy.ndimage.binary_erosion(mask)) * spacing")
 
 
 def numbers(values: object, name: str) -> npt.NDArray[Any]:
@@ -21,7 +24,7 @@ def numbers(values: object, name: str) -> npt.NDArray[Any]:
     try:
         array = np.asarray(values)
     except (TypeError, ValueError) as error:
-        if name == "vertices" and isinstance(values, (list, tuple)) and len(values) in (2, 3):
+        if name == "vertices" and isinstance(values, (list, tuple)) and (len(values) in (2, 3) or all(hasattr(v, "ndim") for v in values)):
             raise InputError("vertices: not one array of numbers: give a mesh as Shape(vertices, faces), or as a tuple "
                              "(vertices, faces)") from None
         raise InputError(f"{name}: not an array of numbers: {error}".splitlines()[0]) from None
@@ -44,7 +47,7 @@ def _remedy(array: npt.NDArray[Any], name: str) -> str:
     if array.dtype.kind in "US":
         return "for a file give its path to hausbench.read"
     if array.dtype.kind == "b" and name == "vertices":
-        return "for a mask give the points numpy.argwhere(mask) * spacing"
+        return MASK
     if array.dtype.kind == "O":
         return "give an array of numbers, such as mesh.vertices, or rotation.as_matrix() for a pose"
     return f"convert with astype({'numpy.int64' if name == 'faces' else 'float'})"
@@ -84,6 +87,8 @@ def vertices(values: object) -> npt.NDArray[Any]:
 
 
 def _tuple_hint(array: npt.NDArray[Any]) -> str:
+    if array.ndim == 3 and array.dtype.kind in "iu" and not (array.shape[0] == 2 and array.shape[2] == 3):
+        return f": {MASK}, where mask = labels == 1 for label 1"
     return ": give a mesh as a tuple (vertices, faces)" if array.ndim == 3 else ""
 
 

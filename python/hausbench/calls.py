@@ -3,11 +3,13 @@
 A and B are each one of
     (vertices, faces)   a mesh: a tuple of arrays (n, 3) and (m, 3)
     an array (n, 3)     a point set
-    a path              a str or os.PathLike, see `read`
+    a path              a str or os.PathLike; for options, such as the unit, give the Shape that `read` returns
     a Shape             which is not copied, and keeps the structures that are built over it
-    an object           with .vertices and .faces (trimesh), .vertices and .triangles, or .points (open3d)
+    an object           with .vertices and .faces (trimesh), .vertices and .triangles or .points (open3d, also with tensors), or
+                        .entities (paths of trimesh); a line set, vtkPolyData or meshio mesh; what
+                        skimage.measure.marching_cubes returns
 Arrays may have any strides. Coordinates may be integers and floats up to float64, as long as none changes as a float64; faces
-must be integers. Everything else raises InputError.
+must be integers. Everything else raises InputError, and so do two shapes that state different units or axes (see `read`).
 
 Keyword arguments of all questions:
     tolerance     the largest width of the interval that you accept, above 0, in units of `relative_to`:
@@ -17,8 +19,9 @@ Keyword arguments of all questions:
     time_limit    seconds for solving; the interval is then wider, and still holds
     solver        see `solvers()`; None: `cover` if a mesh is among the shapes, else `scan`
     options       parameters of the solver, by name
-    pose          moves A before measuring: a matrix (4, 4), a rotation (3, 3), or a tuple (rotation, translation). Scaling,
-                  shearing and mirroring are allowed, so a matrix is not checked to be a rotation
+    pose          moves A before measuring: a matrix (4, 4), a rotation (3, 3), a tuple (rotation, translation), or the path of a
+                  text file with the 16 numbers of a matrix, row by row. Scaling, shearing and mirroring are allowed, so a matrix
+                  is not checked to be a rotation
     target_pose   moves B
 Ctrl-C raises KeyboardInterrupt in the main thread, but a file is read and a proof checked to its end first. Other Python threads
 run while a question is answered.

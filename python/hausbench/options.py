@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import operator
+import os
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -65,7 +67,29 @@ def _matrix(pose: Pose | None, name: str) -> npt.NDArray[np.float64] | None:
         return None
     from hausbench import arrays
 
-    return arrays.pose(pose, name)
+    return arrays.pose(_in_file(pose, name) if isinstance(pose, (str, os.PathLike)) else pose, name)
+
+
+LONGEST = 1 << 16  # bytes of a file of 16 numbers and comments
+DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+
+def _in_file(path: str | os.PathLike[str], name: str) -> list[list[float]]:
+    """Reads a matrix (4, 4) from a text file: 16 numbers, row by row, between blanks or commas; a # begins a comment."""
+    place = f"{name}: {os.fspath(path)}"
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            text = file.read(LONGEST)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{place}: cannot be read ({getattr(error, 'strerror', None) or error}): give a matrix (4, 4), or a text "
+                         "file of one") from None
+    words = re.sub(r"#.*", "", text).replace(",", " ").split()
+    wrong = next((word for word in words if not DECIMAL.fullmatch(word)), None)
+    if wrong is not None:
+        raise InputError(f"{place}: '{wrong[:40]}' is not a number: give the 16 numbers of a 4 x 4 matrix, row by row")
+    if len(words) != 16:
+        raise InputError(f"{place}: has {len(words)} numbers: give the 16 numbers of a 4 x 4 matrix, row by row")
+    return [[float(word) for word in words[i:i + 4]] for i in range(0, 16, 4)]
 
 
 def query_of(tolerance: float, relative_to: str, threads: int, time_limit: float | None, pose: Pose | None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Protocol, Union
+from typing import Any, Protocol, Union
 
 import numpy.typing as npt
 
@@ -35,6 +35,39 @@ class HasPoints(Protocol):
     def points(self) -> npt.ArrayLike: ...
 
 
-ShapeLike = Union[Shape, HasFaces, HasTriangles, HasPoints, npt.ArrayLike, tuple[npt.ArrayLike, npt.ArrayLike], str,
+class HasPolygons(Protocol):
+    """A vtkPolyData."""
+
+    def GetPoints(self) -> Any: ...
+    def GetPolys(self) -> Any: ...
+
+
+class HasTensors(Protocol):
+    """A mesh of open3d.t."""
+
+    @property
+    def vertex(self) -> Any: ...
+    @property
+    def triangle(self) -> Any: ...
+
+
+class HasPointTensors(Protocol):
+    """A point cloud or line set of open3d.t."""
+
+    @property
+    def point(self) -> Any: ...
+
+
+class HasEntities(Protocol):
+    """A path of trimesh."""
+
+    @property
+    def vertices(self) -> npt.ArrayLike: ...
+    @property
+    def entities(self) -> Any: ...
+
+
+ShapeLike = Union[Shape, HasFaces, HasTriangles, HasPoints, HasPolygons, HasTensors, HasPointTensors, HasEntities, npt.ArrayLike,
+                  tuple[npt.ArrayLike, npt.ArrayLike], tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike, npt.ArrayLike], str,
                   "os.PathLike[str]"]
-Pose = Union[npt.ArrayLike, tuple[npt.ArrayLike, npt.ArrayLike]]
+Pose = Union[npt.ArrayLike, tuple[npt.ArrayLike, npt.ArrayLike], str, "os.PathLike[str]"]

@@ -40,6 +40,22 @@ inline ShapeHandle shape_of(const std::vector<double>& vertices, const std::vect
     return ShapeHandle(shape);
 }
 
+inline hausbench_description description_of(const ShapeHandle& shape) {
+    hausbench_description description = HAUSBENCH_DESCRIPTION_INIT;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_describe(shape.get(), &description, &error), error);
+    return description;
+}
+
+inline hausbench_read_options initial_options() { return HAUSBENCH_READ_OPTIONS_INIT; }
+
+inline ShapeHandle read_shape(const std::string& path, const hausbench_read_options& options = initial_options()) {
+    hausbench_shape* shape = nullptr;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_read_with(path.c_str(), &options, &shape, &error), error);
+    return ShapeHandle(shape);
+}
+
 inline PairHandle pair_of(const ShapeHandle& a, const ShapeHandle& b, const char* solver = nullptr,
                           int first = HAUSBENCH_DIRECTED) {
     hausbench_plan plan = HAUSBENCH_PLAN_INIT;

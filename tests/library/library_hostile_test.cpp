@@ -202,6 +202,9 @@ TEST(LibraryHostile, NullPointers) {
     const std::vector<int> codes = {
         hausbench_read(nullptr, &shape, &e),
         hausbench_read("x.off", nullptr, &e),
+        hausbench_read_with(nullptr, nullptr, &shape, &e),
+        hausbench_read_with("x.off", nullptr, nullptr, &e),
+        hausbench_shape_stating(nullptr, nullptr, nullptr, &shape, &e),
         hausbench_describe(nullptr, nullptr, &e),
         hausbench_copy_out(nullptr, nullptr, nullptr, &e),
         hausbench_prepare(a.get(), nullptr, nullptr, nullptr, &e),
@@ -252,6 +255,67 @@ TEST(LibraryHostile, FilesThatCannotBeRead) {
     const std::string endless(5000, 'x');
     EXPECT_EQ(hausbench_read(endless.c_str(), &shape, &error), HAUSBENCH_BAD_INPUT);
     EXPECT_LT(std::strlen(error.text), sizeof error.text);
+}
+
+TEST(LibraryHostile, OptionsThatMakeNoSense) {
+    const auto bad = [](auto change) {
+        hausbench_read_options options = HAUSBENCH_READ_OPTIONS_INIT;
+        change(options);
+        auto* const untouched = reinterpret_cast<hausbench_shape*>(std::uintptr_t{8});
+        hausbench_shape* shape = untouched;
+        hausbench_error error = HAUSBENCH_ERROR_INIT;
+        EXPECT_EQ(hausbench_read_with("/nowhere/a.off", &options, &shape, &error), HAUSBENCH_BAD_INPUT);
+        EXPECT_EQ(shape, untouched);
+        EXPECT_EQ(error.argument, 2) << error.text;
+        EXPECT_EQ(std::strchr(error.text, '\n'), nullptr);
+        return std::string(error.text);
+    };
+    EXPECT_NE(bad([](auto& o) { o.unit = "parsec"; }).find("mm, "), std::string::npos);
+    EXPECT_NE(bad([](auto& o) { o.up = "W"; }).find("X, Y, Z"), std::string::npos);
+    bad([](auto& o) { o.unit = ""; });
+    bad([](auto& o) { o.up = ""; });
+    bad([](auto& o) { o.up = "up\nwards"; });
+    bad([](auto& o) { o.drop_invalid = 2; });
+    bad([](auto& o) { o.reserved = 1; });
+    bad([](auto& o) { o.size = 0; });
+    bad([](auto& o) { o.size = sizeof o - 8; });
+}
+
+TEST(LibraryHostile, DescriptionsThatMakeNoSense) {
+    const hausbench_array v = array_of(corners);
+    const auto bad = [&](auto change) {
+        hausbench_description about = HAUSBENCH_DESCRIPTION_INIT;
+        change(about);
+        hausbench_shape* shape = nullptr;
+        hausbench_error error = HAUSBENCH_ERROR_INIT;
+        EXPECT_EQ(hausbench_shape_stating(&v, nullptr, &about, &shape, &error), HAUSBENCH_BAD_INPUT);
+        EXPECT_EQ(error.argument, 3) << error.text;
+    };
+    for (const double unit : {-1.0, double(NAN), double(INFINITY), 1e305})
+        bad([&](hausbench_description& d) { d.unit = unit; });
+    for (const int up : {1, int('x'), -1, 'X' + 256}) bad([&](hausbench_description& d) { d.up = up; });
+    bad([](hausbench_description& d) { d.segments = -1; });
+    bad([](hausbench_description& d) { d.dropped_faces = -1; });
+    bad([](hausbench_description& d) { d.size = 4; });
+}
+
+// A caller of the first version knows the members up to `diagonal`.
+TEST(LibraryHostile, ACallerOfTheFirstVersionGetsItsMembersAlone) {
+    const ShapeHandle a = shape_of(corners, face);
+    hausbench_description description = HAUSBENCH_DESCRIPTION_INIT;
+    constexpr std::size_t first_version = 88;
+    description.size = first_version;
+    description.segments = description.up = 77;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_describe(a.get(), &description, &error), error);
+    EXPECT_EQ(description.size, first_version);
+    EXPECT_EQ(description.vertices, 3);
+    EXPECT_EQ(description.segments, 77);
+    EXPECT_EQ(description.up, 77);
+    hausbench_shape* made = nullptr;  // `up` of a caller that does not have it is not read
+    const hausbench_array v = array_of(corners);
+    expect_ok(hausbench_shape_stating(&v, nullptr, &description, &made, &error), error);
+    EXPECT_EQ(description_of(ShapeHandle(made)).segments, 0);
 }
 
 TEST(LibraryHostile, ListsItsSolvers) {

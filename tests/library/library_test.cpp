@@ -21,7 +21,9 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace hausbench {
 namespace {
@@ -571,6 +573,204 @@ TEST(Library, KeepsFewScaledCopies) {
     const std::size_t before = ::mallinfo2().uordblks;
     for (int exponent = 15; exponent < 30; ++exponent) ask(exponent);
     EXPECT_LE(::mallinfo2().uordblks, before + 100'000);
+}
+
+// --- files -------------------------------------------------------------------------------------------------------
+
+std::string written(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
+    const std::string file = folder.path() / name;
+    std::ofstream(file) << text;
+    return file;
+}
+
+std::vector<double> vertices_of(const ShapeHandle& shape) {
+    std::vector<double> numbers(std::size_t(3 * description_of(shape).vertices));
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_copy_out(shape.get(), numbers.data(), nullptr, &error), error);
+    return numbers;
+}
+
+std::vector<std::string> notes_of(const ShapeHandle& shape) {
+    std::vector<std::string> notes;
+    while (const char* note = hausbench_note(shape.get(), notes.size())) notes.emplace_back(note);
+    return notes;
+}
+
+// Returns the text of the error with which two shapes are refused.
+std::string refused_pair(const ShapeHandle& a, const ShapeHandle& b) {
+    auto* const untouched = reinterpret_cast<hausbench_pair*>(std::uintptr_t{8});
+    hausbench_pair* pair = untouched;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    EXPECT_EQ(hausbench_prepare(a.get(), b.get(), nullptr, &pair, &error), HAUSBENCH_BAD_INPUT);
+    EXPECT_EQ(pair, untouched);
+    EXPECT_EQ(error.argument, 2);
+    return error.text;
+}
+
+constexpr const char* one_triangle = "OFF\n3 1 0\n0 0 0\n1 2 0\n0 1 3\n3 0 1 2\n";
+
+TEST(LibraryFiles, WithoutOptionsTheNumbersCount) {
+    const TemporaryFolder folder;
+    const std::string file = written(folder, "a.off", one_triangle);
+    hausbench_shape* plain = nullptr;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    expect_ok(hausbench_read(file.c_str(), &plain, &error), error);
+    hausbench_shape* null = nullptr;
+    expect_ok(hausbench_read_with(file.c_str(), nullptr, &null, &error), error);
+    const ShapeHandle one(plain), other(null), third = read_shape(file);
+    const std::vector<double> expected = {0, 0, 0, 1, 2, 0, 0, 1, 3};
+    for (const ShapeHandle* shape : {&one, &other, &third}) {
+        EXPECT_EQ(vertices_of(*shape), expected);
+        const hausbench_description about = description_of(*shape);
+        EXPECT_EQ(about.faces, 1);
+        EXPECT_EQ(about.unit, 0);
+        EXPECT_EQ(about.up, 0);
+        EXPECT_EQ(about.segments + about.single_points + about.dropped_points + about.dropped_faces, 0);
+        EXPECT_TRUE(notes_of(*shape).empty());
+    }
+}
+
+TEST(LibraryFiles, TheFormatMayBeNamed) {
+    const TemporaryFolder folder;
+    const std::string file = written(folder, "a.obj", one_triangle);
+    hausbench_read_options options = initial_options();
+    options.format = "off";
+    EXPECT_EQ(description_of(read_shape(file, options)).faces, 1);
+}
+
+TEST(LibraryFiles, AFileWithoutUnitOrAxesCountsAsHavingTheOptions) {
+    const TemporaryFolder folder;
+    const std::string file = written(folder, "a.off", one_triangle);
+    hausbench_read_options options = initial_options();
+    options.unit = "Inches";
+    options.up = "y";
+    const ShapeHandle shape = read_shape(file, options);
+    EXPECT_EQ(vertices_of(shape), (std::vector<double>{0, 0, 0, 1, 2, 0, 0, 1, 3}));
+    EXPECT_EQ(description_of(shape).unit, 0.0254);
+    EXPECT_EQ(description_of(shape).up, 'Y');
+    const std::vector<std::string> notes = notes_of(shape);
+    ASSERT_EQ(notes.size(), 2u);
+    EXPECT_NE(notes[0].find("inch"), std::string::npos) << notes[0];
+    EXPECT_NE(notes[1].find("Y"), std::string::npos) << notes[1];
+    EXPECT_EQ(hausbench_note(shape.get(), std::size_t(-1)), nullptr);
+    EXPECT_EQ(hausbench_note(nullptr, 0), nullptr);
+    options.unit = "none";
+    options.up = "NONE";
+    const ShapeHandle without = read_shape(file, options);
+    EXPECT_EQ(description_of(without).unit, 0);
+    EXPECT_EQ(description_of(without).up, 0);
+    EXPECT_TRUE(notes_of(without).empty());
+}
+
+// 1 inch is 25.4 mm. AMF states no axes.
+TEST(LibraryFiles, TheUnitOfAFileIsConverted) {
+    const TemporaryFolder folder;
+    std::string text = "<amf unit=\"inch\"><object id=\"0\"><mesh><vertices>";
+    for (const char* at : {"<x>0</x><y>0</y><z>0</z>", "<x>1</x><y>2</y><z>0</z>", "<x>0</x><y>1</y><z>3</z>"})
+        text += "<vertex><coordinates>" + std::string(at) + "</coordinates></vertex>";
+    text += "</vertices><volume><triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle></volume></mesh></object></amf>";
+    const std::string file = written(folder, "a.amf", text);
+    const ShapeHandle inches = read_shape(file);
+    EXPECT_EQ(description_of(inches).unit, 0.0254);
+    EXPECT_EQ(vertices_of(inches)[4], 2);
+    hausbench_read_options options = initial_options();
+    options.unit = "mm";
+    const ShapeHandle millimetres = read_shape(file, options);
+    EXPECT_EQ(description_of(millimetres).unit, 0.001);
+    EXPECT_EQ(vertices_of(millimetres)[4], 2 * 25.4);
+    refused_pair(inches, millimetres);
+    options.unit = "none";
+    const ShapeHandle numbers = read_shape(file, options);
+    EXPECT_EQ(vertices_of(numbers), vertices_of(inches));
+    EXPECT_EQ(description_of(numbers).unit, 0);
+    EXPECT_NEAR(directed(pair_of(inches, numbers)).bounds.upper, 0, 1e-5);  // one of them states no unit
+}
+
+TEST(LibraryFiles, ShapesInDifferentUnitsAreNoPair) {
+    const TemporaryFolder folder;
+    const std::string file = written(folder, "a.off", one_triangle), other = written(folder, "b.off", one_triangle);
+    hausbench_read_options options = initial_options();
+    options.unit = "inch";
+    const ShapeHandle inches = read_shape(file, options);
+    options.unit = "m";
+    const ShapeHandle metres = read_shape(other, options), plain = read_shape(other);
+    const std::string text = refused_pair(inches, metres);
+    for (const std::string& part : {"a.off) is in inch", "b.off) in m", "unit=\"mm\"", "\"none\""})
+        EXPECT_NE(text.find(part), std::string::npos) << text;
+    EXPECT_EQ(directed(pair_of(inches, plain)).bounds.lower, 0);
+    EXPECT_EQ(directed(pair_of(metres, plain)).bounds.lower, 0);
+    EXPECT_EQ(directed(pair_of(metres, metres)).bounds.lower, 0);
+}
+
+TEST(LibraryFiles, ShapesWithDifferentAxesAreNoPair) {
+    const TemporaryFolder folder;
+    const std::string file = written(folder, "a.off", one_triangle);
+    hausbench_read_options options = initial_options();
+    options.up = "Z";
+    const ShapeHandle z = read_shape(file, options);
+    options.up = "Y";
+    const ShapeHandle y = read_shape(file, options), plain = read_shape(file);
+    const std::string text = refused_pair(z, y);
+    for (const std::string& part : {"Z points up in A", "Y in B", "up=\"Z\"", "\"none\""})
+        EXPECT_NE(text.find(part), std::string::npos) << text;
+    EXPECT_EQ(directed(pair_of(z, plain)).bounds.lower, 0);
+    EXPECT_EQ(directed(pair_of(z, z)).bounds.lower, 0);
+}
+
+TEST(LibraryFiles, PointsThatAreNotFiniteAreDroppedIfAskedFor) {
+    const TemporaryFolder folder;
+    const std::string file = written(folder, "a.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n3 0 1 2\n3 0 1 3\n");
+    hausbench_read_options options = initial_options();
+    options.drop_invalid = 1;
+    const hausbench_description about = description_of(read_shape(file, options));
+    EXPECT_EQ(about.faces, 1);
+    EXPECT_EQ(about.dropped_points, 1);
+    EXPECT_EQ(about.dropped_faces, 1);
+    options.drop_invalid = 0;
+    hausbench_shape* shape = nullptr;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    EXPECT_EQ(hausbench_read_with(file.c_str(), &options, &shape, &error), HAUSBENCH_BAD_INPUT);
+    EXPECT_EQ(error.argument, 1);
+}
+
+TEST(LibraryFiles, ReadersOfTheProgramAloneAreRefusedWithARemedy) {
+    const TemporaryFolder folder;
+    hausbench_shape* shape = nullptr;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    const std::string file = written(folder, "a.x3d", "<X3D/>");
+    EXPECT_EQ(hausbench_read(file.c_str(), &shape, &error), HAUSBENCH_BAD_INPUT);
+    const std::string text = error.text;
+    for (const std::string& part : {".x3d is read by the program alone", ".obj, .off, .ply"})
+        EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+// A US survey foot is no unit with a name: 1200/3937 m.
+TEST(LibraryFiles, ArraysMayStateAUnit) {
+    for (const double unit : {0.001, 0.0254, 1200.0 / 3937, 1e-300, 0.0}) {
+        hausbench_description about = HAUSBENCH_DESCRIPTION_INIT;
+        about.segments = 1, about.single_points = 2, about.dropped_points = 3, about.dropped_faces = 4;
+        about.unit = unit;
+        about.up = 'X';
+        const hausbench_array v = array_of(two_points);
+        hausbench_shape* made = nullptr;
+        hausbench_error error = HAUSBENCH_ERROR_INIT;
+        expect_ok(hausbench_shape_stating(&v, nullptr, &about, &made, &error), error);
+        const ShapeHandle first(made);
+        const hausbench_description found = description_of(first);
+        EXPECT_EQ(found.unit, unit);
+        EXPECT_EQ(found.up, 'X');
+        EXPECT_EQ(found.segments, 1);
+        EXPECT_EQ(found.single_points, 2);
+        EXPECT_EQ(found.dropped_points, 3);
+        EXPECT_EQ(found.dropped_faces, 4);
+        expect_ok(hausbench_shape_stating(&v, nullptr, &found, &made, &error), error);
+        const ShapeHandle second(made);
+        EXPECT_EQ(directed(pair_of(first, second)).bounds.lower, 0);
+        about.unit = 0.5;
+        expect_ok(hausbench_shape_stating(&v, nullptr, &about, &made, &error), error);
+        const ShapeHandle other(made);
+        if (unit > 0) EXPECT_NE(refused_pair(first, other).find("A (arrays) is in "), std::string::npos);
+    }
 }
 
 // --- certificates ------------------------------------------------------------------------------------------------

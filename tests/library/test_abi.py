@@ -89,7 +89,7 @@ def test_a_planted_change_is_found(before: str, after: str, library: Path, tmp_p
 def test_every_declared_function_is_exported_and_no_other(library: Path) -> None:
     declared = {re.search(r"(\w+)\(", one)[1] for one in declarations(HEADER.read_text())  # type: ignore[index]
                 if one.startswith("HAUSBENCH_API ")}
-    exported = {line.split()[-1].split("@")[0] for line in symbols(library)} - {"HAUSBENCH_1"}
+    exported = {line.split()[-1].split("@")[0] for line in symbols(library) if not line.startswith("A ")}  # A: a version
     assert declared == exported
 
 

@@ -371,11 +371,6 @@ class PyvistaLike:
         self.faces = np.hstack([np.full((len(mesh[1]), 1), 3), mesh[1]]).ravel()
 
 
-class MeshioLike:
-    def __init__(self, mesh: Mesh) -> None:
-        self.points, self.cells = mesh[0], [("triangle", mesh[1])]
-
-
 def test_objects_of_other_packages(small_sphere: Mesh) -> None:
     target = sphere(9, 0.1)
     expected = hb.directed(small_sphere, target).interval
@@ -384,8 +379,6 @@ def test_objects_of_other_packages(small_sphere: Mesh) -> None:
     assert hb.directed(Cloud(small_sphere[0]), target).interval == hb.directed(small_sphere[0], target).interval
     with pytest.raises(hb.InputError, match=r"^A: faces: .*VTK.*reshape\(-1, 4\)\[:, 1:\]"):
         hb.directed(PyvistaLike(small_sphere), target)
-    with pytest.raises(hb.InputError, match=r"^B: .*cells_dict"):
-        hb.directed(target, MeshioLike(small_sphere))
     for nothing in (None, 3, object(), {"vertices": 1}, b"bytes"):
         with pytest.raises(hb.InputError, match="^A: "):
             hb.directed(nothing, target)  # type: ignore[arg-type]
