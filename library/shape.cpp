@@ -1,6 +1,5 @@
 #include "library/shape.h"
 
-#include "datasets/formats/formats.h"
 #include "datasets/formats/parse.h"
 #include "datasets/load.h"
 #include "datasets/merge_points.h"
@@ -145,21 +144,6 @@ std::shared_ptr<Model> model_of(const hausbench_shape* handle, const char* name,
 }
 
 }  // namespace library
-
-namespace readers {
-
-Soup read_with_assimp(const Input& input) {
-    throw InputError(
-        fmt::format("{}: .{} is read by the program alone, through a library that this one does not link: "
-                    "convert it with `hausbench export`, or to one of {}",
-                    input.name, input.format, known_endings(true)));
-}
-
-LoadedShape read_surface(const std::filesystem::path& file) {
-    throw InputError(file.string() + ": algebraic surfaces are read by the program alone: use `hausbench measure`");
-}
-
-}  // namespace readers
 }  // namespace hausbench
 
 using namespace hausbench::library;

@@ -1,0 +1,34 @@
+// Readers that need a library which only the program links, see datasets/formats/readers.h: here they refuse.
+#include "algorithms/error.h"
+#include "datasets/formats/formats.h"
+#include "datasets/formats/gltf_codecs.h"
+
+#include <fmt/format.h>
+
+namespace hausbench::readers {
+
+Soup read_with_assimp(const Input& input) {
+    throw InputError(
+        fmt::format("{}: .{} is read by the program alone, through a library that this one does not link: "
+                    "convert it with `hausbench export`, or to one of {}",
+                    input.name, input.format, known_endings(true)));
+}
+
+LoadedShape read_surface(const std::filesystem::path& file) {
+    throw InputError(file.string() + ": algebraic surfaces are read by the program alone: use `hausbench measure`");
+}
+
+std::string decode_meshopt(const std::string& place, const MeshoptStream&) {
+    throw InputError(
+        place +
+        ": EXT_meshopt_compression is read by the program alone: convert the file with `hausbench export`, "
+        "or with gltfpack without -c");
+}
+
+DracoMesh decode_draco(const std::string& place, const DracoStream&) {
+    throw InputError(place +
+                     ": KHR_draco_mesh_compression is read by the program alone: convert the file with `hausbench "
+                     "export`, or write it without compression");
+}
+
+}  // namespace hausbench::readers
