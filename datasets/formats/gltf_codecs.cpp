@@ -136,6 +136,43 @@ std::optional<std::uint64_t> draco_number(std::string_view& bytes) {
     return std::nullopt;
 }
 
+// Skips a length and as many bytes.
+bool skip_bytes(std::string_view& bytes, std::optional<std::uint64_t> length) {
+    if (!length || *length > bytes.size()) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(*length));
+    return true;
+}
+
+bool skip_name(std::string_view& bytes) {
+    if (bytes.empty()) return false;
+    const auto length = static_cast<unsigned char>(bytes[0]);
+    bytes.remove_prefix(1);
+    return skip_bytes(bytes, length);
+}
+
+// Skips a table of names and values, which may contain further tables. Returns false if it is damaged, or nested deeper
+// than any encoder writes it.
+bool skip_metadata(std::string_view& bytes, int depth = 0) {
+    const auto entries = draco_number(bytes);
+    if (!entries || depth > 8) return false;
+    for (std::uint64_t i = 0; i < *entries; ++i)
+        if (!skip_name(bytes) || !skip_bytes(bytes, draco_number(bytes))) return false;
+    const auto tables = draco_number(bytes);
+    if (!tables) return false;
+    for (std::uint64_t i = 0; i < *tables; ++i)
+        if (!skip_name(bytes) || !skip_metadata(bytes, depth + 1)) return false;
+    return true;
+}
+
+// Skips the tables of all attributes and of the mesh.
+bool skip_all_metadata(std::string_view& bytes) {
+    const auto attributes = draco_number(bytes);
+    if (!attributes) return false;
+    for (std::uint64_t i = 0; i < *attributes; ++i)
+        if (!draco_number(bytes) || !skip_metadata(bytes)) return false;
+    return skip_metadata(bytes);
+}
+
 // Compares the sizes at the beginning of the stream with the announced ones, before Draco reserves memory for them.
 void check_draco_header(const std::string& place, const DracoStream& stream) {
     std::string_view bytes = stream.bytes;
@@ -147,8 +184,9 @@ void check_draco_header(const std::string& place, const DracoStream& stream) {
                               major, minor));
     if (bytes[7] != 1) no(place, "holds Draco data that are not a mesh: save the file again");
     const bool edgebreaker = bytes[8] == 1, metadata = (static_cast<unsigned char>(bytes[10]) & 0x80) != 0;
-    if (metadata) return;  // it comes before the sizes
-    bytes.remove_prefix(edgebreaker ? 12 : 11);
+    bytes.remove_prefix(11);
+    if ((metadata && !skip_all_metadata(bytes)) || bytes.empty()) no(place, damaged);
+    if (edgebreaker) bytes.remove_prefix(1);
     const auto first = draco_number(bytes), second = draco_number(bytes);
     const auto faces = edgebreaker ? second : first, points = edgebreaker ? first : second;
     const bool right = faces && points && *faces * 3 == stream.corners &&

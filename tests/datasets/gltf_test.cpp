@@ -720,6 +720,19 @@ TEST_F(Gltf, DracoIsDecoded) {
     expect_near(corners(draco(draco_sequential, 92)), {a, c, b, a, b, d, a, d, c, b, c, d}, 1e-6);
 }
 
+TEST_F(Gltf, DracoMayHaveMetadata) {
+    // Without a grid, and with names and values before the mesh.
+    const std::string data =
+        "RFJBQ08CAgEBAIABAAEEbmFtZQhwb3NpdGlvbgABBmF1dGhvcgdzb21lb25lAQNzdWIBAXgEAwAAAAAABAQAAwAAAS8BARAB/"
+        "wAAAQAJAwAAAAAA"
+        "AAAAAAAAAACAQAAAAAAAAABAAAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAA==";
+    const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 2, 0), d(0, 0, 4);
+    EXPECT_EQ(corners(draco(data, 130)), (std::vector<Vec3>{a, d, c, c, d, b, d, a, b, c, b, a}));
+    std::string deep = data;
+    deep.replace(deep.find("AQNzdWIB"), 8, "/////w8B");  // very many tables
+    refused(draco(deep, 130), {"bufferView 0 (from 0)", "damaged"});
+}
+
 TEST_F(Gltf, AnOptionalDracoCopyIsNotRead) {
     Json json = triangle();
     json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
