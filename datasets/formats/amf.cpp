@@ -108,8 +108,9 @@ public:
             throw InputError(fmt::format("{}: its objects have no triangle{}", name_,
                                          supports_ ? ", except supports, which are left out" : ""));
         if (supports_ > 0)
-            note(fmt::format("{} volume{} of type support {} left out: they only hold the model while it is printed",
-                             supports_, supports_ == 1 ? "" : "s", supports_ == 1 ? "is" : "are"));
+            note(
+                fmt::format("{} volume{} of type support {} left out: supports only hold the model while it is printed",
+                            supports_, supports_ == 1 ? "" : "s", supports_ == 1 ? "is" : "are"));
         return std::move(soup_);
     }
 

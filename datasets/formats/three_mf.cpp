@@ -76,7 +76,8 @@ std::string name_of_extension(std::string_view uri) {
         {"/securecontent/", "encrypted parts"},        {"/mirroring/", "mirrored meshes"},
         {"/alternatives/", "alternatives of objects"}};
     for (const auto& [part, name] : names)
-        if (uri.find(part) != std::string_view::npos) return fmt::format("{} ({})", name, shown(uri.substr(0, 200)));
+        if (uri.find(part) != std::string_view::npos)
+            return fmt::format("{} ({})", name, one_line(std::string(uri.substr(0, 200))));
     return fmt::format("'{}'", one_line(std::string(uri.substr(0, 200))));
 }
 
@@ -114,12 +115,13 @@ class ModelPart {
 public:
     // Parses the part. Throws InputError if it requires an extension that is not supported.
     ModelPart(const std::string& name, const std::string& text, bool is_root)
-        : is_root(is_root), bytes(text.size()), xml(name, text, "model", "3MF") {
+        : is_root(is_root), xml(name, text, "model", "3MF") {
         if (text.find("<!DOCTYPE") != std::string::npos)
             throw InputError(name + ": has a document type definition, which 3MF does not allow: remove it");
         for (pugi::xml_node next = xml.root().next_sibling(); next; next = next.next_sibling())
             if (next.type() == pugi::node_element) xml.refuse(next, "a second root element: XML has one");
-        if (namespace_of(xml.root()) != core)
+        if (!xml.root().attribute("xmlns") && prefix_of(xml.root().name()).empty()) core_ = "";  // as JSCAD writes
+        if (namespace_of(xml.root()) != core_)
             xml.refuse(xml.root(), fmt::format("<model> is in the namespace '{}', which is not the core of 3MF, {}: "
                                                "export the file with another program",
                                                shown(namespace_of(xml.root())), core));
@@ -154,7 +156,7 @@ public:
     // Returns whether a child of an element of the core is one itself.
     bool in_core(pugi::xml_node node) const {
         if (prefix_of(node.name()) == prefix_of(node.parent().name()) && !declares_namespaces(node)) return true;
-        return namespace_of(node) == core;
+        return namespace_of(node) == core_;
     }
 
     bool is(pugi::xml_node node, std::string_view name) const {
@@ -185,14 +187,17 @@ public:
         return {};
     }
 
+    bool has_namespace() const { return !core_.empty(); }
+
     const bool is_root;
-    const std::size_t bytes;
     const Xml xml;
     Unit unit{};
     std::map<std::size_t, ThreeMfObject> objects;
     std::vector<std::string> not_read;  // recommended extensions that are not supported
 
 private:
+    std::string_view core_ = core;  // the namespace of its elements
+
     void check_required() {
         for (const char* kind : {"requiredextensions", "recommendedextensions"}) {
             std::string text = xml.root().attribute(kind).value();
@@ -260,6 +265,8 @@ private:
             const std::string text = zip_.read(path);
             found = std::make_unique<ModelPart>(fmt::format("{}: {}", name_, one_line(path)), text, is_root);
             parts_left_ += parts_a_byte * text.size();
+            if (!found->has_namespace())
+                note("its <model> names no XML namespace, as 3MF requires: it is read as the core of 3MF");
             for (const std::string& what : found->not_read)
                 note(fmt::format("recommends an extension that is not supported and is left out, {}", what));
         }
@@ -468,8 +475,9 @@ private:
             note(fmt::format("{} object{} that its build does not use {} left out", unused, unused == 1 ? "" : "s",
                              unused == 1 ? "is" : "are"));
         if (supports_ > 0)
-            note(fmt::format("{} object{} of type support {} left out: they only hold the model while it is printed",
-                             supports_, supports_ == 1 ? "" : "s", supports_ == 1 ? "is" : "are"));
+            note(
+                fmt::format("{} object{} of type support {} left out: supports only hold the model while it is printed",
+                            supports_, supports_ == 1 ? "" : "s", supports_ == 1 ? "is" : "are"));
         note_slicer_volumes();
     }
 

@@ -4,14 +4,11 @@
 #include "datasets/formats/parse.h"
 
 #include <fmt/format.h>
-#include <minizip/unzip.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <cstring>
-#include <memory>
+#include <charconv>
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace hausbench::readers {
@@ -21,58 +18,10 @@ namespace {
 // any case. XML shrinks to a tenth or less; only text that repeats itself shrinks to a thousandth.
 constexpr std::uint64_t inflation = 200, inflated_anyway = std::uint64_t{1} << 24;
 
-// The archive, as the file that minizip reads.
-struct Memory {
-    std::string_view bytes;
-    std::uint64_t at = 0;
-};
+// No deflated bytes inflate to more than this many times their number.
+constexpr std::uint64_t most_by_deflate = 1032;
 
-voidpf open_memory(voidpf memory, const void*, int) { return memory; }
-
-uLong read_memory(voidpf, voidpf stream, void* to, uLong size) {
-    auto& memory = *static_cast<Memory*>(stream);
-    const std::uint64_t count = std::min<std::uint64_t>(size, memory.bytes.size() - memory.at);
-    if (count > 0) std::memcpy(to, memory.bytes.data() + memory.at, count);
-    memory.at += count;
-    return static_cast<uLong>(count);
-}
-
-uLong write_memory(voidpf, voidpf, const void*, uLong) { return 0; }
-
-ZPOS64_T tell_memory(voidpf, voidpf stream) { return static_cast<Memory*>(stream)->at; }
-
-long seek_memory(voidpf, voidpf stream, ZPOS64_T offset, int origin) {
-    auto& memory = *static_cast<Memory*>(stream);
-    const std::uint64_t size = memory.bytes.size();
-    const std::uint64_t from = origin == ZLIB_FILEFUNC_SEEK_SET   ? 0
-                               : origin == ZLIB_FILEFUNC_SEEK_CUR ? memory.at
-                                                                  : size;
-    if (offset > size - from) return -1;
-    memory.at = from + offset;
-    return 0;
-}
-
-int close_memory(voidpf, voidpf) { return 0; }
-
-// An archive that minizip has open.
-class Unzip {
-public:
-    explicit Unzip(std::string_view bytes) : memory_{bytes} {
-        zlib_filefunc64_def functions{open_memory, read_memory,  write_memory, tell_memory,
-                                      seek_memory, close_memory, close_memory, &memory_};
-        file_ = unzOpen2_64("", &functions);
-    }
-    Unzip(const Unzip&) = delete;
-    Unzip& operator=(const Unzip&) = delete;
-    ~Unzip() {
-        if (file_) unzClose(file_);
-    }
-    unzFile get() const { return file_; }
-
-private:
-    Memory memory_;
-    unzFile file_;
-};
+constexpr std::uint64_t in_zip64 = 0xffffffff;  // a size or place that stands in the ZIP64 field instead
 
 std::optional<char> decoded(std::string_view text) {
     if (text.size() < 3 || text[0] != '%') return std::nullopt;
@@ -80,6 +29,90 @@ std::optional<char> decoded(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data() + 1, text.data() + 3, value, 16);
     if (error != std::errc() || end != text.data() + 3) return std::nullopt;
     return static_cast<char>(value);
+}
+
+// Returns the little-endian integer of `size` bytes at a place. Requires that they exist.
+std::uint64_t integer(std::string_view bytes, std::uint64_t at, int size) {
+    std::uint64_t value = 0;
+    for (int k = size - 1; k >= 0; --k)
+        value = value << 8U | static_cast<unsigned char>(bytes[at + static_cast<std::uint64_t>(k)]);
+    return value;
+}
+
+// Returns whether a record of `size` bytes that begins with `mark` lies at a place.
+bool record_at(std::string_view bytes, std::uint64_t at, std::uint64_t size, std::string_view mark) {
+    return at <= bytes.size() && size <= bytes.size() - at && bytes.substr(at).starts_with(mark);
+}
+
+struct Directory {
+    std::uint64_t at = 0, size = 0, count = 0;
+};
+
+// Finds the directory through the records at the end of the archive.
+std::optional<Directory> find_directory(std::string_view bytes) {
+    constexpr std::uint64_t end_size = 22, longest_comment = 0xffff, locator_size = 20, zip64_size = 56;
+    if (bytes.size() < end_size) return std::nullopt;
+    std::uint64_t end = bytes.size() - end_size;
+    const std::uint64_t first = end - std::min(end, longest_comment);
+    while (!record_at(bytes, end, end_size, "PK\x05\x06") ||
+           integer(bytes, end + 20, 2) != bytes.size() - end - end_size) {
+        if (end == first) return std::nullopt;
+        --end;
+    }
+    Directory found{integer(bytes, end + 16, 4), integer(bytes, end + 12, 4), integer(bytes, end + 10, 2)};
+    if (found.at == in_zip64 || found.size == in_zip64 || found.count == 0xffff) {
+        if (end < locator_size || !record_at(bytes, end - locator_size, locator_size, "PK\x06\x07"))
+            return std::nullopt;
+        const std::uint64_t zip64 = integer(bytes, end - locator_size + 8, 8);
+        if (!record_at(bytes, zip64, zip64_size, "PK\x06\x06")) return std::nullopt;
+        found = {integer(bytes, zip64 + 48, 8), integer(bytes, zip64 + 40, 8), integer(bytes, zip64 + 32, 8)};
+    }
+    if (found.at > end || found.size > end - found.at) return std::nullopt;
+    return found;
+}
+
+// Replaces the values that stand in the ZIP64 field among the extra fields of an entry, in this order.
+bool take_zip64(std::string_view extra, const std::vector<std::uint64_t*>& values) {
+    std::vector<std::uint64_t*> missing;
+    for (std::uint64_t* value : values)
+        if (*value == in_zip64) missing.push_back(value);
+    while (!missing.empty()) {
+        if (extra.size() < 4) return false;
+        const std::uint64_t id = integer(extra, 0, 2), size = integer(extra, 2, 2);
+        extra.remove_prefix(4);
+        if (size > extra.size()) return false;
+        if (id != 1) {
+            extra.remove_prefix(size);
+            continue;
+        }
+        if (size < 8 * missing.size()) return false;
+        for (std::size_t k = 0; k < missing.size(); ++k) *missing[k] = integer(extra, 8 * k, 8);
+        return true;
+    }
+    return true;
+}
+
+// Inflates `packed` into exactly the bytes of a string. Returns whether it did.
+bool inflate_all(std::string_view packed, std::string& bytes) {
+    z_stream stream{};
+    if (inflateInit2(&stream, -15) != Z_OK) return false;
+    constexpr std::uint64_t step = std::uint64_t{1} << 30;
+    std::uint64_t taken = 0, made = 0;
+    char spare = 0;  // zlib needs a place to write to, even at the end
+    int code = Z_OK;
+    while (code == Z_OK) {
+        const std::uint64_t in = std::min(step, packed.size() - taken), out = std::min(step, bytes.size() - made);
+        stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + taken));
+        stream.avail_in = static_cast<uInt>(in);
+        stream.next_out = reinterpret_cast<Bytef*>(out > 0 ? bytes.data() + made : &spare);
+        stream.avail_out = static_cast<uInt>(out > 0 ? out : 1);
+        code = inflate(&stream, Z_NO_FLUSH);
+        taken += in - stream.avail_in;
+        made += (out > 0 ? out : 1) - stream.avail_out;
+        if (made > bytes.size()) code = Z_DATA_ERROR;
+    }
+    inflateEnd(&stream);
+    return code == Z_STREAM_END && made == bytes.size() && taken == packed.size();
 }
 
 }  // namespace
@@ -95,73 +128,88 @@ std::string normal_part_name(std::string_view path) {
     std::string normal;
     for (std::size_t at = 0; at <= plain.size();) {
         const std::size_t end = std::min(plain.find('/', at), plain.size());
-        const std::string step = plain.substr(at, end - at);
+        const std::string_view step = std::string_view(plain).substr(at, end - at);
         if (step == "..") return "";
-        if (!step.empty() && step != ".") normal += (normal.empty() ? "" : "/") + step;
+        if (!step.empty() && step != ".") {
+            if (!normal.empty()) normal += '/';
+            normal += step;
+        }
         at = end + 1;
     }
     return lower_case(normal);
 }
 
 ZipFile::ZipFile(const std::string& name, std::string_view bytes)
-    : name_(name), bytes_(bytes), budget_(std::max(inflated_anyway, inflation * bytes.size())) {
-    const Unzip zip(bytes);
-    if (!bytes.starts_with("PK") || !zip.get())
+    : name_(name), bytes_(bytes), budget_(std::max<std::uint64_t>(inflated_anyway, inflation * bytes.size())) {
+    const auto found = find_directory(bytes);
+    if (!bytes.starts_with("PK") || !found)
         throw InputError(name + ": is not a sound ZIP archive: it is truncated or damaged, save or fetch it again");
-    for (int code = unzGoToFirstFile(zip.get()); code != UNZ_END_OF_LIST_OF_FILE; code = unzGoToNextFile(zip.get())) {
-        unz_file_info64 info{};
-        if (code == UNZ_OK) code = unzGetCurrentFileInfo64(zip.get(), &info, nullptr, 0, nullptr, 0, nullptr, 0);
-        std::vector<char> text(info.size_filename + 1, '\0');
-        if (code == UNZ_OK)
-            code = unzGetCurrentFileInfo64(zip.get(), &info, text.data(), text.size(), nullptr, 0, nullptr, 0);
-        unz64_file_pos place{};
-        if (code == UNZ_OK) code = unzGetFilePos64(zip.get(), &place);
-        if (code != UNZ_OK)
-            throw InputError(name + ": the directory of its ZIP archive is damaged: save or fetch it again");
-        const std::string entry(text.data(), info.size_filename), normal = normal_part_name(entry);
+    read_directory(found->at, found->at + found->size, found->count);
+}
+
+void ZipFile::read_directory(std::uint64_t at, std::uint64_t end, std::uint64_t count) {
+    constexpr std::uint64_t record_size = 46;
+    const auto check = [&](bool sound) {
+        if (!sound) throw InputError(name_ + ": the directory of its ZIP archive is damaged: save or fetch it again");
+    };
+    for (; count > 0; --count) {
+        check(at + record_size <= end && record_at(bytes_, at, record_size, "PK\x01\x02"));
+        const std::uint64_t flags = integer(bytes_, at + 8, 2), name_size = integer(bytes_, at + 28, 2),
+                            extra_size = integer(bytes_, at + 30, 2), comment_size = integer(bytes_, at + 32, 2);
+        Entry entry{integer(bytes_, at + 10, 2), integer(bytes_, at + 16, 4), integer(bytes_, at + 20, 4),
+                    integer(bytes_, at + 24, 4), integer(bytes_, at + 42, 4)};
+        check(name_size + extra_size + comment_size <= end - at - record_size);
+        const std::string name(bytes_.substr(at + record_size, name_size)), normal = normal_part_name(name);
+        check(take_zip64(bytes_.substr(at + record_size + name_size, extra_size),
+                         {&entry.size, &entry.packed, &entry.header}));
+        at += record_size + name_size + extra_size + comment_size;
         const auto no = [&](const char* why) {
-            throw InputError(fmt::format("{}: its entry '{}' {}", name, shown(entry), why));
+            throw InputError(fmt::format("{}: its entry '{}' {}", name_, shown(name), why));
         };
         if (normal.empty()) no("does not lie in the archive: make the archive anew");
-        if (info.flag & 1U) no("is encrypted: save the file without a password");
-        if (entry.ends_with('/') || entry.ends_with('\\')) continue;
-        if (!names_.emplace(normal, entry).second) no("is there twice, in upper or lower case: remove one of the two");
-        places_[normal] = {place.pos_in_zip_directory, place.num_of_file};
+        if (flags & 0x2041U) no("is encrypted: save the file without a password");
+        if (name.ends_with('/') || name.ends_with('\\')) continue;
+        if (!names_.emplace(normal, name).second)
+            no("is there twice, perhaps in upper and lower case: remove one of the two");
+        entries_[normal] = entry;
     }
+    check(at == end);
 }
 
 std::string ZipFile::read(std::string_view path) {
+    constexpr std::uint64_t record_size = 30;
     const auto no = [&](const std::string& why) {
         throw InputError(fmt::format("{}: its entry '{}' {}", name_, shown(path), why));
     };
-    const auto found = places_.find(normal_part_name(path));
-    if (found == places_.end()) no("is not in the archive: save or fetch the file again");
-    const Unzip zip(bytes_);
-    unz64_file_pos place{found->second.in_directory, found->second.number};
-    unz_file_info64 info{};
-    if (!zip.get() || unzGoToFilePos64(zip.get(), &place) != UNZ_OK ||
-        unzGetCurrentFileInfo64(zip.get(), &info, nullptr, 0, nullptr, 0, nullptr, 0) != UNZ_OK)
-        no("is damaged: save or fetch the file again");
-    if (info.compression_method != 0 && info.compression_method != Z_DEFLATED)
+    const auto found = entries_.find(normal_part_name(path));
+    if (found == entries_.end()) no("is not in the archive: save or fetch the file again");
+    const Entry& entry = found->second;
+    const std::string damaged = "is damaged: save or fetch the file again";
+    if (entry.method != 0 && entry.method != Z_DEFLATED)
         no(fmt::format("is compressed by method {}, which is not supported: make the archive anew with 'deflate'",
-                       info.compression_method));
-    if (info.uncompressed_size > budget_)
+                       entry.method));
+    if (entry.size > budget_)
         no(
             fmt::format("inflates to more than {} times the size of the archive, as no mesh does: unpack it and save "
                         "the mesh in another format if it is sound",
                         inflation));
-    budget_ -= info.uncompressed_size;
-    std::string bytes(info.uncompressed_size, '\0');
-    std::uint64_t size = 0;
-    if (unzOpenCurrentFile(zip.get()) != UNZ_OK) no("is damaged: save or fetch the file again");
-    int count = 1;
-    while (count > 0 && size < bytes.size()) {
-        const std::uint64_t most = std::min<std::uint64_t>(bytes.size() - size, std::uint64_t{1} << 20);
-        count = unzReadCurrentFile(zip.get(), bytes.data() + size, static_cast<unsigned>(most));
-        size += count > 0 ? static_cast<std::uint64_t>(count) : 0;
-    }
-    if (unzCloseCurrentFile(zip.get()) != UNZ_OK || count < 0 || size != bytes.size())
-        no("is damaged, its checksum or size is wrong: save or fetch the file again");
+    if (!record_at(bytes_, entry.header, record_size, "PK\x03\x04")) no(damaged);
+    std::string_view rest = bytes_.substr(entry.header + record_size);
+    const std::uint64_t name_size = integer(bytes_, entry.header + 26, 2),
+                        extra_size = integer(bytes_, entry.header + 28, 2);
+    if (name_size + extra_size > rest.size() || rest.substr(0, name_size) != names_.at(found->first)) no(damaged);
+    rest.remove_prefix(name_size + extra_size);
+    if (entry.packed > rest.size()) no(damaged);
+    const std::string_view packed = rest.substr(0, entry.packed);
+    if (entry.method == 0 ? entry.size != entry.packed : entry.size / most_by_deflate > entry.packed) no(damaged);
+    budget_ -= entry.size;
+    std::string bytes(entry.method == 0 ? 0 : entry.size, '\0');
+    if (entry.method == 0)
+        bytes = packed;
+    else if (!inflate_all(packed, bytes))
+        no(damaged);
+    if (crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) != entry.crc)
+        no("is damaged, because its checksum is wrong: save or fetch the file again");
     return bytes;
 }
 

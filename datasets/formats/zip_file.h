@@ -14,7 +14,10 @@ namespace hausbench::readers {
 // empty string for a path that leads out of the archive or contains a zero byte.
 std::string normal_part_name(std::string_view path);
 
-// An archive whose entries are stored or deflated. Only the names are read at first.
+// An archive whose entries are stored or deflated, with ZIP64 or without. Only the directory is read at first.
+//
+// This reads the format itself, because minizip 1.1 misreads the sizes of ZIP64 entries, which OpenSCAD and other
+// programs write into every 3MF file.
 class ZipFile {
 public:
     // Throws InputError, which begins with `name`, if `bytes` are not a ZIP archive, or if it has an encrypted entry, two
@@ -31,14 +34,16 @@ public:
     std::string read(std::string_view path);
 
 private:
-    struct Place {
-        std::uint64_t in_directory, number;  // as minizip counts
+    struct Entry {
+        std::uint64_t method, crc, packed, size, header;  // sizes in bytes; `header`: where its local header lies
     };
+
+    void read_directory(std::uint64_t at, std::uint64_t end, std::uint64_t count);
 
     std::string name_;
     std::string_view bytes_;
     std::map<std::string, std::string> names_;
-    std::map<std::string, Place> places_;
+    std::map<std::string, Entry> entries_;
     std::uint64_t budget_;  // bytes that may still be inflated
 };
 
