@@ -29,15 +29,6 @@ std::vector<Side> sides_of(const std::vector<Face>& faces) {
     return sides;
 }
 
-// Returns the corners of all polygons and segments, sorted.
-std::vector<std::size_t> corners_of(const std::vector<Face>& faces) {
-    std::vector<std::size_t> corners;
-    for (const Face& face : faces)
-        if (face.size() > 1) corners.insert(corners.end(), face.begin(), face.end());
-    std::sort(corners.begin(), corners.end());
-    return corners;
-}
-
 std::string listed(const VolumeCells& volumes) {
     static const std::map<std::size_t, std::string_view> kinds = {
         {4, "tetrahedra"}, {5, "pyramids"}, {6, "prisms"}, {8, "hexahedra"}};
@@ -74,11 +65,9 @@ const std::vector<std::array<int, 4>>& faces_of_cell(std::size_t corners) {
 std::vector<Key> faces_of_cells(const VolumeCells& volumes) {
     std::vector<Key> keys;
     for (const auto& [size, corners] : volumes)
-        for (std::size_t cell = 0; cell + size <= corners.size(); cell += size)
+        for (const std::size_t* cell = corners.data(); cell != corners.data() + corners.size(); cell += size)
             for (const auto& face : faces_of_cell(size))
-                keys.push_back(key_of(face[3] < 0, [&, first = cell](std::size_t k) {
-                    return corners[first + static_cast<std::size_t>(face[k])];
-                }));
+                keys.push_back(key_of(face[3] < 0, [&](std::size_t k) { return cell[face[k]]; }));
     std::sort(keys.begin(), keys.end());
     return keys;
 }
@@ -102,14 +91,44 @@ void compare(const VolumeCells& volumes, Soup& soup) {
     }
     if (inside > 0)
         soup.notes.push_back(
-            fmt::format("{} of the surface cells lie inside the solid, between two volume cells, and are measured too: "
+            fmt::format("surface cells that lie inside the solid, between two volume cells, are measured too ({}): "
                         "remove them if only the outside counts",
                         inside));
     if (missing > 0)
+        soup.notes.push_back(
+            fmt::format("the surface cells are only a part of the outside of the solid: they lack {} outer faces of "
+                        "the volume cells",
+                        missing));
+}
+
+// Removes the faces that a test selects.
+template <class Test> void drop(Soup& soup, const Test& test) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < soup.faces.size(); ++i) {
+        if (test(soup.faces[i])) continue;
+        if (kept != i) {
+            soup.faces[kept] = std::move(soup.faces[i]);
+            if (i < soup.face_lines.size()) soup.face_lines[kept] = soup.face_lines[i];
+        }
+        ++kept;
+    }
+    soup.faces.resize(kept);
+    if (kept < soup.face_lines.size()) soup.face_lines.resize(kept);
+}
+
+// Removes the points, with a note about those that no other face has as a corner.
+void drop_points(Soup& soup) {
+    std::vector<bool> corner(soup.points.size(), false);
+    for (const Face& face : soup.faces)
+        for (const std::size_t v : face) corner[v] = corner[v] || face.size() > 1;
+    std::size_t alone = 0;
+    drop(soup, [&](const Face& face) {
+        alone += face.size() == 1 && !corner[face[0]] ? 1 : 0;
+        return face.size() == 1;
+    });
+    if (alone > 0)
         soup.notes.push_back(fmt::format(
-            "{} outer faces of the volume cells are not among the surface cells: the outside of the solid is measured "
-            "only in part",
-            missing));
+            "points that belong to no line or surface cell, such as the centres of arcs, are left out ({})", alone));
 }
 
 }  // namespace
@@ -125,24 +144,19 @@ void keep_surface(const std::string& name, const VolumeCells& volumes, std::stri
             fmt::format("the volume cells of the file ({}) are left out: only its surface cells are measured", solids));
         compare(volumes, soup);
     }
-    if (!has([](const Face& face) { return face.size() < 3; })) return;
-    const std::vector<Side> sides = sides_of(soup.faces);
-    const std::vector<std::size_t> corners = corners_of(soup.faces);
-    const auto redundant = [&](const Face& face) {
-        if (face.size() == 2) return std::binary_search(sides.begin(), sides.end(), side(face[0], face[1]));
-        return face.size() == 1 && std::binary_search(corners.begin(), corners.end(), face[0]);
-    };
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < soup.faces.size(); ++i) {
-        if (redundant(soup.faces[i])) continue;
-        if (kept != i) {
-            soup.faces[kept] = std::move(soup.faces[i]);
-            if (i < soup.face_lines.size()) soup.face_lines[kept] = soup.face_lines[i];
-        }
-        ++kept;
+    const bool polygons = has([](const Face& face) { return face.size() > 2; });
+    if (polygons && has([](const Face& face) { return face.size() == 2; })) {
+        const std::vector<Side> sides = sides_of(soup.faces);
+        drop(soup, [&](const Face& face) {
+            return face.size() == 2 && std::binary_search(sides.begin(), sides.end(), side(face[0], face[1]));
+        });
+        const auto lines =
+            std::count_if(soup.faces.begin(), soup.faces.end(), [](const Face& face) { return face.size() == 2; });
+        if (lines > 0)
+            soup.notes.push_back(
+                fmt::format("segments that are a side of no surface cell are measured too ({})", lines));
     }
-    soup.faces.resize(kept);
-    if (kept < soup.face_lines.size()) soup.face_lines.resize(kept);
+    if (has([](const Face& face) { return face.size() > 1; })) drop_points(soup);
 }
 
 }  // namespace hausbench::readers

@@ -2,8 +2,8 @@
 //
 // Read: $Nodes (also $ParametricNodes, and parametric coordinates, which are skipped) and the points, lines, triangles
 // and quadrangles of $Elements. A file without elements is a point set. Volume elements are left out with a note, or
-// refused if there are no surface elements. Lines and points that are sides and corners of other elements add nothing
-// and are left out (cells.h). Names, entities, partitions, ghosts, periodic links and data are ignored, and a note names
+// refused if there are no surface elements. Lines that are sides of surface elements, and points, are left out
+// unless the file has nothing else (cells.h). Names, entities, partitions, ghosts, periodic links and data are ignored, and a note names
 // any section that the format does not define.
 // Refused: curved elements (order 2 and higher), polygons, polyhedra, other versions, and other formats with the same
 // ending (Fluent, FreeFem, GiD).
@@ -78,6 +78,8 @@ public:
         if (version_ == 0) throw InputError(name_ + ": has no section $MeshFormat: it is not a Gmsh mesh");
         if (!has_nodes_) throw InputError(name_ + ": has no section $Nodes: it holds no mesh");
         resolve_tags();
+        if (soup_.faces.empty() && volumes_.empty())
+            soup_.notes.push_back("the file has no elements: its nodes are read as points");
         for (const std::string& section : unknown_)
             soup_.notes.push_back(fmt::format("the section {} is not known, and is ignored", shown(section)));
         keep_surface(name_, volumes_,

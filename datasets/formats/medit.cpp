@@ -169,11 +169,10 @@ public:
         if (dimension_ == 2) soup_.notes.push_back("the mesh has dimension 2: z is 0");
         if (rounded_ > 0)
             soup_.notes.push_back(fmt::format(
-                "{} coordinates have more digits than float32 holds, and were rounded to it, as {} defines: to keep "
-                "the "
+                "coordinates with more digits than float32 holds are rounded to it, as {} defines ({}): to keep the "
                 "digits, write 'MeshVersionFormatted 2' in the file",
-                rounded_,
-                seen_.contains("FloatingPointPrecision") ? "FloatingPointPrecision 32" : "MeshVersionFormatted 1"));
+                seen_.contains("FloatingPointPrecision") ? "FloatingPointPrecision 32" : "MeshVersionFormatted 1",
+                rounded_));
         keep_surface(
             name_, volumes_,
             "extract its surface: convert it with `meshio convert FILE.mesh FILE.vtu`, apply the filter Extract "
