@@ -4,7 +4,8 @@
 // Fields. The separator of a line is ';' if the line contains one, otherwise ',' if it contains one, otherwise a tab if
 // a field between tabs is empty or has several words, otherwise white space. A field in double quotes may contain
 // separators. A comment begins with '#', at the beginning of a line or after white space, or with "//" at the beginning
-// of a line. A line with a single integer gives the number of points to come (.pts, some .xyz; not .csv).
+// of a line. A line with a single integer gives the number of points to come (.pts, some .xyz; in .csv only after a
+// comment that names columns).
 //
 // Columns. These decide, in this order, which columns are x, y and z:
 // 1. LoadOptions::columns, as numbers that count from 1 or as names of the header;
@@ -212,7 +213,8 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
 }
 
 bool PointLines::take_count(std::string_view line, std::uint32_t number) {
-    const bool may = format_ != "csv" && format_ != "pcd" && fields_.size() == 1;
+    const bool table = format_ == "csv" && comment_.line == 0;  // CloudCompare writes a comment and a count
+    const bool may = !table && format_ != "pcd" && fields_.size() == 1;
     const auto count = may ? whole<std::uint64_t>(trimmed(without_comment(line))) : std::nullopt;
     if (!count || soup_.points.size() != announced_) return false;
     if (molecule_ && counted_)
