@@ -145,8 +145,8 @@ bool numbers_columns(const std::vector<std::string_view>& fields, std::size_t fi
 
 constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
 
-}  // namespace
-
+// Splits a line at its separators into fields, without the quotes around them. Returns false if a quoted field does not
+// end. `by_blanks` tells whether white space was the separator.
 bool split_fields(std::string_view line, std::vector<std::string_view>& fields, bool& by_blanks) {
     bool semicolon = false, comma = false, tab = false;
     if (!scan(line, [&](std::size_t i) {
@@ -174,6 +174,8 @@ bool split_fields(std::string_view line, std::vector<std::string_view>& fields, 
     by_blanks = true;
     return true;
 }
+
+}  // namespace
 
 PointLines::PointLines(const Input& input)
     : name_(input.name),
