@@ -90,13 +90,17 @@ void add_faces(const std::string& name, std::string_view keyword, std::string_vi
                Soup& soup) {
     const std::vector<std::size_t> corners = face_of(name, line, number, soup.points.size());
     if (keyword == "l" && corners.size() < 2) refuse(name, number, "a line needs two vertices or more");
-    const std::size_t size = keyword == "p" ? 1 : keyword == "l" ? 2 : corners.size();  // corners of each face
-    if (corners.empty()) return;
-    for (std::size_t i = 0; i + size <= corners.size(); ++i) {
+    if (keyword == "p" && corners.empty()) refuse(name, number, "names no point");
+    const bool whole_face = keyword != "p" && keyword != "l";
+    const std::size_t size = keyword == "p" ? 1 : 2;  // corners of each part
+    for (std::size_t i = 0; !whole_face && i + size <= corners.size(); ++i) {
         const auto first = corners.begin() + static_cast<std::ptrdiff_t>(i);
         soup.faces.emplace_back(first, first + static_cast<std::ptrdiff_t>(size));
         soup.face_lines.push_back(number);
     }
+    if (!whole_face) return;
+    soup.faces.push_back(corners);
+    soup.face_lines.push_back(number);
 }
 
 }  // namespace

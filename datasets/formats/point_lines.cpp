@@ -4,7 +4,8 @@
 // Fields. The separator of a line is ';' if the line contains one, otherwise ',' if it contains one, otherwise a tab if
 // a field between tabs is empty or has several words, otherwise white space. A field in double quotes may contain
 // separators. A comment begins with '#', at the beginning of a line or after white space, or with "//" at the beginning
-// of a line. A line with a single integer gives the number of points to come (.pts, some .xyz; not .csv).
+// of a line. A line with a single integer gives the number of points to come (.pts, some .xyz; in .csv only after a
+// comment that names columns).
 //
 // Columns. These decide, in this order, which columns are x, y and z:
 // 1. LoadOptions::columns, as numbers that count from 1 or as names of the header;
@@ -144,8 +145,8 @@ bool numbers_columns(const std::vector<std::string_view>& fields, std::size_t fi
 
 constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
 
-}  // namespace
-
+// Splits a line at its separators into fields, without the quotes around them. Returns false if a quoted field does not
+// end. `by_blanks` tells whether white space was the separator.
 bool split_fields(std::string_view line, std::vector<std::string_view>& fields, bool& by_blanks) {
     bool semicolon = false, comma = false, tab = false;
     if (!scan(line, [&](std::size_t i) {
@@ -173,6 +174,8 @@ bool split_fields(std::string_view line, std::vector<std::string_view>& fields, 
     by_blanks = true;
     return true;
 }
+
+}  // namespace
 
 PointLines::PointLines(const Input& input)
     : name_(input.name),
@@ -212,7 +215,8 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
 }
 
 bool PointLines::take_count(std::string_view line, std::uint32_t number) {
-    const bool may = format_ != "csv" && format_ != "pcd" && fields_.size() == 1;
+    const bool table = format_ == "csv" && comment_.line == 0;  // CloudCompare writes a comment and a count
+    const bool may = !table && format_ != "pcd" && fields_.size() == 1;
     const auto count = may ? whole<std::uint64_t>(trimmed(without_comment(line))) : std::nullopt;
     if (!count || soup_.points.size() != announced_) return false;
     if (molecule_ && counted_)

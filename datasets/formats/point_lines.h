@@ -14,10 +14,6 @@
 
 namespace hausbench::readers {
 
-// Splits a line at its separators into fields, without the quotes around them. Returns false if a quoted field does not
-// end. `blanks` tells whether white space was the separator.
-bool split_fields(std::string_view line, std::vector<std::string_view>& fields, bool& blanks);
-
 // Reads such lines. A line may also be a *count line*, a single integer that gives the number of points to come, and
 // the first line may be a header with the names of the columns. point_lines.cpp has the rules.
 class PointLines {

@@ -103,6 +103,7 @@ TEST_F(PointFiles, HeadersOfColumns) {
     reads("a.csv", "id;\"Z\";\"Y\";\"X\"\n7;3;2;1\n", one);
     reads("a.csv", "//X,Y,Z,Intensity\n1,2,3,9\n", one);  // as CloudCompare writes it
     reads("a.csv", "//Intensity,X,Y,Z\n9,1,2,3\n", one);
+    reads("a.csv", "//X,Y,Z,R\n1\n1,2,3,9\n", one);
     reads("a.asc", "//X Y Z R G B\n1\n1 2 3 4 5 6\n", one);
     reads("a.csv", "easting,northing,height\n1,2,3\n", one);
     reads("a.xyz", "X Y Z R G B\n1 2 3 4 5 6\n", one);

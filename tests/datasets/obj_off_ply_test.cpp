@@ -75,6 +75,9 @@ TEST_F(MeshFiles, PointsOfObjArePoints) {
     EXPECT_EQ(points_of(alone.shape), (Points(3, 3) << 0, 0, 3, 1, 0, 0, 0, 0, 0).finished());
     EXPECT_EQ(corners("a.obj", four + "f 1 2 3\np 4\n"), "0 0 0, 1 0 0, 0 2 0; 0 0 3, 0 0 3, 0 0 3");
     EXPECT_EQ(load("a.obj", four + "f 1 2 3\np 4\n").report.single_points, 1);
+    refused("a.obj", four + "f 1 2 3\np\n", {"line 6", "no point"});
+    refused("a.obj", four + "f\n", {"none of its faces has a corner"});
+    EXPECT_EQ(element_count(load("a.obj", four + "f\nf 1 2 3\n").shape), 1);
 }
 
 TEST_F(MeshFiles, ObjRefusesWhatItDoesNotRead) {
