@@ -103,14 +103,15 @@ HAUSBENCH_API int hausbench_read(const char* path, hausbench_shape** shape, haus
 
 typedef struct hausbench_read_options {
     size_t size;
-    const char* format;   /* "obj", ...: the format; NULL: the ending of the file counts */
-    const char* columns;  /* of a text file of points: "2,3,4" or the names of the columns of x, y and z; NULL: by their
+    const char* format;  /* "obj", ...: the format; NULL: the ending of the file counts */
+    const char* columns; /* of a text file of points: "2,3,4" or the names of the columns of x, y and z; NULL: by their
                              header */
-    const char* unit;     /* NULL: the numbers count. "mm", "inch", ...: multiplies the coordinates by the unit that the
-                             file states / this unit, each product rounded once; a file that states no unit counts as
-                             being in this one. "none": the numbers count, and the shape states no unit */
-    const char* up;       /* NULL: the numbers count. "X", "Y" or "Z": turns the shape so that this axis points up; a
-                             file that states no axes counts as having these. "none": the shape states no axes */
+    const char* unit;    /* NULL: the numbers count. "mm", "inch", ...: multiplies the coordinates by (the unit that the
+                             file states / this unit), and rounds; a file that states no unit counts as being in this
+                             one. "none": the numbers count, and the shape states no unit */
+    const char* up;      /* NULL: the numbers count. "X", "Y" or "Z": turns the shape so that this axis points up; a
+                             file that states no axes counts as having these. "none": the numbers count, and the shape
+                             states no axes */
     int32_t drop_invalid; /* 1: drops points with a coordinate that is not finite, and faces that use them */
     int32_t reserved;     /* 0 */
 } hausbench_read_options;

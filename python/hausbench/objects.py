@@ -52,6 +52,9 @@ def _refuse_other_kinds(thing: Any) -> None:
     name = type(thing).__name__
     if hasattr(thing, "tetras"):  # open3d
         raise InputError(f"this {name} is a volume: give its surface as (vertices, faces)")
+    if hasattr(thing, "simplices"):  # scipy.spatial
+        raise InputError(f"this {name} has triangles or a volume of simplices: give the surface, such as (hull.points, hull.simplices) "
+                         "of a ConvexHull")
     if hasattr(thing, "encoding"):  # trimesh
         raise InputError(f"this {name} is a volume of voxels: give its surface, such as grid.marching_cubes, or the centres of its "
                          "voxels, grid.points")
@@ -66,7 +69,7 @@ def _none(corners: int) -> Indices:
 
 def _joined(points: Any, triangles: Indices, lines: Indices, singles: Indices) -> Shape:
     """Returns the mesh of triangles, line segments (k, 2) and single points (k, 1); without triangles and segments, the
-    point set of the single points, or of all points if there are no elements."""
+    point set of the single points, or of all points if `singles` is empty, too."""
     if not len(triangles) and not len(lines):
         if not len(singles):
             return Shape(points)

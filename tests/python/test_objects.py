@@ -285,5 +285,6 @@ def test_marching_cubes_of_scikit_image() -> None:
 def test_objects_whose_points_would_be_another_shape() -> None:
     assert "volume" in refusal(thing(vertices=CORNERS, tetras=[[0, 1, 2, 3]]))
     assert "marching_cubes" in refusal(thing(points=CORNERS, encoding=None))
+    assert "(hull.points, hull.simplices)" in refusal(thing(points=CORNERS, simplices=[[0, 1, 2]]))
     assert "to_mesh" in refusal(thing(geometry={}, graph=None))
     assert "of type Thing" in refusal(thing())
