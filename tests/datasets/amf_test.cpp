@@ -179,7 +179,7 @@ TEST_F(Amf, WhatProgramsUnderstandDifferentlyIsRefused) {
 
 TEST_F(Amf, CurvesAndLatticesAreRefused) {
     refused(amf(object("1", mesh(vertex("0", "0", "0", "<normal><nx>0</nx><ny>0</ny><nz>1</nz></normal>") + three))),
-            {"line 5: ", "<normal>", "curved triangles", "export flat triangles"});
+            {"line 4: ", "<normal>", "curved triangles", "export flat triangles"});
     refused(amf(object("1", mesh(three + "<edge><v1>0</v1><v2>1</v2></edge>"))), {"<edge>", "curved triangles"});
     const auto with = [](const std::string& formula) {
         return amf("<material id='7'><composite materialid='1'>" + formula + "</composite></material>" +
@@ -207,7 +207,7 @@ TEST_F(Amf, BrokenFilesAreRefusedWithTheirLine) {
     refused(amf(object("1") + constellation("2", instance("1", "<rx>inf</rx>"))), {"<rx> is not finite"});
     refused(amf(object("", "")), {"no triangle"});
     refused(amf(""), {"no triangle"});
-    refused("<object/>", {"is not a AMF file"});
+    refused("<object/>", {"its root element is <object>, not <amf>"});
     refused(amf(object("1")) + "<amf/>", {"a second root element"});
 }
 

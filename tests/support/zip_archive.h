@@ -22,7 +22,7 @@ struct ZipEntry {
 
 inline std::string little_endian(std::uint64_t value, int size) {
     std::string bytes;
-    for (int k = 0; k < size; ++k) bytes += static_cast<char>(value >> (8 * k) & 255U);
+    for (; size > 0; --size, value >>= 8U) bytes += static_cast<char>(value & 255U);
     return bytes;
 }
 
