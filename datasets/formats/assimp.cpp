@@ -12,9 +12,9 @@
 // double. Without transforms a coordinate is the float32 nearest to the number of the file.
 //
 // Other formats of assimp are not read. With 5.2.5, ASE, IQM and MD2 are turned by 90 degrees; X and LWO are mirrored;
-// ASE, X, LWO, IQM and MS3D come without their skeletons or pivots; AC and X lose faces whose material does not exist,
-// and AC replaces vertices that do not exist by the first; MD2 gives the first of its frames; NFF and X3D give
-// approximations of spheres and other curved shapes; LWO gives the control polygon of subdivision surfaces.
+// ASE, X, IQM and MS3D are not deformed by their skeletons; AC and X lose faces whose material does not exist; AC replaces
+// vertices that do not exist by the first, and does not move lines by `loc`; X3D loses everything in LOD; NFF and X3D
+// approximate spheres and other curved shapes; LWO gives the control polygons of patches; MD2 gives the first frame.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
@@ -184,10 +184,10 @@ std::string check_tiny_transforms(const Input& input) {
             rest.remove_prefix(at + wanted.size());
             const auto found = three_numbers(rest, binary);
             if (!found) continue;
-            const double off = (scale ? Vec3(*found - Vec3::Ones()) : *found).norm();
-            if (!(off > 0 && off * off < 1.2e-7)) continue;
+            const Vec3 off = scale ? Vec3(*found - Vec3::Ones()) : *found;
+            if (!(off.squaredNorm() > 0 && off.squaredNorm() < 1.2e-7)) continue;
             note = fmt::format("a {} of {}, {}, {}", property, found->x(), found->y(), found->z());
-            if (off > (scale ? 1.2e-7 : angles ? 1e-5 : 1e-6))
+            if (off.cwiseAbs().maxCoeff() > (scale ? 1.2e-7 : angles ? 1e-5 : 1e-6))
                 throw InputError(
                     fmt::format("{}: has {}, which assimp leaves out because it is so small: apply the "
                                 "transforms in the program that wrote the file, or export OBJ",
