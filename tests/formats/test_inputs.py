@@ -1,0 +1,206 @@
+"""Files of many formats whose distances are known, read by the program, the C library and the Python package.
+
+Each was once misread or refused without advice. `inputs/` holds the files.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("HAUSBENCH_PROGRAM", ROOT / "build" / "release" / "hausbench")).parent
+INPUTS = Path(__file__).resolve().parent / "inputs"
+
+
+@dataclass
+class Known:
+    """H(A,B), or h(A,B) if `directed`; `refused`: words of the message that refuses A, instead."""
+
+    a: str
+    b: str
+    distance: float = 0.0
+    directed: bool = False
+    options: dict[str, str] = field(default_factory=dict)
+    rounding: float = 0.0  # of the float32 numbers of a file
+    refused: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return "-".join([self.a, *(f"{name}={value}" for name, value in self.options.items())])
+
+
+BOX = "02_box.off"
+KNOWN = [
+    Known("03_modelnet.off", BOX),
+    Known("06_inch.3mf", "06_box_25.4.stl", options={"unit": "mm"}, rounding=1e-6),
+    Known("30_inch.amf", "06_box_25.4.stl", options={"unit": "mm"}, rounding=1e-6),
+    Known("06_inch.3mf", "06_box_25.4.stl", 24.4 * 3**0.5, rounding=1e-6),
+    Known("30_inch.amf", "06_box_25.4.stl", 24.4 * 3**0.5, rounding=1e-6),
+    *(Known(f"07_{kind}.glb", "07_box_2_at_1.off") for kind in ("quant_u16", "quant_i16_norm", "float")),
+    *(Known(f"08_{kind}.dae", "08_box123.stl") for kind in ("zup_m", "xup_m", "yup_inch")),
+    Known("32_block.dxf", "32_squares.off"),
+    Known("09_id_first.csv", "09_ref.xyz"),
+    Known("09_label_hash.csv", "09_ref.xyz"),
+    Known("36_pnezd.csv", "36_ref.xyz", refused=("36_pnezd.csv", "5 columns", "2,3,4")),
+    Known("36_pnezd.csv", "36_ref.xyz", options={"columns": "2,3,4"}),
+    *(Known(f"25_cloud.{kind}", "09_ref.xyz") for kind in ("txt", "asc", "xyzn", "xyzrgb")),
+    Known("10_organized.pcd", "10_plane.xyz", refused=("10_organized.pcd", "line ", "not finite", "--drop-invalid", "drop_invalid")),
+    Known("10_organized.pcd", "10_plane.xyz", 1, directed=True, options={"drop_invalid": "yes"}),
+    Known("27_nan_unused.ply", "27_tri.off", directed=True),
+    Known("27_nan_unused_bin.ply", "27_tri.off", directed=True),
+    Known("18_point.xyz", "18_polyline.obj", 1, directed=True),
+    Known("18_point.xyz", "18_edges.ply", 1, directed=True),
+    Known("18_point2.xyz", "18_mesh_and_line.obj", 1, directed=True),
+    Known("34_surf.obj", "34_point.xyz", refused=("34_surf.obj", "line ", "convert")),
+    *(Known(f"19_box{kind}", BOX) for kind in (".vtk", "_poly.vtk", ".vtp", ".vtu", ".mesh", ".msh")),
+    Known("20_points.glb", "20_points.xyz"),
+    Known("22_production.3mf", "22_two.off"),
+    Known("29_morph.glb", "29_two.off"),
+    Known("29_unknown_required.glb", BOX, refused=("29_unknown_required.glb", "ACME")),
+]
+UNREAD = [("scan.las", "LAS", "las2txt"), ("scan.laz", "LAZ", "las2txt"), ("scan.e57", "E57", "pdal"), ("mask.nii.gz", "voxels", "marching_cubes"),
+          ("mask.nrrd", "voxels", "marching_cubes"), ("part.step", "STEP", "STL"), ("part.igs", "IGES", "STL"), ("photo.png", "picture", "mesh"),
+          ("all.zip", "ZIP", "unpack"), ("scene.x3d", "X3D", "convert")]
+
+PYTHON = """\
+import json, sys, hausbench
+a, b, directed, options = sys.argv[1], sys.argv[2], sys.argv[3] == "1", json.loads(sys.argv[4])
+if "drop_invalid" in options: options["drop_invalid"] = True
+try:
+    shapes = [hausbench.read(file, **options) for file in (a, b)]
+    interval = (hausbench.directed if directed else hausbench.symmetric)(*shapes).interval
+except hausbench.InputError as error:
+    sys.exit(str(error))
+print(repr(interval.lower), repr(interval.upper))
+"""
+
+C = """\
+#include <hausbench.h>
+#include <stdio.h>
+#include <string.h>
+
+static hausbench_shape* shape_of(const char* path, char** given) {
+    hausbench_read_options options = HAUSBENCH_READ_OPTIONS_INIT;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    hausbench_shape* shape = NULL;
+    if (*given[0]) options.columns = given[0];
+    if (*given[1]) options.unit = given[1];
+    options.drop_invalid = *given[2] != 0;
+    if (hausbench_read_with(path, &options, &shape, &error) != HAUSBENCH_OK) fprintf(stderr, "%s\\n", error.text);
+    return shape;
+}
+
+int main(int count, char** given) {
+    hausbench_query query = HAUSBENCH_QUERY_INIT;
+    hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    hausbench_pair* pair = NULL;
+    hausbench_shape *a, *b;
+    int code;
+    if (count != 7 || !(a = shape_of(given[1], given + 4)) || !(b = shape_of(given[2], given + 4))) return 2;
+    code = hausbench_prepare(a, b, NULL, &pair, &error);
+    if (code == HAUSBENCH_OK)
+        code = *given[3] == '1' ? hausbench_directed(pair, &query, &answer, &error) : hausbench_symmetric(pair, &query, &answer, &error);
+    if (code != HAUSBENCH_OK) fprintf(stderr, "%s\\n", error.text);
+    else printf("%.17g %.17g\\n", answer.bounds.lower, answer.bounds.upper);
+    hausbench_pair_release(pair);
+    hausbench_shape_release(a);
+    hausbench_shape_release(b);
+    return code == HAUSBENCH_OK ? 0 : 2;
+}
+"""
+
+
+@pytest.fixture(scope="session")
+def c_program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("c")
+    (folder / "read.c").write_text(C)
+    subprocess.run(["cc", "-std=c99", "-Wall", "-Werror", folder / "read.c", f"-I{ROOT / 'library'}", f"-L{BUILD / 'library'}", "-lhausbench",
+                    f"-Wl,-rpath,{BUILD / 'library'}", "-o", folder / "read"], check=True)
+    return folder / "read"
+
+
+def run(words: list[str | Path]) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "HAUSBENCH_ROOT": str(ROOT)}
+    return subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=120, cwd=INPUTS, env=environment)
+
+
+def by_program(known: Known) -> subprocess.CompletedProcess[str]:
+    options = [f"--{name.replace('_', '-')}" + ("" if value == "yes" else f"={value}") for name, value in known.options.items()]
+    done = run([BUILD / "hausbench", "measure", known.a, known.b, "--json", *([] if known.directed else ["--symmetric"]), *options])
+    if done.returncode == 0:
+        answer = json.loads(done.stdout)
+        done.stdout = f"{answer['lower']!r} {answer['upper']!r}"
+    else:
+        assert done.returncode == 2
+    return done
+
+
+def by_c(known: Known, program: Path) -> subprocess.CompletedProcess[str]:
+    return run([program, known.a, known.b, str(int(known.directed)), *(known.options.get(name, "") for name in ("columns", "unit", "drop_invalid"))])
+
+
+def by_python(known: Known) -> subprocess.CompletedProcess[str]:
+    return run([sys.executable, "-c", PYTHON, known.a, known.b, str(int(known.directed)), json.dumps(known.options)])
+
+
+def check(known: Known, done: subprocess.CompletedProcess[str]) -> None:
+    if known.refused:
+        assert done.returncode != 0, done.stdout
+        message = done.stderr.strip()
+        assert "\n" not in message and all(word in message for word in known.refused), message
+        return
+    assert done.returncode == 0, done.stderr
+    lower, upper = map(float, done.stdout.split())
+    slack = known.rounding + 1e-14
+    assert lower - slack <= known.distance <= upper + slack and upper - lower < 1e-4, (lower, upper)
+
+
+@pytest.mark.parametrize("known", KNOWN, ids=str)
+def test_the_program_reads_it_right(known: Known) -> None:
+    check(known, by_program(known))
+
+
+@pytest.mark.parametrize("known", KNOWN, ids=str)
+def test_the_c_library_reads_it_right(known: Known, c_program: Path) -> None:
+    check(known, by_c(known, c_program))
+
+
+@pytest.mark.parametrize("known", KNOWN, ids=str)
+def test_python_reads_it_right(known: Known) -> None:
+    check(known, by_python(known))
+
+
+@pytest.mark.parametrize("name, what, advice", UNREAD)
+def test_what_is_not_read_is_named_with_advice(tmp_path: Path, c_program: Path, name: str, what: str, advice: str) -> None:
+    file = tmp_path / name
+    file.write_bytes(b"not what the name says")
+    known = Known(str(file), BOX, refused=(name, what, advice))
+    for done in (by_program(known), by_c(known, c_program), by_python(known)):
+        check(known, done)
+
+
+def test_a_kind_is_told_by_its_first_bytes_whatever_the_name_says(tmp_path: Path) -> None:
+    for name, begin, what in [("a.obj", b"ISO-10303-21;\n", "STEP"), ("a.stl", b"PK\x03\x04 and more", "ZIP"), ("a.xyz", b"LASF\x00", "LAS"),
+                              ("a.ply", b"\x89PNG\r\n", "picture")]:
+        file = tmp_path / name
+        file.write_bytes(begin)
+        known = Known(str(file), BOX, refused=(name, what))
+        check(known, by_program(known))
+
+
+def test_both_units_stated_and_different_are_refused_by_all(c_program: Path) -> None:
+    known = Known("06_inch.3mf", "07_float.glb", refused=("06_inch.3mf", "inch", "unit", "none"))
+    for done in (by_program(known), by_c(known, c_program), by_python(known)):
+        check(known, done)
+
+
+def test_the_page_about_formats_agrees_with_the_program() -> None:
+    done = run([sys.executable, ROOT / "tools" / "formats", "--check"])
+    assert done.returncode == 0, done.stderr
