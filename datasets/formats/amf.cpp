@@ -27,6 +27,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
@@ -202,10 +203,11 @@ private:
         return mesh;
     }
 
-    void note_unknown(pugi::xml_node node, const std::set<std::string_view>& known) {
+    void note_unknown(pugi::xml_node node, std::initializer_list<std::string_view> known) {
         static const std::set<std::string_view> harmless = {"metadata", "color", "texmap", "map"};
         const std::string_view name = local_name(node.name());
-        if (node.type() == pugi::node_element && !known.contains(name) && !harmless.contains(name))
+        if (node.type() == pugi::node_element && !harmless.contains(name) &&
+            std::find(known.begin(), known.end(), name) == known.end())
             note(fmt::format("<{}> in <{}> is not an element of AMF, and is left out", shown(node.name()),
                              shown(node.parent().name())));
     }

@@ -28,6 +28,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -381,10 +382,10 @@ private:
     }
 
     // Refuses a child of an element of the core that is not one of `known` but may have a surface. Notes others.
-    void check_foreign(const ModelPart& part, pugi::xml_node node, const std::set<std::string_view>& known) {
+    void check_foreign(const ModelPart& part, pugi::xml_node node, std::initializer_list<std::string_view> known) {
         if (node.type() != pugi::node_element) return;
         if (part.in_core(node)) {
-            if (!known.contains(local_name(node.name())))
+            if (std::find(known.begin(), known.end(), local_name(node.name())) == known.end())
                 part.xml.refuse(node, fmt::format("<{}> is not an element that 3MF has here: export the file again",
                                                   shown(node.name())));
             return;
