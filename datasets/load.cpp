@@ -88,6 +88,11 @@ bool names_a_file(const std::string& text) {
     return text.find('/') != std::string::npos || find_format(ending) || unread_with_ending(ending);
 }
 
+bool has_columns(const std::filesystem::path& file) {
+    const Format* const format = find_format(ending_of(file));
+    return format && format->columns;
+}
+
 LoadedShape load_file(const std::filesystem::path& file, const LoadOptions& options) {
     std::error_code error;
     const std::string name = file.string();
@@ -98,17 +103,19 @@ LoadedShape load_file(const std::filesystem::path& file, const LoadOptions& opti
         throw InputError(name + ": is empty: save or fetch it again");
     const std::string kind = options.format.empty() ? ending_of(file) : lower_case(options.format);
     if (kind.empty())
-        throw InputError(name +
-                         ": has no extension, which tells the format: rename it to .off, .obj, .ply, .stl, .wrl, .xyz "
-                         "or its format");
+        throw InputError(
+            fmt::format("{}: has no extension, which tells the format: rename it to the ending of its "
+                        "format, one of {}",
+                        name, known_endings(false)));
     if (kind == surface_ending) return readers::read_surface(file);
     const Format* const format = find_format(kind);
     if (const Unread* unread = format ? nullptr : unread_with_ending(kind)) throw InputError(refusal(name, *unread));
     if (!format)
+        throw InputError(fmt::format("{}: '{}' is no format that is read here: convert it to one of {}", name,
+                                     one_line(kind), known_endings(false)));
+    if (!options.columns.empty() && !format->columns)
         throw InputError(
-            fmt::format("{}: '{}' is no format that is read here: convert it to OBJ, PLY, STL or OFF; "
-                        "`hausbench list formats` has all that are read",
-                        name, kind));
+            fmt::format("{}: a file of this format has no columns to choose: leave out the columns", name));
     const std::string bytes = read_all(file);
     if (bytes.empty()) throw InputError(name + ": is empty: save or fetch it again");
     const readers::Input input{name, bytes, file, kind, options};

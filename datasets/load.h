@@ -52,6 +52,9 @@ struct LoadedShape {
 // known format.
 bool names_a_file(const std::string& text);
 
+// Returns whether a file, by its ending, is a table of points, for which LoadOptions::columns may be set.
+bool has_columns(const std::filesystem::path& file);
+
 // Reads a shape from a file of a format in formats/formats.h, gzipped or not. The coordinates are the numbers that the
 // file defines: nothing is turned, scaled or left out without a line in `notes`. A file with vertices and no faces
 // becomes a point set; NAME.surface.toml is an algebraic surface (surface_file.h).

@@ -95,12 +95,17 @@ std::vector<Index> triangles_of(const Soup& soup, LoadReport& report) {
     return corners;
 }
 
-// If all faces are single points, makes them the points of a point set.
-void points_alone(Soup& soup) {
+// If all faces are single points, makes them the points of a point set. Counts the other points as unreferenced.
+void points_alone(Soup& soup, LoadReport& report) {
     const auto one_corner = [](const auto& face) { return face.size() == 1; };
     if (soup.faces.empty() || !std::all_of(soup.faces.begin(), soup.faces.end(), one_corner)) return;
     std::vector<Vec3> points;
-    for (const auto& face : soup.faces) points.push_back(soup.points[face[0]]);
+    std::vector<bool> used(soup.points.size(), false);
+    for (const auto& face : soup.faces) {
+        points.push_back(soup.points[face[0]]);
+        used[face[0]] = true;
+    }
+    if (report.unreferenced) report.unreferenced = std::count(used.begin(), used.end(), false);
     soup.points = std::move(points);
     soup.point_lines = std::move(soup.face_lines);
     soup.faces.clear();
@@ -132,7 +137,7 @@ LoadedShape finish(const Input& input, Soup soup) {
     report.stated = soup.stated;
     report.notes = std::move(soup.notes);
     if (soup.unreferenced_unknown) report.unreferenced = std::nullopt;
-    points_alone(soup);
+    points_alone(soup, report);
     if (input.options.drop_invalid) drop_invalid(input.name, soup, report);
     check_finite(input.name, soup);
     static_assert(sizeof(Vec3) == 3 * sizeof(double));

@@ -21,6 +21,7 @@ struct Format {
     std::string_view unit;     // where the unit of length is stated
     std::string_view axes;     // where the direction of the axes is stated
     std::string_view error;    // the distance of a coordinate from the number that the format defines
+    bool columns = false;      // whether LoadOptions::columns may choose the columns of the coordinates
 };
 
 // A kind of file that is recognised, and refused with advice.

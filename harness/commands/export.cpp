@@ -18,6 +18,9 @@ std::string export_model(const std::string& model, const std::filesystem::path& 
     const MeshFormat format = mesh_format_of(to);  // before loading, so that a wrong extension fails at once
     if (is_same_file(to, file_behind(model)))
         throw InputError(fmt::format("{}: is the input file: choose another name", to.string()));
+    if (!options.columns.empty() && !has_columns(model))
+        throw InputError(
+            fmt::format("--columns: {} is not a table of points, such as .csv or .xyz: leave it out", model));
     LoadedShape loaded = load_named(model, options);
     if (!matrix.empty()) transform(loaded, matrix);
     write_mesh_file(to, loaded.shape, format);

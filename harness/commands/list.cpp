@@ -168,17 +168,19 @@ std::string solvers_text(const json& all, const Paper& paper) {
 std::string formats_text(const json& all, const Paper& paper) {
     TextTable table({{"format"}, {"endings", false, 1}, {"read by", false, 2}, {"what is read", false, 0, true}});
     for (const json& f : all["formats"])
-        table.add({{text_of(f, "title"), joined(f["endings"]),
-                    f["own"].get<bool>() ? "program, C, Python" : "program", text_of(f, "reads")}});
-    return table.text(paper) + wrapped("a file may be gzipped; `hausbench list ENDING` says what is refused, and what "
-                                       "a file says of its unit and axes",
-                                       0, paper.width);
+        table.add({{text_of(f, "title"), joined(f["endings"]), f["own"].get<bool>() ? "program, C, Python" : "program",
+                    text_of(f, "reads")}});
+    return table.text(paper) + wrapped(
+                                   "a file may be gzipped; `hausbench list ENDING` says what is refused, and what "
+                                   "a file says of its unit and axes",
+                                   0, paper.width);
 }
 
 std::string one_format(const json& f, const Paper& paper) {
     std::string text = wrapped(fmt::format("{}: {}", joined(f["endings"]), text_of(f, "title")), 0, paper.width);
-    for (const auto& [key, title] : {std::pair{"reads", "read"}, std::pair{"refuses", "refused"}, std::pair{"unit", "unit"},
-                                     std::pair{"axes", "axes"}, std::pair{"error", "error of a coordinate"}})
+    for (const auto& [key, title] :
+         {std::pair{"reads", "read"}, std::pair{"refuses", "refused"}, std::pair{"unit", "unit"},
+          std::pair{"axes", "axes"}, std::pair{"error", "error of a coordinate"}})
         text += wrapped(fmt::format("{}: {}", title, text_of(f, key)), 2, paper.width);
     return text + wrapped(f["own"].get<bool>() ? "read by the program, the C library and Python"
                                                : "read by the program alone, through a library",
@@ -344,12 +346,8 @@ std::string screen(const json& all, const Paper& paper) {
 // Lists everything. Outside a project, lists the experiments and models that were installed with the program. Reading
 // all experiments takes long: unless all are wanted, those other than `experiment` have only their name.
 json list_as_json(bool all_experiments, const std::string& experiment = "") {
-    json out = {{"solvers", json::array()},
-                {"not_built", json::array()},
-                {"formats", json::array()},
-                {"experiments", json::array()},
-                {"models", json::array()},
-                {"corpus", json::array()}};
+    json out = {{"solvers", json::array()},     {"not_built", json::array()}, {"formats", json::array()},
+                {"experiments", json::array()}, {"models", json::array()},    {"corpus", json::array()}};
     for (const SolverEntry& entry : solvers()) out["solvers"].push_back(solver_json(entry.info));
     for (const NotBuilt& absent : solvers_not_built())
         out["not_built"].push_back({{"name", absent.name}, {"reason", absent.reason}});
@@ -389,7 +387,8 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
     for (const Kind& kind : kinds) {
         for (const json& one : all[kind.group]) {
             known.push_back(text_of(one, kind.key));
-            const bool other_ending = one.contains("endings") && std::find(one["endings"].begin(), one["endings"].end(), what) != one["endings"].end();
+            const bool other_ending = one.contains("endings") && std::find(one["endings"].begin(), one["endings"].end(),
+                                                                           what) != one["endings"].end();
             if (known.back() == what || other_ending) text += kind.text(one, paper);
         }
     }
@@ -398,8 +397,8 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
         if (known.back() == what) text += fmt::format("{}: not built: {}\n", what, text_of(absent, "reason"));
     }
     if (text.empty())
-        throw InputError(
-            fmt::format("list {}: no solver, format, experiment or model of that name{}", what, nearest_hint(what, known)));
+        throw InputError(fmt::format("list {}: no solver, format, experiment or model of that name{}", what,
+                                     nearest_hint(what, known)));
     return text;
 }
 
@@ -408,11 +407,12 @@ std::string list_as_text(const std::string& what, const Paper& paper) {
 void add_list(CLI::App& app, int&) {
     static bool as_json = false;
     static std::string what;
-    auto* verb = add_verb(app, "list", "lists solvers, formats, experiments, models, keys or columns", "hausbench list cover");
-    verb->add_option(
-            "what", what,
-            "solvers, formats, experiments, models, corpus, keys (of experiments) or columns (of results, as JSON); or the "
-            "name of a solver, format, experiment or model (default: solvers)")
+    auto* verb =
+        add_verb(app, "list", "lists solvers, formats, experiments, models, keys or columns", "hausbench list cover");
+    verb->add_option("what", what,
+                     "solvers, formats, experiments, models, corpus, keys (of experiments) or columns (of results, as "
+                     "JSON); or the "
+                     "name of a solver, format, experiment or model (default: solvers)")
         ->type_name("solvers|formats|experiments|models|corpus|keys|columns");
     verb->add_flag("--json", as_json, "prints all lists as one JSON object (with keys: the keys)");
     take_plugins(verb);

@@ -226,6 +226,35 @@ void warn_of_unreferenced(Measured& measured) {
     }
 }
 
+// Loads A and B. --columns is for both; but if it fits one of them, the other may be a table that is clear without it.
+std::pair<LoadedShape, LoadedShape> load_both(const MeasureRequest& request) {
+    const std::string names[] = {request.source.string(), request.target.string()};
+    if (request.reading.columns.empty())
+        return {load_named(names[0], request.reading), load_named(names[1], request.reading)};
+    if (!has_columns(names[0]) && !has_columns(names[1]))
+        throw InputError("--columns: neither file is a table of points, such as .csv or .xyz: leave it out");
+    ShapeOptions plain = request.reading;
+    plain.columns.clear();
+    std::optional<InputError> misfit;
+    std::vector<LoadedShape> loaded;
+    for (const std::string& name : names) {
+        try {
+            loaded.push_back(load_named(name, request.reading));
+        } catch (const InputError& error) {
+            if (misfit || !has_columns(name)) throw;
+            misfit = error;
+            try {
+                loaded.push_back(load_named(name, plain));
+            } catch (const InputError&) {
+                throw error;
+            }
+            loaded.back().report.notes.emplace_back("is read without --columns, which do not fit it");
+        }
+    }
+    if (misfit && !(has_columns(names[0]) && has_columns(names[1]))) throw InputError(*misfit);
+    return {std::move(loaded[0]), std::move(loaded[1])};
+}
+
 // Throws InputError if both files state a unit, or which axis points up, and they differ.
 void expect_one_convention(const MeasureRequest& request, const Stated& a, const Stated& b) {
     const std::string source = request.source.string(), target = request.target.string();
@@ -268,8 +297,7 @@ Measured measure(const MeasureRequest& asked) {
     MeasureRequest request = asked;
     // A cutoff very close to the distance may never be decided, so the search needs a time limit.
     if (request.cutoff && std::isinf(request.time_limit)) request.time_limit = question_seconds;
-    LoadedShape source = load_named(request.source.string(), request.reading);
-    LoadedShape target = load_named(request.target.string(), request.reading);
+    auto [source, target] = load_both(request);
     expect_one_convention(request, source.report.stated, target.report.stated);
     if (!request.source_matrix.empty()) transform(source, request.source_matrix);
     if (!request.target_matrix.empty()) transform(target, request.target_matrix);

@@ -99,7 +99,8 @@ Pose read_matrix(const std::filesystem::path& file) {
 }  // namespace
 
 LoadedShape load_named(const std::string& name, const ShapeOptions& options) {
-    LoadedShape loaded = load_unconverted(name, {.columns = options.columns, .drop_invalid = options.drop_invalid});
+    const std::string columns = has_columns(name) ? options.columns : "";
+    LoadedShape loaded = load_unconverted(name, {.columns = columns, .drop_invalid = options.drop_invalid});
     Stated& stated = loaded.report.stated;
     if (options.unit == "none") {
         stated.unit = "";

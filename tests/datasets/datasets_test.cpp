@@ -353,34 +353,27 @@ TEST_F(Files, BadFilesAreRefusedWithTheirPlace) {
             "0\nendloop\nendfacet\nendsolid\n",
             {"line 9", "4 vertices"});
     refused("nothing.stl", "solid\nendsolid\n", {"no vertices"});
-    refused("wide.ase", std::string("\xff\xfe*\0M\0", 6), {"UTF-16", "UTF-8"});
+    refused("model.ase", "*MESH", {"3ds Max", "export OBJ"});
     refused("faceless.ply",
             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
             "property list uchar int vertex_indices\nend_header\n0 0 0\n",
             {"element face"});
 
-    refused("junk.gltf", "{ this is not JSON", {"cannot be read"});
+    refused("junk.gltf", "{ this is not JSON", {"JSON", "fetch or save"});
     EXPECT_THROW(load_file(folder_.path() / "absent.obj"), InputError);
     std::filesystem::create_directory(folder_.path() / "folder.obj");
     EXPECT_THROW(load_file(folder_.path() / "folder.obj"), InputError);
 }
 
-TEST_F(Files, AssimpReadsTheRestInFloat32) {
-    const LoadedShape loaded = load("a.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
-        "nodes":[{"mesh":0},{"mesh":0,"translation":[10,0,0]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
-        "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
-        "bufferViews":[{"buffer":0,"byteLength":36}],
-        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}]})");
-    EXPECT_EQ(mesh_of(loaded).triangles.rows(), 2);  // both instances, the second one moved
-    EXPECT_EQ(mesh_of(loaded).vertices.col(0).maxCoeff(), 11);
-    EXPECT_EQ(loaded.report.precision, "float32");
-    EXPECT_FALSE(loaded.report.unreferenced.has_value());
-    EXPECT_EQ(loaded.report.objects, 2);
-}
-
 TEST_F(Files, ShapeFilesComeBackBitEqual) {
     LoadedShape mesh{awkward(), {"ply", "float32", true, std::nullopt, 3, 2}};
     mesh.report.unreferenced = std::nullopt;
+    mesh.report.segments = 4;
+    mesh.report.single_points = 5;
+    mesh.report.dropped_points = 6;
+    mesh.report.dropped_faces = 7;
+    mesh.report.stated = {"inch", 25400, 'Y'};
+    mesh.report.notes = {"one", "two, with a comma"};
     const std::filesystem::path file = folder_.path() / "shape.h5";
     write_shape(file, mesh);
     const LoadedShape back = read_shape(file);
@@ -391,6 +384,14 @@ TEST_F(Files, ShapeFilesComeBackBitEqual) {
     EXPECT_FALSE(back.report.unreferenced.has_value());
     EXPECT_EQ(back.report.polygons, 3);
     EXPECT_EQ(back.report.objects, 2);
+    EXPECT_EQ(back.report.segments, 4);
+    EXPECT_EQ(back.report.single_points, 5);
+    EXPECT_EQ(back.report.dropped_points, 6);
+    EXPECT_EQ(back.report.dropped_faces, 7);
+    EXPECT_EQ(back.report.stated.unit, "inch");
+    EXPECT_EQ(back.report.stated.micrometres, 25400);
+    EXPECT_EQ(back.report.stated.up, 'Y');
+    EXPECT_EQ(back.report.notes, mesh.report.notes);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);  // no temporary file is left
 
     write_shape(file, {PointSet{awkward().vertices}, {}});

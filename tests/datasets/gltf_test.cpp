@@ -182,6 +182,15 @@ TEST_F(Gltf, BuffersAreInsideOrBesideTheFile) {
         json["buffers"][0]["uri"] = uri;
         refused_text(json.dump(), parts, "a.gltf");
     };
+    const TemporaryFolder elsewhere;
+    std::ofstream(elsewhere.path() / "a.bin", std::ios::binary) << binary();
+    std::filesystem::create_symlink(elsewhere.path() / "a.bin", folder_.path() / "out.bin");
+    std::filesystem::create_directory_symlink(elsewhere.path(), folder_.path() / "out");
+    std::filesystem::create_symlink(folder_.path() / "sub" / "two words%.bin", folder_.path() / "in.bin");
+    json["buffers"][0]["uri"] = "in.bin";
+    EXPECT_EQ(read("a.gltf"), 3);
+    bad("out.bin", {"a link out of its folder"});
+    bad("out/a.bin", {"a link out of its folder"});
     bad("missing.bin", {"'missing.bin'", "which is not there"});
     bad("../a.bin", {"not below its own folder"});
     bad("%2e%2e/a.bin", {"not below its own folder"});

@@ -60,8 +60,9 @@ KNOWN = [
     Known("34_surf.obj", "34_point.xyz", refused=("34_surf.obj", "line ", "convert")),
     *(Known(f"19_box{kind}", BOX) for kind in (".vtk", "_poly.vtk", ".vtp", ".vtu", ".mesh", ".msh")),
     Known("20_points.glb", "20_points.xyz"),
-    Known("22_production.3mf", "22_two.off"),
-    Known("29_morph.glb", "29_two.off"),
+    Known("22_production_two.3mf", "22_two.off"),
+    Known("22_production.3mf", "22_two.off", 2),  # its one part stands at x from 2 to 3
+    Known("29_morph.glb", BOX, 3**0.5),  # the default weight moves a corner from (1, 1, 1) to (2, 2, 2)
     Known("29_unknown_required.glb", BOX, refused=("29_unknown_required.glb", "ACME")),
 ]
 UNREAD = [("scan.las", "LAS", "las2txt"), ("scan.laz", "LAZ", "las2txt"), ("scan.e57", "E57", "pdal"), ("mask.nii.gz", "voxels", "marching_cubes"),
@@ -73,7 +74,9 @@ import json, sys, hausbench
 a, b, directed, options = sys.argv[1], sys.argv[2], sys.argv[3] == "1", json.loads(sys.argv[4])
 if "drop_invalid" in options: options["drop_invalid"] = True
 try:
-    shapes = [hausbench.read(file, **options) for file in (a, b)]
+    shapes = [hausbench.read(a, **options)]
+    options.pop("columns", None)  # of A
+    shapes.append(hausbench.read(b, **options))
     interval = (hausbench.directed if directed else hausbench.symmetric)(*shapes).interval
 except hausbench.InputError as error:
     sys.exit(str(error))
@@ -103,7 +106,9 @@ int main(int count, char** given) {
     hausbench_pair* pair = NULL;
     hausbench_shape *a, *b;
     int code;
-    if (count != 7 || !(a = shape_of(given[1], given + 4)) || !(b = shape_of(given[2], given + 4))) return 2;
+    if (count != 7 || !(a = shape_of(given[1], given + 4))) return 2;
+    *given[4] = 0; /* the columns are those of A */
+    if (!(b = shape_of(given[2], given + 4))) return 2;
     code = hausbench_prepare(a, b, NULL, &pair, &error);
     if (code == HAUSBENCH_OK)
         code = *given[3] == '1' ? hausbench_directed(pair, &query, &answer, &error) : hausbench_symmetric(pair, &query, &answer, &error);

@@ -52,7 +52,7 @@ def test_the_numbers_count_and_a_note_names_the_unit(hausbench: Program, tmp_pat
 def test_a_unit_converts_and_rounds_once(hausbench: Program, tmp_path: Path) -> None:
     a, b = amf(tmp_path, "a", "inch"), off(tmp_path, "b", 25.4)
     assert upper(measured(hausbench, a, b, "--unit", "mm")) < 1e-12
-    assert upper(measured(hausbench, a, b, "--unit", "cm")) > 60  # b counts as cm
+    assert upper(measured(hausbench, a, b, "--unit", "cm", "--symmetric")) > 60  # b counts as cm
     exported = tmp_path / "exported.off"
     assert hausbench("export", a, exported, "--unit", "mm").returncode == 0
     assert float(exported.read_text().split()[7]) == 1 * 25.4
@@ -68,7 +68,7 @@ def test_different_units_are_refused_with_a_remedy(hausbench: Program, tmp_path:
     assert "inch" in message and "--unit mm" in message and "--unit none" in message
     assert upper(measured(hausbench, a, b, "--unit", "mm")) < 1e-12
     assert upper(measured(hausbench, a, b, "--unit", "m")) < 1e-14
-    assert upper(measured(hausbench, a, b, "--unit", "none")) > 60
+    assert upper(measured(hausbench, a, b, "--unit", "none", "--symmetric")) > 60
     rows = hausbench("measure", tmp_path / "?.amf", b, "--unit", "mm")
     assert rows.returncode == 0 and "multiplied by 25.4" in rows.stdout
 
@@ -139,6 +139,20 @@ def test_points_that_are_not_finite_are_dropped_on_demand(hausbench: Program, tm
     assert abs(upper(result) - 1) < 1e-9
     assert result["source"]["dropped_points"] == 1  # type: ignore[index]
     assert "1 point dropped" in hausbench("measure", cloud, plane, "--drop-invalid").stdout
+
+
+def test_columns_are_for_the_tables_that_need_them(hausbench: Program, tmp_path: Path) -> None:
+    wide, plain, mesh = tmp_path / "wide.csv", tmp_path / "plain.xyz", off(tmp_path, "mesh")
+    wide.write_text("7,0,0,1\n8,1,0,1\n")
+    plain.write_text("0 0 0\n1 0 0\n")
+    result = measured(hausbench, wide, plain, "--columns", "2,3,4")
+    assert abs(upper(result) - 1) < 1e-9
+    assert "B: is read without --columns, which do not fit it" in result["notes"]  # type: ignore[operator]
+    assert upper(measured(hausbench, wide, mesh, "--columns", "2,3,4")) < 1 + 1e-9
+    assert "--columns" in hausbench.fails("measure", mesh, mesh, "--columns", "2,3,4")
+    assert "column" in hausbench.fails("measure", plain, plain, "--columns", "2,3,4")
+    assert "column" in hausbench.fails("measure", plain, mesh, "--columns", "2,3,4")
+    assert "column" in hausbench.fails("measure", wide, plain)
 
 
 def test_statistics_of_segments_are_by_length_and_say_so(hausbench: Program, tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ std::vector<Triangle> plate(const Vec3& at, const Vec3& x, const Vec3& y) {
 
 TriangleMesh point(const Vec3& p) { return mesh_of({{p, p, p}}); }
 
-Narrowed answer(const TriangleMesh& a, const TriangleMesh& b, const Query& query, WeighBy weigh = WeighBy::area) {
+Narrowed answer(const TriangleMesh& a, const TriangleMesh& b, const Query& query, CountedBy weigh = CountedBy::area) {
     const TriangleBlocks blocks(b);
     const OneWay way{a.triangles, a.vertices, blocks, weigh};
     return narrow(&way, nullptr, std::max(magnitude(a.vertices), magnitude(b.vertices)), query);
@@ -336,7 +336,7 @@ TEST(Distribution, ASlowSearchStopsSoon) {
     for (int i = 0; i < 200; ++i) fan.push_back({{0.5, 0.5, 0}, at(i), at(i + 1)});
     const TriangleMesh a = sheet(6, 1), b = mesh_of(fan);
     const TriangleBlocks blocks(b);
-    Dissection pieces(a.triangles, a.vertices, blocks, 1, WeighBy::area, 1);
+    Dissection pieces(a.triangles, a.vertices, blocks, 1, CountedBy::area, 1);
     CutWhere where;
     where.mean = 0;
     int looks = 0;
@@ -361,7 +361,7 @@ TEST(Distribution, ASearchOfTiesStopsSoon) {
     where.mean = 0;
     const auto searched = [&](Index triangles, int most_looks) {
         const Triangles some = a.triangles.topRows(triangles);
-        Dissection pieces(some, a.vertices, of_b, 1, WeighBy::area, 1);
+        Dissection pieces(some, a.vertices, of_b, 1, CountedBy::area, 1);
         int looks = 0;
         pieces.refine(
             where, [&](std::size_t) { return ++looks >= most_looks; }, 1'000'000);
@@ -378,7 +378,7 @@ TEST(Distribution, AStopLeavesTheBoundsOfEarlierRounds) {
     Random random(8);
     const TriangleMesh a = random_soup(random, 30, 1), b = random_soup(random, 30, 1);
     const TriangleBlocks blocks(b);
-    Dissection pieces(a.triangles, a.vertices, blocks, 1, WeighBy::area, 1);
+    Dissection pieces(a.triangles, a.vertices, blocks, 1, CountedBy::area, 1);
     const auto gap = [&] {
         double sum = 0;
         for (const Leaf& leaf : pieces.leaves()) sum += leaf.weight * (leaf.bounds.mean_upper - leaf.bounds.mean_lower);
@@ -464,7 +464,7 @@ TEST(Distribution, PointsCountOnceEach) {
         {Kind::mean}, {Kind::quantile, 0.5}, {Kind::share_within, 2 + 1e-12}, {Kind::maximum}, {Kind::rms}};
     query.tolerance = {Tolerance::Of::absolute, 1e-12};
     query.share_tolerance = 1e-9;
-    const Narrowed result = answer(a, point({0, 0, 0}), query, WeighBy::number);
+    const Narrowed result = answer(a, point({0, 0, 0}), query, CountedBy::points);
     const double expected[] = {3, 2, 0.75, 7, std::sqrt(58 / 4.0)};
     for (std::size_t i = 0; i < 5; ++i) {
         EXPECT_LE(result.bounds[i].lower, expected[i] * (1 + 1e-15));
@@ -500,8 +500,8 @@ TEST(Distribution, EveryToleranceIsReached) {
 TEST(Distribution, AShareThatIsNotADouble) {
     __extension__ using Quad = __float128;
     for (const Index count : {3000, 50'000, 70'001}) {
-        for (const WeighBy weigh : {WeighBy::number, WeighBy::area}) {
-            const bool number = weigh == WeighBy::number;
+        for (const CountedBy weigh : {CountedBy::points, CountedBy::area}) {
+            const bool number = weigh == CountedBy::points;
             TriangleMesh a =
                 mesh_of({{{0, 0, 1}, {0.0625, 0, 1}, {0, 0.0625, 1}}, {{0, 0, 9}, {0.0625, 0, 9}, {0, 0.0625, 9}}});
             a.triangles.resize(count, 3);
