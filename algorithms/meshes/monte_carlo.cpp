@@ -40,9 +40,9 @@ public:
         double sum = 0;
         for (Index i = 0; i < source.triangles.rows(); ++i) {
             const Triangle t = triangle(i);
-            sums_.push_back(sum += by == CountedBy::area     ? (t.b - t.a).cross(t.c - t.a).norm()
-                                   : by == CountedBy::length ? (end_of(t) - t.a).norm()
-                                                             : 1);
+            sums_.push_back(sum += by == CountedBy::points ? 1
+                                   : by == CountedBy::area ? (t.b - t.a).cross(t.c - t.a).norm()
+                                                           : (end_of(t) - t.a).norm());
         }
     }
 

@@ -200,10 +200,18 @@ TEST(VerifyStatistics, PosesMoveBothShapes) {
     EXPECT_EQ(both.check({3.5, 3.5}, {Kind::mean}, WeighBy::area).reason, "");
 }
 
-TEST(VerifyStatistics, AMeshWithoutAreaIsNotChecked) {
+TEST(VerifyStatistics, SegmentsAreCheckedByLength) {
     const Shape line = soup(rows({{0, 0, 1}, {0, 0, 2}, {0, 0, 2}}));
     StatisticsChecker checker(line, {}, plane, {});
-    EXPECT_EQ(checker.check({1, 2}, {Kind::mean}, WeighBy::area).lower, Verdict::not_checked);
+    EXPECT_EQ(checker.check({1.5, 1.5}, {Kind::mean}, WeighBy::area).reason, "");
+    EXPECT_EQ(checker.check({0.25, 0.25}, {Kind::share_within, 1.25}, WeighBy::area).reason, "");
+    EXPECT_NE(checker.check({1.3, 1.4}, {Kind::mean}, WeighBy::area).reason, "");
+}
+
+TEST(VerifyStatistics, AMeshWithoutAreaIsNotChecked) {
+    const Shape line = soup(rows({{0, 0, 1}, {0, 0, 1.5}, {0, 0, 2.5}}));
+    StatisticsChecker checker(line, {}, plane, {});
+    EXPECT_EQ(checker.check({1, 2.5}, {Kind::mean}, WeighBy::area).lower, Verdict::not_checked);
     EXPECT_EQ(checker.check({5.0 / 3, 5.0 / 3}, {Kind::mean}, WeighBy::number).reason, "");
     EXPECT_NE(checker.check({1.5, 1.6}, {Kind::mean}, WeighBy::number).reason, "");
 }
