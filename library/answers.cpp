@@ -58,6 +58,25 @@ std::vector<Statistic> statistics_of(const char* const* statistics, std::size_t 
     return all;
 }
 
+// Throws ArgumentError if a statistic weighs the parts of a shape that has neither area nor length.
+void expect_sizes(const Question& question) {
+    if (question.query.weigh == WeighBy::number) return;
+    const Pair& pair = question.pair();
+    const auto refuse = [](const char* name) {
+        throw ArgumentError(2,
+                            fmt::format("statistics: {} has neither area nor length, by which they weigh: count each "
+                                        "vertex once",
+                                        name));
+    };
+    const std::vector<Statistic>& asked = question.query.statistics;
+    if (std::any_of(asked.begin(), asked.end(), needs_source) &&
+        counted_by(pair.source().shape()) == CountedBy::nothing)
+        refuse("the source");
+    if (std::any_of(asked.begin(), asked.end(), needs_target) &&
+        counted_by(pair.target().shape()) == CountedBy::nothing)
+        refuse("the target");
+}
+
 }  // namespace
 }  // namespace hausbench::library
 
@@ -106,6 +125,7 @@ int hausbench_distribution(hausbench_pair* pair, const char* const* statistics, 
         Question question(pair, query, 4);
         question.query.quantity = hausbench::Quantity::distribution;
         question.query.statistics = statistics_of(statistics, count);
+        expect_sizes(question);
         const hausbench::Result result = question.solve();
         for (std::size_t i = 0; i < count; ++i) {
             const bool known = i < result.statistics.size() && may_bound_a_distance(result.statistics[i]);

@@ -113,7 +113,7 @@ def distribution(A: ShapeLike, B: ShapeLike, *, statistics: str | Iterable[str] 
 
     over             "source": distances of A to B; "target": of B to A; "larger", "mean_of_both", "harmonic_mean" or
                      "pooled": of both (docs/conventions.md)
-    weigh            "area": parts of a mesh count by area; "vertex": each vertex counts once
+    weigh            "area": parts of a mesh count by area, line segments alone by length; "vertex": each vertex counts once
     share_tolerance  the largest width of a share
     """
     from hausbench.statistics import Distribution

@@ -192,6 +192,24 @@ TEST(Library, StatisticsOfTheDistance) {
     EXPECT_EQ(hausbench_distribution(pair.get(), names, 0, nullptr, values, &answer, &error), HAUSBENCH_BAD_INPUT);
 }
 
+TEST(Library, StatisticsBySizeNeedASize) {
+    const ShapeHandle dot = shape_of({0, 0, 0, 1, 0, 0}, {0, 0, 0, 1, 1, 1}),
+                      segment = shape_of({0, 0, 0, 1, 0, 0}, {0, 1, 1}), b = shape_of(origin);
+    const char* names[] = {"mean"};
+    hausbench_interval values[1];
+    hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+    hausbench_query by_number = HAUSBENCH_QUERY_INIT;
+    by_number.weigh_by_number = 1;
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    const PairHandle dots = pair_of(dot, b), segments = pair_of(segment, b);
+    EXPECT_EQ(hausbench_distribution(dots.get(), names, 1, nullptr, values, &answer, &error), HAUSBENCH_BAD_INPUT);
+    EXPECT_NE(std::string(error.text).find("neither area nor length"), std::string::npos) << error.text;
+    expect_ok(hausbench_distribution(dots.get(), names, 1, &by_number, values, &answer, &error), error);
+    EXPECT_NEAR(values[0].lower, 0.5, 1e-9);
+    expect_ok(hausbench_distribution(segments.get(), names, 1, nullptr, values, &answer, &error), error);
+    EXPECT_NEAR(values[0].lower, 0.5, 1e-5);
+}
+
 // --- fields ------------------------------------------------------------------------------------------------------
 
 using Rational = CGAL::Exact_rational;
