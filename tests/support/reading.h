@@ -20,7 +20,7 @@ namespace hausbench {
 
 class Reading : public ::testing::Test {
 protected:
-    // Files without a name of their own are written as `name`, whose ending is the format.
+    // `name` is the file that the calls without a name write and read; its ending selects the format.
     explicit Reading(std::string name) : name_(std::move(name)) {}
 
     LoadedShape load(const std::string& bytes) const { return load(name_, bytes); }
@@ -49,7 +49,7 @@ protected:
         return all;
     }
 
-    // Expects that no coordinate differs by more than `off`. `what` is shown if one does.
+    // Expects as many points as in `where`, and no coordinate that differs by more than `off`. Shows `what` on failure.
     static void expect_near(const std::vector<Vec3>& found, const std::vector<Vec3>& where, double off,
                             const std::string& what = "") {
         ASSERT_EQ(found.size(), where.size()) << what;
@@ -66,7 +66,7 @@ protected:
     // Expects that a note is equal to `note`.
     static void expect_note(const LoadedShape& loaded, const std::string& note) {
         const std::vector<std::string>& notes = loaded.report.notes;
-        EXPECT_NE(std::find(notes.begin(), notes.end(), note), notes.end())
+        EXPECT_TRUE(std::find(notes.begin(), notes.end(), note) != notes.end())
             << "no note '" << note << "' among " << ::testing::PrintToString(notes);
     }
 
