@@ -1,19 +1,14 @@
 // AMF: coordinates, units, constellations, what is left out or refused, and damaged files.
-#include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 #include "tests/support/zip_archive.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstddef>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace hausbench {
@@ -50,41 +45,14 @@ std::string amf(const std::string& inside, const std::string& attributes = "") {
     return "<?xml version='1.0' encoding='utf-8'?>\n<amf " + attributes + ">\n" + inside + "</amf>\n";
 }
 
-class Amf : public ::testing::Test {
+class Amf : public Reading {
 protected:
-    LoadedShape load(const std::string& bytes) const {
-        const std::filesystem::path file = folder_.path() / "a.amf";
-        std::ofstream(file, std::ios::binary) << bytes;
-        return load_file(file);
-    }
-    std::vector<Vec3> corners(const std::string& bytes) const {
-        const LoadedShape loaded = load(bytes);
-        const auto& shape = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : shape.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(shape.vertices.row(v));
-        return all;
-    }
+    Amf() : Reading("a.amf") {}
+
     std::vector<std::string> notes(const std::string& bytes) const { return load(bytes).report.notes; }
     void expect_at(const std::string& move, const std::vector<Vec3>& where, double off = 0) const {
-        const auto found = corners(amf(object("1") + constellation("2", instance("1", move))));
-        ASSERT_EQ(found.size(), 3u);
-        for (std::size_t i = 0; i < 3; ++i)
-            EXPECT_LE((found[i] - where[i]).cwiseAbs().maxCoeff(), off) << move << ", corner " << i;
+        expect_near(corners(amf(object("1") + constellation("2", instance("1", move)))), where, off, move);
     }
-    void refused(const std::string& bytes, const std::vector<std::string>& parts) const {
-        try {
-            load(bytes);
-            FAIL() << "was read, without " << parts[0];
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            EXPECT_EQ(message.find((folder_.path() / "a.amf").string()), 0u) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(Amf, CoordinatesAreReadToTheLastBit) {

@@ -1,14 +1,11 @@
 // FBX through assimp: positions under transforms, stated units and axes, and everything that is refused.
-#include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -42,40 +39,14 @@ std::string fbx(const std::string& objects, const std::string& connections, cons
 const std::string triangle = geometry("0,1,-3");
 const std::string connected = connect(20, 0) + connect(10, 20);
 
-class Fbx : public ::testing::Test {
+class Fbx : public Reading {
 protected:
-    LoadedShape load(const std::string& text) const {
-        const std::filesystem::path file = folder_.path() / "a.fbx";
-        std::ofstream(file, std::ios::binary) << text;
-        return load_file(file);
-    }
-    std::vector<Vec3> corners(const std::string& text) const {
-        const LoadedShape loaded = load(text);
-        const auto& found = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : found.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(found.vertices.row(v));
-        return all;
-    }
+    Fbx() : Reading("a.fbx") {}
+
     // Expects that a node with these properties moves the corners of the triangle to `where`, up to float32 rounding.
     void expect_at(const std::string& props, const std::vector<Vec3>& where) const {
-        const auto found = corners(fbx(triangle + model(props), connected));
-        ASSERT_EQ(found.size(), where.size());
-        for (std::size_t i = 0; i < where.size(); ++i)
-            EXPECT_LE((found[i] - where[i]).cwiseAbs().maxCoeff(), 1e-6) << props << ": " << found[i].transpose();
+        expect_near(corners(fbx(triangle + model(props), connected)), where, 1e-6, props);
     }
-    void refused(const std::string& text, const std::vector<std::string>& parts) const {
-        try {
-            load(text);
-            FAIL() << text << " was read";
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(Fbx, VerticesAreTheNearestFloats) {

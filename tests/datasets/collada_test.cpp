@@ -1,15 +1,11 @@
 // Collada: positions under every kind of transform, every kind of primitive, units and axes, and what is refused.
-#include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <variant>
@@ -54,27 +50,13 @@ std::string with_primitives(const std::string& primitives) {
     return document(geometry(mesh(primitives)), node(instance));
 }
 
-class Collada : public ::testing::Test {
+class Collada : public Reading {
 protected:
-    LoadedShape load(const std::string& text) const {
-        const std::filesystem::path file = folder_.path() / "a.dae";
-        std::ofstream(file, std::ios::binary) << text;
-        return load_file(file);
-    }
-    std::vector<Vec3> corners(const std::string& text) const {
-        const LoadedShape loaded = load(text);
-        const auto& found = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : found.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(found.vertices.row(v));
-        return all;
-    }
+    Collada() : Reading("a.dae") {}
+
     // Expects that a node with these transforms moves (0, 0, 0), (1, 0, 0) and (0, 2, 0) to `where`.
     void expect_at(const std::string& transforms, const std::vector<Vec3>& where, double off = 0) const {
-        const auto found = corners(document(geometry(mesh(triangles)), node(transforms + instance)));
-        ASSERT_EQ(found.size(), where.size());
-        for (std::size_t i = 0; i < where.size(); ++i)
-            EXPECT_LE((found[i] - where[i]).cwiseAbs().maxCoeff(), off)
-                << transforms << ", corner " << i << ": " << found[i].transpose();
+        expect_near(corners(document(geometry(mesh(triangles)), node(transforms + instance))), where, off, transforms);
     }
     void expect_faces(const std::string& primitives, const std::vector<std::vector<int>>& faces) const {
         const std::vector<Vec3> all = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
@@ -83,24 +65,6 @@ protected:
             for (const int v : face) expected.push_back(all[static_cast<std::size_t>(v)]);
         EXPECT_EQ(corners(with_primitives(primitives)), expected) << primitives;
     }
-    void expect_note(const std::string& text, const std::string& note) const {
-        const auto notes = load(text).report.notes;
-        EXPECT_TRUE(std::find(notes.begin(), notes.end(), note) != notes.end())
-            << "no note '" << note << "'; the first is " << (notes.empty() ? "missing" : notes[0]);
-    }
-    void refused(const std::string& text, const std::vector<std::string>& parts) const {
-        try {
-            load(text);
-            FAIL() << text.substr(0, 900) << " was read";
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(Collada, VerticesAreReadToTheLastBit) {
@@ -282,18 +246,18 @@ TEST_F(Collada, UnitAndAxesAreStatedAndChangeNoNumber) {
 
 TEST_F(Collada, NotesSayWhatIsLeftOut) {
     const std::string good = geometry(mesh(triangles));
-    expect_note(document(good, node(instance), scene, R"(<unit meter="0,01"/>)"),
+    expect_note(load(document(good, node(instance), scene, R"(<unit meter="0,01"/>)")),
                 "its unit, meter=\"0,01\", is not a positive number, and counts as not stated");
-    expect_note(document(good, node(instance), scene, R"(<unit name="centimeter" meter="1"/>)"),
+    expect_note(load(document(good, node(instance), scene, R"(<unit name="centimeter" meter="1"/>)")),
                 "its unit has the name 'centimeter' and meter=\"1\": the latter counts");
-    expect_note(document(good + geometry(mesh(triangles), "h"), node(instance)),
+    expect_note(load(document(good + geometry(mesh(triangles), "h"), node(instance))),
                 "<geometry> 'h' is left out: no node of the scene instantiates it");
-    expect_note(document(good + geometry(mesh(triangles), "h") + geometry("", "i"), node(instance)),
+    expect_note(load(document(good + geometry(mesh(triangles), "h") + geometry("", "i"), node(instance))),
                 "<geometry> 'h' and 1 more are left out: no node of the scene instantiates them");
-    expect_note(document(good, node(instance), "<library_animations><animation/></library_animations>" + scene),
+    expect_note(load(document(good, node(instance), "<library_animations><animation/></library_animations>" + scene)),
                 "its animations are left out: the transforms in the nodes count");
-    expect_note(document(good, node(instance), "<scene/>"), "has no <scene>: its only visual scene is read");
-    expect_note(document(geometry(R"(<asset><unit meter="0.01"/></asset>)" + mesh(triangles)), node(instance)),
+    expect_note(load(document(good, node(instance), "<scene/>")), "has no <scene>: its only visual scene is read");
+    expect_note(load(document(geometry(R"(<asset><unit meter="0.01"/></asset>)" + mesh(triangles)), node(instance))),
                 "an <asset> in <geometry> 'g' states another unit than the file; it is not applied");
     EXPECT_EQ(load(document(good, node(instance))).report.notes, std::vector<std::string>());
 }
@@ -304,8 +268,8 @@ TEST_F(Collada, AMeshWithoutPrimitivesIsPoints) {
     ASSERT_EQ(points.rows(), 4);
     EXPECT_EQ(points.row(2), Eigen::RowVector3d(1, 2, 0));
     EXPECT_EQ(loaded.report.notes[0], "<geometry> 'g' has no primitives: its vertices count as points");
-    expect_note(document(geometry(mesh("<triangles count=\"0\"/>"), "h") + geometry(mesh(triangles)),
-                         node(R"(<instance_geometry url="#h"/>)" + instance)),
+    expect_note(load(document(geometry(mesh("<triangles count=\"0\"/>"), "h") + geometry(mesh(triangles)),
+                              node(R"(<instance_geometry url="#h"/>)" + instance))),
                 "<geometry> 'h' has only empty primitives, and adds nothing");
 }
 

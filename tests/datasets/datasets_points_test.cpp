@@ -1,7 +1,6 @@
 // Point clouds, as lines of decimal numbers (.xyz, .pts, .csv) and PCD: valid files and every kind of damage.
-#include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,20 +9,25 @@
 #include <liblzf/lzf.h>
 #endif
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
 
 namespace hausbench {
 namespace {
 
 using Rows = std::vector<std::array<double, 3>>;
 
-class PointFiles : public ::testing::Test {
+class PointFiles : public Reading {
 protected:
-    LoadedShape load(const std::string& name, const std::string& bytes, const LoadOptions& options = {}) const {
-        std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
-        return load_file(folder_.path() / name, options);
-    }
+    PointFiles() : Reading("a.xyz") {}
+
     void reads(const std::string& name, const std::string& bytes, const Rows& expected,
                const LoadOptions& options = {}) const {
         const LoadedShape loaded = load(name, bytes, options);
@@ -35,21 +39,6 @@ protected:
                 EXPECT_EQ(points(Eigen::Index(i), Eigen::Index(k)), expected[i][k]) << bytes << ": " << i << ", " << k;
         EXPECT_EQ(loaded.report.precision, "float64");
     }
-    // Expects an error of one line that begins with the file name and contains all `parts`.
-    void refused(const std::string& name, const std::string& bytes, const std::vector<std::string>& parts,
-                 const LoadOptions& options = {}) const {
-        try {
-            load(name, bytes, options);
-            FAIL() << name << " was read: " << bytes;
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_TRUE(message.starts_with((folder_.path() / name).string())) << message;
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-    TemporaryFolder folder_;
 };
 
 template <class T> void put(std::string& bytes, T value) {

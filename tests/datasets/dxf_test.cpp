@@ -1,14 +1,12 @@
 // DXF: the corners of every kind of entity, blocks and object coordinates, units, and what is refused or left out.
 #include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
@@ -49,40 +47,13 @@ std::string drawing(const std::string& entities, const std::string& blocks = "",
 }
 const std::string triangle = entity("3DFACE", {{0, 0}, {1, 0}, {0, 2}, {0, 2}});
 
-class Dxf : public ::testing::Test {
+class Dxf : public Reading {
 protected:
-    LoadedShape load(const std::string& text) const {
-        const std::filesystem::path file = folder_.path() / "a.dxf";
-        std::ofstream(file, std::ios::binary) << text;
-        return load_file(file);
-    }
-    std::vector<Vec3> corners(const std::string& text) const {
-        const LoadedShape loaded = load(text);
-        const auto& found = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : found.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(found.vertices.row(v));
-        return all;
-    }
-    void expect_at(const std::string& text, const std::vector<Vec3>& where, double off = 0) const {
-        const auto found = corners(text);
-        ASSERT_EQ(found.size(), where.size()) << text;
-        for (std::size_t i = 0; i < where.size(); ++i)
-            EXPECT_LE((found[i] - where[i]).cwiseAbs().maxCoeff(), off)
-                << text << ", corner " << i << ": " << found[i].transpose();
-    }
-    void refused(const std::string& text, const std::vector<std::string>& parts) const {
-        try {
-            load(text);
-            FAIL() << text << " was read";
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
+    Dxf() : Reading("a.dxf") {}
 
-    TemporaryFolder folder_;
+    void expect_at(const std::string& text, const std::vector<Vec3>& where, double off = 0) const {
+        expect_near(corners(text), where, off, text);
+    }
 };
 
 TEST_F(Dxf, FacesAreReadToTheLastBit) {

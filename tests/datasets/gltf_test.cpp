@@ -1,6 +1,6 @@
 // glTF 2.0: containers, accessors, primitives, nodes and extensions, and every kind of file that is refused.
-#include "algorithms/error.h"
 #include "datasets/load.h"
+#include "tests/support/reading.h"
 #include "tests/support/temporary_folder.h"
 
 #include <fmt/format.h>
@@ -14,7 +14,6 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace hausbench {
@@ -87,57 +86,24 @@ std::size_t append(Json& json, std::string& bin, const std::vector<Number>& numb
     return json["accessors"].size() - 1;
 }
 
-class Gltf : public ::testing::Test {
+class Gltf : public Reading {
 protected:
-    LoadedShape load_text(const std::string& text, const std::string& name = "a.glb") const {
-        const std::filesystem::path file = folder_.path() / name;
-        std::ofstream(file, std::ios::binary) << text;
-        return load_file(file);
-    }
-    LoadedShape load(const Json& json, const std::string& bin = binary()) const {
-        return load_text(glb(json.dump(), bin));
-    }
+    Gltf() : Reading("a.glb") {}
+
+    using Reading::load;
+    using Reading::refused;
+    LoadedShape load(const Json& json, const std::string& bin = binary()) const { return load(glb(json.dump(), bin)); }
     std::vector<Vec3> corners(const Json& json, const std::string& bin = binary()) const {
         const LoadedShape loaded = load(json, bin);
-        if (const auto* points = std::get_if<PointSet>(&loaded.shape)) {
-            std::vector<Vec3> all;
-            for (Index i = 0; i < points->points.rows(); ++i) all.emplace_back(points->points.row(i));
-            return all;
-        }
-        const auto& mesh = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : mesh.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(mesh.vertices.row(v));
-        return all;
-    }
-    void expect_near(const std::vector<Vec3>& found, const std::vector<Vec3>& where, double off) const {
-        ASSERT_EQ(found.size(), where.size());
-        for (std::size_t i = 0; i < found.size(); ++i)
-            EXPECT_LE((found[i] - where[i]).cwiseAbs().maxCoeff(), off)
-                << "corner " << i << ": " << found[i].transpose();
-    }
-    void refused_text(const std::string& text, const std::vector<std::string>& parts,
-                      const std::string& name = "a.glb") const {
-        try {
-            load_text(text, name);
-            FAIL() << text.substr(0, 300) << " was read";
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            EXPECT_NE(message.find(name + ": "), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
+        return kind_of(loaded.shape) == ShapeKind::points ? rows(loaded) : Reading::corners(loaded);
     }
     void refused(const Json& json, const std::vector<std::string>& parts, const std::string& bin = binary()) const {
-        refused_text(glb(json.dump(), bin), parts);
+        refused(glb(json.dump(), bin), parts);
     }
     void noted(const Json& json, const std::string& note, const std::string& bin = binary()) const {
-        const LoadedShape loaded = load(json, bin);
-        EXPECT_NE(std::find(loaded.report.notes.begin(), loaded.report.notes.end(), note), loaded.report.notes.end())
-            << note << " is not among: " << fmt::format("{}", fmt::join(loaded.report.notes, "; "));
+        expect_note(load(json, bin), note);
     }
 
-    TemporaryFolder folder_;
     const std::vector<Vec3> at_rest_ = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
 };
 
@@ -169,7 +135,7 @@ TEST_F(Gltf, AnUnusedPointMayBeNaN) {
 TEST_F(Gltf, BuffersAreInsideOrBesideTheFile) {
     Json json = triangle();
     json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(binary());
-    const auto read = [&](const std::string& name) { return points_of(load_text(json.dump(), name).shape).rows(); };
+    const auto read = [&](const std::string& name) { return points_of(load(name, json.dump()).shape).rows(); };
     EXPECT_EQ(read("a.gltf"), 3);
     json["buffers"][0]["uri"] = "data:application/gltf-buffer;base64," + base64(binary() + "x");  // padding
     EXPECT_EQ(read("a.gltf"), 3);
@@ -180,7 +146,7 @@ TEST_F(Gltf, BuffersAreInsideOrBesideTheFile) {
     EXPECT_EQ(read("a.glb"), 3);  // the contents count, not the ending
     const auto bad = [&](const std::string& uri, const std::vector<std::string>& parts) {
         json["buffers"][0]["uri"] = uri;
-        refused_text(json.dump(), parts, "a.gltf");
+        refused("a.gltf", json.dump(), parts);
     };
     const TemporaryFolder elsewhere;
     std::ofstream(elsewhere.path() / "a.bin", std::ios::binary) << binary();
@@ -216,35 +182,35 @@ TEST_F(Gltf, OtherFilesAreNeverOpened) {
 
 TEST_F(Gltf, DamagedContainersAreRefused) {
     const std::string whole = glb(triangle().dump(), binary());
-    refused_text(whole.substr(0, whole.size() - 4), {"truncated", "header announces"});
-    refused_text(whole.substr(0, 10), {"ends inside of its header"});
+    refused(whole.substr(0, whole.size() - 4), {"truncated", "header announces"});
+    refused(whole.substr(0, 10), {"ends inside of its header"});
     std::string one = whole;
     one[4] = 1;
-    refused_text(one, {"GLB of version 1", "gltf-pipeline"});
+    refused(one, {"GLB of version 1", "gltf-pipeline"});
     one = whole;
     one[14] = '\x7f';
-    refused_text(one, {"chunk 0 (from 0) ends after the end"});
+    refused(one, {"chunk 0 (from 0) ends after the end"});
     one = whole;
     one[16] = 'X';
-    refused_text(one, {"does not begin with a JSON chunk"});
+    refused(one, {"does not begin with a JSON chunk"});
     one = glb(triangle().dump(), "");
-    refused_text(one, {"buffer 0 (from 0): has 0 bytes, not the 54"});
-    refused_text("glTF" + number(2) + number(12), {"does not begin with a JSON chunk"});
-    const LoadedShape loaded = load_text(whole + "abc");
+    refused(one, {"buffer 0 (from 0): has 0 bytes, not the 54"});
+    refused("glTF" + number(2) + number(12), {"does not begin with a JSON chunk"});
+    const LoadedShape loaded = load(whole + "abc");
     ASSERT_EQ(loaded.report.notes.size(), 1u);
     EXPECT_EQ(loaded.report.notes[0], "has 3 bytes after the end that its header states, which are ignored");
 }
 
 TEST_F(Gltf, DamagedJsonIsRefused) {
-    refused_text("{\"asset\": ", {"JSON cannot be parsed"}, "a.gltf");
-    refused_text("[]", {"not an object"}, "a.gltf");
-    refused_text("{}", {"has no 'asset'"}, "a.gltf");
-    refused_text(R"({"asset": {"version": "1.0"}})", {"version '1.0'", "gltf-pipeline"}, "a.gltf");
-    refused_text(R"({"asset": {"version": "2.1", "minVersion": "2.1"}})", {"version '2.1'"}, "a.gltf");
-    refused_text(std::string(100000, '['), {"nested deeper than 128"}, "a.gltf");
-    refused_text(R"({"asset": {"version": "2.0"}, "nodes": [], "nodes": []})", {"key 'nodes' twice"}, "a.gltf");
-    refused_text("{\"a\": \"\xff\"}", {"JSON cannot be parsed"}, "a.gltf");
-    refused_text(R"({"a": 1e999})", {"JSON cannot be parsed"}, "a.gltf");
+    refused("a.gltf", "{\"asset\": ", {"JSON cannot be parsed"});
+    refused("a.gltf", "[]", {"not an object"});
+    refused("a.gltf", "{}", {"has no 'asset'"});
+    refused("a.gltf", R"({"asset": {"version": "1.0"}})", {"version '1.0'", "gltf-pipeline"});
+    refused("a.gltf", R"({"asset": {"version": "2.1", "minVersion": "2.1"}})", {"version '2.1'"});
+    refused("a.gltf", std::string(100000, '['), {"nested deeper than 128"});
+    refused("a.gltf", R"({"asset": {"version": "2.0"}, "nodes": [], "nodes": []})", {"key 'nodes' twice"});
+    refused("a.gltf", "{\"a\": \"\xff\"}", {"JSON cannot be parsed"});
+    refused("a.gltf", R"({"a": 1e999})", {"JSON cannot be parsed"});
     for (const Json& wrong : {Json(-1), Json(0.5), Json("0"), Json(nullptr), Json(1e300), Json::array()}) {
         Json json = triangle();
         json["accessors"][0]["count"] = wrong;

@@ -1,7 +1,7 @@
 // Gmsh: text and binary files of all versions, elements of lower dimension, and every refusal.
 #include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -57,19 +55,10 @@ private:
     std::string bytes_;
 };
 
-class Gmsh : public ::testing::Test {
+class Gmsh : public Reading {
 protected:
-    LoadedShape load(const std::string& text) const {
-        const std::filesystem::path file = folder_.path() / "a.msh";
-        std::ofstream(file, std::ios::binary) << text;
-        return load_file(file);
-    }
-    static std::vector<Vec3> corners(const LoadedShape& loaded) {
-        const auto& mesh = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : mesh.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(mesh.vertices.row(v));
-        return all;
-    }
+    Gmsh() : Reading("a.msh") {}
+
     void expect_triangle(const std::string& text) const {
         const LoadedShape loaded = load(text);
         EXPECT_EQ(corners(loaded), (std::vector<Vec3>{{0.1, 0, 0}, {1, 0, -2}, {0, 3, 0}})) << text;
@@ -77,23 +66,6 @@ protected:
         EXPECT_FALSE(loaded.report.float32);
         EXPECT_EQ(loaded.report.format, "msh");
     }
-    void refused(const std::string& text, const std::vector<std::string>& parts) const {
-        try {
-            load(text);
-            FAIL() << text.substr(0, 200) << " was read";
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-    static bool notes(const LoadedShape& loaded, const std::string& part) {
-        return std::any_of(loaded.report.notes.begin(), loaded.report.notes.end(),
-                           [&](const std::string& note) { return note.find(part) != std::string::npos; });
-    }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(Gmsh, VersionOneIsRead) {
@@ -179,25 +151,25 @@ TEST_F(Gmsh, ElementsOffTheSurfaceAreAdded) {
     const auto line = load(head + elements(4, "1 15 2 0 1 4\n2 1 2 0 1 7 4\n8 15 2 0 1 90\n" + triangle));
     EXPECT_EQ(line.report.segments, 1);
     EXPECT_EQ(line.report.single_points, 0);
-    EXPECT_TRUE(notes(line, "a side of no surface cell are measured too (1)"));
-    EXPECT_FALSE(notes(line, "points"));
+    EXPECT_TRUE(has_note(line, "a side of no surface cell are measured too (1)"));
+    EXPECT_FALSE(has_note(line, "points"));
     // The centre of an arc.
     const auto point = load(head + elements(2, "1 15 2 0 1 4\n" + triangle));
     EXPECT_EQ(corners(point).size(), 3u);
-    EXPECT_TRUE(notes(point, "such as the centres of arcs, are left out (1)"));
+    EXPECT_TRUE(has_note(point, "such as the centres of arcs, are left out (1)"));
     const auto quadrangle = load(head + elements(2, "1 3 2 0 1 7 1 90 4\n2 1 0 7 90\n"));
     EXPECT_EQ(quadrangle.report.polygons, 1);
     EXPECT_EQ(quadrangle.report.segments, 1);  // a diagonal
     EXPECT_EQ(std::get<PointSet>(load(head + elements(1, "1 15 0 90\n")).shape).points, Points({{0, 1, 0}}));
     EXPECT_EQ(std::get<PointSet>(load(head).shape).points.rows(), 4);
-    EXPECT_TRUE(notes(load(head), "no elements: its nodes are read as points"));
+    EXPECT_TRUE(has_note(load(head), "no elements: its nodes are read as points"));
 }
 
 TEST_F(Gmsh, VolumeElementsAreLeftOutWithANote) {
     const auto loaded = load(head + elements(2, triangle + "9 4 0 7 1 90 4\n"));
     EXPECT_EQ(corners(loaded).size(), 3u);
-    EXPECT_TRUE(notes(loaded, "the volume cells of the file (1 tetrahedra) are left out"));
-    EXPECT_TRUE(notes(loaded, "they lack 3 outer faces"));
+    EXPECT_TRUE(has_note(loaded, "the volume cells of the file (1 tetrahedra) are left out"));
+    EXPECT_TRUE(has_note(loaded, "they lack 3 outer faces"));
     refused(head + elements(2, "1 1 0 7 1\n9 4 0 7 1 90 4\n"),
             {"volume cells (1 tetrahedra) and no surface cells", "Mesh.SaveAll", "Extract Surface"});
     refused(head + elements(2, triangle + "9 4 0 7 1 90 5\n"), {"a volume element names node 5"});
@@ -206,7 +178,7 @@ TEST_F(Gmsh, VolumeElementsAreLeftOutWithANote) {
         "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n";
     const auto all =
         load(eight + elements(4, "1 2 0 1 2 3\n2 5 0 1 2 3 4 5 6 7 8\n3 6 0 1 2 3 5 6 7\n4 7 0 1 2 3 4 5\n"));
-    EXPECT_TRUE(notes(all, "1 pyramids, 1 prisms, 1 hexahedra"));
+    EXPECT_TRUE(has_note(all, "1 pyramids, 1 prisms, 1 hexahedra"));
 }
 
 TEST_F(Gmsh, OtherSectionsAreIgnored) {
@@ -215,7 +187,7 @@ TEST_F(Gmsh, OtherSectionsAreIgnored) {
                              "$Periodic\n0\n$EndPeriodic\n$NodeData\n1\n\"x\"\n$EndNodeData\n$Blobs\n1\n$EndBlobs\n");
     EXPECT_EQ(corners(loaded).size(), 3u);
     ASSERT_EQ(loaded.report.notes.size(), 1u);
-    EXPECT_TRUE(notes(loaded, "the section $Blobs is not known"));
+    EXPECT_TRUE(has_note(loaded, "the section $Blobs is not known"));
 }
 
 TEST_F(Gmsh, CurvedElementsAreRefusedByName) {

@@ -1,7 +1,7 @@
 // Medit: text and binary files of all versions, the cells that are the surface, and every refusal.
 #include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -70,36 +68,9 @@ private:
     std::string bytes_;
 };
 
-class Medit : public ::testing::Test {
+class Medit : public Reading {
 protected:
-    LoadedShape load(const std::string& text, const std::string& name = "a.mesh") const {
-        const std::filesystem::path file = folder_.path() / name;
-        std::ofstream(file, std::ios::binary) << text;
-        return load_file(file);
-    }
-    static std::vector<Vec3> corners(const LoadedShape& loaded) {
-        const auto& mesh = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : mesh.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(mesh.vertices.row(v));
-        return all;
-    }
-    void refused(const std::string& text, const std::vector<std::string>& parts) const {
-        try {
-            load(text);
-            FAIL() << text.substr(0, 200) << " was read";
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-    static bool notes(const LoadedShape& loaded, const std::string& part) {
-        return std::any_of(loaded.report.notes.begin(), loaded.report.notes.end(),
-                           [&](const std::string& note) { return note.find(part) != std::string::npos; });
-    }
-
-    TemporaryFolder folder_;
+    Medit() : Reading("a.mesh") {}
 };
 
 TEST_F(Medit, TextIsReadToTheLastBit) {
@@ -124,8 +95,8 @@ TEST_F(Medit, VersionOneIsSinglePrecision) {
     EXPECT_EQ(corners(loaded)[0].x(), static_cast<double>(0.1f));
     EXPECT_EQ(corners(loaded)[1].x(), static_cast<double>(0.123456789012345f));
     EXPECT_TRUE(loaded.report.float32);
-    EXPECT_TRUE(notes(loaded, "as MeshVersionFormatted 1 defines (1)"));
-    EXPECT_TRUE(notes(loaded, "write 'MeshVersionFormatted 2'"));
+    EXPECT_TRUE(has_note(loaded, "as MeshVersionFormatted 1 defines (1)"));
+    EXPECT_TRUE(has_note(loaded, "write 'MeshVersionFormatted 2'"));
     // A float32 that was printed with all digits loses nothing.
     EXPECT_TRUE(load(fmt::format(fmt::runtime(file), "0.12345679104328156")).report.notes.empty());
     EXPECT_TRUE(load(fmt::format(fmt::runtime(file), "0.5")).report.notes.empty());
@@ -146,7 +117,7 @@ TEST_F(Medit, BinaryIsReadInAllVersionsAndByteOrders) {
         for (const bool big : {false, true}) {
             Binary file(version, big);
             file.dimension().three_vertices().keyword(60, 3).number('a').number('b').number('c');  // normals
-            const auto loaded = load(file.triangle().end().bytes(), big ? "a.meshb" : "a.mesh");
+            const auto loaded = load(big ? "a.meshb" : "a.mesh", file.triangle().end().bytes());
             const double tenth = version == 1 ? static_cast<double>(0.1f) : 0.1;
             EXPECT_EQ(corners(loaded), (std::vector<Vec3>{{tenth, 0, 0}, {1, 0, -2}, {0, 3, 0}})) << version << big;
             EXPECT_EQ(loaded.report.float32, version == 1);
@@ -176,14 +147,14 @@ TEST_F(Medit, DamagedBinaryFilesAreRefused) {
 TEST_F(Medit, TwoDimensionsLieInThePlane) {
     const auto loaded = load("MeshVersionFormatted 2 Dimension 2 Vertices 3 0 0 1 1 0 1 0 2 1 " + triangle + "End");
     EXPECT_EQ(corners(loaded), (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}}));
-    EXPECT_TRUE(notes(loaded, "dimension 2: z is 0"));
+    EXPECT_TRUE(has_note(loaded, "dimension 2: z is 0"));
 }
 
 TEST_F(Medit, OnlyEdgesOffTheSurfaceAreAdded) {
     const auto loaded = load(head + vertices + "Edges 3 2 1 0 2 3 0 1 4 0\n" + triangle + "End");
     EXPECT_EQ(loaded.report.segments, 1);
     EXPECT_EQ(corners(loaded), (std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}, {0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
-    EXPECT_TRUE(notes(loaded, "a side of no surface cell are measured too (1)"));
+    EXPECT_TRUE(has_note(loaded, "a side of no surface cell are measured too (1)"));
     EXPECT_EQ(load(head + vertices + "Edges 1 1 4 0 End").report.segments, 1);
     // The diagonal of a quadrilateral is not a side of it.
     const auto quad = load(head + vertices + "Quadrilaterals 1 1 2 4 3 0 Edges 2 1 4 0 3 4 0 End");
@@ -201,13 +172,13 @@ TEST_F(Medit, VolumeCellsAreLeftOutWithANote) {
     const auto whole = load(head + vertices + surface + "Tetrahedra 1 1 2 3 4 0 End");
     EXPECT_EQ(corners(whole).size(), 12u);
     ASSERT_EQ(whole.report.notes.size(), 1u);
-    EXPECT_TRUE(notes(whole, "the volume cells of the file (1 tetrahedra) are left out"));
+    EXPECT_TRUE(has_note(whole, "the volume cells of the file (1 tetrahedra) are left out"));
     const auto part = load(head + vertices + triangle + "Tetrahedra 1 1 2 3 4 0 End");
-    EXPECT_TRUE(notes(part, "a part of the outside of the solid: they lack 3 outer faces"));
+    EXPECT_TRUE(has_note(part, "a part of the outside of the solid: they lack 3 outer faces"));
     const auto inside = load(head + "Vertices 5 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0 0 0 -1 0 " + triangle +
                              "Tetrahedra 2 1 2 3 4 0 1 2 3 5 0 End");
-    EXPECT_TRUE(notes(inside, "between two volume cells, are measured too (1)"));
-    EXPECT_TRUE(notes(inside, "they lack 6 outer faces"));
+    EXPECT_TRUE(has_note(inside, "between two volume cells, are measured too (1)"));
+    EXPECT_TRUE(has_note(inside, "they lack 6 outer faces"));
     refused(head + vertices + "Tetrahedra 1 1 2 3 4 0 End",
             {"volume cells (1 tetrahedra) and no surface cells", "Extract Surface"});
     refused(head + vertices + triangle + "Tetrahedra 1 1 2 3 5 0 End", {"names vertex 5"});
@@ -239,7 +210,7 @@ TEST_F(Medit, AttributesAreIgnored) {
     EXPECT_TRUE(loaded.report.notes.empty());
 }
 
-TEST_F(Medit, AMissingEndIsNoted) { EXPECT_TRUE(notes(load(head + vertices + triangle), "End is missing")); }
+TEST_F(Medit, AMissingEndIsNoted) { EXPECT_TRUE(has_note(load(head + vertices + triangle), "End is missing")); }
 
 TEST_F(Medit, UnsupportedCellsAreRefusedByName) {
     refused(head + vertices + "TrianglesP2\n1\n1 2 3 4 1 2 0\nEnd", {"line 10", "TrianglesP2", "curved", "degree 1"});

@@ -1,19 +1,14 @@
 // Lines, points, strips and vertices that nothing uses in OBJ, OFF, PLY and STL, and geometry that is refused by name.
-#include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace hausbench {
@@ -21,38 +16,20 @@ namespace {
 
 using Notes = std::vector<std::string>;
 
-class MeshFiles : public ::testing::Test {
+class MeshFiles : public Reading {
 protected:
-    LoadedShape load(const std::string& name, const std::string& bytes, const LoadOptions& options = {}) const {
-        std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
-        return load_file(folder_.path() / name, options);
-    }
+    MeshFiles() : Reading("a.obj") {}
+
     // Returns the corners of all triangles of a mesh, as "x y z, x y z, x y z; ...".
     std::string corners(const std::string& name, const std::string& bytes, const LoadOptions& options = {}) const {
-        const LoadedShape loaded = load(name, bytes, options);
-        const auto& mesh = std::get<TriangleMesh>(loaded.shape);
         std::string text;
-        for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
-            for (Eigen::Index k = 0; k < 3; ++k) {
-                const auto p = mesh.vertices.row(mesh.triangles(t, k));
-                text += fmt::format("{}{} {} {}", k > 0 ? ", " : t > 0 ? "; " : "", p[0], p[1], p[2]);
-            }
+        std::size_t i = 0;
+        for (const Vec3& p : Reading::corners(load(name, bytes, options))) {
+            text += fmt::format("{}{} {} {}", i == 0 ? "" : i % 3 == 0 ? "; " : ", ", p[0], p[1], p[2]);
+            ++i;
+        }
         return text;
     }
-    // Expects an error of one line that begins with the file name and contains all `parts`.
-    void refused(const std::string& name, const std::string& bytes, const Notes& parts) const {
-        try {
-            load(name, bytes);
-            FAIL() << name << " was read: " << bytes;
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_TRUE(message.starts_with((folder_.path() / name).string())) << message;
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-    TemporaryFolder folder_;
 };
 
 const std::string four = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\n";

@@ -1,15 +1,12 @@
 // 3D Studio: vertices as they are in the file, what the keyframer may do, and every kind of damaged file.
-#include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -58,26 +55,9 @@ std::string file(const std::string& in_editor, const std::string& in_keyframer =
                              (in_keyframer.empty() ? "" : chunk(0xb000, in_keyframer)));
 }
 
-class ThreeDs : public ::testing::Test {
+class ThreeDs : public Reading {
 protected:
-    LoadedShape load(const std::string& bytes) const {
-        const std::filesystem::path path = folder_.path() / "a.3ds";
-        std::ofstream(path, std::ios::binary) << bytes;
-        return load_file(path);
-    }
-    void refused(const std::string& bytes, const std::vector<std::string>& parts) const {
-        try {
-            load(bytes);
-            FAIL() << "a file was read; expected: " << parts[0];
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-
-    TemporaryFolder folder_;
+    ThreeDs() : Reading("a.3ds") {}
 };
 
 TEST_F(ThreeDs, VerticesAreTheFloatsOfTheFile) {

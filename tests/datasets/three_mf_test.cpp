@@ -1,7 +1,7 @@
 // 3MF: positions under transforms, parts in other files, what is left out or refused, and damaged archives.
 #include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 #include "tests/support/zip_archive.h"
 
 #include <fmt/format.h>
@@ -9,11 +9,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace hausbench {
@@ -52,13 +49,10 @@ std::string relations(const std::string& target = "/3D/a.model", const std::stri
         microsoft, target, attributes);
 }
 
-class ThreeMf : public ::testing::Test {
+class ThreeMf : public Reading {
 protected:
-    LoadedShape load(const std::string& bytes) const {
-        const std::filesystem::path file = folder_.path() / "a.3mf";
-        std::ofstream(file, std::ios::binary) << bytes;
-        return load_file(file);
-    }
+    ThreeMf() : Reading("a.3mf") {}
+
     static std::string archive(const std::string& xml, std::vector<ZipEntry> more = {}) {
         more.push_back({"3D/a.model", xml});
         more.push_back({"_rels/.rels", relations()});
@@ -67,29 +61,12 @@ protected:
     LoadedShape load_model(const std::string& xml, std::vector<ZipEntry> more = {}) const {
         return load(archive(xml, std::move(more)));
     }
-    static std::vector<Vec3> corners(const LoadedShape& loaded) {
-        const auto& shape = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : shape.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(shape.vertices.row(v));
-        return all;
-    }
     void refused_archive(const std::string& bytes, const std::vector<std::string>& parts) const {
-        try {
-            load(bytes);
-            FAIL() << "was read, without " << parts[0];
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            EXPECT_EQ(message.find((folder_.path() / "a.3mf").string()), 0u) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
+        Reading::refused(bytes, parts);
     }
     void refused(const std::string& xml, const std::vector<std::string>& parts) const {
         refused_archive(archive(xml), parts);
     }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(ThreeMf, CoordinatesAreReadToTheLastBit) {

@@ -1,15 +1,17 @@
 // VRML 2.0: positions under Transform nodes, faces, and every kind of damaged file.
-#include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
 #include <cmath>
-#include <fstream>
-#include <set>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
 
 namespace hausbench {
 namespace {
@@ -30,41 +32,15 @@ std::string repeated(const std::string& text, int times) {
     return all;
 }
 
-class Vrml : public ::testing::Test {
+class Vrml : public Reading {
 protected:
-    LoadedShape load(const std::string& text, const std::string& name = "a.wrl") const {
-        const std::filesystem::path file = folder_.path() / name;
-        std::ofstream(file, std::ios::binary) << text;
-        return load_file(file);
-    }
-    std::vector<Vec3> corners(const std::string& scene) const {
-        const LoadedShape loaded = load(head + scene);
-        const auto& mesh = std::get<TriangleMesh>(loaded.shape);
-        std::vector<Vec3> all;
-        for (const Index v : mesh.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(mesh.vertices.row(v));
-        return all;
-    }
+    Vrml() : Reading("a.wrl") {}
+
+    std::vector<Vec3> corners(const std::string& scene) const { return Reading::corners(head + scene); }
     // Expects that a Transform with these fields moves (0, 0, 0), (1, 0, 0) and (0, 2, 0) to `where`.
     void expect_at(const std::string& fields, const std::vector<Vec3>& where, double off = 0) const {
-        const auto found = corners(transform(fields, triangle));
-        ASSERT_EQ(found.size(), 3u);
-        for (std::size_t i = 0; i < 3; ++i)
-            EXPECT_LE((found[i] - where[i]).cwiseAbs().maxCoeff(), off)
-                << fields << ", corner " << i << ": " << found[i].transpose();
+        expect_near(corners(transform(fields, triangle)), where, off, fields);
     }
-    void refused(const std::string& text, const std::vector<std::string>& parts) const {
-        try {
-            load(text);
-            FAIL() << text.substr(0, 200) << " was read";
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(Vrml, VerticesAreReadToTheLastBit) {
@@ -82,7 +58,7 @@ TEST_F(Vrml, VerticesAreReadToTheLastBit) {
 
 TEST_F(Vrml, TheReportSaysWhatWasThere) {
     const LoadedShape loaded =
-        load(head + triangle + shape(points + " coordIndex [ 0 1 2 3 -1 0 1 -1 1 2 3 -1 ]"), "a.vrml");
+        load("a.vrml", head + triangle + shape(points + " coordIndex [ 0 1 2 3 -1 0 1 -1 1 2 3 -1 ]"));
     EXPECT_EQ(loaded.report.format, "vrml");
     EXPECT_EQ(loaded.report.precision, "float64");
     EXPECT_FALSE(loaded.report.float32);

@@ -1,7 +1,6 @@
 // VTK's files, legacy and XML: cells of every kind, every encoding of arrays, and every kind of damaged file.
-#include "algorithms/error.h"
 #include "datasets/load.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/reading.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,13 +9,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace hausbench {
@@ -66,47 +62,17 @@ std::string deflated(const std::string& bytes) {
     return packed;
 }
 
-class Vtk : public ::testing::Test {
+class Vtk : public Reading {
 protected:
-    LoadedShape load(const std::string& text, const std::string& name) const {
-        const std::filesystem::path file = folder_.path() / name;
-        std::ofstream(file, std::ios::binary) << text;
-        return load_file(file);
-    }
-    // Returns the corners of all triangles of a file, three each.
-    Corners corners(const std::string& text, const std::string& name = "a.vtk") const {
-        const LoadedShape loaded = load(text, name);
-        const auto& mesh = std::get<TriangleMesh>(loaded.shape);
-        Corners all;
-        for (const Index v : mesh.triangles.reshaped<Eigen::RowMajor>()) all.emplace_back(mesh.vertices.row(v));
-        return all;
-    }
-    Corners points(const std::string& text, const std::string& name = "a.vtk") const {
-        const LoadedShape loaded = load(text, name);
-        const Points& rows = std::get<PointSet>(loaded.shape).points;
-        Corners all;
-        for (Index i = 0; i < rows.rows(); ++i) all.emplace_back(rows.row(i));
-        return all;
-    }
-    void expect_note(const LoadedShape& loaded, const std::vector<std::string>& parts) const {
+    Vtk() : Reading("a.vtk") {}
+
+    Corners points(const std::string& text) const { return rows(load(text)); }
+    Corners points(const std::string& name, const std::string& text) const { return rows(load(name, text)); }
+    void expect_one_note(const LoadedShape& loaded, const std::vector<std::string>& parts) const {
         ASSERT_EQ(loaded.report.notes.size(), 1u);
         for (const std::string& part : parts)
             EXPECT_NE(loaded.report.notes[0].find(part), std::string::npos) << loaded.report.notes[0];
     }
-    void refused(const std::string& text, const std::vector<std::string>& parts,
-                 const std::string& name = "a.vtk") const {
-        try {
-            load(text, name);
-            FAIL() << text.substr(0, 300) << " was read";
-        } catch (const InputError& error) {
-            const std::string message = error.what();
-            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-            for (const std::string& part : parts)
-                EXPECT_NE(message.find(part), std::string::npos) << message << " lacks " << part;
-        }
-    }
-
-    TemporaryFolder folder_;
 };
 
 std::string poly(const std::string& sections) { return head + "DATASET POLYDATA\n" + square + sections; }
@@ -135,7 +101,7 @@ TEST_F(Vtk, PolyDataHasFourLists) {
         "VERTICES 1 3\n2 0 1\nLINES 1 3\n2 2 3\nPOLYGONS 1 5\n4 0 1 2 3\n"
         "TRIANGLE_STRIPS 1 5\n4 0 1 3 2\n");
     EXPECT_EQ(corners(text), (Corners{a, a, a, b, b, b, c, d, d, a, b, c, a, c, d, a, b, d, b, c, d}));
-    const LoadReport report = load(text, "a.vtk").report;
+    const LoadReport report = load(text).report;
     EXPECT_EQ(report.segments, 1);
     EXPECT_EQ(report.single_points, 2);
     EXPECT_EQ(report.polygons, 1);
@@ -163,7 +129,7 @@ TEST_F(Vtk, NumbersAreRoundedOnceToTheirType) {
     EXPECT_EQ(first("float", "1.00000005960464477539062500001"), 1.00000011920928955078125);
     EXPECT_EQ(first("short", "-32768"), -32768);
     EXPECT_EQ(first("unsigned_long", "18446744073709551615"), 0x1p64);
-    EXPECT_TRUE(load(head + "DATASET POLYDATA\nPOINTS 1 float\n0 0 0\n", "a.vtk").report.float32);
+    EXPECT_TRUE(load(head + "DATASET POLYDATA\nPOINTS 1 float\n0 0 0\n").report.float32);
     for (const auto& [type, word] : {std::pair("short", "32768"),
                                      {"unsigned_char", "-1"},
                                      {"int", "1.5"},
@@ -252,10 +218,10 @@ TEST_F(Vtk, FilesOfThisProjectAreRead) {
 
 TEST_F(Vtk, PointsWithoutCellsAreAPointSet) {
     EXPECT_EQ(points(poly("")), (Corners{a, b, c, d}));
-    expect_note(load(poly(""), "a.vtk"), {"points and no cells"});
+    expect_one_note(load(poly("")), {"points and no cells"});
     // An unused point may be NaN, and is reported.
     const LoadedShape loaded =
-        load(head + "DATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 1 1 0 nan 0 0\nPOLYGONS 1 4\n3 0 1 2\n", "a.vtk");
+        load(head + "DATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 1 1 0 nan 0 0\nPOLYGONS 1 4\n3 0 1 2\n");
     EXPECT_EQ(loaded.report.unreferenced, 1);
     refused(head + "DATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 1 1 0 nan 0 0\nPOLYGONS 1 4\n3 0 1 3\n",
             {"vertex 3", "not finite"});
@@ -267,7 +233,7 @@ TEST_F(Vtk, VolumeCellsAreLeftOutWithANoteOrRefused) {
     const std::string text = head + "DATASET UNSTRUCTURED_GRID\n" + square +
                              "CELLS 3 14\n4 0 1 2 3\n3 0 1 2\n4 0 1 2 99\nCELL_TYPES 3\n10 5 10\n";
     EXPECT_EQ(corners(text), (Corners{a, b, c}));
-    expect_note(load(text, "a.vtk"), {"2 volume cells were left out (2 VTK_TETRA)"});
+    expect_one_note(load(text), {"2 volume cells were left out (2 VTK_TETRA)"});
     refused(grid(10, {0, 1, 2, 3}), {"1 VTK_TETRA", "no surface", "Extract Surface"});
     // Lines and points beside volume cells are not their surface.
     refused(head + "DATASET UNSTRUCTURED_GRID\n" + square + "CELLS 2 8\n4 0 1 2 3\n2 0 1\nCELL_TYPES 2\n12 3\n",
@@ -286,7 +252,7 @@ TEST_F(Vtk, CurvedAndUnknownCellsAreRefusedByName) {
 TEST_F(Vtk, DegenerateCellsAreKeptWithANote) {
     const std::string text = poly("LINES 1 2\n1 2\nPOLYGONS 3 6\n2 0 1\n1 3\n0\nTRIANGLE_STRIPS 1 4\n3 0 1 2\n");
     EXPECT_EQ(corners(text), (Corners{c, c, c, a, b, b, d, d, d, a, b, c}));
-    expect_note(load(text, "a.vtk"), {"4 cells have fewer corners"});
+    expect_one_note(load(text), {"4 cells have fewer corners"});
     refused(grid(5, {0, 1}), {"cell 0", "VTK_TRIANGLE with 2 corners instead of 3"});
     refused(grid(9, {0, 1, 2, 3, 0}), {"VTK_QUAD with 5 corners instead of 4"});
 }
@@ -300,7 +266,7 @@ TEST_F(Vtk, CellsThatVtkDoesNotShowAreLeftOutWithANote) {
          {field, std::string("SCALARS vtkGhostType unsigned_char\nLOOKUP_TABLE default\n0 32 1\n"),
           std::string("COLOR_SCALARS vtkGhostType 1\n0 0.12549 0.00392157\n")}) {
         EXPECT_EQ(corners(begin + ghosts), (Corners{a, b, c})) << ghosts;
-        expect_note(load(begin + ghosts, "a.vtk"), {"2 cells were left out", "vtkGhostType"});
+        expect_one_note(load(begin + ghosts), {"2 cells were left out", "vtkGhostType"});
     }
     EXPECT_EQ(corners(begin + "FIELD F 1\nvtkGhostType 1 3 unsigned_char\n0 2 16\n").size(), 9u);
     EXPECT_EQ(corners(begin + "POINT_DATA 4\nFIELD F 1\nvtkGhostType 1 4 unsigned_char\n1 1 1 1\n").size(), 9u);
@@ -438,7 +404,7 @@ TEST_F(Vtk, XmlIsReadInEveryEncoding) {
     for (const Storage& storage : all_storages()) {
         XmlFile file(storage);
         const std::string piece = grid_piece(file);
-        EXPECT_EQ(corners(file.file("UnstructuredGrid", piece), "a.vtu"), (Corners{a, b, c, a, c, d, a, b, c}))
+        EXPECT_EQ(corners("a.vtu", file.file("UnstructuredGrid", piece)), (Corners{a, b, c, a, c, d, a, b, c}))
             << storage.format << storage.zlib << storage.base64 << storage.big_endian << storage.header64;
     }
 }
@@ -449,9 +415,9 @@ TEST_F(Vtk, AllPiecesAreRead) {
         XmlFile file(storage);
         std::string pieces = grid_piece(file);
         pieces += grid_piece(file, 2);
-        const LoadedShape loaded = load(file.file("UnstructuredGrid", pieces), "a.vtu");
+        const LoadedShape loaded = load("a.vtu", file.file("UnstructuredGrid", pieces));
         EXPECT_EQ(loaded.report.objects, 2);
-        EXPECT_EQ(corners(file.file("UnstructuredGrid", pieces), "a.vtu"),
+        EXPECT_EQ(corners("a.vtu", file.file("UnstructuredGrid", pieces)),
                   (Corners{a, b, c, a, c, d, a, b, c, a + right, b + right, c + right, a + right, c + right, d + right,
                            a + right, b + right, c + right}));
     }
@@ -476,11 +442,11 @@ TEST_F(Vtk, XmlPolyDataHasFourLists) {
     const std::string text = vtp("NumberOfVerts=\"1\" NumberOfLines=\"1\" NumberOfStrips=\"1\" NumberOfPolys=\"2\"",
                                  list("Strips", "4", "0 1 3 2") + list("Verts", "2", "0 1") +
                                      list("Lines", "2", "2 3") + list("Polys", "4 7", "0 1 2 3 0 1 2"));
-    EXPECT_EQ(corners(text, "a.vtp"),
+    EXPECT_EQ(corners("a.vtp", text),
               (Corners{a, a, a, b, b, b, c, d, d, a, b, c, a, c, d, a, b, c, a, b, d, b, c, d}));
-    EXPECT_TRUE(load(text, "a.vtp").report.float32);
-    EXPECT_EQ(points(vtp("", ""), "a.vtp"), (Corners{a, b, c, d}));
-    expect_note(load(vtp("", ""), "a.vtp"), {"points and no cells"});
+    EXPECT_TRUE(load("a.vtp", text).report.float32);
+    EXPECT_EQ(points("a.vtp", vtp("", "")), (Corners{a, b, c, d}));
+    expect_one_note(load("a.vtp", vtp("", "")), {"points and no cells"});
 }
 
 TEST_F(Vtk, XmlCellsThatVtkDoesNotShowAreLeftOut) {
@@ -490,13 +456,13 @@ TEST_F(Vtk, XmlCellsThatVtkDoesNotShowAreLeftOut) {
     const auto cell_data = [](const char* name, const char* values) {
         return fmt::format("<CellData><DataArray type=\"UInt8\" Name=\"{}\">{}</DataArray></CellData>\n", name, values);
     };
-    EXPECT_EQ(corners(with(cell_data("vtkGhostType", "0 32")), "a.vtp"), (Corners{a, b, c}));
-    EXPECT_EQ(corners(with(cell_data("vtkGhostLevels", "0 2")), "a.vtp"), (Corners{a, b, c}));
-    expect_note(load(with(cell_data("vtkGhostType", "8 0")), "a.vtp"), {"1 cell was left out"});
-    EXPECT_EQ(corners(with(cell_data("other", "32 32")), "a.vtp").size(), 6u);
-    refused(with("<PointData><DataArray type=\"UInt8\" Name=\"vtkGhostType\">0 0 0 2</DataArray></PointData>"),
-            {"cell 1 (from 0) uses point 3", "hides"}, "a.vtp");
-    refused(with(cell_data("vtkGhostType", "0")), {"line 7", "'vtkGhostType' has 1 numbers instead of 2"}, "a.vtp");
+    EXPECT_EQ(corners("a.vtp", with(cell_data("vtkGhostType", "0 32"))), (Corners{a, b, c}));
+    EXPECT_EQ(corners("a.vtp", with(cell_data("vtkGhostLevels", "0 2"))), (Corners{a, b, c}));
+    expect_one_note(load("a.vtp", with(cell_data("vtkGhostType", "8 0"))), {"1 cell was left out"});
+    EXPECT_EQ(corners("a.vtp", with(cell_data("other", "32 32"))).size(), 6u);
+    refused("a.vtp", with("<PointData><DataArray type=\"UInt8\" Name=\"vtkGhostType\">0 0 0 2</DataArray></PointData>"),
+            {"cell 1 (from 0) uses point 3", "hides"});
+    refused("a.vtp", with(cell_data("vtkGhostType", "0")), {"line 7", "'vtkGhostType' has 1 numbers instead of 2"});
 }
 
 TEST_F(Vtk, XmlThatIsNotReadIsToldWithItsPlace) {
@@ -505,62 +471,63 @@ TEST_F(Vtk, XmlThatIsNotReadIsToldWithItsPlace) {
     };
     const std::string poly_data = "type=\"PolyData\" version=\"1.0\" ";
     for (const char* compressor : {"vtkLZ4DataCompressor", "vtkLZMADataCompressor"})
-        refused(whole(poly_data + fmt::format("compressor=\"{}\"", compressor)),
-                {"line 1", compressor, "save it with zlib"}, "a.vtp");
-    refused(whole("type=\"ImageData\" version=\"1.0\""), {"line 1", "ImageData", "Extract Surface"}, "a.vtp");
-    refused(whole("type=\"PPolyData\" version=\"1.0\""), {"PPolyData", "files of its pieces"}, "a.vtp");
-    refused(whole("type=\"PolyData\" version=\"3.0\""), {"'3.0'"}, "a.vtp");
-    refused(whole(poly_data + "byte_order=\"Middle\""), {"'Middle'"}, "a.vtp");
-    refused(whole(poly_data + "header_type=\"UInt16\""), {"'UInt16'"}, "a.vtp");
-    refused(whole(poly_data, "<PolyData TimeValues=\"0 1\"/>"), {"line 2", "several time steps"}, "a.vtp");
-    refused(whole(poly_data, "<PolyData/><PolyData/>"), {"2 elements <PolyData>"}, "a.vtp");
-    refused(whole(poly_data), {"holds no vertices"}, "a.vtp");
-    refused("<svg/>", {"<svg>"}, "a.vtp");
+        refused("a.vtp", whole(poly_data + fmt::format("compressor=\"{}\"", compressor)),
+                {"line 1", compressor, "save it with zlib"});
+    refused("a.vtp", whole("type=\"ImageData\" version=\"1.0\""), {"line 1", "ImageData", "Extract Surface"});
+    refused("a.vtp", whole("type=\"PPolyData\" version=\"1.0\""), {"PPolyData", "files of its pieces"});
+    refused("a.vtp", whole("type=\"PolyData\" version=\"3.0\""), {"'3.0'"});
+    refused("a.vtp", whole(poly_data + "byte_order=\"Middle\""), {"'Middle'"});
+    refused("a.vtp", whole(poly_data + "header_type=\"UInt16\""), {"'UInt16'"});
+    refused("a.vtp", whole(poly_data, "<PolyData TimeValues=\"0 1\"/>"), {"line 2", "several time steps"});
+    refused("a.vtp", whole(poly_data, "<PolyData/><PolyData/>"), {"2 elements <PolyData>"});
+    refused("a.vtp", whole(poly_data), {"holds no vertices"});
+    refused("a.vtp", "<svg/>", {"<svg>"});
     const std::string array = "<DataArray type=\"Float32\" TimeStep=\"0\">0 0 0</DataArray>";
-    refused(whole(poly_data,
+    refused("a.vtp",
+            whole(poly_data,
                   "<PolyData><Piece NumberOfPoints=\"1\"><Points>" + array + array + "</Points></Piece></PolyData>"),
-            {"several time steps"}, "a.vtp");
+            {"several time steps"});
     XmlFile file({});
     std::string curved = file.file("UnstructuredGrid", grid_piece(file));
     curved.replace(curved.find(" 5\n"), 2, " 22");
-    refused(curved, {"cell 1 (from 0)", "VTK_QUADRATIC_TRIANGLE"}, "a.vtu");
+    refused("a.vtu", curved, {"cell 1 (from 0)", "VTK_QUADRATIC_TRIANGLE"});
     curved.replace(curved.find(" 22\n"), 3, " 10");
-    expect_note(load(curved, "a.vtu"), {"1 volume cell was left out (1 VTK_TETRA)"});
+    expect_one_note(load("a.vtu", curved), {"1 volume cell was left out (1 VTK_TETRA)"});
 }
 
 TEST_F(Vtk, XmlMistakesAreToldWithTheirPlace) {
     const std::string one = "NumberOfPolys=\"1\"";
-    refused(vtp(one, ""), {"line 3", "no <Polys>"}, "a.vtp");
-    refused(vtp(one, "<Polys/>"), {"line 5", "Name=\"offsets\""}, "a.vtp");
-    refused(vtp(one, list("Polys", "3", "0 1 4")), {"cell 0 (from 0) names point 4 (from 0), but there are 4"},
-            "a.vtp");
-    refused(vtp(one, list("Polys", "3", "0 1 -1")), {"names point -1"}, "a.vtp");
-    refused(vtp(one, list("Polys", "3", "0 1")), {"line 5", "'connectivity' has 2 numbers instead of 3"}, "a.vtp");
-    refused(vtp(one, list("Polys", "3 6", "0 1 2")), {"line 6", "'offsets' has 2 numbers instead of 1"}, "a.vtp");
-    refused(vtp(one, list("Polys", "-3", "0 1 2")), {"last offset is -3"}, "a.vtp");
-    refused(vtp(one, list("Polys", "999999999999", "0 1 2")), {"'999999999999' is not a number of the type Int32"},
-            "a.vtp");
-    refused(vtp("NumberOfPolys=\"2\"", list("Polys", "4 3", "0 1 2")), {"offsets of its cells are damaged"}, "a.vtp");
-    refused(vtp("", list("Polys", "3", "0 1 2")), {"line 3", "no attribute NumberOfPolys"}, "a.vtp");
-    refused(vtp("NumberOfPolys=\"-1\"", ""), {"NumberOfPolys"}, "a.vtp");
-    refused(vtp("NumberOfPolys=\"99999999999999999\"", list("Polys", "3", "0 1 2")), {"instead of"}, "a.vtp");
+    refused("a.vtp", vtp(one, ""), {"line 3", "no <Polys>"});
+    refused("a.vtp", vtp(one, "<Polys/>"), {"line 5", "Name=\"offsets\""});
+    refused("a.vtp", vtp(one, list("Polys", "3", "0 1 4")),
+            {"cell 0 (from 0) names point 4 (from 0), but there are 4"});
+    refused("a.vtp", vtp(one, list("Polys", "3", "0 1 -1")), {"names point -1"});
+    refused("a.vtp", vtp(one, list("Polys", "3", "0 1")), {"line 5", "'connectivity' has 2 numbers instead of 3"});
+    refused("a.vtp", vtp(one, list("Polys", "3 6", "0 1 2")), {"line 6", "'offsets' has 2 numbers instead of 1"});
+    refused("a.vtp", vtp(one, list("Polys", "-3", "0 1 2")), {"last offset is -3"});
+    refused("a.vtp", vtp(one, list("Polys", "999999999999", "0 1 2")),
+            {"'999999999999' is not a number of the type Int32"});
+    refused("a.vtp", vtp("NumberOfPolys=\"2\"", list("Polys", "4 3", "0 1 2")), {"offsets of its cells are damaged"});
+    refused("a.vtp", vtp("", list("Polys", "3", "0 1 2")), {"line 3", "no attribute NumberOfPolys"});
+    refused("a.vtp", vtp("NumberOfPolys=\"-1\"", ""), {"NumberOfPolys"});
+    refused("a.vtp", vtp("NumberOfPolys=\"99999999999999999\"", list("Polys", "3", "0 1 2")), {"instead of"});
     std::string text = vtp(one, list("Polys", "3", "0 1 2"));
     const auto changed = [&](const std::string& from, const std::string& to) {
         std::string copy = text;
         return copy.replace(copy.find(from), from.size(), to);
     };
-    EXPECT_EQ(corners(text, "a.vtp"), (Corners{a, b, c}));
-    refused(changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"5\""), {"has 12 numbers instead of 15"}, "a.vtp");
-    refused(changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"6148914691236517206\""), {"too large"}, "a.vtp");
-    refused(changed("NumberOfPoints=\"4\"", ""), {"NumberOfPoints"}, "a.vtp");
-    refused(changed("NumberOfComponents=\"3\"", "NumberOfComponents=\"2\""), {"line 4", "2 components"}, "a.vtp");
-    refused(changed("Float32", "Float16"), {"line 4", "'Float16'"}, "a.vtp");
-    refused(changed("Int32\" Name=\"conn", "Float32\" Name=\"conn"), {"must have integers"}, "a.vtp");
-    refused(changed("0 0 0", "0 x 0"), {"line 4", "'x' is not a number of the type Float32"}, "a.vtp");
-    refused(changed("type=\"Float32\"", "type=\"Float32\" format=\"hex\""), {"'hex'"}, "a.vtp");
-    refused(changed("type=\"Float32\"", "type=\"Float32\" format=\"appended\" offset=\"0\""), {"no <AppendedData>"},
-            "a.vtp");
-    refused(text.substr(0, text.size() - 12), {"is not XML"}, "a.vtp");
+    EXPECT_EQ(corners("a.vtp", text), (Corners{a, b, c}));
+    refused("a.vtp", changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"5\""), {"has 12 numbers instead of 15"});
+    refused("a.vtp", changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"6148914691236517206\""), {"too large"});
+    refused("a.vtp", changed("NumberOfPoints=\"4\"", ""), {"NumberOfPoints"});
+    refused("a.vtp", changed("NumberOfComponents=\"3\"", "NumberOfComponents=\"2\""), {"line 4", "2 components"});
+    refused("a.vtp", changed("Float32", "Float16"), {"line 4", "'Float16'"});
+    refused("a.vtp", changed("Int32\" Name=\"conn", "Float32\" Name=\"conn"), {"must have integers"});
+    refused("a.vtp", changed("0 0 0", "0 x 0"), {"line 4", "'x' is not a number of the type Float32"});
+    refused("a.vtp", changed("type=\"Float32\"", "type=\"Float32\" format=\"hex\""), {"'hex'"});
+    refused("a.vtp", changed("type=\"Float32\"", "type=\"Float32\" format=\"appended\" offset=\"0\""),
+            {"no <AppendedData>"});
+    refused("a.vtp", text.substr(0, text.size() - 12), {"is not XML"});
 }
 
 TEST_F(Vtk, DamagedXmlDataAreRefused) {
@@ -571,16 +538,16 @@ TEST_F(Vtk, DamagedXmlDataAreRefused) {
         const std::string text = file.file("UnstructuredGrid", piece);
         const std::size_t begin = text.find('_', text.find("<AppendedData")) + 1, end = text.rfind("\n</AppendedData");
         // Without the last bytes, and without the first byte.
-        refused(text.substr(0, end - 5) + text.substr(end), {"line 9", "'types'"}, "a.vtu");
-        refused(text.substr(0, begin) + text.substr(begin + 1), {"line 5"}, "a.vtu");
-        refused(text.substr(0, end), {"its appended data do not end"}, "a.vtu");
-        refused(text.substr(0, begin - 1) + text.substr(begin), {"underscore"}, "a.vtu");
+        refused("a.vtu", text.substr(0, end - 5) + text.substr(end), {"line 9", "'types'"});
+        refused("a.vtu", text.substr(0, begin) + text.substr(begin + 1), {"line 5"});
+        refused("a.vtu", text.substr(0, end), {"its appended data do not end"});
+        refused("a.vtu", text.substr(0, begin - 1) + text.substr(begin), {"underscore"});
         std::string beyond = text;
         beyond.replace(beyond.find("offset=\"0\""), 10, "offset=\"99999\"");
-        refused(beyond, {"line 5", "offset 99999 is beyond"}, "a.vtu");
+        refused("a.vtu", beyond, {"line 5", "offset 99999 is beyond"});
         std::string encoding = text;
         encoding.replace(encoding.find("encoding=\""), 10, "encoding=\"x");
-        refused(encoding, {"unknown encoding"}, "a.vtu");
+        refused("a.vtu", encoding, {"unknown encoding"});
     }
 }
 
@@ -592,10 +559,10 @@ TEST_F(Vtk, SizesThatNoMemoryHoldsAreRefused) {
         "compressor=\"vtkZLibDataCompressor\"><PolyData><Piece NumberOfPoints=\"{}\"><Points>"
         "<DataArray type=\"Float64\" format=\"binary\">{}</DataArray></Points></Piece></PolyData>"
         "</VTKFile>";
-    refused(fmt::format(fmt::runtime(text), 1ull << 37, base64(header)), {"too large"}, "a.vtp");
+    refused("a.vtp", fmt::format(fmt::runtime(text), 1ull << 37, base64(header)), {"too large"});
     // A block of more than 1032 times its compressed size.
     const std::string block = little<std::uint64_t>({1, 24 * 4000, 0, 11}) + deflated("abc");
-    refused(fmt::format(fmt::runtime(text), 4000, base64(block)), {"truncated or damaged"}, "a.vtp");
+    refused("a.vtp", fmt::format(fmt::runtime(text), 4000, base64(block)), {"truncated or damaged"});
     // Many pieces that share one array.
     XmlFile file({"appended", false, false, false, false});
     std::string piece = "<Piece NumberOfPoints=\"1000\"><Points>" +
@@ -603,9 +570,9 @@ TEST_F(Vtk, SizesThatNoMemoryHoldsAreRefused) {
                         "</Points></Piece>\n";
     std::string pieces;
     for (int i = 0; i < 8; ++i) pieces += piece;
-    EXPECT_EQ(points(file.file("PolyData", pieces), "a.vtp").size(), 8000u);
+    EXPECT_EQ(points("a.vtp", file.file("PolyData", pieces)).size(), 8000u);
     for (int i = 0; i < 92; ++i) pieces += piece;
-    refused(file.file("PolyData", pieces), {"the arrays of the file overlap"}, "a.vtp");
+    refused("a.vtp", file.file("PolyData", pieces), {"the arrays of the file overlap"});
 }
 
 }  // namespace
