@@ -101,13 +101,17 @@ void points_alone(Soup& soup, LoadReport& report) {
     if (soup.faces.empty() || !std::all_of(soup.faces.begin(), soup.faces.end(), one_corner)) return;
     std::vector<Vec3> points;
     std::vector<bool> used(soup.points.size(), false);
-    for (const auto& face : soup.faces) {
-        points.push_back(soup.points[face[0]]);
-        used[face[0]] = true;
+    std::vector<std::uint32_t> lines;
+    for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+        const std::size_t v = soup.faces[f][0];
+        if (used[v]) continue;  // named twice, and still one point
+        used[v] = true;
+        points.push_back(soup.points[v]);
+        if (f < soup.face_lines.size()) lines.push_back(soup.face_lines[f]);
     }
     if (report.unreferenced) report.unreferenced = std::count(used.begin(), used.end(), false);
     soup.points = std::move(points);
-    soup.point_lines = std::move(soup.face_lines);
+    soup.point_lines = std::move(lines);
     soup.faces.clear();
 }
 

@@ -58,8 +58,7 @@ struct Arguments {
 
 void take_arguments(CLI::App* verb, Arguments& given) {
     MeasureRequest& request = given.request;
-    verb->add_option("A", request.source,
-                     "source: a file, a model of the project, or a quoted pattern such as 'scans/*.ply'")
+    verb->add_option("A", request.source, "source: a file, a model, or a quoted pattern such as 'scans/*.ply'")
         ->type_name("MODEL");
     verb->add_option("B", request.target, "target, likewise; of two patterns, files of one name are a pair")
         ->type_name("MODEL");
@@ -67,7 +66,7 @@ void take_arguments(CLI::App* verb, Arguments& given) {
     for (const auto& [name, file, shape] : {std::tuple{"--transform-source", &request.source_matrix, "A"},
                                             std::tuple{"--transform-target", &request.target_matrix, "B"}})
         verb->add_option(name, *file, fmt::format("moves {} by the 4 x 4 matrix in this text file", shape))
-            ->type_name("FILE");
+            ->type_name("M");
     verb->add_option("--pairs", given.pairs, "instead of A and B: a file with a line \"A, B\" for each pair")
         ->type_name("FILE")
         ->check(CLI::ExistingFile);
@@ -91,23 +90,20 @@ void take_arguments(CLI::App* verb, Arguments& given) {
     verb->add_flag("--penetration", request.penetration,
                    "instead of a distance, how deep two closed meshes are in each other");
     verb->add_flag("--distribution", given.distribution,
-                   "instead of the largest distance: mean, RMS, deviation, median, 95 % quantile and maximum; with "
-                   "--symmetric from both sides");
-    verb->add_option(
-            "--statistics", given.statistics,
-            "these statistics, such as \"mean, quantile 0.99, within 0.1\" (the share that is at most 0.1 away)")
+                   "instead: mean, RMS, deviation, median, 95 % quantile and maximum");
+    verb->add_option("--statistics", given.statistics,
+                     "these, such as \"mean, quantile 0.99, within 0.1\" (the share at most 0.1 away)")
         ->type_name("LIST");
     verb->add_flag("--by-vertex", given.by_vertex,
                    "statistics count each vertex once, instead of each part by its area");
     verb->add_option("--share-tolerance", request.share_tolerance, "largest gap of shares, which have no unit")
-        ->type_name("NUMBER")
+        ->type_name("N")
         ->capture_default_str();
     verb->add_option("--set", given.parameters,
                      "a parameter of the solver, see `hausbench list SOLVER`; may be repeated")
         ->type_name("NAME=VALUE");
-    verb->add_option(
-            "--cutoff", request.cutoff,
-            "only asks whether the distance is above this length, for at most 10 s unless --time-limit is given")
+    verb->add_option("--cutoff", request.cutoff,
+                     "only asks whether the distance is above this, for 10 s or --time-limit")
         ->type_name("LENGTH");
     verb->add_option("--time-limit", request.time_limit,
                      "limit for preparing, and for solving; bounds hold also when it is reached")
@@ -116,12 +112,9 @@ void take_arguments(CLI::App* verb, Arguments& given) {
     verb->add_option("--threads", request.threads, "threads that the solver may use, if it supports them")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
-    verb->add_option("--fields", request.fields,
-                     "writes A with the distance to B at each vertex, as .ply or .vtk; with --symmetric also B, as "
-                     "NAME.back.ply")
+    verb->add_option("--fields", request.fields, "writes A with the distance to B at each vertex, as .ply or .vtk")
         ->type_name("FILE");
-    verb->add_option("--resolution", request.resolution,
-                     "largest error of --fields between vertices, as a fraction of h; inf: A is not cut")
+    verb->add_option("--resolution", request.resolution, "largest error of --fields between vertices, a fraction of h")
         ->type_name("NUMBER")
         ->capture_default_str();
     verb->add_option("--picture", given.picture,

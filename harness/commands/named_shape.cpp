@@ -29,18 +29,13 @@ const Catalogue& known_models() {
 }  // namespace
 
 void take_shape_options(CLI::App* verb, ShapeOptions& options) {
-    verb->add_option("--columns", options.columns,
-                     "the columns of x, y and z in a text file of points: numbers from 1, or names of its header")
-        ->type_name("2,3,4|E,N,H");
+    verb->add_option("--columns", options.columns, "columns of x, y and z in a text file of points, by number or name")
+        ->type_name("2,3,4");
     verb->add_flag("--drop-invalid", options.drop_invalid,
-                   "leaves out points with a coordinate that is not finite, and faces that use them");
-    verb->add_option("--unit", options.unit,
-                     "converts each shape from the unit that its file states to this one; a file that states none "
-                     "counts as being in it. none: compares the numbers as they stand")
-        ->type_name("mm|m|inch|...|none");
-    verb->add_option("--up", options.up,
-                     "turns each shape from the axes that its file states so that this axis points up; none: compares "
-                     "the numbers as they stand")
+                   "leaves out points that are not finite, and faces that use them");
+    verb->add_option("--unit", options.unit, "converts from the units that files state: mm, m, inch, ... or none")
+        ->type_name("UNIT");
+    verb->add_option("--up", options.up, "turns from the axes that files state so that this one points up; or none")
         ->type_name("X|Y|Z|none")
         ->check(CLI::IsMember({"X", "Y", "Z", "none"}, CLI::ignore_case));
 }

@@ -787,7 +787,9 @@ TEST(LibraryFiles, ArraysMayStateAUnit) {
         about.unit = 0.5;
         expect_ok(hausbench_shape_stating(&v, nullptr, &about, &made, &error), error);
         const ShapeHandle other(made);
-        if (unit > 0) EXPECT_NE(refused_pair(first, other).find("A (arrays) is in "), std::string::npos);
+        if (unit > 0) {
+            EXPECT_NE(refused_pair(first, other).find("A (arrays) is in "), std::string::npos);
+        }
     }
 }
 
