@@ -55,6 +55,7 @@ template <class Change> void change_points(Shape& shape, const Change& change) {
 }  // namespace
 
 std::optional<Unit> unit_named(std::string_view name) {
+    if (name == "NM" || name == "Nm") return std::nullopt;  // no nanometres: nautical miles, or newton metres
     const std::string lower = readers::lower_case(name);
     for (const Names& one : units())
         if (one.unit.name == lower || std::find(one.others.begin(), one.others.end(), lower) != one.others.end())
@@ -65,8 +66,10 @@ std::optional<Unit> unit_named(std::string_view name) {
 Stated stated_unit(const Unit& unit) { return {std::string(unit.name), unit.micrometres, 0}; }
 
 Stated stated_unit(double metres) {
-    for (const Names& one : units())
-        if (one.unit.micrometres / 1e6 == metres) return stated_unit(one.unit);
+    for (const Names& one : units()) {
+        const double length = one.unit.micrometres;  // the number in the file may be rounded in any of these ways
+        if (length / 1e6 == metres || length * 1e-6 == metres || length == metres * 1e6) return stated_unit(one.unit);
+    }
     return {fmt::format("{} m", metres), metres * 1e6, 0};
 }
 

@@ -59,7 +59,7 @@ def _files(folder: Path) -> dict[str, Path]:
     found = {}
     for path in folder.glob("*.h5"):
         with h5py.File(path, "r") as file:
-            if file.attrs.get("shape_schema") == 1:
+            if file.attrs.get("shape_schema") in (1, 2):
                 found[str(file.attrs["content_hash"])] = path
     return found
 

@@ -225,6 +225,8 @@ int coordinates_named(const std::vector<std::string_view>& fields) {
     return std::min(most, 3);
 }
 
+bool names_angles(const std::vector<std::string_view>& fields) { return count_angles(fields) > 1; }
+
 bool names_another_order(const std::vector<std::string_view>& fields) {
     return std::any_of(families().begin(), families().end(), [&](const Family& family) {
         const auto found = columns_of(family, fields);

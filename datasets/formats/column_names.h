@@ -35,6 +35,9 @@ bool is_missing(std::string_view field);
 // Latitude and longitude count as coordinates.
 int coordinates_named(const std::vector<std::string_view>& fields);
 
+// Returns whether two names or more are angles, such as latitude and longitude.
+bool names_angles(const std::vector<std::string_view>& fields);
+
 // Returns whether the first columns that are named x, y and z, in any family, are in another order than x, y, z.
 bool names_another_order(const std::vector<std::string_view>& fields);
 

@@ -128,6 +128,8 @@ public:
                                 fmt::format("{} with a {} is not supported: {}", shown(type()), what, remedy));
     }
     void expect_thin() const { expect_none(39, "thickness", "convert it to 3DFACE, or set the thickness to 0"); }
+    // Before release 11, group 38 raised entities whose points have no z.
+    void expect_low() const { expect_none(38, "elevation", "save it as DXF of release 12 or later"); }
 
 private:
     const std::string& name_;
@@ -231,6 +233,7 @@ private:
         if (type == "INSERT") return add_insert(entity);
         if (type == "LINE" || type == "POINT") {
             entity.expect_thin();
+            entity.expect_low();
             std::vector<Vec3> ends{entity.point(10)};
             if (type == "LINE") ends.push_back(entity.point(11));
             return add_chain(entity, ends, false);
@@ -283,6 +286,7 @@ private:
     // Adds a 3DFACE, or a SOLID or TRACE, whose third and fourth corners are crossed. The fourth may be missing, or
     // equal to the third: then it is a triangle.
     void add_quad(const Entity& entity, bool crossed) {
+        entity.expect_low();
         ObjectAxes axes;
         if (crossed) {
             entity.expect_thin();
@@ -307,6 +311,7 @@ private:
                 "that is fitted to a curve or smooth surface is not supported: convert it to 3DFACE or lines "
                 "(in AutoCAD: explode it)");
         if ((flags & 64) != 0) return add_polyface(vertices);
+        entity.expect_low();
         if ((flags & 16) != 0) return add_grid(entity, vertices, flags);
         const bool flat = (flags & 8) == 0;
         ObjectAxes axes;

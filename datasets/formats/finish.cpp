@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 namespace hausbench::readers {
@@ -70,10 +72,50 @@ std::vector<std::size_t> without_repeats(const std::vector<std::size_t>& face) {
     return corners.size() < 3 ? std::vector(face.begin(), face.begin() + 3) : corners;
 }
 
+// What splitting the polygons of a soup into triangles decides, because no format says where to cut.
+struct Splits {
+    double off_plane = 0;       // the largest distance of a corner from the mean plane of its polygon
+    std::int64_t crossing = 0;  // polygons whose triangles cover more than the polygon, which crosses itself
+
+    void add(const std::vector<Vec3>& corners, const std::vector<std::array<std::size_t, 3>>& triangles) {
+        Vec3 normal = Vec3::Zero(), centre = Vec3::Zero();
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            normal += (corners[i] - corners[0]).cross(corners[(i + 1) % corners.size()] - corners[0]);
+            centre += corners[i] / static_cast<double>(corners.size());
+        }
+        const double length = normal.norm();
+        double covered = 0, signs = 0;  // twice the areas of the triangles in the plane
+        for (const auto& [a, b, c] : triangles) {
+            const Vec3 twice = (corners[b] - corners[a]).cross(corners[c] - corners[a]);
+            const double area = length > 0 ? twice.dot(normal) / length : twice.norm();
+            covered += std::abs(area);
+            signs += length > 0 ? area : 0;
+        }
+        if (covered > std::abs(signs) * (1 + 1e-6)) ++crossing;
+        for (const Vec3& corner : corners)
+            if (length > 0) off_plane = std::max(off_plane, std::abs((corner - centre).dot(normal)) / length);
+    }
+
+    // Says what was decided. `largest` is the largest coordinate: corners that rounding moved off a plane are not told.
+    void note(double largest, bool float32, std::vector<std::string>& notes) const {
+        if (off_plane > largest * (float32 ? 0x1p-21 : 0x1p-48))
+            notes.push_back(fmt::format(
+                "has polygons that are not flat (a corner is up to {:.3g} from the mean plane): they are cut "
+                "along diagonals that the format does not define",
+                off_plane));
+        if (crossing > 0)
+            notes.push_back(
+                fmt::format("has polygons that cross themselves ({}): their triangles may cover more than the "
+                            "polygon",
+                            crossing));
+    }
+};
+
 // Returns the corners of the triangles of all faces, three for each triangle. Counts in the report the polygons that it
 // splits, and the segments and single points that become degenerate triangles.
 std::vector<Index> triangles_of(const Soup& soup, LoadReport& report) {
     std::vector<Index> corners;
+    Splits splits;
     const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
         for (const std::size_t v : {a, b, c}) corners.push_back(static_cast<Index>(v));
     };
@@ -89,9 +131,14 @@ std::vector<Index> triangles_of(const Soup& soup, LoadReport& report) {
         const std::vector<std::size_t> polygon = without_repeats(face);
         std::vector<Vec3> positions;
         for (const std::size_t v : polygon) positions.push_back(soup.points[v]);
-        for (const auto& triple : triangulate(positions))
-            add(polygon[triple[0]], polygon[triple[1]], polygon[triple[2]]);
+        const auto triangles = triangulate(positions);
+        splits.add(positions, triangles);
+        for (const auto& [a, b, c] : triangles) add(polygon[a], polygon[b], polygon[c]);
     }
+    double largest = 0;
+    for (const Vec3& p : soup.points)
+        if (p.allFinite()) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+    splits.note(largest, soup.float32, report.notes);
     return corners;
 }
 

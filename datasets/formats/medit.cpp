@@ -316,13 +316,10 @@ private:
         }
     }
 
-    // Returns whether a word is not merely a float32 that was written with many digits.
+    // Returns whether rounding to float32 lost digits of a word: the shortest text of the float32 is another number.
     static bool has_more_digits(std::string_view word, double rounded) {
-        const double value = decimal(word).value_or(rounded);
-        const auto digits = std::count_if(
-            word.begin(), word.begin() + static_cast<std::ptrdiff_t>(std::min(word.find_first_of("eE"), word.size())),
-            [](char c) { return c >= '0' && c <= '9'; });
-        return digits > 9 && std::abs(value - rounded) > 1e-9 * std::abs(value);
+        const auto shortest = decimal(fmt::format("{}", static_cast<float>(rounded)));
+        return decimal(word) != shortest && decimal(word) != rounded;
     }
 
     // Skips the reference of a vertex or cell, which some programs write as a real number.

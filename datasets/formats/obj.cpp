@@ -33,13 +33,25 @@ std::string as_ascii(std::string_view bytes) {
 }
 
 // Removes the first line from `bytes` and returns it. While it ends with a backslash, also removes the next line and
-// appends it. Adds the number of removed lines to `number`.
-std::string next_statement(std::string_view& bytes, std::uint32_t& number) {
+// appends it. Adds the number of removed lines to `number`. Refuses a comment that would swallow a statement in this way,
+// as in "# from C:\models\": programs differ on what it means.
+std::string next_statement(const std::string& name, std::string_view& bytes, std::uint32_t& number) {
     std::string statement;
     for (bool goes_on = true; goes_on && !bytes.empty(); ++number) {
         statement += next_line(bytes);
         goes_on = statement.ends_with('\\');
-        if (goes_on) statement.back() = ' ';
+        if (!goes_on) continue;
+        std::string_view words = statement, next = bytes;
+        const std::string_view keyword = next_word(words);
+        const bool names = keyword == "g" || keyword == "o" || keyword == "usemtl" || keyword == "mtllib";
+        std::string_view following = next_line(next);
+        const std::string_view first = next_word(following);
+        const bool swallows = first == "v" || first == "f" || first == "fo" || first == "l" || first == "p";
+        if (swallows && (names || statement.find('#') != std::string::npos))
+            refuse(name, number + 1,
+                   "ends with a backslash, which would join the next line to a comment or a name: remove the "
+                   "backslash");
+        statement.back() = ' ';
     }
     return statement;
 }
@@ -117,7 +129,7 @@ Soup read_obj(const Input& input) {
     std::string_view rest = text;
     for (std::uint32_t last = 0; !rest.empty();) {
         const std::uint32_t number = last + 1;
-        const std::string statement = next_statement(rest, last);
+        const std::string statement = next_statement(name, rest, last);
         std::string_view line = statement;
         const std::string_view keyword = next_word(line);
         if (keyword == "v") add_point(name, line.substr(0, line.find('#')), number, soup);

@@ -37,6 +37,13 @@ std::optional<std::size_t> number_below(std::size_t end, std::string_view word) 
     return static_cast<std::size_t>(*value);
 }
 
+// Returns whether a word is a header that is read: OFF, with ST, C, N and 4 before it, in this order.
+bool is_keyword(std::string_view word) {
+    for (const std::string_view part : {"ST", "C", "N", "4"})
+        if (word.starts_with(part)) word.remove_prefix(part.size());
+    return word == "OFF";
+}
+
 // Returns the number of vertices or faces that the header of a file of `size` bytes announces.
 std::size_t count_of(const std::string& name, std::string_view word, const char* what, std::size_t size) {
     const std::string_view number = word.substr(0, word.find(','));
@@ -67,7 +74,7 @@ OffHeader header_of(const std::string& name, const std::vector<Line>& lines, std
                 continue;
             }
             keyword = word;
-            if (!word.ends_with("OFF") || word.find('n') != std::string_view::npos)
+            if (!is_keyword(word))
                 refuse(
                     name, number,
                     fmt::format("'{}' is not a supported OFF header (OFF, with ST, C, N or 4 before it)", shown(word)));

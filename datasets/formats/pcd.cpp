@@ -32,10 +32,10 @@ constexpr std::uint64_t most = std::uint64_t{1} << 40;  // limit on the numbers 
 
 struct PcdHeader {
     std::vector<Field> fields;
-    std::array<Field, 3> axes;             // the fields x, y and z
-    std::uint64_t points = 0, record = 0;  // number of points; bytes of one point
-    std::string_view data, body;           // the word after DATA; the bytes after the header
-    std::uint32_t lines = 0;               // of the header
+    std::array<Field, 3> axes;                          // the fields x, y and z
+    std::uint64_t points = 0, record = 0, columns = 0;  // number of points; bytes and numbers of one point
+    std::string_view data, body;                        // the word after DATA; the bytes after the header
+    std::uint32_t lines = 0;                            // of the header
 };
 
 class PcdHeaderReader {
@@ -102,6 +102,7 @@ private:
             header_.record += field.type.size * field.count;
             column += field.count;
         }
+        header_.columns = column;
     }
 
     void find_axes() {
@@ -110,6 +111,9 @@ private:
             const auto field = std::find_if(header_.fields.rbegin(), header_.fields.rend(),
                                             [&](const Field& f) { return f.name == name; });
             if (field == header_.fields.rend()) refuse_line(fmt::format("FIELDS has no '{}'", name));
+            if (std::count_if(header_.fields.begin(), header_.fields.end(),
+                              [&](const Field& f) { return f.name == name; }) > 1)
+                refuse_line(fmt::format("FIELDS has '{}' twice: give the other field another name", name));
             if (field->count != 1 || !field->type.known())
                 refuse_line(fmt::format("'{}' is of type {}{} and count {}: write it as one F of 4 or 8 bytes", name,
                                         field->type.kind, field->type.size, field->count));
@@ -185,11 +189,22 @@ Soup read_pcd(const Input& input) {
     if (header.data == "ascii") {
         const auto& [x, y, z] = header.axes;
         PointLines points(name, {x.column, y.column, z.column},
-                          {x.type.is_float32(), y.type.is_float32(), z.type.is_float32()}, header.points);
+                          {x.type.is_float32(), y.type.is_float32(), z.type.is_float32()}, header.columns,
+                          header.points);
         points.add_lines(header.body, header.lines + 1);
         soup = points.finish();
     } else if (header.data == "binary") {
         soup = from_binary(name, header, header.body, false);
+        // The last bytes may be padding; more than a point are points that the header does not announce, or of another
+        // size.
+        const std::uint64_t left = header.body.size() - header.points * header.record;
+        if (left > 0 && left < header.record)
+            soup.notes.push_back(fmt::format("{} bytes after its last point were left out", left));
+        if (left >= header.record)
+            throw InputError(
+                fmt::format("{}: is damaged: {} points of {} bytes are announced, and {} bytes are there: "
+                            "correct its header",
+                            name, header.points, header.record, header.body.size()));
     } else if (header.data == "binary_compressed") {
         const std::string fields = inflated(name, header.body);
         // More bytes mean that the number of points is wrong; then all fields after the first would begin elsewhere.

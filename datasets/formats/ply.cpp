@@ -48,6 +48,14 @@ struct Element {
     bool is_faces() const { return name == "face" || name == "faces"; }
     bool is_strips() const { return name == "tristrips" || name == "tristrip"; }
     bool is_edges() const { return name == "edge" || name == "edges"; }
+    // Whether a property may be the number of a vertex, by its name.
+    bool may_index() const {
+        return std::any_of(properties.begin(), properties.end(), [](const Property& one) {
+            const bool numbered = one.name.size() == 2 && (one.name[0] == 'v' || one.name[0] == 'p') &&
+                                  one.name[1] >= '0' && one.name[1] <= '9';
+            return numbered || one.name.find("vertex") != std::string_view::npos;
+        });
+    }
     bool has(std::string_view property) const {
         return std::any_of(properties.begin(), properties.end(),
                            [&](const Property& one) { return one.name == property && !one.count; });
@@ -158,6 +166,9 @@ private:
             faces_ += element.count;
         } else if (!element.is_vertices() && lists > 0 && element.count > 0) {
             others_.push_back(element);
+        } else if (!element.is_vertices() && element.count > 0 && element.may_index()) {
+            soup_.notes.push_back(
+                fmt::format("its elements '{}' ({}) were left out", shown(element.name), element.count));
         }
         if (element.count > body_.size()) least = std::max<std::uint64_t>(least, 1);
         return std::min<std::uint64_t>(element.count, std::uint64_t{1} << 40) * least;

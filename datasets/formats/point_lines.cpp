@@ -189,12 +189,13 @@ PointLines::PointLines(const Input& input)
 }
 
 PointLines::PointLines(std::string name, std::array<std::size_t, 3> columns, std::array<bool, 3> float32,
-                       std::uint64_t announced)
+                       std::size_t width, std::uint64_t announced)
     : name_(std::move(name)),
       format_("pcd"),
       columns_(columns),
       float32_(float32),
       chosen_(true),
+      width_(width),
       announced_(announced),
       counted_(true) {}
 
@@ -245,13 +246,33 @@ void PointLines::take_comment(std::string_view line, std::uint32_t number) {
     Header comment{{}, number};
     bool by_blanks = false;
     if (!split_fields(line, comment.fields, by_blanks)) return;
-    if (!choice_.empty() ? comment.fields.size() > 2 : coordinates_named(comment.fields) > 1)
+    if (!choice_.empty() ? comment.fields.size() > 2 : coordinates_named(comment.fields) > 1) {
+        comments_differ_ = comments_differ_ || (comment_.line != 0 && names_another_order(comment.fields) !=
+                                                                          names_another_order(comment_.fields));
         comment_ = std::move(comment);
+    }
+}
+
+std::optional<std::array<std::size_t, 3>> PointLines::columns_if_named() const {
+    try {
+        if (header_.line != 0) return columns_by_name(name_, header_).columns;
+    } catch (const InputError&) {  // it names none
+    }
+    return std::nullopt;
 }
 
 void PointLines::choose_columns(std::uint32_t number) {
     chosen_ = true;
     const bool commented = header_.line == 0 && comment_.fields.size() == fields_.size();
+    if (header_.line == 0 && !commented && choice_.empty() && names_angles(comment_.fields))
+        refuse(name_, comment_.line,
+               "the comment names latitude and longitude, which are angles: project them first, or choose columns that "
+               "are lengths with --columns (in Python columns=\"2,3,4\")");
+    if (header_.line == 0 && comments_differ_ && choice_.empty())
+        refuse(
+            name_, comment_.line,
+            "this comment and one before it name x, y and z in different columns: choose the columns with --columns, "
+            "by number (in Python columns=\"2,3,4\")");
     if (header_.line == 0 && !commented && choice_.empty() && names_another_order(comment_.fields))
         refuse(name_, comment_.line,
                fmt::format("the comment names x, y and z in another order, but has {} words for {} columns: choose the "
@@ -267,6 +288,8 @@ void PointLines::choose_columns(std::uint32_t number) {
         const bool shifted = numbers && header_.fields.size() < fields_.size();
         choice = columns_by_choice(name_, choice_, shifted ? Header{{}, header_.line} : header_,
                                    numbers ? fields_.size() : header_.fields.size());
+        if (const auto named = columns_if_named(); named && *named != choice.columns)
+            soup_.notes.emplace_back("its header names other columns x, y and z, but --columns counts");
     } else if (header_.line != 0) {
         choice = columns_by_name(name_, header_);
     } else {
@@ -302,6 +325,9 @@ void PointLines::check_width(std::uint32_t number) {
     while (fields_.size() > width_ && fields_.back().empty()) fields_.pop_back();
     const bool named = header_.line != 0 && width_ == header_.fields.size();
     if (fields_.size() > width_) {
+        if (format_ == "pcd")
+            refuse(name_, number,
+                   fmt::format("{} columns, and FIELDS and COUNT name {}: correct the header", fields_.size(), width_));
         if (!named) refuse_unnamed(number);
         refuse(name_, number,
                fmt::format("{} columns, and the header names {}: write decimals with a point, no separator within a "

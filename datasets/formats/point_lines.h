@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,8 +22,8 @@ public:
     // For a whole file: by its ending, and with the columns that the user chose.
     explicit PointLines(const Input& input);
     // For the lines after the header of a PCD file, which gives the columns of x, y and z, whether each is stored as
-    // float32, and the number of points.
-    PointLines(std::string name, std::array<std::size_t, 3> columns, std::array<bool, 3> float32,
+    // float32, and the number of columns and of points.
+    PointLines(std::string name, std::array<std::size_t, 3> columns, std::array<bool, 3> float32, std::size_t width,
                std::uint64_t announced);
 
     // Reads lines, the first of which has the number `first` in the file. Throws InputError with file, line and column.
@@ -37,6 +38,7 @@ private:
     void take_comment(std::string_view line, std::uint32_t number);  // which may name the columns
     // Decides on the columns of x, y and z. The current line is the first point.
     void choose_columns(std::uint32_t number);
+    std::optional<std::array<std::size_t, 3>> columns_if_named() const;  // by the header, if that is clear
     void choose_unnamed_columns(std::uint32_t number);
     void check_width(std::uint32_t number);
     void add_point(std::uint32_t number);
@@ -50,6 +52,7 @@ private:
     std::array<bool, 3> float32_{};
     bool chosen_ = false;  // columns_ is final
     Header header_, comment_;
+    bool comments_differ_ = false;  // two comments name x, y and z in different orders
     // The largest number of fields in a line. Fewer fields, separated by blanks, are an error too if `exact_`.
     std::size_t width_ = std::numeric_limits<std::size_t>::max();
     bool exact_ = false;

@@ -59,23 +59,41 @@ Soup read_text(const std::string& name, std::string_view bytes) {
         std::string_view line = next_line(bytes);
         const std::string keyword = lower_case(next_word(line));
         const std::size_t first = 3 * soup.faces.size(), corners = soup.points.size() - first;  // in this facet
+        const auto nothing_more = [&](std::string_view rest) {
+            const std::string_view word = next_word(rest);
+            if (!word.empty())
+                refuse(name, number,
+                       fmt::format("'{}' follows '{}': write it on a line of its own", shown(word), keyword));
+        };
         if (keyword == "solid") {
+            if (lower_case(line).find("facet normal") != std::string::npos)
+                refuse(name, number, "'facet' follows 'solid': write it on a line of its own");
             if (in_solid) refuse(name, number, "a solid begins inside another");
             in_solid = true;
             ++soup.objects;
         } else if (keyword == "facet") {
             if (in_facet) refuse(name, number, "a facet begins inside another");
             in_facet = true;
+            if (const std::string_view word = next_word(line); lower_case(word) == "normal")
+                for (int k = 0; k < 3; ++k) next_word(line);
+            nothing_more(line);
         } else if (keyword == "vertex") {
-            if (in_facet) add_point(name, line, number, soup);
+            if (!in_facet) refuse(name, number, "a vertex stands outside of a facet");
+            add_point(name, line, number, soup);
+            for (int k = 0; k < 3; ++k) next_word(line);
+            nothing_more(line);
         } else if (keyword == "endfacet") {
-            if (in_facet && corners != 3)
-                refuse(name, number, fmt::format("a facet of {} vertices ends here", corners));
-            if (in_facet) soup.faces.push_back({first, first + 1, first + 2});
+            if (!in_facet) refuse(name, number, "a facet ends here that did not begin");
+            if (corners != 3) refuse(name, number, fmt::format("a facet of {} vertices ends here", corners));
+            nothing_more(line);
+            soup.faces.push_back({first, first + 1, first + 2});
             in_facet = false;
         } else if (keyword == "endsolid") {
             in_solid = false;
-        } else if (!keyword.empty() && keyword != "outer" && keyword != "endloop") {
+        } else if (keyword == "outer" || keyword == "endloop") {
+            if (keyword == "outer") next_word(line);
+            nothing_more(line);
+        } else if (!keyword.empty()) {
             refuse(name, number, fmt::format("'{}' is not a word of an STL file", shown(keyword)));
         }
     }
@@ -88,7 +106,8 @@ Soup read_text(const std::string& name, std::string_view bytes) {
 
 Soup read_stl(const Input& input) {
     const std::string& name = input.name;
-    const std::string_view bytes = input.bytes;
+    std::string_view bytes = input.bytes;
+    if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
     const std::string_view start = bytes.substr(0, 512);
     const std::size_t first = start.find_first_not_of(" \t\r\n");
     const bool solid = first != std::string_view::npos && lower_case(start.substr(first, 5)) == "solid" &&

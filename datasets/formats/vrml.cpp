@@ -242,6 +242,13 @@ private:
         parts_left_ -= parts;
     }
 
+    // Returns a number that may be infinite or NaN, which finish() refuses or drops.
+    double any_number(const Word& word) const {
+        const auto value = decimal(word.text);
+        if (!value) refuse_at(word, fmt::format("'{}' is not a number", shown(word.text)));
+        return *value;
+    }
+
     double number(const Word& word) const {
         const auto value = decimal(word.text);
         if (!value || !std::isfinite(*value))
@@ -348,7 +355,7 @@ private:
         ++soup_.objects;
         const std::size_t first = soup_.points.size();
         for (std::size_t i = 0; i < numbers.size(); i += 3) {
-            const Vec3 point(number(numbers[i]), number(numbers[i + 1]), number(numbers[i + 2]));
+            const Vec3 point(any_number(numbers[i]), any_number(numbers[i + 1]), any_number(numbers[i + 2]));
             soup_.points.push_back(at.matrix * point + at.shift);
             soup_.point_lines.push_back(numbers[i].line);
         }

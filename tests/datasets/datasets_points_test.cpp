@@ -351,5 +351,23 @@ TEST_F(PointFiles, BadPcdHeaders) {
     refused("a.pcd", with("DATA ascii", "DATA asci"), {"unknown DATA 'asci'", "did you mean 'ascii'"});
 }
 
+TEST_F(PointFiles, CommentsThatContradictOrNameAngles) {
+    refused("a.xyz", "# x y z\n# z y x\n1 2 3\n", {"line 2", "different columns", "--columns"});
+    refused("a.xyz", "# format: lat lon alt\n1 2 3\n", {"line 1", "angles"});
+    EXPECT_TRUE(has_note(load("a.csv", "x,y,z,i\n1,2,3,4\n", {.columns = "2,3,4"}), "other columns x, y and z"));
+    EXPECT_TRUE(load("a.csv", "x,y,z,i\n1,2,3,4\n", {.columns = "1,2,3"}).report.notes.empty());
+    EXPECT_EQ(load("a.csv", "x [NM],y [NM],z [NM]\n1,2,3\n").report.stated.micrometres, 0);
+    EXPECT_EQ(load("a.csv", "x [nm],y [nm],z [nm]\n1,2,3\n").report.stated.unit, "nm");
+}
+
+TEST_F(PointFiles, PcdThatDisagreesWithItsHeader) {
+    const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 1\n";
+    refused("a.pcd", head + "DATA ascii\n1 2 3 4\n", {"line 7", "4 columns", "name 3"});
+    refused("a.pcd", "FIELDS x y z x\nSIZE 4 4 4 4\nTYPE F F F F\nPOINTS 1\nDATA ascii\n1 2 3 4\n", {"'x' twice"});
+    refused("a.pcd", head + "DATA binary\n" + std::string(24, '\0'), {"1 points of 12 bytes", "24 bytes"});
+    EXPECT_TRUE(
+        has_note(load("a.pcd", head + "DATA binary\n" + std::string(14, '\0')), "2 bytes after its last point"));
+}
+
 }  // namespace
 }  // namespace hausbench

@@ -66,6 +66,12 @@ TEST_F(Dxf, FacesAreReadToTheLastBit) {
     EXPECT_EQ(corners(windows), corners(drawing(face)));
 }
 
+TEST_F(Dxf, OldElevationsAreRefused) {
+    for (const char* entity : {"0 LINE 38 5 10 0 20 0 30 0 11 1 21 0 31 0", "0 POINT 38 5 10 0 20 0 30 0"})
+        refused(drawing(lines(entity)), {"elevation", "release 12"});
+    EXPECT_EQ(load(drawing(lines("0 POINT 38 0 10 0 20 0 30 0"))).report.notes.size(), 0u);
+}
+
 TEST_F(Dxf, QuadrilateralsAndSolids) {
     EXPECT_EQ(load(drawing(entity("3DFACE", {{0, 0}, {1, 0}, {1, 1}, {0, 1}}))).report.polygons, 1);
     expect_at(drawing(entity("3DFACE", {{0, 0}, {1, 0}, {0, 2}})), {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}});

@@ -75,6 +75,39 @@ TEST_F(MeshFiles, ObjRefusesWhatItDoesNotRead) {
     EXPECT_EQ(corners("a.obj", "v 2 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n"), "2 0 0, 1 0 0, 0 1 0");
 }
 
+TEST_F(MeshFiles, ACommentOfObjThatWouldJoinAStatementIsRefused) {
+    const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    refused("a.obj", "# from C:\\models\\\n" + points + "f 1 2 3\n", {"line 1", "backslash"});
+    refused("a.obj", points + "g part\\\nf 1 2 3\n", {"line 4", "backslash"});
+    refused("a.obj", "v 0 0 0 # origin \\\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", {"line 1", "backslash"});
+    EXPECT_EQ(element_count(load("a.obj", "# a\\\n# b\n" + points + "f 1 \\\n2 3\n").shape), 1);
+}
+
+TEST_F(MeshFiles, PolygonsWhoseSplitMattersAreTold) {
+    const std::string bent = "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3 4\n";
+    EXPECT_TRUE(has_note(load("a.obj", bent), "not flat (a corner is up to 0."));
+    const std::string flat = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    EXPECT_TRUE(load("a.obj", flat).report.notes.empty());
+    EXPECT_TRUE(has_note(load("a.obj", flat.substr(0, flat.find('f')) + "f 1 2 4 3\n"), "cross themselves (1)"));
+    const std::string dart = "v 0 0 0\nv 2 -1 0\nv 0.5 0 0\nv 2 1 0\nf 1 2 3 4\n";  // concave
+    EXPECT_TRUE(load("a.obj", dart).report.notes.empty());
+}
+
+TEST_F(MeshFiles, WordsThatShareALineOfStlAreRefused) {
+    const auto facet = [](const std::string& begin, const std::string& end) {
+        return begin + "outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n" + end;
+    };
+    const std::string good = facet("facet normal 0 0 1\n", "endfacet\n");
+    EXPECT_EQ(element_count(load("a.stl", "\xef\xbb\xbfsolid a b\n" + good + "endsolid a b\n").shape), 1);
+    refused("a.stl", "solid\n" + facet("facet normal 0 0 1\n", "endfacet facet normal 0 0 1\n") + "endsolid\n",
+            {"line 8", "'facet' follows 'endfacet'"});
+    refused("a.stl", "solid a facet normal 0 0 1\n" + good + "endsolid\n", {"line 1", "'facet' follows 'solid'"});
+    refused("a.stl", "solid\n" + facet("facet normal 0 0 1 outer loop\n", "endfacet\n") + "endsolid\n",
+            {"line 2", "'outer'"});
+    refused("a.stl", "solid\n" + facet("", "") + "endsolid\n", {"line 3", "outside of a facet"});
+    refused("a.stl", "solid\nendfacet\nendsolid\n", {"line 2", "did not begin"});
+}
+
 TEST_F(MeshFiles, KeywordsOfOffMayTouchTheirCounts) {
     const std::string body = "0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n";
     for (const char* head : {"OFF3 1 0\n", "COFF3 1 0\n", "OFF3 1\n", "# a\n\nOFF3 1 0\n"})
@@ -85,6 +118,11 @@ TEST_F(MeshFiles, KeywordsOfOffMayTouchTheirCounts) {
     refused("a.off", "OFF9999 1 0\n" + body, {"announces 9999 vertices", "cannot hold"});
     EXPECT_EQ(load("a.off", "OFF 3 1 0\n" + body + "3 2 1 0\n").report.notes,
               (Notes{"1 line after its last face was left out"}));
+}
+
+TEST_F(MeshFiles, UnknownHeadersOfOffAreRefused) {
+    for (const char* word : {"LOFF", "XOFF", "OFFF", "nOFF"})
+        refused("a.off", std::string(word) + "\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", {"line 1", word});
 }
 
 TEST_F(MeshFiles, ShortFacesOfOffAreSegmentsAndPoints) {
@@ -151,6 +189,9 @@ TEST_F(MeshFiles, OtherElementsOfPlyAreTold) {
     const LoadedShape scan = load("a.ply", ply(grid, "1 0\n0\n"));
     EXPECT_EQ(kind_of(scan.shape), ShapeKind::points);
     EXPECT_EQ(scan.report.notes.size(), 1u);
+    EXPECT_TRUE(has_note(
+        load("a.ply", ply(faces + "element line 1\nproperty int vertex1\nproperty int vertex2\n", "3 0 1 2\n0 1\n")),
+        "'line' (1) were left out"));
     EXPECT_TRUE(
         load("a.ply", ply(faces + "element camera 1\nproperty float f\n", "3 0 1 2\n1\n")).report.notes.empty());
 }

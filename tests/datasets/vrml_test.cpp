@@ -72,7 +72,8 @@ TEST_F(Vrml, TheReportSaysWhatWasThere) {
     EXPECT_EQ(loaded.report.stated.unit, "m");
     EXPECT_EQ(loaded.report.stated.micrometres, 1e6);
     EXPECT_EQ(loaded.report.stated.up, 'Y');
-    EXPECT_TRUE(loaded.report.notes.empty());
+    EXPECT_EQ(loaded.report.notes.size(), 1u);
+    EXPECT_TRUE(has_note(loaded, "not flat"));
 }
 
 TEST_F(Vrml, LinesAndPointsAreRead) {
@@ -251,7 +252,7 @@ TEST_F(Vrml, MistakesAreToldWithTheirLine) {
     for (const char* bad : {"nan", "inf", "-inf", "1e999"})
         refused(
             head + shape(fmt::format("coord Coordinate {{ point [ 0 0 0 1 0 {} 0 1 0 ] }} coordIndex [ 0 1 2 ]", bad)),
-            {"line 2", bad, "finite"});
+            {"line 2", "not finite", "--drop-invalid"});
     refused(head + transform("scale 1e300 1 1", transform("scale 1e300 1 1", triangle)), {"not finite"});
     refused(head + transform("scale 1 nan 1", triangle), {"line 2", "'scale'"});
     refused(head + transform("rotation 0 0 1 1e999", triangle), {"line 2", "1e999"});
