@@ -337,6 +337,11 @@ Soup read_with_assimp(const Input& input) {
                                      input.name, lost));
     Soup soup = Collector(input.name, *scene).collect();
     if (!note.empty()) soup.notes.push_back(note);
+    // Found by reading files of known numbers; the tree of the file, which would tell, is not looked at here.
+    soup.notes.emplace_back(
+        "is read through assimp, which reads numbers of 32 characters and more in text as 0, and ignores "
+        "RotationActive "
+        "and InheritType: compare it with an export as glTF or OBJ");
     return soup;
 }
 

@@ -130,7 +130,7 @@ const std::vector<Format> table = {
      read_dxf,
      true,
      "3DFACE, SOLID, TRACE, MESH, POLYLINE and LWPOLYLINE (lines, polyface and polygon meshes), LINE, "
-     "POINT, and INSERT of blocks",
+     "POINT, and INSERT of blocks, also on layers that are off or frozen",
      "binary DXF, other entities with a shape (CIRCLE, ARC, SPLINE, HATCH, 3DSOLID, ...), thickness, "
      "width, bulges, fitted curves, subdivision, references to other files",
      "$INSUNITS of the header",
@@ -193,7 +193,7 @@ const std::vector<Format> table = {
      "UnitScaleFactor (centimetres) of GlobalSettings; 1 cm if it is missing",
      "UpAxis of GlobalSettings; Y if it is missing; stated, not applied",
      "the nearest float32 without transforms; else a few float32 roundings for each node (angles below "
-     "1e-5 degrees and translations below 1e-6 units are left out with a note)"},
+     "1e-5 degrees and translations below 1e-6 units are left out with a note); a note names what assimp misreads"},
     {{"pcd"},
      "Point Cloud Library",
      read_pcd,

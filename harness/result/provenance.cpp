@@ -4,9 +4,9 @@
 #include "algorithms/registry.h"
 #include "build_flags.h"  // written by CMake, as is build_info.h
 #include "build_info.h"
+#include "datasets/formats/readers.h"
 #include "datasets/hash.h"
 #include "datasets/paths.h"
-#include "datasets/formats/readers.h"
 
 #include <CGAL/version.h>
 #include <Eigen/Core>
