@@ -37,9 +37,9 @@ std::string read_all(const std::filesystem::path& file) {
     errno = 0;
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
     if (!in) throw InputError(file.string() + ": cannot be read: " + std::strerror(errno));
-    gzbuffer(in.get(), 1 << 18);
+    gzbuffer(in.get(), 1 << 16);
     std::string bytes;
-    std::vector<char> buffer(1 << 20);
+    std::vector<char> buffer(1 << 16);
     for (;;) {
         const int count = gzread(in.get(), buffer.data(), static_cast<unsigned>(buffer.size()));
         int code = 0;

@@ -1,6 +1,6 @@
 """Runs the fuzz targets that `make fuzz` has built.
 
-    python3 tests/fuzz/fuzz.py [--seconds S] [--seed N] [TARGET ...]   continue where earlier runs stopped
+    python3 tests/fuzz/fuzz.py [--seconds S] [--seed N] [TARGET ...]   continue where earlier runs stopped; readers:dxf: one format
     python3 tests/fuzz/fuzz.py --short                                 as in CI: the kept files, then a few seconds each
     python3 tests/fuzz/fuzz.py --keep [TARGET ...]                     keep the smallest files with the same coverage, in tests/fuzz/corpus
 
@@ -37,7 +37,7 @@ KEPT_BYTES = 22_000  # limit for each target's corpus
 
 
 def program(target: str) -> Path:
-    return BUILD / "tests" / "fuzz" / f"fuzz_{target}"
+    return BUILD / "tests" / "fuzz" / f"fuzz_{target.partition(':')[0]}"
 
 
 def options(target: str) -> list[str]:
@@ -47,7 +47,7 @@ def options(target: str) -> list[str]:
     failures = BUILD / "failures"
     failures.mkdir(parents=True, exist_ok=True)
     words = [f"-max_len={LENGTHS.get(target, 4096)}", "-timeout=100", "-rss_limit_mb=2048", f"-artifact_prefix={failures}/{target}-"]
-    dictionary = KEPT / f"{target}.dict"
+    dictionary = KEPT / f"{target.partition(':')[0]}.dict"
     return words + ([f"-dict={dictionary}"] if dictionary.is_file() else [])
 
 
@@ -86,7 +86,16 @@ def number(pattern: str, text: str) -> int:
 def fuzz(target: str, folder: Path, seed: int, limits: list[str]) -> dict[str, str | int | float]:
     folder.mkdir(parents=True, exist_ok=True)
     begun = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
-    code, output, seconds = call(target, [str(folder), *map(str, kept(target)), f"-seed={seed}", "-print_final_stats=1", *limits])
+    seeds = list(map(str, kept(target)))
+    target_alone, _, ending = target.partition(":")
+    if ending:  # the mutator of `readers` keeps the first line, so that seeds of one format give files of this format
+        for source in kept(target_alone):
+            for file in source.iterdir():
+                if file.read_bytes().split(b"\n", 1)[0].split(b" ", 1)[0] == ending.encode():
+                    shutil.copy(file, folder)
+        if not any(folder.iterdir()):
+            raise SystemExit(f"fuzz: tests/fuzz/corpus/{target_alone} has no file of the format {ending}")
+    code, output, seconds = call(target, [str(folder), *seeds, f"-seed={seed}", "-print_final_stats=1", *limits])
     record: dict[str, str | int | float] = {
         "target": target, "begun": begun, "seed": seed, "cpu_seconds": round(seconds, 1),
         "executions": number(r"stat::number_of_executed_units:\s+(\d+)", output), "corpus": number(r"corp: (\d+)", output),
@@ -147,7 +156,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--keep", action="store_true")
     given = parser.parse_args(arguments)
-    if unknown := [target for target in given.targets if target not in TARGETS]:
+    if unknown := [target for target in given.targets if target.partition(":")[0] not in TARGETS]:
         parser.error(f"there is no target {unknown[0]}: {', '.join(TARGETS)}")
     targets = given.targets or TARGETS
     totals = BUILD / "totals.jsonl"
