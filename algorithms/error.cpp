@@ -27,7 +27,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 // The largest number of names in a hint, because a longer message would be hard to read.
-constexpr std::size_t names_shown = 20;
+constexpr std::size_t names_shown = 40;
 
 }  // namespace
 

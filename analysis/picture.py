@@ -1,12 +1,15 @@
 """Draws one pair: `hausbench measure A B --picture FILE`, which runs this file.
 
-Left: A, coloured by its distance to B, with the farthest point and a bar of known length. Right: a histogram of the distance over A. The true
-share of A in each bar certainly lies in the grey band. The answer is printed as without --picture.
+Left: A, coloured by its distance to B, with the farthest point and a bar of known length. Right: a histogram of the distance over A. Of each bar
+the full part is certain, and the hatched part is possible: the true share ends in it. The histogram ends after a counted amount of work, so that a
+busy machine draws the same picture; with --time-limit it may end earlier, and is left out if little is certain then. The answer is printed as
+without --picture.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import os
@@ -30,7 +33,10 @@ from analysis.shared.shapes import Coloured
 
 BARS: Final = 30
 END: Final = 1.017  # right end of the last bar, over the largest distance; a round number would put ends where many distances are equal
-SECONDS: Final = 20.0  # for the histogram, unless --time-limit is less; its band is wider if that is not enough
+PIECES: Final = 1_000_000  # of A, for the histogram
+KNOWN: Final = 0.5  # least certain share of A over all bars for which a histogram is drawn
+LINE: Final = 0.01  # a mean or quantile is drawn as a line if it is known to this part of the largest distance, otherwise as a band
+READING: Final = ("--unit=", "--up=", "--columns=", "--drop-invalid", "--transform-source=", "--transform-target=", "--threads=")
 DRAWABLE: Final = 1e250  # matplotlib draws neither greater lengths nor lengths below the inverse
 FROM: Final = (0.5, 0.4, 1.0)  # direction to the eye, used if the farthest point is visible from there
 FAR: Final = "#D55E00"
@@ -50,7 +56,7 @@ class Histogram:
 def read(file: Path) -> Coloured:
     """Reads a PLY as `measure --fields` writes it: binary, double precision, triangles."""
     head, _, body = file.read_bytes().partition(b"end_header\n")
-    kinds = {"double": "<f8", "float": "<f4", "int": "<i4"}
+    kinds = {"double": "<f8", "float": "<f4", "int": "<i4", "uchar": "u1"}
     elements: list[tuple[int, list[Any]]] = []
     for line in head.decode().splitlines():
         words = line.split()
@@ -71,17 +77,17 @@ def solved(program: str, *words: str) -> Any:
     return json.loads(subprocess.run([program, "measure", *words, "--json"], stdout=subprocess.PIPE, text=True, check=True).stdout)
 
 
-def histogram(program: str, a: str, b: str, largest: float, seconds: float = SECONDS) -> Histogram:
-    """Bounds the distribution. No distance is above `largest`, so the last share is known."""
+def histogram(program: str, a: str, b: str, largest: float, options: Sequence[str] = ()) -> Histogram:
+    """Bounds the distribution. No distance is above `largest`, so the last share is known. `options`: how to read A and B, and the time limit."""
     edges = END * largest * np.arange(1, BARS + 1) / BARS
     statistics = ", ".join(["mean", "quantile 0.95", *(f"within {edge!r}" for edge in edges[:-1].tolist())])
     found = solved(program, a, b, f"--statistics={statistics}", "--of=absolute", f"--tolerance={largest / 1000!r}", "--share-tolerance=0.01",
-                   f"--time-limit={seconds!r}")["distribution"]
+                   f"--budget={PIECES}", *options)["distribution"]
     shares = sorted((float(length), bounds) for length, bounds in found["share_within"].items())
     lower, upper = (np.array([*(float(bounds[end]) for _, bounds in shares), 1.0]) for end in ("lower", "upper"))
     below_low, below_high = np.append(0.0, lower[:-1]), np.append(0.0, upper[:-1])
     return Histogram(edges, np.maximum(lower - below_high, 0.0), np.minimum(upper - below_low, 1.0),
-                     *((float(one["lower"]), float(one["upper"])) for one in (found["mean"], found["quantiles"]["0.95"])))
+                     *((float(one["lower"]), min(float(one["upper"]), largest)) for one in (found["mean"], found["quantiles"]["0.95"])))
 
 
 def round_length(most: float) -> float:
@@ -118,20 +124,21 @@ def draw_shape(ax: Any, shape: Coloured, farthest: Floats, colour_of: Any) -> No
 
 def draw_histogram(ax: Any, shown: Histogram, colour_of: Any) -> None:
     width = shown.edges[0]
-    left, middle = shown.edges - width, 50 * (shown.low + shown.high)
-    ax.bar(left, middle, width, align="edge", color=colour_of(shown.edges - width / 2))
-    ax.bar(left, 100 * (shown.high - shown.low), width, bottom=100 * shown.low, align="edge", facecolor=(0.2, 0.2, 0.2, 0.35), edgecolor="black",
-           linewidth=0.4, label="the share is certainly here")
-    for (low, high), dashes, name in ((shown.mean, "-", "mean"), (shown.most_of_a, "--", "95 % quantile")):
-        if math.isfinite(high):
+    left = shown.edges - width
+    ax.bar(left, 100 * shown.low, width, align="edge", color=colour_of(shown.edges - width / 2))
+    ax.bar(left, 100 * (shown.high - shown.low), width, bottom=100 * shown.low, align="edge", facecolor="none", edgecolor="black",
+           hatch="/////", linewidth=0.4, label="the share ends here")
+    for (low, high), dashes, hatch, name in ((shown.mean, "-", "\\\\\\", "mean"), (shown.most_of_a, "--", "|||", "95 % quantile")):
+        if high - low <= LINE * shown.edges[-1]:
             ax.axvline(0.5 * (low + high), color="black", linestyle=dashes, linewidth=0.9, label=name)
-            ax.axvspan(low, high, color="black", alpha=0.15, linewidth=0)
-    ax.set(xlabel="distance to B, in the unit of the files", ylabel="share of A, %", xlim=(0, shown.edges[-1]))
+        else:
+            ax.axvspan(low, high, facecolor="none", edgecolor="0.5", hatch=hatch, linestyle=dashes, linewidth=0.9, label=f"the {name} is in here")
+    ax.set(xlabel="distance to B, in the unit of the files", ylabel="share of A, %", xlim=(0, shown.edges[-1]), ylim=(0, min(105.0, 105.0 * shown.high.max())))
     ax.legend()
 
 
 def draw(shape: Coloured, farthest: Floats, largest: float, shown: Histogram | None, names: tuple[str, str]) -> Any:
-    skewed = shown is not None and sum(shown.most_of_a) / 2 < 0.25 * largest  # most of A would have one colour
+    skewed = largest > 0 and float(np.quantile(shape.distances, 0.95)) < 0.25 * largest  # most of A would have one colour
     scale = PowerNorm(0.5, 0, largest or 1.0) if skewed else Normalize(0, largest or 1.0)
 
     def colour_of(distances: Floats) -> Floats:
@@ -155,12 +162,6 @@ def without_fields(answer: str) -> str:
     return "".join(line for line in answer.splitlines(keepends=True) if not line.startswith("fields "))
 
 
-def seconds_of(words: Sequence[str]) -> float:
-    """Returns the time for the histogram: SECONDS, or the limit among the options of `measure` if that is less."""
-    limits = [float(word.partition("=")[2]) for word in words if word.startswith("--time-limit=")]
-    return min([SECONDS, *limits])
-
-
 def complain(why: str) -> int:
     print(printable(f"hausbench: --picture: {why}"), file=sys.stderr)
     return 2
@@ -176,7 +177,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given, rest = parser.parse_known_args(arguments)
     if any(word.startswith("--resolution=") and float(word.partition("=")[2]) > 0.5 for word in rest):
         return complain("A is drawn from values that are close to its distance: leave out --resolution, or take at most 0.5")
-    program, limit = os.environ["HAUSBENCH_PROGRAM"], seconds_of(rest)
+    program = os.environ["HAUSBENCH_PROGRAM"]
+    options = [word for word in rest if word.startswith((*READING, "--time-limit="))]
     with tempfile.TemporaryDirectory() as folder:
         fields = given.fields or Path(folder) / "a.ply"
         answered = subprocess.run([program, "measure", given.a, given.b, *rest, f"--fields={fields}"], check=False, stdout=subprocess.PIPE, text=True)
@@ -188,15 +190,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not (extent == 0 or 1 / DRAWABLE < extent < DRAWABLE):
         return complain(f"lengths of {extent:g} cannot be drawn: use another unit")
     try:
-        answer = solved(program, given.a, given.b, f"--time-limit={limit!r}")
-        largest = float(answer["upper"]) if math.isfinite(float(answer["upper"])) else float(shape.distances.max())
-        differ = float(answer["lower"]) > 0 or float(shape.distances.max()) > 0
-        shown = histogram(program, given.a, given.b, largest, limit) if differ else None
+        answer = solved(program, given.a, given.b, *options)
     except subprocess.CalledProcessError as error:
         return error.returncode
+    shown, differ = None, float(answer["lower"]) > 0 or float(shape.distances.max()) > 0
+    if differ and math.isfinite(float(answer["upper"])):
+        with contextlib.suppress(subprocess.CalledProcessError):  # it ran into the time limit
+            shown = histogram(program, given.a, given.b, float(answer["upper"]), options)
+    if differ and (not shown or shown.low.sum() < KNOWN):
+        print("hausbench: --picture: without a histogram, because too little of it is known: allow more time", file=sys.stderr)
+        shown = None
     warnings.filterwarnings("ignore", message="Glyph")  # a name may have characters that the font lacks
     farthest = np.array(answer["source_point"], dtype=float) if answer["source_point"] else shape.corners[int(np.argmax(shape.distances))]
-    figure = draw(shape, farthest, largest if shown else 0.0, shown, (Path(given.a).name, Path(given.b).name))
+    figure = draw(shape, farthest, float(shape.distances.max()), shown, (Path(given.a).name, Path(given.b).name))
     try:
         figure.savefig(given.picture)
     except OSError as problem:

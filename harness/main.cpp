@@ -41,7 +41,8 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     std::string what = error.what();
     if (dynamic_cast<const CLI::ExtrasError*>(&error) && !unknown.empty()) {
         for (const CLI::Option* option : verbs.front()->get_options()) {
-            if (!option->get_lnames().empty()) known.push_back("--" + option->get_lnames().front());
+            if (!option->get_lnames().empty() && !option->get_group().empty())
+                known.push_back("--" + option->get_lnames().front());
         }
         const std::string& word = unknown.front();
         what = word.starts_with("-") ? fmt::format("unknown option {}{}", word, nearest_hint(word, known))
@@ -68,7 +69,8 @@ int run_verb(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        if (error.get_exit_code() == 0) return app.exit(error);  // --help
+        const bool wrong_verb = app.get_subcommands().empty() && !app.remaining().empty();  // before --help
+        if (error.get_exit_code() == 0 && !wrong_verb) return app.exit(error);              // --help, --version
         throw InputError(complaint(app, error));
     }
     if (std::fflush(stdout) != 0 || std::ferror(stdout))

@@ -317,17 +317,24 @@ typedef struct hausbench_verdict {
     hausbench_interval bounds; /* as the file states them; [0, INFINITY] if its bounds are out of order */
     double proven; /* The upper bound that the proof proves: quote this. bounds.upper may be smaller, by up to 1e-12 of
                       the diagonal of both shapes. */
-    char text[1024]; /* what was checked, or why the proof is refused; one line */
+    char text[1024];                         /* what was checked, or why the proof is refused; one line */
+    double source_pose[16], target_pose[16]; /* of the file, as in hausbench_query */
 } hausbench_verdict;
-#define HAUSBENCH_VERDICT_INIT                                          \
-    {                                                                   \
-        sizeof(hausbench_verdict), 0, 0, {0, INFINITY}, INFINITY, { 0 } \
+#define HAUSBENCH_VERDICT_INIT                                                    \
+    {                                                                             \
+        sizeof(hausbench_verdict), 0, 0, {0, INFINITY}, INFINITY, {0}, {0}, { 0 } \
     }
 
-/* Checks a proof with code that shares nothing with the solvers. The call also succeeds if the proof is refused: see
-   verdict->accepted. Fails with BAD_INPUT if the file cannot be read or is about other shapes. */
+/* Checks a proof about shapes at rest with code that shares nothing with the solvers. The call also succeeds if the proof
+   is refused: see verdict->accepted. A proof about a pose is refused. Fails with BAD_INPUT if the file cannot be read or
+   is about other shapes. */
 HAUSBENCH_API int hausbench_verify(const char* path, const hausbench_shape* source, const hausbench_shape* target,
                                    hausbench_verdict* verdict, hausbench_error* error);
+
+/* The same for shapes at poses, as in hausbench_query; NULL: at rest. A proof about other poses is refused. */
+HAUSBENCH_API int hausbench_verify_posed(const char* path, const hausbench_shape* source, const hausbench_shape* target,
+                                         const double* source_pose, const double* target_pose,
+                                         hausbench_verdict* verdict, hausbench_error* error);
 
 /* --- about this library ------------------------------------------------------------------------------------------ */
 

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <string>
+#include <tuple>
 #include <utility>
 
 namespace hausbench::library {
@@ -53,6 +55,35 @@ Result certify(Question& question, bool symmetric, const std::filesystem::path& 
     return result;
 }
 
+void put(const Pose& pose, double* matrix) {
+    for (int k = 0; k < 4; ++k)
+        for (int j = 0; j < 4; ++j)
+            matrix[4 * k + j] = k == 3 ? double(j == 3) : j == 3 ? pose.translation[k] : pose.rotation(k, j);
+}
+
+bool are_equal(const Pose& a, const Pose& b) { return a.rotation == b.rotation && a.translation == b.translation; }
+
+// Checks a file for the question whether it proves a bound of A and B at these poses.
+hausbench_verdict verdict_of(const CertificateFile& content, const Shape& a, const Shape& b, const Pose& source_pose,
+                             const Pose& target_pose) {
+    const CertificateVerdict found = verify_certificate(content, a, b);
+    std::string refusal = found.refusal;
+    for (const auto& [name, stated, asked] :
+         {std::tuple{"A", &content.source.pose, &source_pose}, std::tuple{"B", &content.target.pose, &target_pose}})
+        if (refusal.empty() && !are_equal(*stated, *asked))
+            refusal = fmt::format("the file is about {} {}: give the pose that it was certified at", name,
+                                  stated->is_identity() ? "at rest" : "at another pose");
+    hausbench_verdict verdict = HAUSBENCH_VERDICT_INIT;
+    verdict.accepted = refusal.empty() ? 1 : 0;
+    if (content.bounds.lower <= content.bounds.upper) verdict.bounds = {content.bounds.lower, content.bounds.upper};
+    if (verdict.accepted) verdict.proven = found.proven;
+    put(content.source.pose, verdict.source_pose);
+    put(content.target.pose, verdict.target_pose);
+    copy_text(verdict.text, sizeof verdict.text,
+              one_line(verdict.accepted ? "the upper bound is proven; the lower bound " + found.lower : refusal));
+    return verdict;
+}
+
 }  // namespace
 }  // namespace hausbench::library
 #endif
@@ -84,28 +115,25 @@ int hausbench_certify(hausbench_pair* pair, int32_t symmetric, const hausbench_q
     });
 }
 
-int hausbench_verify(const char* path, const hausbench_shape* source, const hausbench_shape* target,
-                     hausbench_verdict* verdict, hausbench_error* error) {
+int hausbench_verify_posed(const char* path, const hausbench_shape* source, const hausbench_shape* target,
+                           const double* source_pose, const double* target_pose, hausbench_verdict* verdict,
+                           hausbench_error* error) {
     return guarded(error, [&] {
         given(path, "path", 1);
         const auto a = model_of(source, "source", 2), b = model_of(target, "target", 3);
-        expect_size(*given(verdict, "verdict", 4), "verdict", 4);
+        const hausbench::Pose at = pose_of(source_pose, "source_pose", 4), to = pose_of(target_pose, "target_pose", 5);
+        expect_size(*given(verdict, "verdict", 6), "verdict", 6);
 #ifdef HAUSBENCH_HAS_CHECKER
-        const hausbench::CertificateFile content = hausbench::read_certificate(path);
-        const hausbench::CertificateVerdict found = hausbench::verify_certificate(content, a->shape(), b->shape());
-        hausbench_verdict ours = HAUSBENCH_VERDICT_INIT;
-        ours.accepted = found.accepted ? 1 : 0;
-        const hausbench::Bounds& stated = content.bounds;
-        if (stated.lower <= stated.upper) ours.bounds = {stated.lower, stated.upper};
-        if (found.accepted) ours.proven = found.proven;
-        const std::string text =
-            found.accepted ? "the upper bound is proven; the lower bound " + found.lower : found.refusal;
-        copy_text(ours.text, sizeof ours.text, hausbench::one_line(text));
-        give(*verdict, ours);
+        give(*verdict, verdict_of(hausbench::read_certificate(path), a->shape(), b->shape(), at, to));
 #else
         throw hausbench::InputError(no_checker);
 #endif
     });
+}
+
+int hausbench_verify(const char* path, const hausbench_shape* source, const hausbench_shape* target,
+                     hausbench_verdict* verdict, hausbench_error* error) {
+    return hausbench_verify_posed(path, source, target, nullptr, nullptr, verdict, error);
 }
 
 }  // extern "C"

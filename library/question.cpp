@@ -14,23 +14,6 @@
 namespace hausbench::library {
 namespace {
 
-Pose pose_of(const double* matrix, const char* name, int argument) {
-    Pose pose;
-    if (!matrix) return pose;
-    for (int k = 0; k < 3; ++k) {
-        for (int j = 0; j < 3; ++j) pose.rotation(k, j) = matrix[4 * k + j];
-        pose.translation[k] = matrix[4 * k + 3];
-    }
-    if (!(matrix[12] == 0 && matrix[13] == 0 && matrix[14] == 0 && matrix[15] == 1))
-        throw ArgumentError(argument,
-                            fmt::format("query: the last row of {} is {} {} {} {}, not 0 0 0 1: give the rows of "
-                                        "the matrix one after the other",
-                                        name, matrix[12], matrix[13], matrix[14], matrix[15]));
-    if (!pose.rotation.allFinite() || !pose.translation.allFinite())
-        throw ArgumentError(argument, fmt::format("query: {} has an entry that is not finite: give numbers", name));
-    return pose;
-}
-
 void check(const hausbench_query& query, int argument) {
     const auto fail = [&](const std::string& what) { throw ArgumentError(argument, "query: " + what); };
     if (!(query.tolerance > 0) || std::isinf(query.tolerance))
@@ -62,6 +45,22 @@ const char* unit_named(std::int32_t relative_to) {
 
 }  // namespace
 
+Pose pose_of(const double* matrix, const char* name, int argument, const char* of) {
+    Pose pose;
+    if (!matrix) return pose;
+    for (int k = 0; k < 3; ++k) {
+        for (int j = 0; j < 3; ++j) pose.rotation(k, j) = matrix[4 * k + j];
+        pose.translation[k] = matrix[4 * k + 3];
+    }
+    if (!(matrix[12] == 0 && matrix[13] == 0 && matrix[14] == 0 && matrix[15] == 1))
+        throw ArgumentError(argument, fmt::format("{}the last row of {} is {} {} {} {}, not 0 0 0 1: give the rows of "
+                                                  "the matrix one after the other",
+                                                  of, name, matrix[12], matrix[13], matrix[14], matrix[15]));
+    if (!pose.rotation.allFinite() || !pose.translation.allFinite())
+        throw ArgumentError(argument, fmt::format("{}{} has an entry that is not finite: give numbers", of, name));
+    return pose;
+}
+
 Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argument)
     : pair_(given(pair, "pair", 1)->pair),
       asked_(taken<hausbench_query>(theirs, HAUSBENCH_QUERY_INIT, "query", argument)),
@@ -72,8 +71,8 @@ Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argu
     query.tolerance = tolerance.tolerance;
     query.threads = asked_.threads;
     query.time_limit = asked_.time_limit;
-    query.source_pose = pose_of(asked_.source_pose, "source_pose", argument);
-    query.target_pose = pose_of(asked_.target_pose, "target_pose", argument);
+    query.source_pose = pose_of(asked_.source_pose, "source_pose", argument, "query: ");
+    query.target_pose = pose_of(asked_.target_pose, "target_pose", argument, "query: ");
     query.weigh = asked_.weigh_by_number ? WeighBy::number : WeighBy::area;
     query.share_tolerance = asked_.share_tolerance;
     if (asked_.cancel) query.interrupt = &interrupt_;

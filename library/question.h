@@ -46,4 +46,7 @@ private:
     double prepare_seconds_ = 0, solve_seconds_ = 0;
 };
 
+// Returns the pose of a 4 x 4 matrix as in hausbench_query. Throws ArgumentError, with `of` before the name, if it is none.
+Pose pose_of(const double* matrix, const char* name, int argument, const char* of = "");
+
 }  // namespace hausbench::library

@@ -18,6 +18,7 @@
 #include <limits>
 #include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace hausbench {
@@ -30,6 +31,7 @@ namespace {
 constexpr int format_version = 2;
 constexpr double most_above_upper = 1e-12;  // as a fraction of the diagonal of the box around both shapes
 constexpr double most_off_rotation = 1e-9;  // largest deviation of an entry of R^T R from the identity
+constexpr double most_rounded = 1e-6;       // largest rounding of posed coordinates, as a fraction of the shapes
 
 // --- the file ---------------------------------------------------------------------------------------------------------
 
@@ -167,6 +169,30 @@ bool keeps_distances(const Pose& pose) {
     return (off.array().abs() <= most_off_rotation).all() && pose.translation.allFinite();
 }
 
+// Returns a bound on how far rounding moves the posed points from where the pose puts them. Each coordinate has three
+// products and three sums, none of which is larger than 3 R + T, so that its error is below 8 u (3 R + T), where R is the
+// largest coordinate, T that of the translation, and u = 2^-53. (An entry of a rotation is at most 1 + 1e-9.)
+double rounding_of(const Shape& shape, const Pose& pose) {
+    if (pose.is_identity()) return 0;
+    return std::sqrt(3) * 0x1p-50 * (3 * magnitude(points_of(shape)) + pose.translation.cwiseAbs().maxCoeff());
+}
+
+// Returns why the poses cannot count as motions: one of them is not a rotation and translation, or rounding flattens a
+// shape or moves it against the other, because a coordinate is so large.
+std::string wrong_pose(const CertificateFile& c, const Shape& source, const Shape& target, double extent) {
+    const double size = std::max({diagonal(points_of(source)), diagonal(points_of(target)), extent});
+    for (const auto& [name, model, shape] : {std::tuple{"A", &c.source, &source}, {"B", &c.target, &target}}) {
+        if (!keeps_distances(model->pose)) return fmt::format("the pose of {} is not a rotation and translation", name);
+        const double rounding = rounding_of(*shape, model->pose);
+        if (!(rounding <= most_rounded * size))
+            return fmt::format(
+                "the pose of {} moves it so far that rounding displaces its points by up to {:.2g}, more than "
+                "1e-6 of the diagonal of the shapes",
+                name, rounding);
+    }
+    return "";
+}
+
 // Returns whether the file has exactly the certificates that its quantity requires: one of h(A,B) and, for H(A,B), then
 // one of h(B,A).
 bool proves_its_quantity(const CertificateFile& c) {
@@ -188,12 +214,14 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
     wrong = c.witness.source_element >= element_count(source) || c.witness.target_element >= element_count(target);
     if (wrong) return "its witness names an element that the shape does not have";
     if (lower == 0) return "holds: no distance is below 0";
-    if (!p.allFinite()) return "not checked: the answer has no witness";
+    wrong = true;
+    if (lower > c.bounds.upper) return "it is above the upper bound";
+    if (!p.allFinite()) return "it has no witness, so nothing shows it";
     double shown = 0;
     const Verdict verdict = Checker(source, target).lower(lower, c.witness, c.source.pose, c.target.pose, shown);
-    if (verdict == Verdict::holds) return "holds, by its witness";
-    if (verdict != Verdict::unsound) return "not checked: a pose leaves the range of doubles";
-    wrong = true;
+    wrong = verdict != Verdict::holds;
+    if (!wrong) return "holds, by its witness";
+    if (verdict != Verdict::unsound) return "it cannot be checked, because a pose leaves the range of doubles";
     return fmt::format("its witness shows only {:.17g}", shown);
 }
 
@@ -238,11 +266,9 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
     const auto refuse = [&](const std::string& why) {
         if (verdict.refusal.empty()) verdict.refusal = why;
     };
-    for (const CertificateFile::Model* model : {&content.source, &content.target}) {
-        if (!keeps_distances(model->pose))
-            refuse(
-                fmt::format("the pose of {} is not a rotation and translation", model == &content.source ? "A" : "B"));
-    }
+    const double extent =
+        diagonal_of_both(posed(points_of(source), content.source.pose), posed(points_of(target), content.target.pose));
+    if (const std::string wrong = wrong_pose(content, source, target, extent); !wrong.empty()) refuse(wrong);
     if (!proves_its_quantity(content))
         refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"
                                                        : "h(A,B) takes one certificate, of h(A,B)");
@@ -251,8 +277,6 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
         if (!verdict.checks.back().accepted) refuse(verdict.checks.back().refusal);
         verdict.proven = std::max(verdict.proven, one.proven);
     }
-    const double extent =
-        diagonal_of_both(posed(points_of(source), content.source.pose), posed(points_of(target), content.target.pose));
     if (!proves_the_bound(verdict.proven, content.bounds.upper, extent))
         refuse(
             fmt::format("it proves {:.17g}, which is above the upper bound {:.17g} by more than 1e-12 of the diagonal "
@@ -285,7 +309,8 @@ std::string describe(const CertificateFile& content, const CertificateVerdict& v
                             check.seconds);
     }
     text += fmt::format("lower      {:.17g} {}\n", content.bounds.lower, verdict.lower);
-    return text + (verdict.accepted ? fmt::format("accepted   the distance is at most {:.17g}\n", verdict.proven)
+    return text + (verdict.accepted ? fmt::format("accepted   the distance {}is at most {:.17g}\n",
+                                                  content.at_rest() ? "" : "at these poses ", verdict.proven)
                                     : fmt::format("refused    {}\n", verdict.refusal));
 }
 

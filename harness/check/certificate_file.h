@@ -27,6 +27,8 @@ struct CertificateFile {
     Bounds bounds;
     Witness witness;
     std::vector<Certificate> certificates;
+
+    bool at_rest() const { return source.pose.is_identity() && target.pose.is_identity(); }
 };
 
 // Returns the shape with its coordinates as loaded. Solvers work on scaled coordinates, certificate files on the
@@ -48,12 +50,14 @@ struct CertificateVerdict {
     bool accepted = false;
     double proven = 0;                     // upper bound on h(A,B) or H(A,B)
     std::vector<CertificateCheck> checks;  // one for each certificate
-    // The result for the lower bound: "holds, ...", "not checked: ...", or why the bound is wrong.
+    // The result for the lower bound: "holds, ...", or why it is refused.
     std::string lower;
     std::string refusal;  // the reason in one line; empty if accepted
 };
 
 // Checks every certificate, that they prove the upper bound of the answer, and that the witness proves its lower bound.
+// What it accepts is about the shapes at the poses of the file, which are rotations and translations and do not displace
+// points by rounding by more than 1e-6 of the diagonal of the shapes.
 // Throws InputError if a shape is not the one for which the file was written.
 CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target);
 

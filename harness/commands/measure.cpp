@@ -77,8 +77,7 @@ void take_arguments(CLI::App* verb, Arguments& given) {
         ->type_name("NUMBER")
         ->capture_default_str();
     verb->add_option("--of", request.of,
-                     "unit of the tolerance: the diagonal or longest side of A's box, a length in the files' unit, or "
-                     "the lower bound")
+                     "unit of tolerance and cutoff: A's diagonal or longest side, a length, or the lower bound")
         ->type_name("diagonal|longest|absolute|lower")
         ->capture_default_str()
         ->check([](const std::string& of) {
@@ -92,7 +91,7 @@ void take_arguments(CLI::App* verb, Arguments& given) {
     verb->add_flag("--distribution", given.distribution,
                    "instead: mean, RMS, deviation, median, 95 % quantile and maximum");
     verb->add_option("--statistics", given.statistics,
-                     "these, such as \"mean, quantile 0.99, within 0.1\" (the share at most 0.1 away)")
+                     "these, such as \"mean, quantile 0.99, within 0.1\" (the share up to 0.1)")
         ->type_name("LIST");
     verb->add_flag("--by-vertex", given.by_vertex,
                    "statistics count each vertex once, instead of each part by its area");
@@ -104,10 +103,11 @@ void take_arguments(CLI::App* verb, Arguments& given) {
         ->type_name("NAME=VALUE");
     verb->add_option("--cutoff", request.cutoff,
                      "only asks whether the distance is above this, for 10 s or --time-limit")
-        ->type_name("LENGTH");
+        ->type_name("NUMBER");
     verb->add_option("--time-limit", request.time_limit,
                      "limit for preparing, and for solving; bounds hold also when it is reached")
         ->type_name("SECONDS");
+    verb->add_option("--budget", request.budget, "most units of work, for --picture")->group("");
     verb->add_flag("--in-process", request.in_process, "solves in this process, for debuggers");
     verb->add_option("--threads", request.threads, "threads that the solver may use, if it supports them")
         ->type_name("N")
@@ -119,6 +119,8 @@ void take_arguments(CLI::App* verb, Arguments& given) {
         ->capture_default_str();
     verb->add_option("--picture", given.picture,
                      "draws A coloured by its distance to B, and a histogram (.png, .pdf, .svg)")
+        ->type_name("FILE");
+    verb->add_option("--witness", request.witness, "writes the farthest point and the line to B, as .ply, .vtk or .obj")
         ->type_name("FILE");
     verb->add_option("--certificate", request.certificate,
                      "writes a proof of the upper bound, for `hausbench verify --certificate`")
@@ -155,7 +157,8 @@ void check_batch(const MeasureRequest& request, const std::filesystem::path& pai
                                                   {!request.source_matrix.empty(), "--transform-source"},
                                                   {!request.target_matrix.empty(), "--transform-target"},
                                                   {!request.fields.empty(), "--fields"},
-                                                  {!request.certificate.empty(), "--certificate"}};
+                                                  {!request.certificate.empty(), "--certificate"},
+                                                  {!request.witness.empty(), "--witness"}};
     for (const auto& [given, name] : alone) {
         if (given) throw InputError(fmt::format("{}: not with several pairs, which are written as CSV", name));
     }
@@ -175,6 +178,7 @@ void add_measure(CLI::App& app, int& code) {
     verb->callback([verb, &code] {
         for (const auto& [name, file] : {std::pair{"--fields", &request.fields},
                                          {"--certificate", &request.certificate},
+                                         {"--witness", &request.witness},
                                          {"--picture", &given.picture}}) {
             if (verb->count(name) > 0 && file->empty()) throw InputError(fmt::format("{}: name a file", name));
         }
@@ -189,7 +193,8 @@ void add_measure(CLI::App& app, int& code) {
             request.statistics = parse_statistics(given.statistics);
         else if (given.distribution)
             request.statistics = parse_statistics("mean, rms, deviation, median, quantile 0.95, maximum");
-        request.tolerance_given = verb->count("--tolerance") + verb->count("--of") > 0;
+        request.of_given = verb->count("--of") > 0;
+        request.tolerance_given = verb->count("--tolerance") > 0 || request.of_given;
         if (!given.picture.empty()) check_picture(*verb, given);
         const bool many = is_pattern(request.source) || is_pattern(request.target);
         if (!given.pairs.empty() || many) {

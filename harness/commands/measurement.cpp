@@ -8,6 +8,7 @@
 #include "harness/check/claims.h"
 #include "harness/commands/measurement_solve.h"
 #include "harness/commands/named_shape.h"
+#include "harness/commands/witness_file.h"
 #include "harness/plan/plan.h"
 #include "harness/result/field_file.h"
 #include "process/whole_file.h"
@@ -64,6 +65,7 @@ void expect_places_apart(const MeasureRequest& request) {
     if (!request.fields.empty() && request.asks_for_h())
         take("--fields with --symmetric", file_of_way_back(request.fields));
     if (!request.certificate.empty()) take("--certificate", request.certificate);
+    if (!request.witness.empty()) take("--witness", request.witness);
 }
 
 // Statistics have neither a farthest point nor a proof.
@@ -78,6 +80,8 @@ void check_distribution(const MeasureRequest& request) {
         throw InputError("--fields: is drawn beside the largest distance: leave out --distribution and --statistics");
     if (!request.certificate.empty())
         throw InputError("--certificate: proves the largest distance: leave out --distribution and --statistics");
+    if (!request.witness.empty())
+        throw InputError("--witness: shows the largest distance: leave out --distribution and --statistics");
     if (!(request.share_tolerance > 0))
         throw InputError(fmt::format("--share-tolerance: must be a number above 0, not {}", request.share_tolerance));
 }
@@ -99,7 +103,8 @@ void check(const MeasureRequest& request) {
     if (!request.fields.empty()) check_export_place(request.fields);
     if (!request.fields.empty() && request.asks_for_h()) check_export_place(file_of_way_back(request.fields));
     if (!request.certificate.empty()) check_place_to_write(request.certificate);
-    if (!request.fields.empty() || !request.certificate.empty()) expect_places_apart(request);
+    if (!request.witness.empty()) check_witness_place(request.witness);
+    expect_places_apart(request);
     if (!request.certificate.empty() &&
         (request.reading.any() || !request.source_matrix.empty() || !request.target_matrix.empty()))
         throw InputError(
@@ -146,6 +151,7 @@ Tolerance tolerance_of(const MeasureRequest& request, const Points& a, Measured&
     measured.tolerance_of = resolved.of;
     measured.unit = resolved.unit;
     measured.tolerance_absolute = relative ? std::numeric_limits<double>::quiet_NaN() : resolved.tolerance.value;
+    if (request.cutoff) measured.cutoff = *request.cutoff * (request.of_given ? resolved.unit : 1);
     return resolved.tolerance;
 }
 
@@ -352,6 +358,15 @@ Measured measure(const MeasureRequest& asked) {
     if (!measured.why_not_drawn.empty())
         measured.warnings.push_back(
             fmt::format("{}: not all fields are written: {}", request.fields.string(), measured.why_not_drawn));
+    if (!request.witness.empty() && no_answer(measured).empty()) {
+        const Witness& witness = measured.result.witness;
+        measured.no_witness = !witness.source_point.allFinite() || !witness.target_point.allFinite();
+        if (measured.no_witness)
+            measured.warnings.push_back(
+                fmt::format("{} is not written: the solver names no two points", request.witness.string()));
+        else
+            write_witness(request.witness, witness.source_point, witness.target_point);
+    }
     if (!measured.doubt.empty())
         measured.warnings.push_back(fmt::format("{}: {}", request.certificate.string(), measured.doubt));
     return measured;
@@ -386,8 +401,8 @@ std::string no_answer(const Measured& measured) {
 }
 
 int exit_code(const Measured& measured, const MeasureRequest& request) {
-    const bool proof =
-        (request.certificate.empty() || (measured.proven && measured.doubt.empty())) && measured.why_not_drawn.empty();
+    const bool proof = (request.certificate.empty() || (measured.proven && measured.doubt.empty())) &&
+                       measured.why_not_drawn.empty() && !measured.no_witness;
     if (!request.cutoff) return no_answer(measured).empty() && proof ? 0 : 1;
     if (!no_answer(measured).empty()) return 3;
     const Status status = measured.result.status;

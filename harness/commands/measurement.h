@@ -32,15 +32,18 @@ struct MeasureRequest {
     std::vector<Statistic> statistics = {};
     WeighBy weigh = WeighBy::area;
     double share_tolerance = 1e-3;
-    // If set, asks only whether the distance is above this length. A gap within the tolerance then does not end the
-    // solve.
+    // If set, asks only whether the distance is above this: in the unit `of` if `of_given`, and otherwise a length. A gap
+    // within the tolerance then does not end the solve.
     std::optional<double> cutoff;
+    bool of_given = false;
     int threads = 1;
+    std::uint64_t budget = std::numeric_limits<std::uint64_t>::max();  // as in Query
     // In seconds, for preparing and for solving separately.
     double time_limit = std::numeric_limits<double>::infinity();
     std::filesystem::path fields = {};       // file to write the fields to; empty: none
     double resolution = 0.1;                 // largest error of the fields between vertices, as a fraction of h
     std::filesystem::path certificate = {};  // file to write the certificate to; empty: none
+    std::filesystem::path witness = {};      // file to write the witness to; empty: none
     bool in_process = false;                 // solves in this process, for debuggers
 
     Quantity quantity() const {
@@ -87,8 +90,9 @@ struct Measured {
     double tolerance_absolute = 0;  // the tolerance as a length; NaN if it is a fraction of the lower bound
     // The unit of the tolerance. If the requested unit is 0 for A, this is `diagonal of both` or `absolute` instead.
     std::string tolerance_of;
-    double unit = 1;    // the length of which the tolerance is a fraction
-    double extent = 0;  // the diagonal of the box of both shapes
+    double unit = 1;                    // the length of which the tolerance is a fraction
+    std::optional<double> cutoff = {};  // as a length
+    double extent = 0;                  // the diagonal of the box of both shapes
     Result result;
     // With --symmetric: the answers for h(A,B) and h(B,A). In both, as in `result`, the source point of the witness is
     // on A.
@@ -104,6 +108,7 @@ struct Measured {
     std::string doubt = {};
     std::vector<DrawnFile> drawn = {};  // the file of A; with --symmetric also the file of B
     std::string why_not_drawn = {};     // one line: why not all fields were written
+    bool no_witness = false;            // the witness was asked for, and is not known
     std::vector<std::string> warnings = {};
     std::vector<std::string> notes = {};  // how the files were read, each one line
 };

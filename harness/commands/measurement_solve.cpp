@@ -36,7 +36,8 @@ public:
         query_.tolerance = work.tolerance;
         query_.threads = request.threads;
         query_.time_limit = request.time_limit;
-        if (request.cutoff) query_.floor = query_.cutoff = *request.cutoff;
+        query_.budget = request.budget;
+        if (measured.cutoff) query_.floor = query_.cutoff = *measured.cutoff;
         forward_.emplace(session(shapes_.source, shapes_.target, false));
         if (!request.asks_for_h()) return;
         if (relative()) both_.emplace(session(shapes_.source, shapes_.target, true));

@@ -1,5 +1,6 @@
 // Formats the output of `measure`: one JSON object, or lines for a person.
 #include "harness/commands/measurement.h"
+#include "harness/commands/row_texts.h"
 #include "harness/record/json.h"
 
 #include <fmt/format.h>
@@ -18,8 +19,15 @@ json point_json(const Vec3& v) {
     return {v[0], v[1], v[2]};
 }
 
-json fraction(double length, double diagonal) {
-    return diagonal > 0 && std::isfinite(diagonal) ? number(length / diagonal) : json();
+// Returns a bound over a length, rounded outward.
+double quotient(double bound, double length, bool lower) {
+    const double nearest = bound / length, above = std::fma(nearest, length, -bound);
+    if (!std::isfinite(nearest) || above == 0 || (lower ? above < 0 : above > 0)) return nearest;
+    return std::nextafter(nearest, lower ? 0 : infinity);
+}
+
+json fraction(double bound, double diagonal, bool lower) {
+    return diagonal > 0 && std::isfinite(diagonal) ? number(quotient(bound, diagonal, lower)) : json();
 }
 
 Index count_parts(const MeasuredShape& s) {
@@ -37,8 +45,8 @@ json answer_json(const Result& r, const Measured& m) {
     const double diagonal = m.source.diagonal;
     return {{"lower", number(r.bounds.lower)},
             {"upper", number(r.bounds.upper)},
-            {"lower_of_diagonal", fraction(r.bounds.lower, diagonal)},
-            {"upper_of_diagonal", fraction(r.bounds.upper, diagonal)},
+            {"lower_of_diagonal", fraction(r.bounds.lower, diagonal, true)},
+            {"upper_of_diagonal", fraction(r.bounds.upper, diagonal, false)},
             {"status", to_string(r.status)},
             {"note", r.note},
             {"source_point", point_json(r.witness.source_point)},
@@ -100,8 +108,8 @@ json drawn_json(const Measured& m) {
 std::string drawn_text(const DrawnFile& one, const char* what, double resolution) {
     std::string text = fmt::format("fields     {}: {} vertices", one.file.string(), one.vertices);
     if (one.pieces > 0) text += fmt::format(", {} triangles", one.pieces);
-    text += fmt::format("; largest drawn value {:.9g}, {} is in [{:.9g}, {:.9g}]\n", one.largest, what,
-                        one.bounds.lower, one.bounds.upper);
+    text += fmt::format("; largest drawn value {:.9g}, {} is in [{}, {}]\n", one.largest, what,
+                        bound_text(one.bounds.lower, true, 10), bound_text(one.bounds.upper, false, 10));
     if (!one.resolved)
         text += fmt::format(
             "           coarser than --resolution {:g} asks: that takes more triangles than are written\n", resolution);
@@ -144,22 +152,16 @@ std::string answer_text(const std::string& name, const Result& r, double diagona
     const Bounds& b = r.bounds;
     std::string text = fmt::format("{:<10} {} in [{:.17g}, {:.17g}]\n", "distance", name, b.lower, b.upper);
     if (diagonal > 0 && std::isfinite(diagonal) && std::isfinite(b.upper))
-        text += fmt::format("           [{:.6g}, {:.6g}] of A's diagonal\n", b.lower / diagonal, b.upper / diagonal);
+        text +=
+            fmt::format("           [{}, {}] of A's diagonal\n", bound_text(quotient(b.lower, diagonal, true), true),
+                        bound_text(quotient(b.upper, diagonal, false), false));
     std::string end(to_string(r.status));
     if (r.status == Status::below_floor || r.status == Status::above_cutoff)
         end = "not narrowed further because the answer is known";
     else if (r.status != Status::converged)
         end = "not converged: " + end;
-    return text + fmt::format("           gap {:.3g}, {}{}\n", b.gap(), end, r.note.empty() ? "" : ": " + r.note);
-}
-
-// Formats a bound with ten digits, rounded outward.
-std::string outward(double value, bool up) {
-    const std::string text = fmt::format("{:.10g}", value);
-    const double there = std::strtod(text.c_str(), nullptr);
-    if (up ? there >= value : there <= value) return text;
-    if (value < 1e-300) return fmt::format("{:.17g}", value);
-    return fmt::format("{:.10g}", up ? value * (1 + 1e-9) : value * (1 - 1e-9));  // ten digits err by less than 5e-10
+    return text + fmt::format("           gap {}, {}{}\n", bound_text(b.gap(), false, 3), end,
+                              r.note.empty() ? "" : ": " + r.note);
 }
 
 // A table of the statistics: a line for each, and a block for each set of points that count.
@@ -181,8 +183,7 @@ std::string statistics_text(const Measured& m, const MeasureRequest& request) {
         one.over = Statistic::Over::source;
         const Bounds& bounds = m.result.statistics[i];
         text += fmt::format("{:<10} {:<14} in [{}, {}]\n", i == 0 && !request.symmetric ? "statistics" : "",
-                            to_string(one), outward(bounds.lower, false),
-                            is_share(one) && bounds.upper >= 1 - 1e-9 ? "1" : outward(bounds.upper, true));
+                            to_string(one), bound_text(bounds.lower, true, 10), bound_text(bounds.upper, false, 10));
     }
     const Result& r = m.result;
     const std::string end = r.status == Status::converged
@@ -228,9 +229,9 @@ std::string witness_text(const Result& r, const Measured& m) {
 std::string distance_text(const Measured& m, const MeasureRequest& request) {
     const std::string name = request.penetration ? "depth" : request.symmetric ? "H(A,B)" : "h(A,B)";
     std::string text;
-    if (request.cutoff) {
+    if (m.cutoff) {
         constexpr const char* answers[] = {"is at most", "is above", "", "may be above or below"};
-        text += fmt::format("answer     {} {} {:.9g}\n", name, answers[exit_code(m, request)], *request.cutoff);
+        text += fmt::format("answer     {} {} {}\n", name, answers[exit_code(m, request)], *m.cutoff);
     }
     if (request.symmetric) {
         for (const auto& [direction, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {
@@ -257,7 +258,7 @@ json to_json(const Measured& m, const MeasureRequest& request) {
         out["status"] = to_string(m.failed->status);
         out["note"] = m.failed->reason;
     }
-    const bool asked = request.cutoff.has_value();
+    const bool asked = m.cutoff.has_value();
     const int code = exit_code(m, request);
     const Quantity quantity = request.quantity();
     out.update({{"direction", quantity == Quantity::directed ? "source to target" : to_string(quantity)},
@@ -269,7 +270,7 @@ json to_json(const Measured& m, const MeasureRequest& request) {
                 {"tolerance", request.tolerance},
                 {"tolerance_of", m.tolerance_of},
                 {"tolerance_absolute", number(m.tolerance_absolute)},
-                {"cutoff", asked ? json(*request.cutoff) : json()},
+                {"cutoff", asked ? json(*m.cutoff) : json()},
                 {"above_cutoff", asked && code != 3 ? json(code == 1) : json()},
                 {"proven", m.proven ? number(*m.proven) : json()},
                 {"proves_less", m.proven ? json(proves_less(m)) : json()},

@@ -21,17 +21,18 @@ std::string duration_text(double seconds) {
                                 : fmt::format("{:.0f} s", seconds);
 }
 
-std::string bound_text(double value, bool lower) {
+std::string bound_text(double value, bool lower, int digits) {
     if (!std::isfinite(value)) return std::isnan(value) ? "" : "inf";
     // stod() would throw for subnormal numbers.
     const auto read = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
-    std::string text = fmt::format("{:.5e}", value);
-    const double shown = read(text);
-    if (lower ? shown > value : shown < value) {
-        const double step = std::pow(10, std::stoi(text.substr(text.find('e') + 1)) - 5);
-        text = fmt::format("{:.5e}", shown + (lower ? -step : step));
+    const auto holds = [&](double shown) { return lower ? shown <= value : shown >= value; };
+    const std::string text = fmt::format("{:.{}e}", value, digits - 1);
+    double shown = read(text);
+    if (!holds(shown)) {
+        const double step = std::pow(10, std::stoi(text.substr(text.find('e') + 1)) + 1 - digits);
+        shown = read(fmt::format("{:.{}e}", shown + (lower ? -step : step), digits - 1));
     }
-    return fmt::format("{:g}", read(text));
+    return holds(shown) ? fmt::format("{:.{}g}", shown, digits) : fmt::format("{}", value);
 }
 
 std::string bytes_text(std::int64_t bytes) {

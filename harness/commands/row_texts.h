@@ -13,8 +13,8 @@ namespace hausbench {
 // Returns a duration as text, such as "1.3 ms", or an empty string if it is not finite.
 std::string duration_text(double seconds);
 
-// Returns a bound with six digits. Rounds lower bounds down and upper bounds up, so that the shown bound holds, too.
-std::string bound_text(double value, bool lower);
+// Returns a bound with `digits` significant digits. Rounds lower bounds down and upper bounds up, so that the shown bound holds, too.
+std::string bound_text(double value, bool lower, int digits = 6);
 
 std::string bytes_text(std::int64_t bytes);     // "1.3 MB"; empty if unknown (-1)
 std::string time_text(const Outcome& outcome);  // "1.3 ms [1.2 ms, 1.5 ms]": with its interval, if there is one

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -110,14 +112,34 @@ void append(std::string& bytes, const Properties& properties, std::size_t i) {
             append(bytes, std::int32_t(value));
         else if (p.type == "float")
             append(bytes, float(value));
+        else if (p.type == "uchar")
+            append(bytes, std::uint8_t(value));
         else
             append(bytes, value);
     }
 }
 
+// Returns the red, green and blue, 0 to 255, of each value between 0 and the largest: dark violet, blue, green, yellow,
+// like the colour map viridis at these five values.
+Properties colours_of(const std::vector<double>& values) {
+    constexpr double stops[5][3] = {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}};
+    Properties colours = {{"red", "uchar", {}}, {"green", "uchar", {}}, {"blue", "uchar", {}}};
+    const double largest = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+    for (const double value : values) {
+        const double along = largest > 0 && std::isfinite(largest) ? 4 * (value / largest) : 0;
+        const auto below = std::min<std::size_t>(std::size_t(along), 3);
+        for (std::size_t k = 0; k < 3; ++k)
+            colours[k].values.push_back(
+                std::round(std::lerp(stops[below][k], stops[below + 1][k], along - double(below))));
+    }
+    return colours;
+}
+
 std::string as_ply(const Drawn& drawn) {
-    Properties columns = drawn.of_vertices;
-    columns.insert(columns.begin(), {"quality", "float", columns.front().values});
+    const std::vector<double>& distances = drawn.of_vertices.front().values;
+    Properties columns = {{"quality", "float", distances}, {"scalar_distance", "float", distances}};
+    for (const Properties& more : {colours_of(distances), drawn.of_vertices})
+        columns.insert(columns.end(), more.begin(), more.end());
     const bool mesh = drawn.pieces.rows() > 0;
     if (!mesh) columns.insert(columns.end(), drawn.of_cells.begin(), drawn.of_cells.end());
     std::string bytes = fmt::format(

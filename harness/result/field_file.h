@@ -31,7 +31,8 @@ std::filesystem::path file_of_way_back(const std::filesystem::path& file);
 // vertex added by a cut gets NaN. The files are binary, so values keep their bits.
 //
 // PLY: only vertices have properties, because meshio misreads files with properties of faces. MeshLab colours by the
-// property `quality`, a copy of the distance. If A is a point set, the fields of its elements become properties of
+// property `quality`, CloudCompare by `scalar_distance`, both copies of the distance as float; other viewers by `red`,
+// `green` and `blue`, from 0 to the largest distance. If A is a point set, the fields of its elements become properties of
 // vertices.
 //
 // VTK (legacy format 3.0) is for ParaView, whose PLY reader drops unknown properties. All fields become scalars of

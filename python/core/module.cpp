@@ -5,6 +5,7 @@
 #include "python/core/shape.h"
 #include "python/core/working.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 
@@ -13,17 +14,27 @@ namespace py = pybind11;
 namespace hausbench_python {
 namespace {
 
-py::tuple verify(const py::bytes& path, const Shape& source, const Shape& target) {
+py::array_t<double> array_of(const double (&matrix)[16]) {
+    py::array_t<double> array({4, 4});
+    std::copy_n(matrix, 16, array.mutable_data());
+    return array;
+}
+
+py::tuple verify(const py::bytes& path, const Shape& source, const Shape& target, const py::object& source_pose,
+                 const py::object& target_pose) {
     const std::string name = path;
     if (name.find('\0') != std::string::npos) throw_input_error("the path contains a null character: remove it");
     hausbench_error error = HAUSBENCH_ERROR_INIT;
     hausbench_verdict verdict = HAUSBENCH_VERDICT_INIT;
+    const auto at = matrix_of(source_pose), to = matrix_of(target_pose);
     Working working;
-    const int code =
-        working.run([&] { return hausbench_verify(name.c_str(), source.get(), target.get(), &verdict, &error); });
+    const int code = working.run([&] {
+        return hausbench_verify_posed(name.c_str(), source.get(), target.get(), at ? at->data() : nullptr,
+                                      to ? to->data() : nullptr, &verdict, &error);
+    });
     check(code, error);
     return py::make_tuple(verdict.accepted != 0, verdict.bounds.lower, verdict.bounds.upper, verdict.proven,
-                          verdict.text);
+                          verdict.text, array_of(verdict.source_pose), array_of(verdict.target_pose));
 }
 
 py::list solvers() {
@@ -53,7 +64,8 @@ PYBIND11_MODULE(_core, module) {
     define_shape(module);
     define_pair(module);
     refuse_pickling(module);
-    module.def("verify", &verify, py::arg("path"), py::arg("source"), py::arg("target"));
+    module.def("verify", &verify, py::arg("path"), py::arg("source"), py::arg("target"), py::arg("source_pose"),
+               py::arg("target_pose"));
     module.def("solvers", &solvers);
     module.def("version", &hausbench_version);
 }

@@ -11,7 +11,6 @@
 namespace py = pybind11;
 
 namespace hausbench_python {
-namespace {
 
 std::optional<std::array<double, 16>> matrix_of(const py::object& pose) {
     if (pose.is_none()) return std::nullopt;
@@ -21,6 +20,8 @@ std::optional<std::array<double, 16>> matrix_of(const py::object& pose) {
     std::copy_n(values.data(), 16, matrix.begin());
     return matrix;
 }
+
+namespace {
 
 py::tuple tuple_of(const double (&point)[3]) { return py::make_tuple(point[0], point[1], point[2]); }
 

@@ -14,6 +14,9 @@
 
 namespace hausbench_python {
 
+// Returns the numbers of a pose, which is None or an array of 4 x 4 numbers.
+std::optional<std::array<double, 16>> matrix_of(const pybind11::object& pose);
+
 // The options of a question, checked by the library when it is asked.
 class Query {
 public:

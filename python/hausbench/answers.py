@@ -97,6 +97,8 @@ class Verdict(NamedTuple):
     interval: Interval  # the answer that the file states
     proven: float  # the upper bound that the proof proves
     text: str  # what was checked, or why the proof is refused
+    pose: npt.NDArray[np.float64]  # of A, a matrix (4, 4), as the file states it
+    target_pose: npt.NDArray[np.float64]  # of B
 
     def __bool__(self) -> bool:
         return self.accepted

@@ -37,7 +37,7 @@ from hausbench import _core
 from hausbench.answers import Answer, Field, Verdict
 from hausbench.errors import InputError, Undecided
 from hausbench.interval import Interval
-from hausbench.options import INFINITY, flag, number, pair_of, query_of
+from hausbench.options import INFINITY, flag, matrix_of, number, pair_of, query_of
 from hausbench.shapes import path_of, shape_of
 
 if TYPE_CHECKING:
@@ -156,12 +156,14 @@ def certify(A: ShapeLike, B: ShapeLike, path: str | os.PathLike[str], *, symmetr
         raise error.without("pair: ", ": prepare the pair with `cover`", ": leave solver out") from None
 
 
-def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike) -> Verdict:
-    """Checks a proof written by `certify`, by code that shares nothing with the solvers.
+def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike, *, pose: Pose | None = None,
+           target_pose: Pose | None = None) -> Verdict:
+    """Checks a proof written by `certify` for A and B at these poses, by code that shares nothing with the solvers.
 
-    The verdict is true in an `if` exactly if the proof holds. Quote its `proven`: the upper bound in its `interval`, which the
+    The verdict is true in an `if` exactly if the proof holds and is about these poses; its `pose` and `target_pose` are those of the file. Quote its `proven`: the upper bound in its `interval`, which the
     file states, may be smaller by up to 1e-12 of the diagonal of both shapes. Raises InputError if the file is damaged, or is
     about other shapes (A and B must have the same coordinates and indices, bit for bit).
     """
-    accepted, lower, upper, proven, text = _core.verify(path_of(path), shape_of(A, "A")._shape, shape_of(B, "B")._shape)
-    return Verdict(accepted, Interval(lower, upper), proven, text)
+    accepted, lower, upper, proven, *rest = _core.verify(path_of(path), shape_of(A, "A")._shape, shape_of(B, "B")._shape,
+                                                         matrix_of(pose, "pose"), matrix_of(target_pose, "target_pose"))
+    return Verdict(accepted, Interval(lower, upper), proven, *rest)

@@ -62,7 +62,7 @@ def _choice(value: str, name: str, choices: Mapping[str, int]) -> int:
         raise InputError(f"{name}: {value!r} is not one of {', '.join(choices)}") from None
 
 
-def _matrix(pose: Pose | None, name: str) -> npt.NDArray[np.float64] | None:
+def matrix_of(pose: Pose | None, name: str) -> npt.NDArray[np.float64] | None:
     if pose is None:
         return None
     from hausbench import arrays
@@ -95,8 +95,8 @@ def _in_file(path: str | os.PathLike[str], name: str) -> list[list[float]]:
 def query_of(tolerance: float, relative_to: str, threads: int, time_limit: float | None, pose: Pose | None,
              target_pose: Pose | None, share_tolerance: float = 1e-3, weigh: str = "area") -> Query:
     return Query(_width(tolerance, "tolerance"), _choice(relative_to, "relative_to", UNITS), count(threads, "threads"),
-                 INFINITY if time_limit is None else _seconds(time_limit), _matrix(pose, "pose"),
-                 _matrix(target_pose, "target_pose"), _width(share_tolerance, "share_tolerance"),
+                 INFINITY if time_limit is None else _seconds(time_limit), matrix_of(pose, "pose"),
+                 matrix_of(target_pose, "target_pose"), _width(share_tolerance, "share_tolerance"),
                  bool(_choice(weigh, "weigh", WEIGHTS)))
 
 

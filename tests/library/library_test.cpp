@@ -819,6 +819,40 @@ TEST(Library, CertificatesAreWrittenAndChecked) {
     EXPECT_EQ(hausbench_verify(file.c_str(), a.get(), b.get(), &verdict, &error), HAUSBENCH_BAD_INPUT);
 }
 
+// A proof about a pose says nothing about the shapes at rest.
+TEST(Library, AProofIsAcceptedAtItsPosesAlone) {
+    const TemporaryFolder folder;
+    const std::string file = folder.path() / "proof";
+    const ShapeHandle a = handle_of(sheet(5, 0, 0.2)), b = handle_of(sheet(6, 1, 0.2));
+    const PairHandle pair = pair_of(a, b);
+    const double lowered[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.75, 0, 0, 0, 1},
+                 rest[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    hausbench_error error = HAUSBENCH_ERROR_INIT;
+    hausbench_query query = HAUSBENCH_QUERY_INIT;
+    query.source_pose = lowered;
+    hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+    expect_ok(hausbench_certify(pair.get(), 0, &query, file.c_str(), &answer, &error), error);
+    const auto verdict_at = [&](const double* source, const double* target) {
+        hausbench_verdict verdict = HAUSBENCH_VERDICT_INIT;
+        expect_ok(hausbench_verify_posed(file.c_str(), a.get(), b.get(), source, target, &verdict, &error), error);
+        EXPECT_TRUE(std::equal(lowered, lowered + 16, verdict.source_pose));
+        EXPECT_TRUE(std::equal(rest, rest + 16, verdict.target_pose));
+        EXPECT_EQ(verdict.proven == INFINITY, verdict.accepted == 0);
+        return verdict;
+    };
+    EXPECT_EQ(verdict_at(lowered, nullptr).accepted, 1);
+    EXPECT_EQ(verdict_at(lowered, rest).accepted, 1);
+    EXPECT_EQ(verdict_at(nullptr, nullptr).accepted, 0);
+    EXPECT_EQ(verdict_at(lowered, lowered).accepted, 0);
+    EXPECT_NE(std::string(verdict_at(rest, nullptr).text).find("about A at another pose"), std::string::npos);
+    hausbench_verdict verdict = HAUSBENCH_VERDICT_INIT;
+    expect_ok(hausbench_verify(file.c_str(), a.get(), b.get(), &verdict, &error), error);
+    EXPECT_EQ(verdict.accepted, 0);
+    const double wrong[16] = {};
+    EXPECT_EQ(hausbench_verify_posed(file.c_str(), a.get(), b.get(), wrong, nullptr, &verdict, &error),
+              HAUSBENCH_BAD_INPUT);
+}
+
 TEST(Library, NoCertificateIsWrittenWithoutAProof) {
     const TemporaryFolder folder;
     const std::string file = folder.path() / "proof";

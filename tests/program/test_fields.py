@@ -193,7 +193,7 @@ def test_a_solvers_own_fields(hausbench: Program, plugin: Path, moved: Path, tmp
 def read_ply(file: Path) -> tuple[Any, Any]:
     """Returns vertices and faces, as structured arrays."""
     head, _, body = file.read_bytes().partition(b"end_header\n")
-    kinds = {"double": "<f8", "float": "<f4", "int": "<i4"}
+    kinds = {"double": "<f8", "float": "<f4", "int": "<i4", "uchar": "u1"}
     types: list[list[tuple[str, ...] | tuple[str, str, int]]] = []
     counts = []
     for line in head.decode().splitlines():
@@ -220,7 +220,9 @@ def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Pat
     assert done.returncode == 0 and done.stdout.split('"peak')[0].split('"note')[0] == plain.stdout.split('"peak')[0].split('"note')[0]
     vertices, faces = read_ply(out)
     assert vertices["distance"].tolist() == [0.25, 0.25, 0.25, 0] and vertices["nearest"][0] == 0
-    assert vertices["quality"].tolist() == vertices["distance"].tolist()
+    assert vertices["quality"].tolist() == vertices["scalar_distance"].tolist() == vertices["distance"].tolist()
+    colours = np.stack([vertices[name] for name in ("red", "green", "blue")], axis=1)
+    assert colours.tolist() == [[253, 231, 37]] * 3 + [[68, 1, 84]]
     assert faces["vertex_indices"].tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     assert faces.dtype.names == ("corners", "vertex_indices")
     assert json.loads(done.stdout)["fields"] == [{"file": str(out), "largest": 0.25, "vertices": 4, "pieces": 4, "resolved": True}]

@@ -32,6 +32,16 @@ def test_the_first_screen_names_every_verb_in_a_line(hausbench: Program) -> None
     assert [line.split()[0] for line in lines if re.match(r"  \w", line)] == list(VERBS)
 
 
+def test_an_unknown_verb_is_named_before_its_options_are_read(hausbench: Program) -> None:
+    for option in ("--help", "--version", "--nonsense"):
+        assert "unknown verb 'noverb'" in hausbench.fails("noverb", option)
+
+
+def test_all_known_options_are_listed(hausbench: Program) -> None:
+    said = hausbench.fails("measure", "--nonsense-of-no-kind")
+    assert " more)" not in said and options(said) - {"--nonsense-of-no-kind"} == options(help_of(hausbench, "measure")) | {"--help"}
+
+
 @pytest.mark.parametrize("verb", VERBS)
 def test_help_fits_on_a_screen(hausbench: Program, verb: str) -> None:
     text = help_of(hausbench, verb, columns=100)

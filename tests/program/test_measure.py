@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import struct
 import subprocess
 import sys
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +86,57 @@ def test_is_it_above(hausbench: Program, tetrahedron: Path, raised: Path, more: 
         assert f"\nanswer     {name} {words}\n" in text and "because the answer is known" in text and "below_floor" not in text
 
 
+def test_the_unit_of_the_tolerance_is_that_of_the_cutoff(hausbench: Program, tmp_path: Path) -> None:
+    """Only if --of is given; with `lower`, a cutoff is a length. A is 4 long, and h = 3."""
+    a, b = tmp_path / "a.xyz", tmp_path / "b.xyz"
+    a.write_text("0 0 0\n4 0 0\n")
+    b.write_text("0 3 0\n4 3 0\n")
+    for options, length, code in (((), 0.8, 1), (("--of", "absolute"), 0.8, 1), (("--of", "lower"), 0.8, 1), (("--of", "diagonal"), 3.2, 0),
+                                  (("--of", "longest"), 3.2, 0)):
+        done = hausbench("measure", a, b, "--cutoff", "0.8", "--json", *options)
+        assert done.returncode == code and json.loads(done.stdout)["cutoff"] == length, options
+
+
+def test_a_sentence_about_a_cutoff_is_true_to_the_last_digit(hausbench: Program, tmp_path: Path) -> None:
+    """What is said is true of the number as printed: h = 5.00000000005 is not at most 5."""
+    a, b = tmp_path / "a.xyz", tmp_path / "b.xyz"
+    a.write_text("0 0 0\n")
+    for x, cutoff, words in (("5.00000000005", "5.00000000006", "at most"), ("5", "4.99999999999", "above"), ("5", "5.0000000001", "at most")):
+        b.write_text(f"{x} 0 0\n")
+        assert f"answer     h(A,B) is {words} {cutoff}\n" in hausbench("measure", a, b, "--cutoff", cutoff).stdout
+
+
+def test_a_shortened_bound_still_holds(hausbench: Program, tmp_path: Path) -> None:
+    """The bounds over A's diagonal have six digits; as exact fractions, they contain the interval."""
+    a, b = tmp_path / "a.xyz", tmp_path / "b.xyz"
+    for i in range(1, 21):
+        a.write_text(f"0 0 0\n{1 / i + 1!r} {i / 7!r} 0\n")
+        b.write_text(f"0 0 {i / 3!r}\n")
+        done = hausbench("measure", a, b)
+        lower, upper = map(Fraction, re.findall(r"in \[([^,]*), ([^\]]*)\]", done.stdout)[0])
+        low, high = map(Fraction, re.findall(r"  \[([^,]*), ([^\]]*)\] of A's diagonal", done.stdout)[0])
+        said: Any = measured(hausbench, a, b)
+        diagonal = Fraction(said["source"]["diagonal"])
+        assert low <= lower / diagonal <= upper / diagonal <= high, i
+        assert Fraction(said["lower_of_diagonal"]) <= Fraction(said["lower"]) / diagonal, i
+        assert Fraction(said["upper_of_diagonal"]) >= Fraction(said["upper"]) / diagonal, i
+
+
+@pytest.mark.parametrize("extension", ["ply", "vtk", "obj"])
+def test_the_witness_in_a_file(hausbench: Program, tetrahedron: Path, raised: Path, tmp_path: Path, extension: str) -> None:
+    """Both points and the line between them. Our own readers read it as a segment of that length."""
+    out = tmp_path / f"line.{extension}"
+    said: Any = measured(hausbench, raised, tetrahedron, "--witness", out)
+    assert said["warnings"] == [] and out.read_text().endswith({"ply": "0 1\n", "vtk": "2 0 1\n", "obj": "l 1 2\n"}[extension])
+    line: Any = measured(hausbench, out, tetrahedron)
+    assert line["source"]["segments"] == 1 and line["source"]["diagonal"] == pytest.approx(0.25)
+    assert line["upper"] <= said["upper"] and line["source_point"] == said["source_point"]
+    for more, words in ((("--distribution",), "leave out --distribution"), (("--fields", out), "the same file") if extension != "obj" else
+                        (("--pairs", "x"), "--witness")):
+        assert words in hausbench.fails("measure", raised, tetrahedron, "--witness", out, *more) or extension == "obj"
+    assert "end the name with .ply, .vtk or .obj" in hausbench.fails("measure", raised, tetrahedron, "--witness", tmp_path / "line.stl")
+
+
 def test_a_question_that_stays_open(hausbench: Program, tetrahedron: Path, raised: Path) -> None:
     done = hausbench("measure", tetrahedron, raised, "--cutoff", "0.2", "--time-limit", "0", "--solver", "guthe")
     assert done.returncode == 3 and "answer     h(A,B) may be above or below 0.2" in done.stdout
@@ -138,7 +191,7 @@ def test_what_was_measured_is_in_the_answer(hausbench: Program, tetrahedron: Pat
     assert source["file"] == str(tetrahedron) and target["file"] == str(raised)
     assert source["elements"] == source["vertices"] == 4 and source["kind"] == "mesh"
     assert source["diagonal"] == pytest.approx(3**0.5) and source["float32"] is False
-    assert result["upper_of_diagonal"] == result["upper"] / source["diagonal"]
+    assert 0 <= result["upper_of_diagonal"] - result["upper"] / source["diagonal"] < 1e-16
     assert [one["direction"] for one in result["directions"]] == ["source to target"]
     assert measured(hausbench, tetrahedron, raised, "--solver", "cgal")["certified"] is False
 

@@ -103,6 +103,36 @@ def test_bands_contain_the_true_shares(hausbench: Program, tmp_path: Path) -> No
     assert shown.mean[0] <= 0.5 <= shown.mean[1] and shown.most_of_a[0] <= 0.95 <= shown.most_of_a[1]
 
 
+def test_a_limit_shows_nothing_that_is_not_known(hausbench: Program, tmp_path: Path) -> None:
+    """Whatever the limit, all that is drawn is in [0, maximum], bars do not sum to more than 1 of what is certain, and lines are where they are known."""
+    a, b, n = tmp_path / "a.off", tmp_path / "b.off", 40
+    for file, wave in ((a, 5.0), (b, 7.0)):
+        x, y = np.meshgrid(*2 * [np.linspace(0, 1, n)])
+        corner = np.arange(n * n).reshape(n, n)[:-1, :-1].ravel()
+        faces = np.concatenate([np.stack([corner, corner + 1, corner + n], 1), np.stack([corner + 1, corner + n + 1, corner + n], 1)])
+        lines = [f"{p} {q} {0.2 * np.sin(wave * p) * np.cos(wave * q)}" for p, q in zip(x.ravel(), y.ravel())] + [f"3 {i} {j} {k}" for i, j, k in faces]
+        file.write_text("\n".join([f"OFF\n{n * n} {len(faces)} 0", *lines, ""]))
+    upper = json.loads(hausbench("measure", a, b, "--json").stdout)["upper"]
+    for limit in ("0", "0.1", "1", "1000"):
+        shown = picture.histogram(hausbench.path, str(a), str(b), upper, [f"--time-limit={limit}"])
+        assert (0 <= shown.low).all() and (shown.low <= shown.high).all() and (shown.high <= 1).all() and shown.low.sum() <= 1
+        for low, high in (shown.mean, shown.most_of_a):
+            assert 0 <= low <= high <= upper
+    left_out = hausbench("measure", a, b, "--picture", tmp_path / "out.png", "--time-limit", "0.001")
+    assert "without a histogram" in left_out.stderr or left_out.returncode == 1
+
+
+def test_the_picture_reads_the_files_as_the_answer_does(hausbench: Program, tmp_path: Path) -> None:
+    """With --unit, the histogram is about the converted shapes."""
+    a, b, fields = tmp_path / "a.csv", tmp_path / "b.csv", tmp_path / "a.ply"
+    a.write_text("x [cm],y [cm],z [cm]\n0,0,1\n0,5,3\n")
+    b.write_text("x [mm],y [mm],z [mm]\n0,0,0\n0,50,0\n")
+    done = hausbench("measure", a, b, "--unit", "mm", "--picture", tmp_path / "out.png", "--fields", fields)
+    assert done.returncode == 0 and done.stderr == "" and picture.read(fields).distances.tolist() == [10, 30]
+    shown = picture.histogram(hausbench.path, str(a), str(b), 30.0, ["--unit=mm"])
+    assert shown.mean == pytest.approx((20, 20), abs=0.1)
+
+
 @pytest.mark.parametrize(("more", "said"), [
     (["--picture", "out.gif"], ".png, .pdf or .svg"), (["--picture", "nowhere/out.png"], "nowhere"), (["--picture", ""], "name a file"),
     (["--picture", "out.png", "--distribution"], "leave out --distribution"), (["--picture", "out.png", "--cutoff", "1"], "leave out --cutoff"),

@@ -328,6 +328,17 @@ def test_what_a_proof_states_is_an_interval(upper: str, small_sphere: Mesh, tmp_
     assert verdict.interval == hb.Interval(interval.lower if verdict else 0, math.inf)
 
 
+def test_a_proof_at_a_pose_is_of_that_pose(small_sphere: Mesh, tmp_path: Path) -> None:
+    target, proof, moved = sphere(9, 0.1), tmp_path / "proof", np.eye(4)
+    moved[:3, 3] = 0.5
+    hb.certify(small_sphere, target, proof, pose=moved, tolerance=1e-3)
+    at_rest = hb.verify(proof, small_sphere, target)
+    assert not at_rest and "pose" in at_rest.text and at_rest.proven == math.inf
+    assert (at_rest.pose == moved).all() and (at_rest.target_pose == np.eye(4)).all()
+    assert hb.verify(proof, small_sphere, target, pose=moved)
+    assert not hb.verify(proof, small_sphere, target, pose=moved, target_pose=moved)
+
+
 def test_certify_and_verify(small_sphere: Mesh, tmp_path: Path) -> None:
     target, proof = sphere(9, 0.1), tmp_path / "proof.hbc"
     for symmetric in (False, True):

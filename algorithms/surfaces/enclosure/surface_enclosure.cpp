@@ -136,9 +136,12 @@ private:
             ++splits;
             split(top);
         }
-        // The queue is empty although no point of A was ever proven: A has no point in its box, which breaks the rule
-        // that shapes are not empty.
-        if (!proven_) return stalled("the source has no point in its box");
+        // The queue is empty although no point of A was ever proven. If all boxes were empty, A has no point, which
+        // breaks the rule that shapes are not empty. Otherwise B passes through all points that A may have.
+        if (!proven_)
+            return stalled(dropped_
+                               ? "no point of the source could be proven to exist, though none is away from the target"
+                               : "the source has no point in its box");
         bounds.upper = bounds.lower;
         return Status::converged;
     }
@@ -176,6 +179,9 @@ private:
             if (child.upper > result_.bounds.lower) {
                 queue_.push(child);
                 ++result_.counters.queue_pushes;
+            } else {
+                dropped_ = true;
+                if (!proven_) prove_point_near(child);
             }
         }
     }
@@ -211,6 +217,17 @@ private:
         if (!lowered(feet_.at_most(piece, near.foot)))
             lowered(beside(piece, feet_.tree(), p, feet_[near.foot].at, cell.upper, result_.counters));
         cell.remember(near.foot);
+    }
+
+    // Proves a point of A near a cell, if it can. Without it, a search on two surfaces that coincide could drop all cells
+    // before any point is proven.
+    void prove_point_near(const EnclosureCell& cell) {
+        const SurfaceTree::Node piece = a_[cell.node];
+        const Vec3 seed = seed_on(piece, piece.form.middle);
+        const auto point = a_.nearby(seed, seed, result_.counters);
+        if (!point) return;
+        const double size = 2 * piece.form.half.norm();
+        show(*point, feet_.nearest(point->at, cell.known_feet(), {precision_of(cell), result_.bounds.lower, size}));
     }
 
     // Returns whether next_to() may give a better bound than the distance to a single proven point of B. It does not if
@@ -289,6 +306,7 @@ private:
     ProvenFeet feet_;
     std::priority_queue<EnclosureCell> queue_;
     bool proven_ = false;            // whether some point of A was proven
+    bool dropped_ = false;           // whether a cell was dropped because B is near, not because it is empty
     double searched_at_ = infinity;  // the gap at the last local search
 };
 

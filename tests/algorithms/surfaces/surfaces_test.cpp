@@ -342,6 +342,24 @@ TEST(SurfaceSolvers, WithoutChangeOfSignTheyStallAndHold) {
     }
 }
 
+// All boxes are dropped because B passes through them. A must be proven to have a point all the same.
+TEST(SurfaceSolvers, SurfacesThatCoincide) {
+    const std::pair<const char*, const char*> pairs[] = {{"z", "z"},
+                                                         {"x", "x"},
+                                                         {"x + y", "x + y"},
+                                                         {"z", "-2*z"},
+                                                         {"x - 1/2", "x - 1/2"},
+                                                         {"x + 2*y - z", "x + 2*y - z"},
+                                                         {"z", "z^3 + z"}};
+    for (const auto& [a, b] : pairs) {
+        const Result result = solve("surface_enclosure", surface(a), surface(b), 1e-9);
+        EXPECT_EQ(to_string(result.status), "converged") << a << ": " << result.note;
+        EXPECT_EQ(result.bounds.lower, 0) << a;
+        EXPECT_LE(result.bounds.upper, 1e-9) << a;
+        EXPECT_TRUE(result.witness.source_point.allFinite()) << a;
+    }
+}
+
 TEST(SurfaceSolvers, RefuseWhatIsEmpty) {
     const AlgebraicSurface empty = surface("x^2 + y^2 + z^2 + 1"), outside = surface("x - 3"),
                            ball = surface("x^2 + y^2 + z^2 - 1");

@@ -162,6 +162,20 @@ TEST(CertificateFile, APoseTurnsAndMovesAndIsSaid) {
     }
 }
 
+// A translation by 1e17 rounds both triangles to one point each, so that any bound would hold of them.
+TEST(CertificateFile, APoseThatFlattensAShapeProvesNothing) {
+    for (const double far : {1e3, 1e8, 1e10, 1e12, 1e17, 1e300}) {
+        CertificateFile c = proof_of(Quantity::directed);
+        c.source.pose.translation.setConstant(far);
+        c.target.pose.translation = Vec3(far, far, far + 1);
+        c.bounds.lower = 0;
+        c.certificates[0].proven = c.bounds.upper = far < 1e9 ? 1 + 1e-6 : 1e6;
+        const bool displaced = refusal(c).find("rounding displaces its points") != std::string::npos;
+        EXPECT_EQ(displaced, far > 1e9) << far << ": " << refusal(c);
+        EXPECT_EQ(refusal(c).empty(), !displaced) << far << ": " << refusal(c);
+    }
+}
+
 TEST(CertificateFile, NoTextOfAFileMovesTheCursor) {
     CertificateFile c = proof_of(Quantity::directed);
     c.solver =
@@ -250,8 +264,12 @@ TEST(CertificateFile, AnAnswerIsAcceptedAsAWhole) {
         EXPECT_EQ(refusal(bad) == "", quantity == Quantity::symmetric);
         bad = good;
         bad.witness.source_point = bad.witness.target_point = Vec3::Constant(std::nan(""));
+        EXPECT_NE(refusal(bad).find("it has no witness"), std::string::npos) << refusal(bad);
+        bad.bounds.lower = 0;
         EXPECT_EQ(refusal(bad), "");
-        EXPECT_EQ(verify_certificate(bad, flat, flat).lower.find("not checked"), 0u);
+        bad = good;
+        bad.bounds = {1, 0.9999999999995};  // proven, but out of order
+        EXPECT_NE(refusal(bad).find("above the upper bound"), std::string::npos) << refusal(bad);
         Shape other = flat;
         points_of(other)(0, 0) = 1e-300;
         EXPECT_THROW((void)refusal(good, other, flat), InputError);
