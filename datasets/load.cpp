@@ -74,13 +74,14 @@ std::string refusal(const std::string& name, const Unread& unread) {
 }
 
 // Throws `error`, or a better one if the file begins like a file of another kind, whatever its ending says. A 3MF or
-// AMF file may be a ZIP archive itself. `format` is null if the ending is not known.
+// AMF file may be a ZIP archive itself. `format` is null if it is not known, and comes from the ending if `by_ending`.
 [[noreturn]] void explain(const InputError& error, const std::string& name, const Format* format,
-                          std::string_view bytes) {
+                          std::string_view bytes, bool by_ending = true) {
     const Format* const found = recognised_format(bytes);
     if (found && found != format)
-        throw InputError(fmt::format("{}: begins like a file of {}{}: rename it to end in .{}", name, found->title,
-                                     format ? fmt::format(", not of {}", format->title) : "", found->endings[0]));
+        throw InputError(fmt::format("{}: begins like a file of {}{}: {}{}", name, found->title,
+                                     format ? fmt::format(", not of {}", format->title) : "",
+                                     by_ending ? "rename it to end in ." : "read it as ", found->endings[0]));
     const bool may_be_zip = found != nullptr || (format && is_one_of("3mf", format->endings)) ||
                             (format && is_one_of("amf", format->endings));
     for (const Unread& one : unread_formats())
@@ -136,7 +137,7 @@ LoadedShape load_file(const std::filesystem::path& file, const LoadOptions& opti
     try {
         return readers::finish(input, format->read(input));
     } catch (const InputError& wrong) {
-        explain(wrong, name, format, bytes);
+        explain(wrong, name, format, bytes, options.format.empty());
     }
 }
 

@@ -175,9 +175,7 @@ void ColumnComments::add(std::string_view text, std::uint32_t line) {
     text.remove_prefix(std::min(text.find_first_not_of(marks), text.size()));
     text = text.substr(0, text.find_last_not_of("#*=~ \t\r\v\f") + 1);
     if (text.empty()) return;
-    const std::string lower = lower_case(text.substr(0, 12));
-    if (lower.starts_with("length unit") && text.size() > 12)
-        length_unit_ = bare_unit(trimmed(text.substr(std::min(text.find_first_not_of(":=, \t", 11), text.size()))));
+    take_length_unit(text);
     Comment comment;
     comment.line = line;
     comment.lead = take_lead(text);
@@ -209,6 +207,19 @@ void ColumnComments::add(std::string_view text, std::uint32_t line) {
     }
     comments_.push_back(std::move(comment));
     if (comments_.size() > most_comments) comments_.pop_front();
+}
+
+void ColumnComments::take_length_unit(std::string_view text) {
+    const std::string lower = lower_case(text.substr(0, 12));
+    for (const std::string_view key : {"length unit", "units", "unit"}) {
+        if (!lower.starts_with(key)) continue;
+        const std::string_view rest = trimmed(text.substr(key.size()));
+        const std::size_t start = rest.find_first_not_of(":=, \t");
+        if (start == 0 || start == std::string_view::npos) return;
+        const std::string_view unit = bare_unit(rest.substr(start));
+        if (key == "length unit" || unit_named(unit)) length_unit_ = unit;  // other units may be of other columns
+        return;
+    }
 }
 
 bool ColumnComments::name_coordinates() const {

@@ -29,7 +29,7 @@ public:
 
     // Whether a comment may name coordinates, whatever the number of columns.
     bool name_coordinates() const;
-    // The unit of a comment such as "Length unit: m"; empty: none.
+    // The unit of a comment such as "Length unit: m" or "units = mm"; empty: none.
     std::string_view length_unit() const { return length_unit_; }
 
     // Returns the names of the columns of a table of this width, or a header without a line if no comment lists them.
@@ -48,6 +48,7 @@ private:
         bool single = false;     // one numbered name and perhaps an explanation, as in "2: y  the second coordinate"
     };
 
+    void take_length_unit(std::string_view text);
     bool is_list(const Comment& comment, std::size_t width) const;
     Header header_of(const std::string& name, const Comment& comment, std::size_t width) const;
     Comment joined_singles(std::size_t width) const;

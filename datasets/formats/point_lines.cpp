@@ -70,13 +70,16 @@ std::optional<double> number_in(std::string_view field) {
     return decimal(copy);
 }
 
-// Returns whether a number has a separator of thousands, as in 1,234.5 or 1'234 or 1.234,5 or 1,234,567.
-bool has_thousands(std::string_view field) {
-    if (field.find_first_not_of("0123456789+-.,' \xa0\xc2\xe2\x80\x89\xaf") != std::string_view::npos) return false;
-    const auto commas = std::count(field.begin(), field.end(), ','),
-               points = std::count(field.begin(), field.end(), '.');
-    return (commas > 0 && points > 0) || commas > 1 || field.find_first_of("'\xa0\x89\xaf") != std::string_view::npos;
+// Returns whether a field may be a number with a decimal comma, or with separators of thousands: 1,5 or 1,234.5 or 1'234
+// or, with a space that does not break, 1 234.
+bool has_separators(std::string_view field) {
+    return field.find_first_of("0123456789") != std::string_view::npos &&
+           (field.find_first_of(",'") != std::string_view::npos || field.find("\xc2\xa0") != std::string_view::npos ||
+            field.find("\xe2\x80") != std::string_view::npos);
 }
+
+constexpr std::string_view plain_numbers =
+    "write decimals with a point, not a comma, and thousands without a separator";
 
 constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
 
@@ -120,6 +123,9 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
     if (take_count(line_, number) || take_header(number) || take_units()) return;
     if (!chosen_) choose_columns(number);
     check_width(number);
+    if (header_.line == 0 && soup_.points.empty() && format_ == "csv" && numbers_columns(fields_, 0))
+        soup_.notes.push_back(
+            fmt::format("line {} ('{}') counts as a point: delete it if it numbers the columns", number, shown(line_)));
     if (first_.line != 0) check_first();
     first_.line = 0;
     add_point(number);
@@ -202,7 +208,7 @@ void PointLines::choose_columns(std::uint32_t number) {
     } else if (header_.line != 0) {
         choice = columns_by_name(name_, header_);
     } else {
-        choose_unnamed_columns(number);
+        choose_unnamed_columns();
         if (!comments_.length_unit().empty()) take_length_unit();
         return;
     }
@@ -224,14 +230,11 @@ void PointLines::refuse_prose(std::uint32_t number, std::string_view text) const
                        shown(text)));
 }
 
-void PointLines::choose_unnamed_columns(std::uint32_t number) {
+void PointLines::choose_unnamed_columns() {
     if (format_ == "pts" && counted_) return;
     const bool six = (format_ == "xyzn" || format_ == "xyzrgb") && fields_.size() == 6;
     width_ = six ? 6 : 3;
     exact_ = six;
-    if (format_ == "csv" && numbers_columns(fields_, 0) && fields_.size() == 3)
-        soup_.notes.push_back(
-            fmt::format("line {} ('{}') counts as a point: delete it if it numbers the columns", number, shown(line_)));
 }
 
 void PointLines::refuse_unnamed(std::uint32_t number) const {
@@ -241,7 +244,7 @@ void PointLines::refuse_unnamed(std::uint32_t number) const {
     if (numbers < 3 && !decimals) refuse_prose(number, line_);
     const std::string_view first = format_ == "csv" ? "2,3,4" : "1,2,3";
     refuse(name_, number,
-           decimals ? fmt::format("'{}': write decimals with a point, not a comma", shown(line_))
+           decimals ? fmt::format("'{}': {}", shown(line_), plain_numbers)
                     : fmt::format("{} columns, and nothing names them ('{}{}'): choose those of x, y and z, as in "
                                   "--columns {} (in Python columns=\"{}\")",
                                   fields_.size(), shown(line_), line_.size() > 40 ? "..." : "", first, first));
@@ -279,13 +282,9 @@ double PointLines::coordinate(std::size_t k, std::uint32_t number) const {
     const auto value = float32_[k] ? std::optional<double>(decimal<float>(field)) : number_in(field);
     if (value) return *value;
     if (is_missing(field)) return std::numeric_limits<double>::quiet_NaN();
-    if (has_thousands(field))
-        refuse(name_, number,
-               fmt::format("{} is '{}': write numbers without a separator of thousands, and decimals with a point",
-                           where(), shown(field)));
-    const bool comma = field.find(',') != std::string_view::npos || several_numbers(field);
+    const bool comma = has_separators(field) || several_numbers(field);
     refuse(name_, number,
-           comma ? fmt::format("{} is '{}': write decimals with a point, not a comma", where(), shown(field))
+           comma ? fmt::format("{} is '{}': {}", where(), shown(field), plain_numbers)
                  : fmt::format("{} is '{}', which is not a number", where(), shown(field)));
 }
 

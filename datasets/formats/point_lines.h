@@ -42,7 +42,7 @@ private:
     // Decides on the columns of x, y and z. The current line is the first point.
     void choose_columns(std::uint32_t number);
     std::optional<std::array<std::size_t, 3>> columns_if_named() const;  // by the header, if that is clear
-    void choose_unnamed_columns(std::uint32_t number);
+    void choose_unnamed_columns();
     void take_length_unit();                                                            // from a comment
     [[noreturn]] void refuse_prose(std::uint32_t number, std::string_view text) const;  // a line that is no point
     void check_width(std::uint32_t number);

@@ -110,6 +110,12 @@ bool split_fields(std::string_view line, std::vector<std::string_view>& fields, 
         }))
         return false;
     by_blanks = false;
+    // A separator at the end alone is the end of a row of MATLAB: "1 2 3;"
+    const std::string_view row = trimmed(line);
+    if ((semicolon || comma) && row.find_first_of(";,") + 1 == row.size() && row.find_first_of(blanks) < row.size()) {
+        line = trimmed(row.substr(0, row.size() - 1));
+        semicolon = comma = false;
+    }
     if (semicolon || comma) {
         split_at(line, semicolon ? ';' : ',', fields);
         return true;

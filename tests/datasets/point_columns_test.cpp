@@ -37,6 +37,7 @@ TEST_F(Columns, HeaderOfNumbersIsNoPoint) {
     reads("a.csv", "A,1,2,3\n", one, {.columns = "2,3,4"});
     reads("a.csv", "7,1,2,3\nBM2,4,5,6\n", one, {.columns = "2,3,4"});
     reads("a.csv", "N/A,1,2,3\n5,4,5,6\n", one, {.columns = "2,3,4"});
+    EXPECT_TRUE(has_note(load("a.csv", "0,1,2,3\n9,1,2,3\n", {.columns = "2,3,4"}), "if it numbers the columns"));
     reads("a.csv", "x,y,z,2019\n1,2,3,4\n", one);  // one of the names is a number
     reads("a.csv", "x,y,z,2nd return\n1,2,3,4\n", one);
 }
@@ -122,6 +123,7 @@ TEST_F(Columns, ProseIsIgnored) {
         reads("a.txt", "# " + text + "\n1 2 3\n", one);
     reads("a.txt", "# 1. first step\n# 2. second step\n# 3. third step\n1 2 3\n", one);
     reads("a.txt", "# x y z\n# mm mm mm\n1 2 3\n", one);
+    reads("a.txt", "# x/y/z\n1 2 3\n", one);
     for (const std::string text : {"y x z coordinates", "zyx", "order: zyx", "Y X Z, in metres", "z/y/x of it"})
         refused("a.txt", "# " + text + "\n1 2 3\n", {"line 1", "another order", "--columns"});
 }
@@ -138,7 +140,8 @@ TEST_F(Columns, Units) {
          {"# x y z (mm)\n1 2 3\n", "# x, y, z [mm]\n1 2 3\n", "x y z [mm]\n1 2 3\n", "x/mm y/mm z/mm\n1 2 3\n",
           "x,y,z\nmm,mm,mm\n1,2,3\n", "id,x,y,z,T\n,mm,mm,mm,K\n7,1,2,3,4\n", "x y z\n[mm] [mm] [mm]\n1 2 3\n",
           "# x y z\n# mm mm mm\n1 2 3\n", "# x y z in mm\n1 2 3\n", "# x y z mm\n1 2 3\n", "% Length unit: mm\n1 2 3\n",
-          "\"x, mm\";\"y, mm\";\"z, mm\"\n1;2;3\n", "x in mm,y in mm,z in mm\n1,2,3\n", "x y z [mm] i\n1 2 3 4\n",
+          "# Units: mm\n# x y z\n1 2 3\n", "# unit = [mm]\n1 2 3\n", "\"x, mm\";\"y, mm\";\"z, mm\"\n1;2;3\n",
+          "x in mm,y in mm,z in mm\n1,2,3\n", "x y z [mm] i\n1 2 3 4\n",
           "Easting (X) [mm],Northing (Y) [mm],Height (Z) [mm]\n1,2,3\n"})
         EXPECT_EQ(stated(text), "mm") << text;
     EXPECT_EQ(stated("x [\xce\xbcm],y [\xc2\xb5m],z [um]\n1,2,3\n"), "um");
@@ -149,6 +152,8 @@ TEST_F(Columns, Units) {
     EXPECT_EQ(stated("x [Mm],y [Mm],z [Mm]\n1,2,3\n"), "Mm");
     EXPECT_EQ(stated("X/East,Y/North,Z/Altitude\n1,2,3\n"), "");
     EXPECT_EQ(stated("Easting (X),Northing (Y),Height (Z)\n1,2,3\n"), "");
+    EXPECT_EQ(stated("# Unit: K\n1 2 3\n"), "");
+    EXPECT_EQ(stated("% Length unit: furlong\n1 2 3\n"), "furlong");
     EXPECT_EQ(stated("x [-],y [-],z [-]\n1,2,3\n"), "");
     refused("a.csv", "x,y,z [mm]\n1,2,3\n", {"units", "differ"});
     refused("a.csv", "x,y,z\nmm,mm,m\n1,2,3\n", {"units", "differ"});
@@ -173,12 +178,13 @@ TEST_F(Columns, UnitsThatAreNotKnown) {
 }
 
 TEST_F(Columns, NumbersAsOthersWriteThem) {
+    reads("a.txt", "1 2 3;\n4 5 6;\n", one);
     reads("a.txt", "0.1D+01 2d0 +.3D1\n", one);
     refused("a.txt", "1.5D+0D 2 3\n", {"line 1", "column 1 (x) is '1.5D+0D'"});
     refused("a.txt", "1 2 3D\n", {"column 3 (z) is '3D'"});
     for (const std::string text : {"1,234.5", "1.234,5", "1,234,567", "1'234.5"})
         for (const std::string& line : {"x;y;z\n1;2;" + text + "\n", "x,y,z\n1,2,\"" + text + "\"\n"})
-            refused("a.csv", line, {"line 2", "column 3 (z)", "separator of thousands"});
+            refused("a.csv", line, {"line 2", "column 3 (z)", "thousands without a separator"});
     refused("a.csv", "1;2;1,234\n", {"with a point, not a comma"});
     refused("a.csv", "1.0.0,2,3\n", {"'1.0.0', which is not a number"});
 }
