@@ -22,7 +22,7 @@ struct LoadOptions {
 // The unit of length and the direction of the axes that a file states, or that its format defines.
 struct Stated {
     std::string unit = {};   // "inch", as shown to users; empty: none
-    double micrometres = 0;  // length of the unit; 0: none, or not known
+    double micrometres = 0;  // length of the unit; 0: none
     char up = 0;             // the axis that points up: 'X', 'Y' or 'Z'; 0: not stated
 };
 
