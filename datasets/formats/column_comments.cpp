@@ -23,13 +23,17 @@ bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z')
 // Returns the part of a field before a unit in brackets.
 std::string_view name_part(std::string_view field) { return trimmed(field.substr(0, field.find_first_of("[("))); }
 
+// Returns whether a field is a name as programs write it. A sign or an exponent makes it the name of something else.
 bool is_short_name(std::string_view field) {
-    const std::string_view name = name_part(field);
+    std::string_view name = name_part(field);
+    if (name.starts_with('-') || name.starts_with('+')) name.remove_prefix(1);
     return !name.empty() && name.size() <= 24 && (is_letter(name.front()) || name.front() == '_') &&
            std::all_of(name.begin(), name.end(), [](char c) {
-               return is_letter(c) || is_digit(c) || std::string_view("_.:+-/").find(c) != std::string_view::npos;
+               return is_letter(c) || is_digit(c) || std::string_view("_.:+-/^*'").find(c) != std::string_view::npos;
            });
 }
+
+bool is_of_a_program(std::string_view field) { return name_part(field).find_first_of("_0123456789") < field.size(); }
 
 bool is_usual_name(std::string_view field) {
     static const std::set<std::string> usual = {
@@ -67,7 +71,8 @@ std::optional<std::size_t> take_number(std::string_view& field) {
             rest = trimmed(rest);
             break;
         }
-    while (!rest.empty() && std::string_view("[(#").find(rest.front()) != std::string_view::npos) rest.remove_prefix(1);
+    while (!rest.empty() && std::string_view("[(#$").find(rest.front()) != std::string_view::npos)
+        rest.remove_prefix(1);
     const std::size_t digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
     const auto number = whole<std::size_t>(rest.substr(0, digits));
     if (!number || digits > 4) return std::nullopt;
@@ -158,10 +163,11 @@ void split_joined(Fields& fields) {
     if (parts.size() > 2) fields = std::move(parts);
 }
 
-// Returns whether a word is x, y and z in another order, as in "zyx".
+// Returns whether a word is x, y and z in another order, as in "zyx", or names such coordinates, as in "NED".
 bool is_another_order(std::string_view word) {
     std::string letters = lower_case(word);
     if (letters == "xyz") return false;
+    if (letters == "ned" || letters == "neu" || letters == "lla") return true;
     std::sort(letters.begin(), letters.end());
     return letters == "xyz";
 }
@@ -172,7 +178,11 @@ constexpr std::string_view with_columns = "choose the columns with --columns, by
 
 void ColumnComments::add(std::string_view text, std::uint32_t line) {
     constexpr std::string_view marks = "#/%*=-~! \t\r\v\f";
-    text.remove_prefix(std::min(text.find_first_not_of(marks), text.size()));
+    const std::size_t start = std::min(text.find_first_not_of(marks), text.size());
+    // "-x y z" are not x, y and z; "--- x y z" are.
+    const bool sign =
+        start > 1 && start < text.size() && text[start - 1] == '-' && text[start - 2] != '-' && is_letter(text[start]);
+    text.remove_prefix(sign ? start - 1 : start);
     text = text.substr(0, text.find_last_not_of("#*=~ \t\r\v\f") + 1);
     if (text.empty()) return;
     take_length_unit(text);
@@ -188,8 +198,12 @@ void ColumnComments::add(std::string_view text, std::uint32_t line) {
         std::erase_if(comment.fields, [](std::string_view field) {
             return std::none_of(field.begin(), field.end(), [](char c) { return is_letter(c) || is_digit(c); });
         });
-    for (std::string_view& field : comment.fields)
+    for (std::string_view& field : comment.fields) {
         if (field.size() > 1 && field.front() == '#') field.remove_prefix(1);
+        const bool quoted = field.size() > 2 && std::string_view("<{'").find(field.front()) != std::string_view::npos &&
+                            std::string_view(">}'").find(field.back()) != std::string_view::npos;
+        if (quoted) field = field.substr(1, field.size() - 2);
+    }
     if (comment.fields.empty()) return;
     const std::size_t before = comment.fields.size();
     split_joined(comment.fields);
@@ -237,7 +251,8 @@ bool ColumnComments::is_list(const Comment& comment, std::size_t width) const {
         return true;
     if (!std::all_of(fields.begin(), fields.end(), is_short_name)) return false;
     return comment.lead == Lead::names || comment.separated || (!comment.numbers.empty() && !comment.single) ||
-           are_alike(fields) || std::count_if(fields.begin(), fields.end(), is_usual_name) > 1 ||
+           are_alike(fields) || std::count_if(fields.begin(), fields.end(), is_of_a_program) > 1 ||
+           std::count_if(fields.begin(), fields.end(), is_usual_name) > 1 ||
            (comment.lead == Lead::none && std::all_of(fields.begin(), fields.end(), [](std::string_view field) {
                 return name_part(field).size() < 4;
             }));

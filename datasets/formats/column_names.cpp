@@ -65,7 +65,8 @@ struct Bare {
 
 // Returns the name in lower case, with one '_' for each run of blanks and of "_.:-".
 std::string plain(std::string_view text) {
-    std::string name;
+    text = trimmed(text);
+    std::string name(text.starts_with('-') ? "-" : "");  // the negative of a coordinate has another name
     for (const char c : lower_case(text)) {
         if (std::string_view(" \t_.:-").find(c) == std::string_view::npos)
             name.push_back(c);
@@ -120,7 +121,7 @@ std::vector<std::string> names_of(std::string_view field) {
     std::string_view rest = field, before, inside;
     std::vector<std::string> names = {bare(field).name};
     for (std::string_view one = trimmed(field); split_brackets(one, before, inside); one = trimmed(before))
-        if (is_letter_of_axis(inside)) names.push_back(lower_case(inside));
+        if (is_letter_of_axis(inside) && trimmed(before).size() < before.size()) names.push_back(lower_case(inside));
     while (rest.find('/') != std::string_view::npos) {
         const std::size_t slash = rest.find('/');
         names.push_back(bare(rest.substr(0, slash)).name);

@@ -121,7 +121,7 @@ void PointLines::add(std::string_view line, std::uint32_t number) {
     if (!split_fields(without_comment(line), fields_, blanks_))
         refuse(name_, number, "a quoted field begins here and does not end: write each point on one line");
     if (take_count(line_, number) || take_header(number) || take_units()) return;
-    if (!chosen_) choose_columns(number);
+    if (!chosen_) choose_columns();
     check_width(number);
     if (header_.line == 0 && soup_.points.empty() && format_ == "csv" && numbers_columns(fields_, 0))
         soup_.notes.push_back(
@@ -187,7 +187,7 @@ std::optional<std::array<std::size_t, 3>> PointLines::columns_if_named() const {
     return std::nullopt;
 }
 
-void PointLines::choose_columns(std::uint32_t number) {
+void PointLines::choose_columns() {
     chosen_ = true;
     const bool prose = std::none_of(fields_.begin(), fields_.end(), [](auto field) { return number_in(field); });
     if (header_.line != 0 && prose && choice_.empty() && coordinates_named(header_.fields) < 2)

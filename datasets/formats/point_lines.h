@@ -40,7 +40,7 @@ private:
     // is the second.
     void check_first() const;
     // Decides on the columns of x, y and z. The current line is the first point.
-    void choose_columns(std::uint32_t number);
+    void choose_columns();
     std::optional<std::array<std::size_t, 3>> columns_if_named() const;  // by the header, if that is clear
     void choose_unnamed_columns();
     void take_length_unit();                                                            // from a comment

@@ -259,11 +259,11 @@ std::pair<LoadedShape, LoadedShape> load_both(const MeasureRequest& request) {
 // Throws InputError if both files state a unit, or which axis points up, and they differ.
 void expect_one_convention(const MeasureRequest& request, const Stated& a, const Stated& b) {
     const std::string source = request.source.string(), target = request.target.string();
+    const bool known = a.micrometres != 0 && b.micrometres != 0;
     if (units_differ(a, b))
-        throw InputError(
-            fmt::format("{} is in {}, and {} in {}: convert both with --unit mm, or compare the numbers as "
-                        "they stand with --unit none",
-                        source, one_line(a.unit), target, one_line(b.unit)));
+        throw InputError(fmt::format("{} is in {}, and {} in {}: {}compare the numbers as they stand with --unit none",
+                                     source, one_line(a.unit), target, one_line(b.unit),
+                                     known ? "convert both with --unit mm, or " : "such a unit is not known: "));
     if (a.up != 0 && b.up != 0 && a.up != b.up)
         throw InputError(
             fmt::format("{} has {} pointing up, and {} has {}: turn both with --up Z, or compare the numbers "

@@ -68,6 +68,12 @@ TEST_F(Columns, CommentsThatListOtherNamesAreRefused) {
                                     "2:y 3:x 4:z",
                                     "1:x 1:y 2:z",
                                     "row col value",
+                                    "-x y z",
+                                    "x -y z",
+                                    "-x, -y, z",
+                                    "x^2 y^2 z^2",
+                                    "log10(x) log10(y) log10(z)",
+                                    "px_y px_x depth",
                                     "Velocity.X Velocity.Y Velocity.Z"})
         for (const std::string mark : {"# ", "//", "% ", "#"})
             refused("a.txt", "# made by a program\n" + mark + names + "\n1 2 3\n", {"line 2", "--columns"});
@@ -104,6 +110,11 @@ TEST_F(Columns, CommentsThatListXyzAreHonoured) {
                                     "--- y x z ---",
                                     "Spalten: y x z",
                                     "order y x z",
+                                    "$1=y $2=x $3=z",
+                                    "<y> <x> <z>",
+                                    "{y} {x} {z}",
+                                    "'y' 'x' 'z'",
+                                    "- y x z",
                                     "columns=y,x,z"})
         reads("a.txt", "# " + names + "\n1 2 3\n", turned);
     reads("a.txt", "# Column 1: y\n# Column 2: x\n# Column 3: z\n1 2 3\n", turned);
@@ -124,7 +135,7 @@ TEST_F(Columns, ProseIsIgnored) {
     reads("a.txt", "# 1. first step\n# 2. second step\n# 3. third step\n1 2 3\n", one);
     reads("a.txt", "# x y z\n# mm mm mm\n1 2 3\n", one);
     reads("a.txt", "# x/y/z\n1 2 3\n", one);
-    for (const std::string text : {"y x z coordinates", "zyx", "order: zyx", "Y X Z, in metres", "z/y/x of it"})
+    for (const std::string text : {"y x z coordinates", "zyx", "NED", "order: zyx", "Y X Z, in metres", "z/y/x of it"})
         refused("a.txt", "# " + text + "\n1 2 3\n", {"line 1", "another order", "--columns"});
 }
 
