@@ -4,9 +4,10 @@
 // - it names x, y and z, as in "# id X Y Z"; or
 // - it numbers its words, as in "# 1:y 2:x 3:z", or separates them by commas, semicolons, tabs or bars; or
 // - it begins with a word such as "columns:"; or
-// - its words have up to three letters each, or differ in one or two letters, or two of them are usual names of columns.
-// A list that does not name x, y and z in full is refused, and so are lists that contradict. Any other comment is prose,
-// and ignored, except if it begins with x, y and z in another order, or is about latitude and longitude.
+// - its words have up to three letters each or differ in one or two letters, or two of them have a digit or '_', or are
+//   usual names of columns.
+// A list that does not name x, y and z in full is refused, and so are lists that contradict. Any other comment is
+// prose, and ignored, except if it begins with x, y and z in another order, or is about latitude and longitude.
 #pragma once
 
 #include "datasets/formats/column_names.h"

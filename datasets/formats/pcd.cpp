@@ -3,7 +3,8 @@
 // The points are the fields x, y and z, which may have any type of number. An organised cloud (HEIGHT over 1) is a list
 // of points like any other; a missing measurement in it is NaN, which finish() refuses or drops. VIEWPOINT, the pose of
 // the sensor, does not move the points, because the format only says that it may be used to; a note tells a pose other
-// than the identity. The format states no unit and no axes. A coordinate is exactly the stored number, or the float32 or float64 nearest to the decimal number of a text file.
+// than the identity. The format states no unit and no axes. A coordinate is exactly the stored number, or the float32
+// or float64 nearest to the decimal number of a text file.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/point_lines.h"

@@ -4,15 +4,16 @@
 // Fields. The separator of a line is ';' if the line contains one, otherwise ',' if it contains one, otherwise a tab if
 // a field between tabs is empty or has several words, otherwise white space. A field in double quotes may contain
 // separators. A comment begins with '#', at the beginning of a line or after white space, or with "//" or '%' at the
-// beginning of a line. A line with a single integer gives the number of points to come (.pts, some .xyz; in .csv only after a
-// comment that names columns).
+// beginning of a line. A line with a single integer gives the number of points to come (.pts, some .xyz; in .csv only
+// after a comment that names columns).
 //
 // Columns. These decide, in this order, which columns are x, y and z:
 // 1. LoadOptions::columns, as numbers that count from 1 or as names of the header;
-// 2. a header, the first line of the file or a comment before the first point. column_names.cpp has the names that it
-//    may have, and column_comments.h tells which comments are headers. A header without a full set of names is refused, and so is a line with more fields than the header: its decimals may
-//    have commas, or its first field no name. If columns are chosen by number and the first line has a word above a
-//    number, it may be a header of numbers, and is refused;
+// 2. a header, the first line of the file or a comment before the first point. column_names.cpp has the names that
+//    it may have, and column_comments.h tells which comments are headers. A header without a full set of names is
+//    refused, and so is a line with more fields than the header: its decimals may have commas, or its first field no
+//    name. If columns are chosen by number and the first line has a word above a number, it may be a header of numbers,
+//    and is refused;
 // 3. the format: lines of .xyzn and .xyzrgb have three or six columns, and those of .pts any number after a count line.
 //    They begin with x, y and z (then the normal, the colour, or intensity and colour);
 // 4. a file with exactly three columns has x, y and z.
@@ -22,8 +23,8 @@
 // Values. A field such as NA, nan, inf or an empty one is a missing measurement: the coordinate becomes NaN or
 // infinite, which finish() refuses or drops. Any other text is an error. The coordinates are the doubles nearest to the
 // decimal numbers, which may have an exponent as in 1.5D+03; those of a text PCD file with float32 fields are the
-// nearest float32. A unit in the names of all three columns, as in "x [mm]", or in a line below the header is the stated
-// unit.
+// nearest float32. A unit in the names of all three columns, as in "x [mm]", or in a line below the header is the
+// stated unit.
 #include "datasets/formats/point_lines.h"
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
@@ -70,8 +71,8 @@ std::optional<double> number_in(std::string_view field) {
     return decimal(copy);
 }
 
-// Returns whether a field may be a number with a decimal comma, or with separators of thousands: 1,5 or 1,234.5 or 1'234
-// or, with a space that does not break, 1 234.
+// Returns whether a field may be a number with a decimal comma, or with separators of thousands: 1,5 or 1,234.5 or
+// 1'234 or, with a space that does not break, 1 234.
 bool has_separators(std::string_view field) {
     return field.find_first_of("0123456789") != std::string_view::npos &&
            (field.find_first_of(",'") != std::string_view::npos || field.find("\xc2\xa0") != std::string_view::npos ||
