@@ -32,8 +32,11 @@ std::string ending_of(const std::filesystem::path& file) {
 // thousandth.
 constexpr std::size_t inflation = 200, inflated_anyway = std::size_t{1} << 26;
 
-// Returns the whole file, decompressed if it is gzipped (zlib tests the first two bytes).
-std::string read_all(const std::filesystem::path& file) {
+constexpr std::size_t most_to_recognise = std::size_t{1} << 20;  // bytes of a file with an unknown ending
+
+// Returns the file, or `most` bytes of it and a few more, decompressed if it is gzipped (zlib tests the first two
+// bytes).
+std::string read_all(const std::filesystem::path& file, std::size_t most = std::size_t{1} << 62) {
     errno = 0;
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
     if (!in) throw InputError(file.string() + ": cannot be read: " + std::strerror(errno));
@@ -46,7 +49,7 @@ std::string read_all(const std::filesystem::path& file) {
         const std::string why = gzerror(in.get(), &code);
         // For a truncated archive gzread returns no error, but gzerror gives a code.
         if (count < 0 || (count == 0 && code != Z_OK)) throw InputError(file.string() + ": cannot be inflated: " + why);
-        if (count == 0) return bytes;
+        if (count == 0 || bytes.size() >= most) return bytes;
         bytes.append(buffer.data(), static_cast<std::size_t>(count));
         const z_off_t taken = gzoffset(in.get());  // bytes of the file read so far; -1 if unknown
         if (taken > 0 && bytes.size() > inflated_anyway && bytes.size() / inflation > static_cast<std::size_t>(taken))
@@ -71,13 +74,22 @@ std::string refusal(const std::string& name, const Unread& unread) {
 }
 
 // Throws `error`, or a better one if the file begins like a file of another kind, whatever its ending says. A 3MF or
-// AMF file may be a ZIP archive itself.
-[[noreturn]] void explain(const InputError& error, const std::string& name, const std::string& kind,
-                          std::string_view bytes) {
-    const bool may_be_zip = kind == "3mf" || kind == "amf";
+// AMF file may be a ZIP archive itself. `format` is null if it is not known, and comes from the ending if `by_ending`.
+[[noreturn]] void explain(const InputError& error, const std::string& name, const Format* format,
+                          std::string_view bytes, bool by_ending = true) {
+    const Format* const found = recognised_format(bytes);
+    if (found && found != format)
+        throw InputError(fmt::format("{}: begins like a file of {}{}: {}{}", name, found->title,
+                                     format ? fmt::format(", not of {}", format->title) : "",
+                                     by_ending ? "rename it to end in ." : "read it as ", found->endings[0]));
+    const bool may_be_zip = found != nullptr || (format && is_one_of("3mf", format->endings)) ||
+                            (format && is_one_of("amf", format->endings));
     for (const Unread& one : unread_formats())
         if (!one.begins.empty() && bytes.starts_with(one.begins) && !(may_be_zip && bytes.starts_with("PK")))
             throw InputError(refusal(name, one));
+    const bool marked = bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff");
+    if (marked && bytes.substr(0, 64).find('\0') != std::string_view::npos)
+        throw InputError(name + ": is text in UTF-16: save it as UTF-8");
     throw error;
 }
 
@@ -103,26 +115,29 @@ LoadedShape load_file(const std::filesystem::path& file, const LoadOptions& opti
         throw InputError(name + ": is empty: save or fetch it again");
     const std::string kind = options.format.empty() ? ending_of(file) : lower_case(options.format);
     if (kind.empty())
-        throw InputError(
-            fmt::format("{}: has no extension, which tells the format: rename it to the ending of its "
-                        "format, one of {}",
-                        name, known_endings(false)));
+        explain(InputError(fmt::format("{}: has no extension, which tells the format: rename it to the ending of its "
+                                       "format, one of {}",
+                                       name, known_endings(false))),
+                name, nullptr, read_all(file, most_to_recognise));
     if (kind == surface_ending) return readers::read_surface(file);
     const Format* const format = find_format(kind);
     if (const Unread* unread = format ? nullptr : unread_with_ending(kind)) throw InputError(refusal(name, *unread));
     if (!format)
-        throw InputError(fmt::format("{}: '{}' is no format that is read here: convert it to one of {}", name,
-                                     one_line(kind), known_endings(false)));
+        explain(InputError(fmt::format("{}: '{}' is not a format that is read here: convert it to one of {}", name,
+                                       one_line(kind), known_endings(false))),
+                name, nullptr, read_all(file, most_to_recognise));
     if (!options.columns.empty() && !format->columns)
         throw InputError(
             fmt::format("{}: a file of this format has no columns to choose: leave out the columns", name));
     const std::string bytes = read_all(file);
     if (bytes.empty()) throw InputError(name + ": is empty: save or fetch it again");
-    const readers::Input input{name, bytes, file, kind, options};
+    readers::Input input{name, bytes, file, kind, options};
+    const bool marked = bytes.starts_with("\xef\xbb\xbf") && kind != "stl";  // which may be binary, with any header
+    if (marked) input.bytes.remove_prefix(3);
     try {
         return readers::finish(input, format->read(input));
     } catch (const InputError& wrong) {
-        explain(wrong, name, kind, bytes);
+        explain(wrong, name, format, bytes, options.format.empty());
     }
 }
 

@@ -18,7 +18,8 @@ struct Names {
 
 const std::vector<Names>& units() {
     static const std::vector<Names> all = {
-        {{"um", 1}, {"micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres", "\xc2\xb5m"}},
+        {{"um", 1},
+         {"micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres", "\xc2\xb5m", "\xce\xbcm"}},
         {{"mm", 1e3}, {"millimeter", "millimeters", "millimetre", "millimetres"}},
         {{"cm", 1e4}, {"centimeter", "centimeters", "centimetre", "centimetres"}},
         {{"dm", 1e5}, {"decimeter", "decimeters", "decimetre", "decimetres"}},
@@ -26,6 +27,9 @@ const std::vector<Names>& units() {
         {{"km", 1e9}, {"kilometer", "kilometers", "kilometre", "kilometres"}},
         {{"inch", 25400}, {"in", "inches", "\""}},
         {{"ft", 304800}, {"foot", "feet", "'"}},
+        {{"us-ft", 1200e6 / 3937},  // the US survey foot
+         {"us ft", "us_ft", "usft", "ftus", "ft us", "ft_us", "us foot", "us feet", "us survey ft", "us survey foot",
+          "us survey feet", "u.s. survey foot", "u.s. survey feet", "survey foot", "survey feet"}},
         {{"yd", 914400}, {"yard", "yards"}},
         {{"mile", 1609344000}, {"mi", "miles"}},
         {{"mil", 25.4}, {"thou", "mils"}},
@@ -55,7 +59,8 @@ template <class Change> void change_points(Shape& shape, const Change& change) {
 }  // namespace
 
 std::optional<Unit> unit_named(std::string_view name) {
-    if (name == "NM" || name == "Nm") return std::nullopt;  // no nanometres: nautical miles, or newton metres
+    // No nanometres, but nautical miles or newton metres; perhaps megametres.
+    if (name == "NM" || name == "Nm" || name == "Mm") return std::nullopt;
     const std::string lower = readers::lower_case(name);
     for (const Names& one : units())
         if (one.unit.name == lower || std::find(one.others.begin(), one.others.end(), lower) != one.others.end())
@@ -64,6 +69,16 @@ std::optional<Unit> unit_named(std::string_view name) {
 }
 
 Stated stated_unit(const Unit& unit) { return {std::string(unit.name), unit.micrometres, 0}; }
+
+Stated unit_stated_as(std::string_view name) {
+    const auto unit = unit_named(name);
+    return unit ? stated_unit(*unit) : Stated{std::string(name), 0, 0};
+}
+
+bool units_differ(const Stated& a, const Stated& b) {
+    if (a.unit.empty() || b.unit.empty()) return false;
+    return a.micrometres != b.micrometres || (a.micrometres == 0 && a.unit != b.unit);
+}
 
 Stated stated_unit(double metres) {
     for (const Names& one : units()) {
@@ -81,6 +96,11 @@ std::string unit_names() {
 
 void convert_to_unit(LoadedShape& loaded, const Unit& unit, const std::string& name) {
     Stated& stated = loaded.report.stated;
+    if (stated.micrometres == 0 && !stated.unit.empty())
+        throw InputError(
+            fmt::format("{}: states the unit '{}', which is not known: write its coordinates in one of {}, or compare "
+                        "the numbers as they stand with --unit none (in Python unit=\"none\")",
+                        name, one_line(stated.unit), unit_names()));
     if (stated.micrometres == 0)
         loaded.report.notes.push_back(fmt::format("states no unit: its numbers count as {}", unit.name));
     else if (stated.micrometres != unit.micrometres) {

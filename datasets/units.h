@@ -22,12 +22,19 @@ std::optional<Unit> unit_named(std::string_view name);
 Stated stated_unit(double metres);
 Stated stated_unit(const Unit& unit);
 
+// Returns the unit that a file states by this name. If the name is not known, the length is 0, which means that no
+// other file can be compared with this one, except one with the same name.
+Stated unit_stated_as(std::string_view name);
+
+// Returns whether both state a unit, and the units differ or one of them is not known.
+bool units_differ(const Stated& a, const Stated& b);
+
 // Returns the names of all units, for messages: "mm, cm, ...".
 std::string unit_names();
 
 // Multiplies all coordinates by (unit of the shape / `unit`), rounding each product once. A shape that states no unit
 // counts as being in `unit` already; then a note says so. Afterwards the shape states `unit`. Throws InputError, which
-// begins with `name`, if a coordinate overflows.
+// begins with `name`, if the shape states a unit that is not known, and if a coordinate overflows.
 void convert_to_unit(LoadedShape& loaded, const Unit& unit, const std::string& name);
 
 // Turns the shape so that axis `up` ('X', 'Y' or 'Z') points up, by the axes of Collada: Y_UP has x to the right and z

@@ -2,6 +2,7 @@
 
 #include "algorithms/registry.h"
 #include "algorithms/session/moving_target.h"
+#include "datasets/units.h"
 #include "harness/record/tolerance.h"
 #include "library/errors.h"
 
@@ -78,10 +79,10 @@ void expect_same_units(const Model& source, const Model& target) {
     const Origin &a = source.origin(), &b = target.origin();
     const Stated &of_a = a.report.stated, &of_b = b.report.stated;
     constexpr const char* otherwise = "\"none\" to compare the numbers as they stand";
-    if (a.unit != 0 && b.unit != 0 && a.unit != b.unit)
+    if (a.unit != 0 && b.unit != 0 ? a.unit != b.unit : units_differ(of_a, of_b))
         throw ArgumentError(
-            2, fmt::format("A ({}) is in {} and B ({}) in {}: read both with unit=\"mm\", or with unit={}", a.name,
-                           of_a.unit, b.name, of_b.unit, otherwise));
+            2, fmt::format("A ({}) is in {} and B ({}) in {}: read both with unit={}{}", a.name, of_a.unit, b.name,
+                           of_b.unit, a.unit != 0 && b.unit != 0 ? "\"mm\", or with unit=" : "", otherwise));
     if (of_a.up != 0 && of_b.up != 0 && of_a.up != of_b.up)
         throw ArgumentError(
             2, fmt::format("{} points up in A ({}) and {} in B ({}): read both with up=\"Z\", or with up={}", of_a.up,

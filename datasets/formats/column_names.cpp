@@ -65,7 +65,8 @@ struct Bare {
 
 // Returns the name in lower case, with one '_' for each run of blanks and of "_.:-".
 std::string plain(std::string_view text) {
-    std::string name;
+    text = trimmed(text);
+    std::string name(text.starts_with('-') ? "-" : "");  // the negative of a coordinate has another name
     for (const char c : lower_case(text)) {
         if (std::string_view(" \t_.:-").find(c) == std::string_view::npos)
             name.push_back(c);
@@ -76,26 +77,51 @@ std::string plain(std::string_view text) {
     return name;
 }
 
-// Splits a unit from a name: "x [mm]", "X(m)" or "x_mm".
-Bare bare(std::string_view field) {
-    field = trimmed(field);
-    if (field.ends_with(']') || field.ends_with(')')) {
-        const std::size_t open = field.find_last_of(field.back() == ']' ? '[' : '(');
-        if (open != std::string_view::npos && open > 0)
-            return {plain(field.substr(0, open)),
-                    std::string(trimmed(field.substr(open + 1, field.size() - open - 2)))};
-    }
-    const std::string name = plain(field);
-    const std::size_t last = name.rfind('_');
-    if (last != std::string::npos && last > 0 && unit_named(name.substr(last + 1)))
-        return {name.substr(0, last), name.substr(last + 1)};
-    return {name, ""};
+// Splits a text in brackets from the end of a field: "x [mm]" or "X(m)". Returns false if there is none.
+bool split_brackets(std::string_view field, std::string_view& name, std::string_view& inside) {
+    if (!field.ends_with(']') && !field.ends_with(')')) return false;
+    const std::size_t open = field.find_last_of(field.back() == ']' ? '[' : '(');
+    if (open == std::string_view::npos || open == 0) return false;
+    name = field.substr(0, open);
+    inside = trimmed(field.substr(open + 1, field.size() - open - 2));
+    return true;
 }
 
-// Returns the names that a field gives: one, or several that are joined by slashes.
+// Returns whether a text in brackets is another name of the coordinate, as in "Easting (X)".
+bool is_letter_of_axis(std::string_view text) { return text.size() == 1 && lower_case(text).find_first_of("xyz") == 0; }
+
+// Splits a unit from a name: "x [mm]", "X(m)", "x/mm", "x, mm", "x_mm" or "x in mm".
+Bare bare(std::string_view field) {
+    field = trimmed(field);
+    std::string_view name, unit;
+    if (split_brackets(field, name, unit)) {
+        if (is_letter_of_axis(unit)) return bare(name);
+        std::string_view before, letter;  // "Easting (X) [mm]"
+        const bool another = split_brackets(trimmed(name), before, letter) && is_letter_of_axis(letter);
+        return {plain(another ? before : name), std::string(bare_unit(unit))};
+    }
+    const std::size_t mark = field.find_last_of("/,");
+    if (mark != std::string_view::npos && mark > 0 && unit_named(trimmed(field.substr(mark + 1))))
+        return {plain(field.substr(0, mark)), std::string(trimmed(field.substr(mark + 1)))};
+    const std::string all = plain(field);
+    const std::size_t last = all.rfind('_');
+    if (last == std::string::npos || last == 0 || !unit_named(all.substr(last + 1))) return {all, ""};
+    const std::string before = all.substr(0, last);
+    return {before.ends_with("_in") ? before.substr(0, last - 3) : before, all.substr(last + 1)};
+}
+
+// Returns the text after the last slash of a field, which is a unit if the names of x, y and z have the same.
+std::string_view after_slash(std::string_view field) {
+    const std::size_t slash = field.rfind('/');
+    return slash == std::string_view::npos || slash == 0 ? "" : trimmed(field.substr(slash + 1));
+}
+
+// Returns the names that a field gives: one, or several that are joined by slashes or in brackets.
 std::vector<std::string> names_of(std::string_view field) {
-    std::string_view rest = field;
+    std::string_view rest = field, before, inside;
     std::vector<std::string> names = {bare(field).name};
+    for (std::string_view one = trimmed(field); split_brackets(one, before, inside); one = trimmed(before))
+        if (is_letter_of_axis(inside) && trimmed(before).size() < before.size()) names.push_back(lower_case(inside));
     while (rest.find('/') != std::string_view::npos) {
         const std::size_t slash = rest.find('/');
         names.push_back(bare(rest.substr(0, slash)).name);
@@ -105,14 +131,17 @@ std::vector<std::string> names_of(std::string_view field) {
     return names;
 }
 
-// Returns, for each coordinate, the columns that this family names.
+// Returns, for each coordinate, the columns that this family names. A field such as "x/y/z" names none.
 std::array<std::vector<std::size_t>, 3> columns_of(const Family& family, const std::vector<std::string_view>& fields) {
     std::array<std::vector<std::size_t>, 3> found;
     for (std::size_t i = 0; i < fields.size(); ++i) {
         const std::vector<std::string> names = names_of(fields[i]);
+        std::array<bool, 3> named{};
         for (std::size_t k = 0; k < 3; ++k)
-            if (std::any_of(names.begin(), names.end(), [&](const auto& one) { return family[k].contains(one); }))
-                found[k].push_back(i);
+            named[k] =
+                std::any_of(names.begin(), names.end(), [&](const auto& one) { return family[k].contains(one); });
+        for (std::size_t k = 0; k < 3; ++k)
+            if (named[k] && !named[(k + 1) % 3] && !named[(k + 2) % 3]) found[k].push_back(i);
     }
     return found;
 }
@@ -135,11 +164,27 @@ std::string list_of(const std::vector<std::string_view>& fields) {
     return text + (fields.size() > 8 ? ", ..." : "");
 }
 
+// Returns the units of three columns as written, from the line of units or from their names.
+std::array<std::string, 3> units_of(const Header& header, const std::array<std::size_t, 3>& columns) {
+    std::array<std::string, 3> units;
+    std::array<std::string_view, 3> slashes;
+    std::size_t last = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (columns[k] < header.units.size()) units[k] = bare_unit(header.units[columns[k]]);
+        if (columns[k] >= header.fields.size()) continue;
+        if (units[k].empty()) units[k] = bare(header.fields[columns[k]]).unit;
+        slashes[k] = after_slash(header.fields[columns[k]]);
+        if (columns[k] > columns[last]) last = k;
+    }
+    const auto count = std::count_if(units.begin(), units.end(), [](const std::string& unit) { return !unit.empty(); });
+    if (count == 0 && slashes[0] == slashes[1] && slashes[0] == slashes[2]) units.fill(std::string(slashes[0]));
+    if (count == 1 && header.loose && !units[last].empty()) units.fill(std::string(units[last]));
+    return units;
+}
+
 // Takes the unit of three columns from their names. If `must_agree`, refuses units that differ.
 void take_unit(const std::string& name, const Header& header, bool must_agree, ColumnChoice& choice) {
-    std::array<std::string, 3> units;
-    for (std::size_t k = 0; k < 3; ++k)
-        if (choice.columns[k] < header.fields.size()) units[k] = bare(header.fields[choice.columns[k]]).unit;
+    std::array<std::string, 3> units = units_of(header, choice.columns);
     const auto length = [](const std::string& unit) {
         const auto known = unit_named(unit);
         return known ? known->micrometres : 0.0;
@@ -157,10 +202,9 @@ void take_unit(const std::string& name, const Header& header, bool must_agree, C
                        ": write them in one unit, or choose the columns with --columns, by number or name (in Python "
                        "columns=\"2,3,4\"), so that the numbers count");
         choice.notes.push_back(why + "; the numbers count");
-    } else if (const auto unit = unit_named(units[0])) {
-        choice.stated = stated_unit(*unit);
     } else if (!units[0].empty()) {
-        choice.notes.push_back(fmt::format("its unit '{}' is not known, and left out", shown(units[0])));
+        choice.stated = unit_stated_as(units[0]);
+        if (choice.stated.micrometres == 0) choice.notes.push_back(unknown_unit(units[0]));
     }
 }
 
@@ -196,6 +240,27 @@ std::size_t column_named(const std::string& name, std::string_view wanted, const
 }
 
 }  // namespace
+
+std::string_view bare_unit(std::string_view field) {
+    field = trimmed(field);
+    const bool brackets = field.size() > 1 && ((field.front() == '[' && field.back() == ']') ||
+                                               (field.front() == '(' && field.back() == ')'));
+    if (brackets) field = trimmed(field.substr(1, field.size() - 2));
+    return field == "-" ? "" : field;
+}
+
+std::size_t count_units(const std::vector<std::string_view>& fields) {
+    std::size_t count = 0;
+    for (const std::string_view field : fields) {
+        if (decimal(field)) return 0;
+        count += field.starts_with('[') || field.starts_with('(') || unit_named(bare_unit(field)) ? 1 : 0;
+    }
+    return count;
+}
+
+std::string unknown_unit(std::string_view unit) {
+    return fmt::format("states the unit '{}', which is not known: its numbers count as they stand", shown(unit));
+}
 
 bool is_missing(std::string_view field) {
     static const Names words = {"", "na", "n/a", "#n/a", "#na", "null", "none"};

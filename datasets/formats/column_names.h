@@ -15,7 +15,10 @@ namespace hausbench::readers {
 // The fields of a line that names columns.
 struct Header {
     std::vector<std::string_view> fields;
-    std::uint32_t line = 0;  // in the file, from 1; 0: the file has no header
+    std::uint32_t line = 0;                    // in the file, from 1; 0: the file has no header
+    std::vector<std::string_view> units = {};  // of the columns, in a line below the header; empty: no such line
+    // Words between blanks, or a comment: a unit after the last of x, y and z counts for all, as in "x y z [mm]".
+    bool loose = false;
 };
 
 // The columns of x, y and z, counted from 0, and what their names say.
@@ -40,6 +43,15 @@ bool names_angles(const std::vector<std::string_view>& fields);
 
 // Returns whether the first columns that are named x, y and z, in any family, are in another order than x, y, z.
 bool names_another_order(const std::vector<std::string_view>& fields);
+
+// Returns the number of fields that are units, as in "mm,mm,mm" or "[-] [px] [px] [px]"; 0 if a field is a number.
+std::size_t count_units(const std::vector<std::string_view>& fields);
+
+// Returns a unit without brackets around it; empty for "-".
+std::string_view bare_unit(std::string_view field);
+
+// Says that a unit is stated and not known.
+std::string unknown_unit(std::string_view unit);
 
 // Returns the columns of x, y and z by their names. Throws InputError if no family of names is complete, if several
 // are, and if the units of the columns differ. `name` is the file's.

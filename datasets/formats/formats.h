@@ -38,6 +38,9 @@ const std::vector<Unread>& unread_formats();
 // Returns the row of the format with this ending, or null.
 const Format* find_format(std::string_view ending);
 
+// Returns the format that the first bytes of a file show, or null if they show none. For messages.
+const Format* recognised_format(std::string_view bytes);
+
 // Returns the endings of all formats, or of our own readers alone: ".obj, .ply, ...".
 std::string known_endings(bool own_alone);
 

@@ -2,8 +2,9 @@
 //
 // The points are the fields x, y and z, which may have any type of number. An organised cloud (HEIGHT over 1) is a list
 // of points like any other; a missing measurement in it is NaN, which finish() refuses or drops. VIEWPOINT, the pose of
-// the sensor, does not move the points: PCL ignores it for coordinates too. The format states no unit and no axes. A
-// coordinate is exactly the stored number, or the float32 or float64 nearest to the decimal number of a text file.
+// the sensor, does not move the points, because the format only says that it may be used to; a note tells a pose other
+// than the identity. The format states no unit and no axes. A coordinate is exactly the stored number, or the float32
+// or float64 nearest to the decimal number of a text file.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/point_lines.h"
@@ -15,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 
@@ -36,6 +38,7 @@ struct PcdHeader {
     std::uint64_t points = 0, record = 0, columns = 0;  // number of points; bytes and numbers of one point
     std::string_view data, body;                        // the word after DATA; the bytes after the header
     std::uint32_t lines = 0;                            // of the header
+    std::vector<std::string> notes;
 };
 
 class PcdHeaderReader {
@@ -62,7 +65,8 @@ private:
     void take(std::string_view key, std::string_view line) {
         std::vector<std::string_view> values;
         for (auto word = next_word(line); !word.empty(); word = next_word(line)) values.push_back(word);
-        if (key == "VERSION" || key == "VIEWPOINT") return;
+        if (key == "VERSION") return;
+        if (key == "VIEWPOINT") return note_pose(values);
         const bool one = key == "WIDTH" || key == "HEIGHT" || key == "POINTS" || key == "DATA";
         if (one && values.size() != 1) refuse_line(fmt::format("{} needs one value", key));
         if (key == "FIELDS" || key == "COLUMNS") {
@@ -86,6 +90,20 @@ private:
         }
     }
 
+    void note_pose(const std::vector<std::string_view>& values) {
+        const bool short_one = values.size() == 3;  // an origin alone, in early files
+        std::string text;
+        bool identity = values.size() == 7 || short_one;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const auto value = decimal(values[i]);
+            identity = identity && value && std::abs(*value) == (i == 3 ? 1 : 0);
+            text += (i == 0 ? "" : " ") + shown(values[i]);
+        }
+        if (!identity)
+            header_.notes.push_back(
+                fmt::format("its VIEWPOINT {}, the pose of the sensor, does not move the points", text.substr(0, 100)));
+    }
+
     std::uint64_t number(std::string_view text) const {
         const auto value = whole<std::uint64_t>(text);
         if (!value || *value > most) refuse_line(fmt::format("'{}' is not a whole number up to 2^40", shown(text)));
@@ -106,11 +124,15 @@ private:
     }
 
     void find_axes() {
+        const bool capitals = std::none_of(header_.fields.begin(), header_.fields.end(), [](const Field& f) {
+            return f.name == "x" || f.name == "y" || f.name == "z";
+        });
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::string name(1, "xyz"[k]);
+            const std::string name(1, (capitals ? "XYZ" : "xyz")[k]);
             const auto field = std::find_if(header_.fields.rbegin(), header_.fields.rend(),
                                             [&](const Field& f) { return f.name == name; });
-            if (field == header_.fields.rend()) refuse_line(fmt::format("FIELDS has no '{}'", name));
+            if (field == header_.fields.rend())
+                refuse_line(fmt::format("FIELDS has no '{}': name the coordinates x, y and z", "xyz"[k]));
             if (std::count_if(header_.fields.begin(), header_.fields.end(),
                               [&](const Field& f) { return f.name == name; }) > 1)
                 refuse_line(fmt::format("FIELDS has '{}' twice: give the other field another name", name));
@@ -217,6 +239,7 @@ Soup read_pcd(const Input& input) {
                fmt::format("unknown DATA '{}'{}", shown(header.data),
                            nearest_hint(header.data, {"ascii", "binary", "binary_compressed"})));
     }
+    soup.notes.insert(soup.notes.begin(), header.notes.begin(), header.notes.end());
     soup.float32 =
         std::any_of(header.axes.begin(), header.axes.end(), [](const Field& f) { return f.type.is_float32(); });
     return soup;

@@ -5,7 +5,11 @@
 //
 // A note names other elements with lists of vertices, which are left out; without faces, strips and edges such a file
 // is refused, except a range_grid of points. Words after the last element of a text file are refused, because its
-// header then disagrees with its lines.
+// header then disagrees with its lines; so are bytes after the last element of a binary file, if they are as many as a
+// vertex has and not all zero or blank. Fewer are told in a note.
+//
+// The names of properties are conventions: X, Y and Z are read if there is no x, y or z. A second element of vertices
+// is refused, because the numbers in faces would be ambiguous.
 //
 // PLY states no unit and no axes. A coordinate is exactly the stored number; in a text file, the float32 or float64
 // nearest to the decimal number, by the type of the property.
@@ -35,8 +39,10 @@ struct Property {
     std::optional<Stored> count = std::nullopt;  // type of the length of a list; empty if it is not a list
 
     bool is_corners() const { return count && (name == "vertex_index" || name == "vertex_indices"); }
-    // Returns 0, 1 or 2 for x, y or z; otherwise -1.
-    int axis() const { return !count && name.size() == 1 && name >= "x" && name <= "z" ? name[0] - 'x' : -1; }
+    // Returns 0, 1 or 2 for x, y or z, otherwise -1. `first` is 'x', or 'X' for X, Y and Z.
+    int axis(char first) const {
+        return !count && name.size() == 1 && name[0] >= first && name[0] <= first + 2 ? name[0] - first : -1;
+    }
 };
 
 struct Element {
@@ -138,6 +144,13 @@ private:
     // take.
     std::uint64_t checked(const Element& element) {
         std::uint64_t least = 0;
+        if (element.is_vertices()) {
+            if (seen_) refuse_file("has two elements of vertices: write all vertices as one element");
+            seen_ = true;
+            const bool small = std::any_of(element.properties.begin(), element.properties.end(),
+                                           [](const Property& one) { return one.axis('x') >= 0; });
+            first_axis_ = small ? 'x' : 'X';
+        }
         int axes = 0, named = 0, lists = 0;
         for (const Property& property : element.properties) {
             if (element.is_vertices() && property.count && property.name.starts_with("vertex_ind"))
@@ -145,14 +158,15 @@ private:
                     fmt::format("its vertices have the list '{}': a line 'element face ...' before it is missing",
                                 shown(property.name)));
             least += text() ? 2 : property.count.value_or(property.type).size;
-            if (property.axis() >= 0) {
-                axes |= 1 << property.axis();
+            if (const int axis = property.axis(first_axis_); element.is_vertices() && axis >= 0) {
+                axes |= 1 << axis;
                 ++named;
             }
             lists += property.is_corners() ? 1 : 0;
         }
         if (element.is_vertices()) {
-            if (axes != 7 || named != 3) refuse_file("its vertices do not have x, y and z");
+            if (axes != 7 || named != 3) refuse_file("its vertices do not have x, y and z: name these properties so");
+            vertex_bytes_ = least;
             points_ += element.count;
         }
         if ((element.is_faces() || element.is_strips()) && element.count > 0) {
@@ -189,7 +203,8 @@ private:
 
     // Checks the bytes after the last element.
     void check_rest() {
-        const std::size_t size = body_.size();
+        const std::string_view rest = body_;
+        const std::size_t size = rest.size();
         const std::string_view word = next_word_of_body();
         if (word.empty()) return;
         if (text())
@@ -197,6 +212,13 @@ private:
                 fmt::format("has words after its last element, such as '{}': the header announces fewer "
                             "elements or properties than its lines have: correct it",
                             shown(word)));
+        const std::string_view zeros("\0 \t\r\n", 5);
+        const bool padding = rest.find_first_not_of(zeros) == std::string_view::npos;
+        if (!padding && size >= vertex_bytes_)
+            refuse_file(
+                fmt::format("has {} bytes after its last element: the header announces fewer elements or smaller "
+                            "properties than are there: correct it, or cut the bytes off",
+                            size));
         soup_.notes.push_back(fmt::format("{} bytes after its last element were left out", size));
     }
 
@@ -218,7 +240,7 @@ private:
         std::array<std::size_t, 2> edge{};
         const bool corners = element.is_faces() || element.is_strips();
         for (const Property& property : element.properties) {
-            const int axis = element.is_vertices() ? property.axis() : -1;
+            const int axis = element.is_vertices() ? property.axis(first_axis_) : -1;
             const std::uint64_t count = property.count ? whole_number(*property.count) : 1;
             for (std::uint64_t i = 0; i < count; ++i) {
                 if (corners && property.is_corners())
@@ -278,6 +300,9 @@ private:
     std::string_view body_, format_;
     std::uint32_t line_ = 0;  // current line of the header
     std::vector<Element> elements_;
+    bool seen_ = false;                     // an element of vertices
+    char first_axis_ = 'x';                 // the name of the first coordinate, or 'X'
+    std::uint64_t vertex_bytes_ = 0;        // least number of bytes of a vertex
     std::vector<Element> others_;           // with lists of vertices that are not read
     std::uint64_t points_ = 0, faces_ = 0;  // numbers that the header announces; strips and edges count as faces
     Soup soup_;

@@ -3,16 +3,17 @@
 //
 // Fields. The separator of a line is ';' if the line contains one, otherwise ',' if it contains one, otherwise a tab if
 // a field between tabs is empty or has several words, otherwise white space. A field in double quotes may contain
-// separators. A comment begins with '#', at the beginning of a line or after white space, or with "//" at the beginning
-// of a line. A line with a single integer gives the number of points to come (.pts, some .xyz; in .csv only after a
-// comment that names columns).
+// separators. A comment begins with '#', at the beginning of a line or after white space, or with "//" or '%' at the
+// beginning of a line. A line with a single integer gives the number of points to come (.pts, some .xyz; in .csv only
+// after a comment that names columns).
 //
 // Columns. These decide, in this order, which columns are x, y and z:
 // 1. LoadOptions::columns, as numbers that count from 1 or as names of the header;
-// 2. a header, the first line of the file or a comment before the first point. column_names.cpp has the names that it
-//    may have. A comment is a header if it has as many fields as the first point and names two coordinates or more. A
-//    header without a full set of names is refused, and so is a line with more fields than the header: its decimals may
-//    have commas, or its first field no name;
+// 2. a header, the first line of the file or a comment before the first point. column_names.cpp has the names that
+//    it may have, and column_comments.h tells which comments are headers. A header without a full set of names is
+//    refused, and so is a line with more fields than the header: its decimals may have commas, or its first field no
+//    name. If columns are chosen by number and the first line has a word above a number, it may be a header of numbers,
+//    and is refused;
 // 3. the format: lines of .xyzn and .xyzrgb have three or six columns, and those of .pts any number after a count line.
 //    They begin with x, y and z (then the normal, the colour, or intensity and colour);
 // 4. a file with exactly three columns has x, y and z.
@@ -21,106 +22,23 @@
 //
 // Values. A field such as NA, nan, inf or an empty one is a missing measurement: the coordinate becomes NaN or
 // infinite, which finish() refuses or drops. Any other text is an error. The coordinates are the doubles nearest to the
-// decimal numbers; those of a text PCD file with float32 fields are the nearest float32. A unit in the names of all
-// three columns, as in "x [mm]", is the stated unit.
+// decimal numbers, which may have an exponent as in 1.5D+03; those of a text PCD file with float32 fields are the
+// nearest float32. A unit in the names of all three columns, as in "x [mm]", or in a line below the header is the
+// stated unit.
 #include "datasets/formats/point_lines.h"
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
+#include "datasets/formats/split_line.h"
+#include "datasets/units.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 namespace hausbench::readers {
 namespace {
-
-std::string_view unquoted(std::string_view text) {
-    const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
-    return quoted ? trimmed(text.substr(1, text.size() - 2)) : text;
-}
-
-// Returns the position after the quoted field at the start of `text`, or npos if the field does not end. Two quotes in
-// it stand for one.
-std::size_t end_of_quotes(std::string_view text) {
-    for (std::size_t i = 1; i < text.size(); ++i) {
-        if (text[i] != '"') continue;
-        if (i + 1 == text.size() || text[i + 1] != '"') return i + 1;
-        ++i;
-    }
-    return std::string_view::npos;
-}
-
-// Calls `outside(i)` for each character that is not in a quoted field, until it returns true. Quotes begin a field only
-// at the start of the line, or after a separator or white space. Returns false if a quoted field does not end.
-template <class Outside> bool scan(std::string_view line, const Outside& outside) {
-    bool begins = true;
-    for (std::size_t i = 0; i < line.size();) {
-        if (begins && line[i] == '"') {
-            const std::size_t size = end_of_quotes(line.substr(i));
-            if (size == std::string_view::npos) return false;
-            i += size;
-            begins = false;
-            continue;
-        }
-        if (outside(i)) return true;
-        begins = line[i] == ',' || line[i] == ';' || blanks.find(line[i]) != std::string_view::npos;
-        ++i;
-    }
-    return true;
-}
-
-// Splits a line at a separator, or at white space if the separator is ' '.
-void split_at(std::string_view line, char separator, std::vector<std::string_view>& fields) {
-    fields.clear();
-    std::size_t start = 0;
-    const auto add = [&](std::size_t end) {
-        const std::string_view field = trimmed(line.substr(start, end - start));
-        if (separator != ' ' || !field.empty()) fields.push_back(unquoted(field));
-        start = end + 1;
-    };
-    scan(line, [&](std::size_t i) {
-        if (separator == ' ' ? blanks.find(line[i]) != std::string_view::npos : line[i] == separator) add(i);
-        return false;
-    });
-    add(line.size());
-}
-
-bool all_numbers(std::string_view field) {
-    for (auto word = next_word(field); !word.empty(); word = next_word(field))
-        if (!decimal(word)) return false;
-    return true;
-}
-
-// Returns whether a field is two numbers or more, as between the commas of "1,5 2,5 3,5".
-bool several_numbers(std::string_view field) {
-    return field.find_first_of(blanks) != std::string_view::npos && all_numbers(field);
-}
-
-// Appends units in brackets, which blanks separate from their names, to the names: "x", "[mm]" becomes "x [mm]".
-void join_units(std::vector<std::string_view>& fields) {
-    std::vector<std::string_view> joined;
-    for (const std::string_view field : fields) {
-        const bool unit = field.size() > 2 && ((field.front() == '[' && field.back() == ']') ||
-                                               (field.front() == '(' && field.back() == ')'));
-        if (unit && !joined.empty() && joined.back().end() <= field.begin())
-            joined.back() = {joined.back().begin(), field.end()};
-        else
-            joined.push_back(field);
-    }
-    fields = std::move(joined);
-}
-
-// Returns the line without a comment at its end.
-std::string_view without_comment(std::string_view line) {
-    std::size_t end = line.size();
-    scan(line, [&](std::size_t i) {
-        if (line[i] != '#' || (i > 0 && blanks.find(line[i - 1]) == std::string_view::npos)) return false;
-        end = i;
-        return true;
-    });
-    return line.substr(0, end);
-}
 
 // Returns whether the file is a molecule: a count, a comment, and then an element and three numbers.
 bool is_molecule(std::string_view bytes) {
@@ -143,37 +61,28 @@ bool numbers_columns(const std::vector<std::string_view>& fields, std::size_t fi
     return fields.size() >= first + 3;
 }
 
-constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
-
-// Splits a line at its separators into fields, without the quotes around them. Returns false if a quoted field does not
-// end. `by_blanks` tells whether white space was the separator.
-bool split_fields(std::string_view line, std::vector<std::string_view>& fields, bool& by_blanks) {
-    bool semicolon = false, comma = false, tab = false;
-    if (!scan(line, [&](std::size_t i) {
-            semicolon = semicolon || line[i] == ';';
-            comma = comma || line[i] == ',';
-            tab = tab || line[i] == '\t';
-            return false;
-        }))
-        return false;
-    by_blanks = false;
-    if (semicolon || comma) {
-        split_at(line, semicolon ? ';' : ',', fields);
-        return true;
-    }
-    if (tab) {
-        split_at(line, '\t', fields);
-        // Words that blanks separate within tabs are fields of their own if they are numbers.
-        if (fields.size() > 2 && std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
-                return field.empty() || (field.find(' ') != std::string_view::npos && !all_numbers(field));
-            }))
-            return true;
-    }
-    split_at(line, ' ', fields);
-    join_units(fields);
-    by_blanks = true;
-    return true;
+// Returns the double nearest to a decimal number, which may have an exponent as Fortran writes it: 1.5D+03.
+std::optional<double> number_in(std::string_view field) {
+    const std::size_t mark = field.find_first_of("dD");
+    if (mark == std::string_view::npos || mark == 0 || mark + 1 == field.size()) return decimal(field);
+    if (field.find_first_not_of("0123456789+-.dD") != std::string_view::npos) return std::nullopt;
+    std::string copy(field);
+    copy[mark] = 'e';
+    return decimal(copy);
 }
+
+// Returns whether a field may be a number with a decimal comma, or with separators of thousands: 1,5 or 1,234.5 or
+// 1'234 or, with a space that does not break, 1 234.
+bool has_separators(std::string_view field) {
+    return field.find_first_of("0123456789") != std::string_view::npos &&
+           (field.find_first_of(",'") != std::string_view::npos || field.find("\xc2\xa0") != std::string_view::npos ||
+            field.find("\xe2\x80") != std::string_view::npos);
+}
+
+constexpr std::string_view plain_numbers =
+    "write decimals with a point, not a comma, and thousands without a separator";
+
+constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
 
@@ -206,17 +115,26 @@ void PointLines::add_lines(std::string_view bytes, std::uint32_t first) {
 void PointLines::add(std::string_view line, std::uint32_t number) {
     line_ = trimmed(line);
     if (line_.empty() || (molecule_ && number == 2)) return;
-    if (line_.front() == '#' || line_.starts_with("//")) return take_comment(line_, number);
+    if (line_.front() == '#' || line_.front() == '%' || line_.starts_with("//")) {
+        if (!chosen_ && header_.line == 0) comments_.add(line_, number);
+        return;
+    }
     if (!split_fields(without_comment(line), fields_, blanks_))
         refuse(name_, number, "a quoted field begins here and does not end: write each point on one line");
-    if (take_count(line_, number) || take_header(number)) return;
-    if (!chosen_) choose_columns(number);
+    if (take_count(line_, number) || take_header(number) || take_units()) return;
+    if (!chosen_) choose_columns();
     check_width(number);
+    if (header_.line == 0 && soup_.points.empty() && format_ == "csv" && numbers_columns(fields_, 0))
+        soup_.notes.push_back(
+            fmt::format("line {} ('{}') counts as a point: delete it if it numbers the columns", number, shown(line_)));
+    if (first_.line != 0) check_first();
+    first_.line = 0;
     add_point(number);
+    if (soup_.points.size() == 1 && header_.line == 0 && !choice_.empty()) first_ = {fields_, number};
 }
 
 bool PointLines::take_count(std::string_view line, std::uint32_t number) {
-    const bool table = format_ == "csv" && comment_.line == 0;  // CloudCompare writes a comment and a count
+    const bool table = format_ == "csv" && !comments_.name_coordinates();  // CloudCompare writes a comment and a count
     const bool may = !table && format_ != "pcd" && fields_.size() == 1;
     const auto count = may ? whole<std::uint64_t>(trimmed(without_comment(line))) : std::nullopt;
     if (!count || soup_.points.size() != announced_) return false;
@@ -232,24 +150,33 @@ bool PointLines::take_header(std::uint32_t number) {
     if (chosen_ || counted_ || header_.line != 0) return false;
     if (lower_case(line_).starts_with("sep=")) return true;  // by which Excel knows the separator
     const bool numbered = !fields_.empty() && fields_[0].empty() && numbers_columns(fields_, 1);
-    if (!numbered && !may_be_header(fields_)) return false;
-    header_ = {fields_, number};
+    if (!numbered && !may_be_header(fields_) && coordinates_named(fields_) < 3) return false;
+    header_ = {fields_, number, {}, blanks_};
+    header_text_ = line_;
     if (numbered)
         soup_.notes.push_back(fmt::format("line {} ('{}') counts as a header, because it only numbers the columns",
                                           number, shown(line_)));
     return true;
 }
 
-void PointLines::take_comment(std::string_view line, std::uint32_t number) {
-    if (chosen_ || header_.line != 0) return;
-    line.remove_prefix(std::min(line.find_first_not_of("#/ "), line.size()));
-    Header comment{{}, number};
-    bool by_blanks = false;
-    if (!split_fields(line, comment.fields, by_blanks)) return;
-    if (!choice_.empty() ? comment.fields.size() > 2 : coordinates_named(comment.fields) > 1) {
-        comments_differ_ = comments_differ_ || (comment_.line != 0 && names_another_order(comment.fields) !=
-                                                                          names_another_order(comment_.fields));
-        comment_ = std::move(comment);
+bool PointLines::take_units() {
+    if (chosen_ || header_.line == 0 || !header_.units.empty() || count_units(fields_) == 0) return false;
+    header_.units = fields_;
+    return true;
+}
+
+void PointLines::check_first() const {
+    static const std::set<std::string> titles = {"id", "name", "label", "point", "index", "no", "nr", "number", "code"};
+    for (std::size_t i = 0; i < std::min(fields_.size(), first_.fields.size()); ++i) {
+        const std::string_view title = first_.fields[i], below = fields_[i];
+        if (std::find(columns_.begin(), columns_.end(), i) != columns_.end() || decimal(title) || title == below)
+            continue;
+        const bool number_below = (title.empty() || !is_missing(title)) && decimal(below);
+        if (number_below || titles.contains(lower_case(title)))
+            refuse(name_, first_.line,
+                   fmt::format("is this a header of numbers, or a point? Column {} is '{}', and '{}' in the next line: "
+                               "delete the line if it is a header, or move it down if it is a point",
+                               i + 1, shown(title), shown(below)));
     }
 }
 
@@ -261,24 +188,13 @@ std::optional<std::array<std::size_t, 3>> PointLines::columns_if_named() const {
     return std::nullopt;
 }
 
-void PointLines::choose_columns(std::uint32_t number) {
+void PointLines::choose_columns() {
     chosen_ = true;
-    const bool commented = header_.line == 0 && comment_.fields.size() == fields_.size();
-    if (header_.line == 0 && !commented && choice_.empty() && names_angles(comment_.fields))
-        refuse(name_, comment_.line,
-               "the comment names latitude and longitude, which are angles: project them first, or choose columns that "
-               "are lengths with --columns (in Python columns=\"2,3,4\")");
-    if (header_.line == 0 && comments_differ_ && choice_.empty())
-        refuse(
-            name_, comment_.line,
-            "this comment and one before it name x, y and z in different columns: choose the columns with --columns, "
-            "by number (in Python columns=\"2,3,4\")");
-    if (header_.line == 0 && !commented && choice_.empty() && names_another_order(comment_.fields))
-        refuse(name_, comment_.line,
-               fmt::format("the comment names x, y and z in another order, but has {} words for {} columns: choose the "
-                           "columns with --columns, by number (in Python columns=\"2,3,4\")",
-                           comment_.fields.size(), fields_.size()));
-    if (commented) header_ = comment_;
+    const bool prose = std::none_of(fields_.begin(), fields_.end(), [](auto field) { return number_in(field); });
+    if (header_.line != 0 && prose && choice_.empty() && coordinates_named(header_.fields) < 2)
+        refuse_prose(header_.line, header_text_);
+    if (header_.line == 0)
+        header_ = choice_.empty() ? comments_.names(name_, fields_.size()) : comments_.words(fields_.size());
     if (header_.line != 0) width_ = header_.fields.size();
     ColumnChoice choice;
     if (!choice_.empty()) {
@@ -293,29 +209,43 @@ void PointLines::choose_columns(std::uint32_t number) {
     } else if (header_.line != 0) {
         choice = columns_by_name(name_, header_);
     } else {
-        return choose_unnamed_columns(number);
+        choose_unnamed_columns();
+        if (!comments_.length_unit().empty()) take_length_unit();
+        return;
     }
     exact_ = width_ != no_limit;
     columns_ = choice.columns;
     soup_.stated = choice.stated;
     soup_.notes.insert(soup_.notes.end(), choice.notes.begin(), choice.notes.end());
+    if (soup_.stated.unit.empty() && !comments_.length_unit().empty()) take_length_unit();
 }
 
-void PointLines::choose_unnamed_columns(std::uint32_t number) {
+void PointLines::take_length_unit() {
+    soup_.stated = unit_stated_as(comments_.length_unit());
+    if (soup_.stated.micrometres == 0) soup_.notes.push_back(unknown_unit(comments_.length_unit()));
+}
+
+void PointLines::refuse_prose(std::uint32_t number, std::string_view text) const {
+    refuse(name_, number,
+           fmt::format("expected lines of three numbers, as in '1.5 2 -3', perhaps below their names, and found '{}'",
+                       shown(text)));
+}
+
+void PointLines::choose_unnamed_columns() {
     if (format_ == "pts" && counted_) return;
     const bool six = (format_ == "xyzn" || format_ == "xyzrgb") && fields_.size() == 6;
     width_ = six ? 6 : 3;
     exact_ = six;
-    if (format_ == "csv" && numbers_columns(fields_, 0) && fields_.size() == 3)
-        soup_.notes.push_back(
-            fmt::format("line {} ('{}') counts as a point: delete it if it numbers the columns", number, shown(line_)));
 }
 
 void PointLines::refuse_unnamed(std::uint32_t number) const {
     const bool decimals = std::any_of(fields_.begin(), fields_.end(), several_numbers);
+    const auto numbers =
+        std::count_if(fields_.begin(), fields_.end(), [](auto field) { return bool(number_in(field)); });
+    if (numbers < 3 && !decimals) refuse_prose(number, line_);
     const std::string_view first = format_ == "csv" ? "2,3,4" : "1,2,3";
     refuse(name_, number,
-           decimals ? fmt::format("'{}': write decimals with a point, not a comma", shown(line_))
+           decimals ? fmt::format("'{}': {}", shown(line_), plain_numbers)
                     : fmt::format("{} columns, and nothing names them ('{}{}'): choose those of x, y and z, as in "
                                   "--columns {} (in Python columns=\"{}\")",
                                   fields_.size(), shown(line_), line_.size() > 40 ? "..." : "", first, first));
@@ -350,12 +280,12 @@ double PointLines::coordinate(std::size_t k, std::uint32_t number) const {
                                                 fields_.size() == 1 ? "" : "s")
                                   : where() + " is missing");
     const std::string_view field = fields_[column];
-    const auto value = float32_[k] ? std::optional<double>(decimal<float>(field)) : decimal(field);
+    const auto value = float32_[k] ? std::optional<double>(decimal<float>(field)) : number_in(field);
     if (value) return *value;
     if (is_missing(field)) return std::numeric_limits<double>::quiet_NaN();
-    const bool comma = field.find(',') != std::string_view::npos || several_numbers(field);
+    const bool comma = has_separators(field) || several_numbers(field);
     refuse(name_, number,
-           comma ? fmt::format("{} is '{}': write decimals with a point, not a comma", where(), shown(field))
+           comma ? fmt::format("{} is '{}': {}", where(), shown(field), plain_numbers)
                  : fmt::format("{} is '{}', which is not a number", where(), shown(field)));
 }
 
@@ -373,6 +303,8 @@ std::string PointLines::announcer() const {
 }
 
 Soup PointLines::finish() {
+    if (soup_.points.empty() && header_.line != 0 && coordinates_named(header_.fields) < 2)
+        refuse_prose(header_.line, header_text_);
     if (counted_ && soup_.points.size() < announced_)
         throw InputError(fmt::format("{}: is truncated: {} announces {} points, and {} are there", name_, announcer(),
                                      announced_, soup_.points.size()));
@@ -382,7 +314,6 @@ Soup PointLines::finish() {
 namespace {
 
 Soup read_lines(Input input) {
-    if (input.bytes.starts_with("\xef\xbb\xbf")) input.bytes.remove_prefix(3);
     if (input.bytes.substr(0, 4096).find('\0') != std::string_view::npos)
         throw InputError(input.name + ": is binary or UTF-16, not lines of decimal numbers: write it as UTF-8 text");
     PointLines points(input);

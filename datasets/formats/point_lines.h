@@ -1,7 +1,7 @@
 // Lines of decimal numbers, shared by .xyz, .pts, .csv and text PCD files; private to datasets/.
 #pragma once
 
-#include "datasets/formats/column_names.h"
+#include "datasets/formats/column_comments.h"
 #include "datasets/formats/readers.h"
 
 #include <array>
@@ -33,13 +33,18 @@ public:
 
 private:
     void add(std::string_view line, std::uint32_t number);
-    bool take_count(std::string_view line, std::uint32_t number);    // if the line is a count line
-    bool take_header(std::uint32_t number);                          // if the current line is a header
-    void take_comment(std::string_view line, std::uint32_t number);  // which may name the columns
+    bool take_count(std::string_view line, std::uint32_t number);  // if the line is a count line
+    bool take_header(std::uint32_t number);                        // if the current line is a header
+    bool take_units();                                             // if it has the units below a header
+    // Throws InputError if the first line, which counts as a point, seems to be a header of numbers. The current line
+    // is the second.
+    void check_first() const;
     // Decides on the columns of x, y and z. The current line is the first point.
-    void choose_columns(std::uint32_t number);
+    void choose_columns();
     std::optional<std::array<std::size_t, 3>> columns_if_named() const;  // by the header, if that is clear
-    void choose_unnamed_columns(std::uint32_t number);
+    void choose_unnamed_columns();
+    void take_length_unit();                                                            // from a comment
+    [[noreturn]] void refuse_prose(std::uint32_t number, std::string_view text) const;  // a line that is no point
     void check_width(std::uint32_t number);
     void add_point(std::uint32_t number);
     double coordinate(std::size_t k, std::uint32_t number) const;
@@ -51,8 +56,10 @@ private:
     std::array<std::size_t, 3> columns_{0, 1, 2};
     std::array<bool, 3> float32_{};
     bool chosen_ = false;  // columns_ is final
-    Header header_, comment_;
-    bool comments_differ_ = false;  // two comments name x, y and z in different orders
+    Header header_;
+    std::string_view header_text_;
+    ColumnComments comments_;
+    Header first_;  // the first point, if it may be a header of numbers
     // The largest number of fields in a line. Fewer fields, separated by blanks, are an error too if `exact_`.
     std::size_t width_ = std::numeric_limits<std::size_t>::max();
     bool exact_ = false;

@@ -4,6 +4,7 @@
 #include "algorithms/registry.h"
 #include "algorithms/session/session.h"
 #include "datasets/derive.h"
+#include "datasets/units.h"
 #include "harness/check/certificate_file.h"
 #include "harness/check/claims.h"
 #include "harness/commands/measurement_solve.h"
@@ -264,11 +265,11 @@ std::pair<LoadedShape, LoadedShape> load_both(const MeasureRequest& request) {
 // Throws InputError if both files state a unit, or which axis points up, and they differ.
 void expect_one_convention(const MeasureRequest& request, const Stated& a, const Stated& b) {
     const std::string source = request.source.string(), target = request.target.string();
-    if (a.micrometres != 0 && b.micrometres != 0 && a.micrometres != b.micrometres)
-        throw InputError(
-            fmt::format("{} is in {}, and {} in {}: convert both with --unit mm, or compare the numbers as "
-                        "they stand with --unit none",
-                        source, a.unit, target, b.unit));
+    const bool known = a.micrometres != 0 && b.micrometres != 0;
+    if (units_differ(a, b))
+        throw InputError(fmt::format("{} is in {}, and {} in {}: {}compare the numbers as they stand with --unit none",
+                                     source, one_line(a.unit), target, one_line(b.unit),
+                                     known ? "convert both with --unit mm, or " : "such a unit is not known: "));
     if (a.up != 0 && b.up != 0 && a.up != b.up)
         throw InputError(
             fmt::format("{} has {} pointing up, and {} has {}: turn both with --up Z, or compare the numbers "
@@ -289,7 +290,7 @@ void take_notes(const MeasureRequest& request, Measured& measured) {
         if (!request.reading.unit.empty() || stated.micrometres == 0) continue;
         measured.notes.push_back(
             fmt::format("{}: is in {}{}", name, stated.unit,
-                        other->micrometres != 0
+                        !other->unit.empty()
                             ? ""
                             : ", and the other file states no unit: the numbers are compared as they stand; --unit "
                               "converts them"));

@@ -158,9 +158,6 @@ TEST_F(PointFiles, UnitsOfColumns) {
     EXPECT_EQ(stated("X(m),Y(metre),Z(M)").unit, "m");
     EXPECT_EQ(stated("x_inch,y_inch,z_inch").micrometres, 25400);
     EXPECT_EQ(stated("x,y,z").micrometres, 0);
-    EXPECT_EQ(stated("x [px],y [px],z [px]").micrometres, 0);
-    EXPECT_EQ(load("a.csv", "x [px],y [px],z [px]\n1,2,3\n").report.notes,
-              (std::vector<std::string>{"its unit 'px' is not known, and left out"}));
     refused("a.csv", "x [m],y [m],z [ft]\n1,2,3\n", {"line 1", "'m', 'm' and 'ft'", "--columns"});
     refused("a.csv", "x [m],y [m],z\n1,2,3\n", {"line 1", "differ: 'm', 'm' and ''"});
     const LoadedShape chosen = load("a.csv", "x [m],y [m],z [ft]\n1,2,3\n", {.columns = "1,2,3"});
@@ -203,7 +200,7 @@ TEST_F(PointFiles, ColumnsWithoutNamesAreNotGuessed) {
     refused("a.csv", "1,5000.25,2000.5,101.125,IP\n", {"'1,5000.25,2000.5,101.125,IP'", "columns=\"2,3,4\""});
     reads("a.txt", "# made by a program on some day\n1 2 3\n", {{1, 2, 3}});
     reads("a.txt", "# the x y z of it\n1 2 3\n", {{1, 2, 3}});
-    refused("a.txt", "# columns: z y x\n1 2 3\n", {"line 1", "another order", "--columns"});
+    reads("a.txt", "# columns: z y x\n1 2 3\n", {{3, 2, 1}});
     refused("a.txt", "# y x height\n1 2 3\n", {"line 1", "names only some"});
     EXPECT_EQ(load("a.csv", "0,1,2\n5,6,7\n").report.notes,
               (std::vector<std::string>{"line 1 ('0,1,2') counts as a point: delete it if it numbers the columns"}));
@@ -339,6 +336,12 @@ TEST_F(PointFiles, BadPcdHeaders) {
     };
     reads("a.pcd", good, {{1, 2, 3}});
     reads("a.pcd", with("VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 9 9 9 0 1 0 0"), {{1, 2, 3}});  // the sensor's pose
+    EXPECT_TRUE(has_note(load("a.pcd", with("VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 9 1 0 0 0")),
+                         "its VIEWPOINT 0 0 9 1 0 0 0, the pose of the sensor, does not move the points"));
+    EXPECT_TRUE(load("a.pcd", good).report.notes.empty());
+    EXPECT_TRUE(load("a.pcd", with("VIEWPOINT 0 0 0 1 0 0 0", "VIEWPOINT 0 0 0 -1 0.0 -0 0")).report.notes.empty());
+    reads("a.pcd", with("FIELDS x y z", "FIELDS Z Y X"), {{3, 2, 1}});
+    reads("a.pcd", "\xef\xbb\xbf" + good, {{1, 2, 3}});
     refused("a.pcd", "hello\n1 2 3\n", {"line 1", "'hello' is not a word of a PCD header"});
     refused("a.pcd", good.substr(0, good.find("DATA")), {"no DATA line"});
     refused("a.pcd", with("FIELDS x y z", "FIELDS x y w"), {"FIELDS has no 'z'"});

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -199,6 +200,60 @@ TEST_F(MeshFiles, OtherElementsOfPlyAreTold) {
 TEST_F(MeshFiles, WordsAfterTheElementsOfPlyAreRefused) {
     refused("a.ply", ply(faces, "3 0 1 2\n3 0 1 3\n"), {"'3'", "fewer elements or properties"});
     EXPECT_EQ(corners("a.ply", ply(faces, "3 0 1 2\n \n\n")), "0 0 0, 1 0 0, 0 2 0");
+}
+
+TEST_F(MeshFiles, BytesAfterTheElementsOfBinaryPly) {
+    const std::string head =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty uchar x\nproperty uchar y\nproperty uchar "
+        "z\nend_header\n\1\2\3";
+    EXPECT_TRUE(load("a.ply", head).report.notes.empty());
+    EXPECT_TRUE(load("a.ply", head + "\r\n").report.notes.empty());
+    EXPECT_TRUE(has_note(load("a.ply", head + std::string(9, '\0')), "9 bytes after its last element were left out"));
+    EXPECT_TRUE(has_note(load("a.ply", head + "\7\7"), "2 bytes after its last element were left out"));
+    refused("a.ply", head + "\4\5\6", {"3 bytes after its last element", "correct it"});
+}
+
+TEST_F(MeshFiles, NamesInPly) {
+    const auto with = [](const std::string& names, const std::string& line) {
+        return "ply\nformat ascii 1.0\nelement vertex 1\n" + names + "end_header\n" + line;
+    };
+    const std::string capitals = "property float X\nproperty float Y\nproperty float Z\n";
+    const std::string small = "property float x\nproperty float y\nproperty float z\n";
+    const auto first = [&](const std::string& bytes) { return rows(load("a.ply", bytes)).front(); };
+    EXPECT_EQ(first(with(capitals, "1 2 3\n")), Vec3(1, 2, 3));
+    EXPECT_EQ(first(with(capitals + small, "4 5 6 1 2 3\n")), Vec3(1, 2, 3));
+    EXPECT_EQ(first("\xef\xbb\xbf" + with(small, "1 2 3\n")), Vec3(1, 2, 3));
+    refused("a.ply", with("property float X\nproperty float y\nproperty float z\n", "1 2 3\n"), {"x, y and z"});
+    refused("a.ply", with(small + "element vertex 1\n" + small, "1 2 3\n4 5 6\n"), {"two elements of vertices"});
+}
+
+TEST_F(MeshFiles, FormatsWithAnotherEnding) {
+    const std::string solid =
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+        "0\nendloop\nendfacet\nendsolid a\n";
+    const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    const std::string amf = "<?xml version=\"1.0\"?>\n<!-- a -->\n<amf unit=\"mm\"></amf>\n";
+    const std::vector<std::array<std::string, 3>> all = {
+        {"a.obj", off, ".off"},
+        {"a.txt", off, ".off"},
+        {"a.obj", solid, ".stl"},
+        {"a.stl", ply(faces, "3 0 1 2\n"), ".ply"},
+        {"a.3mf", amf, ".amf"},
+        {"a.obj", "{\"asset\": {\"version\": \"2.0\"}}", ".glb"},
+        {"a.xyz", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ".obj"},
+        {"a.mesh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", ".msh"},
+        {"a.xyz", "# .PCD v.7 - Point Cloud Data file format\nVERSION .7\nFIELDS x y z\n", ".pcd"},
+        {"a", off, ".off"},
+        {"a.dat", off, ".off"},
+        {"a.stl", "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n", ".dxf"},
+    };
+    for (const auto& [name, bytes, ending] : all)
+        refused(name, bytes, {"begins like", "rename it to end in " + ending});
+    for (const std::string name : {"a.xyz", "a.h5", "a.dat", "a.ply", "a"})
+        refused(name, "\x89HDF\r\n\x1a\n....", {"HDF5", "h5py"});
+    refused("a.stl", std::string("\xff\xfes\0o\0l\0i\0d\0", 12) + std::string(200, '\0'), {"UTF-16", "UTF-8"});
+    refused("a.stl", "solid state physics\n", {"ends inside a solid"});
+    refused("a.dat", "1 2 3\n", {"'dat' is not a format", ".xyz"});
 }
 
 TEST_F(MeshFiles, StlWithoutItsInvalidFacets) {

@@ -73,6 +73,25 @@ def test_different_units_are_refused_with_a_remedy(hausbench: Program, tmp_path:
     assert rows.returncode == 0 and "multiplied by 25.4" in rows.stdout
 
 
+def test_units_that_are_not_known_are_refused(hausbench: Program, tmp_path: Path) -> None:
+    files = {}
+    for name, unit in (("px", "x [px],y [px],z [px]"), ("furlong", "x/furlong,y/furlong,z/furlong"), ("mm", "x [mm],y [mm],z [mm]"), ("none", "x,y,z"),
+                       ("feet", "x [US ft],y [US ft],z [US ft]")):
+        files[name] = tmp_path / f"{name}.csv"
+        files[name].write_text(f"{unit}\n3937,0,0\n")
+    for other in ("furlong", "mm"):
+        message = hausbench.fails("measure", files["px"], files[other])
+        assert "is in px" in message and f"in {other}" in message and "--unit none" in message and "--unit mm" not in message
+        assert upper(measured(hausbench, files["px"], files[other], "--unit", "none")) == 0
+    message = hausbench.fails("measure", files["px"], files["none"], "--unit", "mm")
+    assert "px.csv" in message and "states the unit 'px', which is not known" in message and "--unit none" in message
+    for other in ("none", "px"):
+        result = measured(hausbench, files["px"], files[other])
+        assert upper(result) == 0 and "A: states the unit 'px', which is not known: its numbers count as they stand" in result["notes"]  # type: ignore[operator]
+    result = measured(hausbench, files["feet"], files["none"], "--unit", "m")
+    assert abs(upper(result) - (3937 - 1200)) < 1e-9
+
+
 def test_axes_are_turned_on_demand_alone(hausbench: Program, tmp_path: Path) -> None:
     a, b = vrml(tmp_path), off(tmp_path, "b")
     assert upper(measured(hausbench, a, b)) < 1e-12
