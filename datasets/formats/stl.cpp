@@ -28,9 +28,10 @@ Soup read_binary(const std::string& name, std::string_view bytes, bool drop_inva
     const std::size_t facets = facets_of(bytes), expected = header + facet * facets;
     // A file that is too long was usually transferred as text, which inserts bytes; its coordinates would be wrong.
     if (bytes.size() != expected)
-        throw InputError(fmt::format("{}: is {}, or not an STL file: {} facets take {} bytes, {} bytes found", name,
-                                     bytes.size() < expected ? "truncated" : "damaged", facets, expected,
-                                     bytes.size()));
+        throw InputError(
+            fmt::format("{}: is {}, or not an STL file: {} facets take {} bytes, {} bytes found: fetch or "
+                        "save it again",
+                        name, bytes.size() < expected ? "truncated" : "damaged", facets, expected, bytes.size()));
     Soup soup;
     soup.merge = soup.float32 = true;
     soup.points.reserve(3 * facets);
