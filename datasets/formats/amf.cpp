@@ -1,12 +1,12 @@
-// Reads AMF (ISO/ASTM 52915), as XML or as a ZIP archive with one .amf file: the triangles of all volumes of all meshes.
-// If there are constellations, their instances place the objects; otherwise all objects stand at their own coordinates,
-// with a note if there are several, because the standard then leaves their relative positions open. The standard does not
-// say whether an object and a constellation may share an id, as in files of FreeCAD. If they do, an instance in the
-// constellation of that id names the object, because no constellation may contain itself; any other instance of the id is
-// refused.
+// Reads AMF (ISO/ASTM 52915), as XML or as a ZIP archive with one .amf file: the triangles of all volumes of all
+// meshes. If there are constellations, their instances place the objects; otherwise all objects stand at their own
+// coordinates, with a note if there are several, because the standard then leaves their relative positions open. The
+// standard does not say whether an object and a constellation may share an id, as in files of FreeCAD. If they do, an
+// instance in the constellation of that id names the object, because no constellation may contain itself; any other
+// instance of the id is refused.
 //
-// An instance rotates by rx, ry or rz degrees about an axis through the origin, by the right-hand rule, and then moves by
-// deltax, deltay and deltaz. The standard executes rotations "in order of x first, then y, then z", which programs
+// An instance rotates by rx, ry or rz degrees about an axis through the origin, by the right-hand rule, and then moves
+// by deltax, deltay and deltaz. The standard executes rotations "in order of x first, then y, then z", which programs
 // understand as turns about the fixed axes or about the turned axes, with different results. Therefore rotations about
 // more than one axis are refused. Volumes of type "support" are left out, with a note.
 //

@@ -1,19 +1,19 @@
 // Reads Collada 1.4 and 1.5: the meshes that the nodes of the scene instantiate, moved by the transforms of the nodes.
 // Reads triangles, trifans, tristrips, polylist, polygons, lines and linestrips; a mesh without any of them is a set of
 // points. Nodes may instantiate other nodes. Animations, cameras, lights and physics are left out. All triangles of a
-// strip have the orientation of its first one. A node that a program hides by <visibility> in an <extra> is read, with a
-// note.
+// strip have the orientation of its first one. A node that a program hides by <visibility> in an <extra> is read, with
+// a note.
 //
 // Refuses skins and morphs (<instance_controller>), polygons with holes, convex_mesh, spline and brep geometries, URLs
 // that lead out of the file, perspective matrices, and <skew>, whose axes the specification describes in two ways that
 // contradict each other.
 //
 // Unit: <unit meter="..."> in the <asset> of the document; 1 metre if it is missing. Axes: <up_axis>; Y_UP if it is
-// missing. Both are only stated: coordinates are the numbers of the file, and no axis is exchanged. An <asset> deeper in
-// the file has no effect, as in other readers; a note says so if its unit or axis differ.
+// missing. Both are only stated: coordinates are the numbers of the file, and no axis is exchanged. An <asset> deeper
+// in the file has no effect, as in other readers; a note says so if its unit or axis differ.
 //
-// Error of a coordinate: none if no transform is above the mesh, or only identities. Below k transform elements it is at
-// most 4 k u of the sum of the magnitudes of the terms of |M1| ... |Mk| |p|, plus 16 u of it for each <rotate> or
+// Error of a coordinate: none if no transform is above the mesh, or only identities. Below k transform elements it is
+// at most 4 k u of the sum of the magnitudes of the terms of |M1| ... |Mk| |p|, plus 16 u of it for each <rotate> or
 // <lookat>. Rotations by multiples of 90 degrees about x, y or z are exact matrices of 0, 1 and -1.
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"

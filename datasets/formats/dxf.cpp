@@ -1,6 +1,7 @@
-// Reads DXF as text: 3DFACE, SOLID and TRACE, MESH of subdivision level 0, POLYLINE (polyface mesh, polygon mesh, 2D and
-// 3D polyline), LWPOLYLINE, LINE and POINT, in the model space and in the blocks that INSERT repeats there. Lines are
-// segments. Entities on layers that are off or frozen, and invisible ones, are read like all others; a note counts them.
+// Reads DXF as text: 3DFACE, SOLID and TRACE, MESH of subdivision level 0, POLYLINE (polyface mesh, polygon mesh, 2D
+// and 3D polyline), LWPOLYLINE, LINE and POINT, in the model space and in the blocks that INSERT repeats there. Lines
+// are segments. Entities on layers that are off or frozen, and invisible ones, are read like all others; a note counts
+// them.
 //
 // Texts, dimensions, viewports, images and other annotations are left out with a note, and so are the paper space and
 // blocks that no INSERT names. Refuses every other entity, such as CIRCLE, SPLINE or 3DSOLID, and everything that makes

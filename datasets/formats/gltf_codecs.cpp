@@ -1,6 +1,6 @@
-// Decodes the compressed geometry of glTF files: EXT_meshopt_compression and KHR_meshopt_compression with the meshoptimizer
-// library, and KHR_draco_mesh_compression with the Draco library. The filters of meshopt are computed here in double, and
-// rounded once: EXPONENTIAL, the one for coordinates, is exact.
+// Decodes the compressed geometry of glTF files: EXT_meshopt_compression and KHR_meshopt_compression with the
+// meshoptimizer library, and KHR_draco_mesh_compression with the Draco library. The filters of meshopt are computed
+// here in double, and rounded once: EXPONENTIAL, the one for coordinates, is exact.
 #include "datasets/formats/gltf_codecs.h"
 
 #include "algorithms/error.h"

@@ -1,9 +1,9 @@
-// Reads Wavefront OBJ: x, y and z of `v` lines, and the vertex numbers of faces (`f`, `fo`), lines (`l`, whose parts are
-// segments) and points (`p`). A face of two corners is a segment.
+// Reads Wavefront OBJ: x, y and z of `v` lines, and the vertex numbers of faces (`f`, `fo`), lines (`l`, whose parts
+// are segments) and points (`p`). A face of two corners is a segment.
 //
-// Ignores texture coordinates, normals, `vp`, groups, materials and display attributes, and a colour or the weight 1 after
-// z in a `v` line. Another weight is left out with a note: by the format's specification it counts only in rational curves
-// and surfaces, which are refused, but some programs divide x, y and z of every vertex by it. Refuses
+// Ignores texture coordinates, normals, `vp`, groups, materials and display attributes, and a colour or the weight 1
+// after z in a `v` line. Another weight is left out with a note: by the format's specification it counts only in
+// rational curves and surfaces, which are refused, but some programs divide x, y and z of every vertex by it. Refuses
 // free-form curves and surfaces (cstype, curv, surf, ...), superseded ones (bzp, bsp, cdc, cdp, res), and `call` and
 // `csh`, which insert what another file or program says. A note names the first of other lines, which are left out.
 //
@@ -34,8 +34,8 @@ std::string as_ascii(std::string_view bytes) {
 }
 
 // Removes the first line from `bytes` and returns it. While it ends with a backslash, also removes the next line and
-// appends it. Adds the number of removed lines to `number`. Refuses a comment that would swallow a statement in this way,
-// as in "# from C:\models\": programs differ on what it means.
+// appends it. Adds the number of removed lines to `number`. Refuses a comment that would swallow a statement in this
+// way, as in "# from C:\models\": programs differ on what it means.
 std::string next_statement(const std::string& name, std::string_view& bytes, std::uint32_t& number) {
     std::string statement;
     for (bool goes_on = true; goes_on && !bytes.empty(); ++number) {
@@ -76,7 +76,8 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-// Returns whether numbers follow x, y and z in a `v` line that are neither the weight 1 nor a colour. Refuses other words.
+// Returns whether numbers follow x, y and z in a `v` line that are neither the weight 1 nor a colour. Refuses other
+// words.
 bool has_more_numbers(const std::string& name, std::string_view line, std::uint32_t number) {
     for (int i = 0; i < 3; ++i) next_word(line);
     std::vector<double> rest;

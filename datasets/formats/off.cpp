@@ -1,11 +1,10 @@
-// Reads OFF as text: a header of any number of lines, whose keyword may be missing, then one line for each vertex and for
-// each face. Refuses files whose lines are divided in another way. A face of
-// two corners is a segment, and one of one corner a point. Ignores the colours, normals and texture coordinates that may
-// follow in a line. The counts may follow the keyword without a blank, as in the "OFF8 6 0" of ModelNet40. Refuses nOFF,
-// 4nOFF and binary files.
+// Reads OFF as text: a header of any number of lines, whose keyword may be missing, then one line for each vertex and
+// for each face. Refuses files whose lines are divided in another way. A face of two corners is a segment, and one of
+// one corner a point. Ignores the colours, normals and texture coordinates that may follow in a line. The counts may
+// follow the keyword without a blank, as in the "OFF8 6 0" of ModelNet40. Refuses nOFF, 4nOFF and binary files.
 //
-// OFF states no unit and no axes. A coordinate is the double nearest to the decimal number; in 4OFF, the quotient of two
-// such doubles, rounded once.
+// OFF states no unit and no axes. A coordinate is the double nearest to the decimal number; in 4OFF, the quotient of
+// two such doubles, rounded once.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"

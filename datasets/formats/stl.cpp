@@ -1,6 +1,7 @@
-// Reads STL, text or binary: the facets of all solids. A file counts as binary if its size matches the number of triangles in its header, even if it begins with
-// "solid" like a text file, because some programs write such binary files. Keywords of a text file may be in upper or
-// lower case. Ignores normals, and the attribute bytes of a binary facet (colours).
+// Reads STL, text or binary: the facets of all solids. A file counts as binary if its size matches the number of
+// triangles in its header, even if it begins with "solid" like a text file, because some programs write such binary
+// files. Keywords of a text file may be in upper or lower case. Ignores normals, and the attribute bytes of a binary
+// facet (colours).
 //
 // STL states no unit and no axes. A coordinate of a binary file is exactly the stored float32; of a text file, the
 // double nearest to the decimal number. Corners with equal coordinates become one vertex.

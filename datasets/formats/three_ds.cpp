@@ -1,11 +1,11 @@
-// Reads 3D Studio files (.3ds), which are chunks in chunks: the triangles of every mesh in the 3D editor section, hidden
-// or not; a note names a hidden one. A mesh without faces is a set of points. Ignores materials, smoothing groups, lights
-// and cameras.
+// Reads 3D Studio files (.3ds), which are chunks in chunks: the triangles of every mesh in the 3D editor section,
+// hidden or not; a note names a hidden one. A mesh without faces is a set of points. Ignores materials, smoothing
+// groups, lights and cameras.
 //
-// No public specification exists. By the convention of the format, which lib3ds and assimp share, the vertices of a mesh
-// (chunk 4110) are in world coordinates; its local axes (4160) do not move them. The keyframer section (B000) describes
-// an animation, which in files of usual exporters begins where the vertices are. It is left out, with a note. The master
-// scale (0100) changes no coordinate; assimp divides by it, lib3ds does not.
+// No public specification exists. By the convention of the format, which lib3ds and assimp share, the vertices of a
+// mesh (chunk 4110) are in world coordinates; its local axes (4160) do not move them. The keyframer section (B000)
+// describes an animation, which in files of usual exporters begins where the vertices are. It is left out, with a note.
+// The master scale (0100) changes no coordinate; assimp divides by it, lib3ds does not.
 //
 // Refuses meshes whose local axes are left-handed, because lib3ds and assimp mirror such a mesh and other programs do
 // not, and meshes that several nodes of the keyframer repeat.

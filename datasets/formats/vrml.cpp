@@ -1,15 +1,15 @@
-// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, the lines of every IndexedLineSet, whose parts are
-// segments, and the points of every PointSet, moved by the Transform nodes that contain them. USE repeats a node that
-// DEF named. A LOD is seen at its first level, a Switch at its choice, and a Billboard as it is stored; notes say so.
-// Nothing moves: a note says if ROUTE, scripts, sensors or interpolators are left out. Ignores other nodes without a shape
-// (colours, lights). Refuses other shapes, PROTO, Inline, nodes that VRML97 does not define, and a field that a node has
-// twice.
+// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, the lines of every IndexedLineSet, whose parts
+// are segments, and the points of every PointSet, moved by the Transform nodes that contain them. USE repeats a node
+// that DEF named. A LOD is seen at its first level, a Switch at its choice, and a Billboard as it is stored; notes say
+// so. Nothing moves: a note says if ROUTE, scripts, sensors or interpolators are left out. Ignores other nodes without
+// a shape (colours, lights). Refuses other shapes, PROTO, Inline, nodes that VRML97 does not define, and a field that a
+// node has twice.
 //
-// VRML97 defines that the unit is the metre and that y points up (section 4.4.5). A point outside of all Transform nodes
-// has the doubles nearest to its decimal numbers. A Transform computes matrix * point + shift in doubles; the matrices of
-// nested nodes are multiplied first, from the outer to the inner. A point p under n of them, with angles of at most one
-// turn, is within 200 n u S (|p| + T) of the exact one, where u = 2^-53, S is the product of the largest scale of each
-// (1 if less), and T the sum of the lengths of all translations and, twice, of all centers.
+// VRML97 defines that the unit is the metre and that y points up (section 4.4.5). A point outside of all Transform
+// nodes has the doubles nearest to its decimal numbers. A Transform computes matrix * point + shift in doubles; the
+// matrices of nested nodes are multiplied first, from the outer to the inner. A point p under n of them, with angles of
+// at most one turn, is within 200 n u S (|p| + T) of the exact one, where u = 2^-53, S is the product of the largest
+// scale of each (1 if less), and T the sum of the lengths of all translations and, twice, of all centers.
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
 #include "datasets/circle.h"
