@@ -19,10 +19,9 @@ LoadedShape read_surface(const std::filesystem::path& file) {
 }
 
 std::string decode_meshopt(const std::string& place, const MeshoptStream&) {
-    throw InputError(
-        place +
-        ": EXT_meshopt_compression is read by the program alone: convert the file with `hausbench export`, "
-        "or with gltfpack without -c");
+    throw InputError(place +
+                     ": meshopt compression is read by the program alone: convert the file with `hausbench export`, "
+                     "or with gltfpack without -c");
 }
 
 DracoMesh decode_draco(const std::string& place, const DracoStream&) {

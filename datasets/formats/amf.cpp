@@ -1,9 +1,12 @@
-// Reads AMF (ISO/ASTM 52915), as XML or as a ZIP archive with one .amf file: the triangles of all volumes of all meshes.
-// If there are constellations, their instances place the objects; otherwise all objects stand at their own coordinates,
-// with a note if there are several, because the standard then leaves their relative positions open.
+// Reads AMF (ISO/ASTM 52915), as XML or as a ZIP archive with one .amf file: the triangles of all volumes of all
+// meshes. If there are constellations, their instances place the objects; otherwise all objects stand at their own
+// coordinates, with a note if there are several, because the standard then leaves their relative positions open. The
+// standard does not say whether an object and a constellation may share an id, as in files of FreeCAD. If they do, an
+// instance in the constellation of that id names the object, because no constellation may contain itself; any other
+// instance of the id is refused.
 //
-// An instance rotates by rx, ry or rz degrees about an axis through the origin, by the right-hand rule, and then moves by
-// deltax, deltay and deltaz. The standard executes rotations "in order of x first, then y, then z", which programs
+// An instance rotates by rx, ry or rz degrees about an axis through the origin, by the right-hand rule, and then moves
+// by deltax, deltay and deltaz. The standard executes rotations "in order of x first, then y, then z", which programs
 // understand as turns about the fixed axes or about the turned axes, with different results. Therefore rotations about
 // more than one axis are refused. Volumes of type "support" are left out, with a note.
 //
@@ -99,7 +102,7 @@ public:
         }
         for (const pugi::xml_node node : children(xml_.root(), "constellation")) {
             const std::string id = xml_.text(node, "id");
-            if (objects_.contains(id) || !constellations_.emplace(id, node).second) refuse_second(node, id);
+            if (!constellations_.emplace(id, node).second) refuse_second(node, id);
         }
         if (constellations_.empty())
             place_all();
@@ -117,7 +120,7 @@ public:
 
 private:
     [[noreturn]] void refuse_second(pugi::xml_node node, const std::string& id) const {
-        xml_.refuse(node, fmt::format("a second object or constellation with id '{}': give it another", shown(id)));
+        xml_.refuse(node, fmt::format("a second <{}> with id '{}': give it another", shown(node.name()), shown(id)));
     }
 
     void note(std::string text) {
@@ -145,15 +148,13 @@ private:
         return found[0];
     }
 
-    // Returns the text of an element, which may be interrupted by comments.
+    // Returns the text of an element, without blanks at its ends.
     std::string text_of(pugi::xml_node node) const {
-        std::string text;
-        for (const pugi::xml_node child : node.children()) {
+        for (const pugi::xml_node child : node.children())
             if (child.type() == pugi::node_element)
                 xml_.refuse(child, fmt::format("<{}> inside of <{}>, where a number is expected", shown(child.name()),
                                                shown(node.name())));
-            text += child.value();
-        }
+        const std::string text = xml_.content(node);
         constexpr std::string_view spaces = " \t\r\n";
         const std::size_t first = text.find_first_not_of(spaces);
         return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(spaces) - first + 1);
@@ -269,7 +270,8 @@ private:
         std::set<std::string> inner;
         for (const auto& [id, node] : constellations_)
             for (const pugi::xml_node instance : children(node, "instance"))
-                inner.insert(xml_.text(instance, "objectid"));
+                if (const std::string to = xml_.text(instance, "objectid"); to != id || !objects_.contains(to))
+                    inner.insert(to);
         std::size_t outer = 0;
         for (const auto& [id, node] : constellations_)
             if (!inner.contains(id)) {
@@ -298,6 +300,11 @@ private:
             const auto inner = constellations_.find(to);
             if (object == objects_.end() && inner == constellations_.end())
                 xml_.refuse(instance, fmt::format("objectid=\"{}\" names no object or constellation", shown(to)));
+            if (object != objects_.end() && inner != constellations_.end() && to != id)
+                xml_.refuse(instance,
+                            fmt::format("objectid=\"{}\" names an object and a constellation: give one of them "
+                                        "another id",
+                                        shown(to)));
             moves_.push_back(move_of(instance));
             if (object != objects_.end())
                 place(object->second);

@@ -1,17 +1,19 @@
 // Reads Collada 1.4 and 1.5: the meshes that the nodes of the scene instantiate, moved by the transforms of the nodes.
 // Reads triangles, trifans, tristrips, polylist, polygons, lines and linestrips; a mesh without any of them is a set of
-// points. Nodes may instantiate other nodes. Animations, cameras, lights and physics are left out.
+// points. Nodes may instantiate other nodes. Animations, cameras, lights and physics are left out. All triangles of a
+// strip have the orientation of its first one. A node that a program hides by <visibility> in an <extra> is read, with
+// a note.
 //
 // Refuses skins and morphs (<instance_controller>), polygons with holes, convex_mesh, spline and brep geometries, URLs
 // that lead out of the file, perspective matrices, and <skew>, whose axes the specification describes in two ways that
 // contradict each other.
 //
 // Unit: <unit meter="..."> in the <asset> of the document; 1 metre if it is missing. Axes: <up_axis>; Y_UP if it is
-// missing. Both are only stated: coordinates are the numbers of the file, and no axis is exchanged. An <asset> deeper in
-// the file has no effect, as in other readers; a note says so if its unit or axis differ.
+// missing. Both are only stated: coordinates are the numbers of the file, and no axis is exchanged. An <asset> deeper
+// in the file has no effect, as in other readers; a note says so if its unit or axis differ.
 //
-// Error of a coordinate: none if no transform is above the mesh, or only identities. Below k transform elements it is at
-// most 4 k u of the sum of the magnitudes of the terms of |M1| ... |Mk| |p|, plus 16 u of it for each <rotate> or
+// Error of a coordinate: none if no transform is above the mesh, or only identities. Below k transform elements it is
+// at most 4 k u of the sum of the magnitudes of the terms of |M1| ... |Mk| |p|, plus 16 u of it for each <rotate> or
 // <lookat>. Rotations by multiples of 90 degrees about x, y or z are exact matrices of 0, 1 and -1.
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
@@ -53,14 +55,6 @@ bool is_element(pugi::xml_node node, std::string_view name) {
 
 bool is_one_of(pugi::xml_node node, const std::set<std::string_view>& names) {
     return node.type() == pugi::node_element && names.contains(local_name(node.name()));
-}
-
-// Returns the text of an element. Comments inside of it do not end it.
-std::string content(pugi::xml_node node) {
-    std::string text;
-    for (const pugi::xml_node child : node.children())
-        if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
-    return text;
 }
 
 // Returns how a message names an element: <geometry> 'id'.
@@ -134,7 +128,7 @@ public:
             const auto [at, added] = sources_.emplace(source.attribute("id").value(), source);
             if (!added) at->second = {};  // refused only if it is used
         }
-        vertices_ = Xml::child(mesh, "vertices");
+        vertices_ = xml_.only_child(mesh, "vertices");
         if (!vertices_) xml_.refuse(mesh, "<mesh> has no <vertices>: add it, or save the file again");
         mesh_.points = positions();
         bool any = false;
@@ -188,7 +182,7 @@ private:
         }
         if (!position) xml_.refuse(vertices_, "<vertices> has no input POSITION: add it, or save the file again");
         const pugi::xml_node source = source_of(position);
-        const pugi::xml_node accessor = Xml::child(Xml::child(source, "technique_common"), "accessor");
+        const pugi::xml_node accessor = xml_.only_child(xml_.only_child(source, "technique_common"), "accessor");
         if (!accessor)
             xml_.refuse(source,
                         fmt::format("{} has no <accessor> in <technique_common>: save the file again", called(source)));
@@ -203,7 +197,7 @@ private:
             if (!is_one_of(array, {"float_array", "int_array"}) ||
                 url != "#" + std::string(array.attribute("id").value()))
                 continue;
-            const std::string text = content(array);
+            const std::string text = xml_.content(array);
             std::vector<double> values = xml_.numbers(array, text);
             if (array.attribute("count") && xml_.index(array, "count") != values.size())
                 xml_.refuse(array, fmt::format("{} announces {} numbers and has {}: it is damaged, save the file again",
@@ -271,7 +265,7 @@ private:
 
     // Returns the integers in the text of an element.
     std::vector<std::size_t> integers(pugi::xml_node node) const {
-        const std::string text = content(node);
+        const std::string text = xml_.content(node);
         constexpr std::string_view spaces = " \t\r\n\v\f";
         std::vector<std::size_t> values;
         for (std::size_t at = text.find_first_not_of(spaces); at != std::string::npos;) {
@@ -350,7 +344,7 @@ private:
     }
 
     std::size_t add_polylist(pugi::xml_node primitive, const std::vector<std::size_t>& all) {
-        const pugi::xml_node vcount = Xml::child(primitive, "vcount");
+        const pugi::xml_node vcount = xml_.only_child(primitive, "vcount");
         const std::vector<std::size_t> sizes = vcount ? integers(vcount) : std::vector<std::size_t>();
         std::size_t at = 0;
         for (const std::size_t size : sizes) {
@@ -391,7 +385,8 @@ private:
         if (kind == "trifans")
             for (std::size_t i = 2; i < list.size(); ++i) faces.push_back({list[0], list[i - 1], list[i]});
         if (kind == "tristrips")
-            for (std::size_t i = 2; i < list.size(); ++i) faces.push_back({list[i - 2], list[i - 1], list[i]});
+            for (std::size_t i = 2; i < list.size(); ++i)
+                faces.push_back({list[i - 2 + i % 2], list[i - 1 - i % 2], list[i]});
         if (kind == "linestrips")
             for (std::size_t i = 1; i < list.size(); ++i) faces.push_back({list[i - 1], list[i]});
         return each > 1 ? list.size() / each : 1;
@@ -473,9 +468,9 @@ private:
     }
 
     void read_asset() {
-        const pugi::xml_node asset = Xml::child(xml_.root(), "asset");
-        soup_.stated = unit_of(Xml::child(asset, "unit"));
-        const std::string text = content(Xml::child(asset, "up_axis")), up(trimmed(text));
+        const pugi::xml_node asset = xml_.only_child(xml_.root(), "asset");
+        soup_.stated = unit_of(xml_.only_child(asset, "unit"));
+        const std::string text = xml_.content(xml_.only_child(asset, "up_axis")), up(trimmed(text));
         soup_.stated.up = up.empty() ? 'Y' : up[0];
         if (!up.empty() && up != "X_UP" && up != "Y_UP" && up != "Z_UP") {
             soup_.stated.up = 0;
@@ -503,23 +498,23 @@ private:
 
     // Adds a note if an asset within an element states another unit or axis than the document.
     void note_inner(pugi::xml_node asset) {
-        const auto metres_of = [](pugi::xml_node one) {
-            return decimal(trimmed(Xml::child(one, "unit").attribute("meter").as_string("1")));
+        const auto metres_of = [&](pugi::xml_node one) {
+            return decimal(trimmed(xml_.only_child(one, "unit").attribute("meter").as_string("1")));
         };
-        const auto up_of = [](pugi::xml_node one) {
-            const std::string text = content(Xml::child(one, "up_axis"));
+        const auto up_of = [&](pugi::xml_node one) {
+            const std::string text = xml_.content(xml_.only_child(one, "up_axis"));
             return trimmed(text) == "" ? "Y_UP" : std::string(trimmed(text));
         };
-        const pugi::xml_node whole_file = Xml::child(xml_.root(), "asset");
-        const bool unit = Xml::child(asset, "unit") && metres_of(asset) != metres_of(whole_file);
-        const bool up = Xml::child(asset, "up_axis") && up_of(asset) != up_of(whole_file);
+        const pugi::xml_node whole_file = xml_.only_child(xml_.root(), "asset");
+        const bool unit = xml_.only_child(asset, "unit") && metres_of(asset) != metres_of(whole_file);
+        const bool up = xml_.only_child(asset, "up_axis") && up_of(asset) != up_of(whole_file);
         if ((unit || up) && inner_noted_.insert(asset.parent().name()).second)
             soup_.notes.push_back(fmt::format("an <asset> in {} states another {} than the file; it is not applied",
                                               called(asset.parent()), unit ? "unit" : "up_axis"));
     }
 
     pugi::xml_node visual_scene() {
-        const pugi::xml_node scene = Xml::child(xml_.root(), "scene");
+        const pugi::xml_node scene = xml_.only_child(xml_.root(), "scene");
         const auto instances = Xml::children(scene, "instance_visual_scene");
         if (!Xml::children(scene, "instance_physics_scene").empty())
             soup_.notes.emplace_back("its physics scene is left out");
@@ -538,7 +533,7 @@ private:
 
     // Returns the numbers of a transform element.
     template <std::size_t n> std::array<double, n> values(pugi::xml_node node) const {
-        const std::string text = content(node);
+        const std::string text = xml_.content(node);
         const std::vector<double> found = xml_.numbers(node, text);
         if (found.size() != n)
             xml_.refuse(node, fmt::format("<{}> has {} numbers, not {}", local_name(node.name()), found.size(), n));
@@ -644,12 +639,25 @@ private:
             if (map) at.map = at.map * *map;
             if (!map) at = {{}, child, why};
         }
+        const std::size_t before = soup_.faces.size();
         for (const pugi::xml_node child : node.children()) {
             if (is_element(child, "node")) draw(child, at, depth + 1);
             if (is_element(child, "instance_node")) draw_instance(child, at, depth);
             if (is_element(child, "instance_geometry")) draw_geometry(child, at);
             if (is_element(child, "instance_controller")) refuse_controller(child);
         }
+        if (soup_.faces.size() > before && is_hidden(node)) hidden_.add(node);
+    }
+
+    // Returns whether a technique of some program hides a node, which Collada itself cannot.
+    bool is_hidden(pugi::xml_node node) const {
+        for (const pugi::xml_node extra : Xml::children(node, "extra"))
+            for (const pugi::xml_node technique : Xml::children(extra, "technique"))
+                for (const pugi::xml_node one : Xml::children(technique, "visibility")) {
+                    const std::string text = xml_.content(one), value = lower_case(trimmed(text));
+                    if (value == "false" || decimal(value) == 0.0) return true;
+                }
+        return false;
     }
 
     void draw_instance(pugi::xml_node instance, const Placement& at, int depth) {
@@ -702,6 +710,8 @@ private:
         odd_.short_polygons.note(" has polygons of fewer than three corners, which count as segments or points",
                                  " have polygons of fewer than three corners, which count as segments or points",
                                  notes);
+        hidden_.note(" is read, although <visibility> in an <extra> hides it",
+                     " are read, although <visibility> in an <extra> hides them", notes);
         if (animations_ > 0) soup_.notes.emplace_back("its animations are left out: the transforms in the nodes count");
     }
 
@@ -715,6 +725,7 @@ private:
     std::vector<pugi::xml_node> inner_assets_;
     std::set<std::string> inner_noted_;  // elements that have a note about their <asset>
     std::size_t animations_ = 0;
+    Occurrences hidden_;  // nodes with a mesh
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
-// Reads DXF as text: 3DFACE, SOLID and TRACE, MESH of subdivision level 0, POLYLINE (polyface mesh, polygon mesh, 2D and
-// 3D polyline), LWPOLYLINE, LINE and POINT, in the model space and in the blocks that INSERT repeats there. Lines are
-// segments. Layers that are off or frozen, and invisible entities and edges, are read like all others.
+// Reads DXF as text: 3DFACE, SOLID and TRACE, MESH of subdivision level 0, POLYLINE (polyface mesh, polygon mesh, 2D
+// and 3D polyline), LWPOLYLINE, LINE and POINT, in the model space and in the blocks that INSERT repeats there. Lines
+// are segments. Entities on layers that are off or frozen, and invisible ones, are read like all others; a note counts
+// them.
 //
 // Texts, dimensions, viewports, images and other annotations are left out with a note, and so are the paper space and
 // blocks that no INSERT names. Refuses every other entity, such as CIRCLE, SPLINE or 3DSOLID, and everything that makes
@@ -87,8 +88,15 @@ public:
         const Tag* const found = std::find_if(begin(), end(), [&](const Tag& tag) { return tag.code == code; });
         return found == end() ? nullptr : found;
     }
+    // Returns the only group with this code, or null. Refuses the entity if it has two.
+    const Tag* only(int code) const {
+        const Tag* const found = find(code);
+        if (found && std::find_if(found + 1, end(), [&](const Tag& tag) { return tag.code == code; }) != end())
+            refuse(fmt::format("has two groups {}: save the file again", code));
+        return found;
+    }
     std::string_view text(int code) const {
-        const Tag* const tag = find(code);
+        const Tag* const tag = only(code);
         return tag ? tag->value : "";
     }
     double number(const Tag& tag) const {
@@ -97,7 +105,7 @@ public:
         return *value;
     }
     double number(int code, double unless_given) const {
-        const Tag* const tag = find(code);
+        const Tag* const tag = only(code);
         return tag ? number(*tag) : unless_given;
     }
     std::int64_t integer(const Tag& tag) const {
@@ -106,7 +114,7 @@ public:
         return *value;
     }
     std::int64_t integer(int code, std::int64_t unless_given) const {
-        const Tag* const tag = find(code);
+        const Tag* const tag = only(code);
         return tag ? integer(*tag) : unless_given;
     }
 
@@ -114,9 +122,6 @@ public:
     // Returns the point whose x has this group code. z is 0 if it is missing, as in flat drawings.
     Vec3 point(int code) const {
         if (!has_point(code)) refuse(fmt::format("has no groups {} and {}: save the file again", code, code + 10));
-        for (const int each : {code, code + 10, code + 20})
-            if (std::count_if(begin(), end(), [&](const Tag& tag) { return tag.code == each; }) > 1)
-                refuse(fmt::format("has two groups {}: save the file again", each));
         return {number(code, 0), number(code + 10, 0), number(code + 20, 0)};
     }
 
@@ -200,19 +205,26 @@ bool is_annotation(std::string_view type) {
     return all.contains(type);
 }
 
+// Numbers of entities, for notes.
+struct Counts {
+    std::map<std::string, std::size_t> left_out;       // by type
+    std::map<std::string, std::string> hidden_layers;  // that are off or frozen: names, by the name in lower case
+    std::map<std::string, std::size_t> on_hidden;      // that are read, by the name of their hidden layer
+    std::size_t invisible = 0;                         // that are read although group 60 hides them
+};
+
 // Reads the entities of a section or block.
 class EntityReader {
 public:
-    EntityReader(const std::string& name, const std::vector<Entity>& entities,
-                 std::map<std::string, std::size_t>& left_out)
-        : name_(name), entities_(entities), left_out_(left_out) {}
+    EntityReader(const std::string& name, const std::vector<Entity>& entities, Counts& counts)
+        : name_(name), entities_(entities), counts_(counts) {}
 
     Content read() {
         while (next_ < entities_.size()) {
             const Entity& entity = entities_[next_++];
             if (entity.integer(67, 0) != 0) {
                 skip_followers(entity);
-                ++left_out_["entity in the paper space"];
+                ++counts_.left_out["entity in the paper space"];
             } else {
                 add(entity);
             }
@@ -225,6 +237,7 @@ public:
 private:
     void add(const Entity& entity) {
         const std::string_view type = entity.type();
+        if (!is_annotation(type)) count_hidden(entity);
         if (type == "3DFACE") return add_quad(entity, false);
         if (type == "SOLID" || type == "TRACE") return add_quad(entity, true);
         if (type == "POLYLINE") return add_polyline(entity);
@@ -240,7 +253,13 @@ private:
         }
         if (!is_annotation(type))
             entity.refuse("is not supported: convert it to 3DFACE or POLYLINE in a CAD program, or export STL");
-        ++left_out_[std::string(type)];
+        ++counts_.left_out[std::string(type)];
+    }
+
+    void count_hidden(const Entity& entity) {
+        const auto layer = counts_.hidden_layers.find(lower_case(entity.text(8)));
+        if (layer != counts_.hidden_layers.end()) ++counts_.on_hidden[layer->second];
+        if (entity.integer(60, 0) != 0) ++counts_.invisible;
     }
 
     // Skips the entities that belong to this one.
@@ -481,7 +500,7 @@ private:
 
     const std::string& name_;
     const std::vector<Entity>& entities_;
-    std::map<std::string, std::size_t>& left_out_;
+    Counts& counts_;
     std::size_t next_ = 0;
     bool loose_ = false;  // there are entities of a single face or line, which count as one object together
     Content content_;
@@ -524,9 +543,10 @@ public:
 
     Soup draw() {
         read_sections();
-        const Content model = EntityReader(name_, model_, left_out_).read();
+        const Content model = EntityReader(name_, model_, counts_).read();
         draw(model, nullptr, 0);
         note_left_out();
+        note_hidden();
         if (soup_.faces.empty())
             throw InputError(name_ +
                              ": has no face, line or point in the model space: export 3DFACE, MESH or POLYLINE, "
@@ -549,6 +569,7 @@ private:
                                    shown(tags_[i + 1].value)));
             const std::string_view section = tags_[i + 1].value;
             if (section == "HEADER") read_header(i + 2, end);
+            if (section == "TABLES") read_layers(i + 2, end);
             if (section == "BLOCKS") read_blocks(i + 2, end);
             if (section == "ENTITIES")
                 for (Entity& entity : entities(i + 2, end)) model_.push_back(std::move(entity));
@@ -605,6 +626,13 @@ private:
         }
     }
 
+    // Finds the layers that are frozen, or whose colour is negative because they are off.
+    void read_layers(std::size_t begin, std::size_t end) {
+        for (const Entity& layer : entities(begin, end))
+            if (layer.type() == "LAYER" && ((layer.integer(70, 0) & 1) != 0 || layer.integer(62, 7) < 0))
+                counts_.hidden_layers.emplace(lower_case(layer.text(2)), shown(layer.text(2)));
+    }
+
     void read_blocks(std::size_t begin, std::size_t end) {
         Block* block = nullptr;
         for (Entity& entity : entities(begin, end)) {
@@ -646,7 +674,7 @@ private:
                                called));
         if (block.open)
             refuse(name_, copy.line, fmt::format("the block '{}' contains an INSERT of itself: leave it out", called));
-        if (!block.content) block.content = EntityReader(name_, block.entities, left_out_).read();
+        if (!block.content) block.content = EntityReader(name_, block.entities, counts_).read();
         return block;
     }
 
@@ -686,7 +714,7 @@ private:
 
     void note_left_out() {
         std::string list;
-        for (const auto& [type, count] : left_out_)
+        for (const auto& [type, count] : counts_.left_out)
             if (type != "SEQEND") list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, type);
         if (!list.empty()) soup_.notes.push_back("left out: " + list);
         std::size_t unused = 0;
@@ -697,12 +725,31 @@ private:
                 fmt::format("blocks that no INSERT in the model space names are left out: {}", unused));
     }
 
+    void note_hidden() {
+        constexpr std::size_t most = 5;  // names in a note
+        std::size_t entities = 0, named = 0;
+        std::string names;
+        for (const auto& [layer, count] : counts_.on_hidden) {
+            entities += count;
+            if (named++ < most) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", layer);
+        }
+        if (named > most) names += fmt::format(" and {} more", named - most);
+        if (entities > 0)
+            soup_.notes.push_back(fmt::format("{} {} on the hidden layer{} {} {} read", entities,
+                                              entities == 1 ? "entity" : "entities", named == 1 ? "" : "s", names,
+                                              entities == 1 ? "is" : "are"));
+        if (counts_.invisible > 0)
+            soup_.notes.push_back(fmt::format("{} invisible {} (group 60) {} read", counts_.invisible,
+                                              counts_.invisible == 1 ? "entity" : "entities",
+                                              counts_.invisible == 1 ? "is" : "are"));
+    }
+
     const std::string& name_;
     const std::vector<Tag> tags_;
     std::size_t parts_left_;
     std::vector<Entity> model_;
     std::map<std::string, Block> blocks_;  // by the name in lower case
-    std::map<std::string, std::size_t> left_out_;
+    Counts counts_;
     Soup soup_;
 };
 

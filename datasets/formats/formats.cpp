@@ -20,7 +20,7 @@ const std::vector<Format> table = {
      "Wavefront OBJ",
      read_obj,
      true,
-     "v, f, fo, l (segments) and p (points)",
+     "v, f, fo, l (segments) and p (points); a weight in v is left out with a note",
      "free-form curves and surfaces (cstype, curv, surf, ...), call and csh",
      "not stated",
      "not stated",
@@ -58,9 +58,10 @@ const std::vector<Format> table = {
      true,
      "triangles, strips, fans, lines and points of the default scene, placed by its nodes; buffers inside, "
      "in data: URIs and beside the file; sparse accessors, default morph weights, KHR_mesh_quantization, "
-     "EXT_mesh_gpu_instancing, KHR_node_visibility, and (in the program only) EXT_meshopt_compression and "
-     "KHR_draco_mesh_compression",
-     "skins, every other required extension, several scenes without a default one, files without a scene, "
+     "EXT_mesh_gpu_instancing, KHR_node_visibility, and (in the program only) EXT_meshopt_compression, "
+     "KHR_meshopt_compression and KHR_draco_mesh_compression",
+     "skins, version 1 of the vertex codec of KHR_meshopt_compression, every other required extension, several scenes "
+     "without a default one, files without a scene, "
      "glTF 1.0, indices that restart a primitive, Draco with strips",
      "metre, by the specification",
      "y up, by the specification",
@@ -108,10 +109,10 @@ const std::vector<Format> table = {
      "VRML 2.0",
      read_vrml,
      true,
-     "IndexedFaceSet, IndexedLineSet (segments) and PointSet under Transform nodes; the first level of a "
-     "LOD",
+     "IndexedFaceSet, IndexedLineSet (segments) and PointSet under Transform nodes; with a note, the first level of a "
+     "LOD, the choice of a Switch, and a Billboard as it is stored; scripts and animation are left out with a note",
      "VRML 1.0, other shapes (Box, Sphere, Extrusion, ...), PROTO, EXTERNPROTO, Inline, nodes that VRML97 "
-     "does not define",
+     "does not define, fields that a node has twice",
      "metre, by the specification",
      "y up, by the specification",
      "none without Transform nodes; under n of them 200 n u S (|p| + T), see the reader"},
@@ -119,7 +120,8 @@ const std::vector<Format> table = {
      "3D Studio",
      read_3ds,
      true,
-     "triangles of all meshes, in world coordinates as stored; a mesh without faces as points; the "
+     "triangles of all meshes (hidden ones with a note), in world coordinates as stored; a mesh without faces as "
+     "points; the "
      "keyframer (animation) is left out with a note",
      "meshes with left-handed local axes, meshes that the keyframer shows several times",
      "none (the master scale changes nothing)",
@@ -130,7 +132,7 @@ const std::vector<Format> table = {
      read_dxf,
      true,
      "3DFACE, SOLID, TRACE, MESH, POLYLINE and LWPOLYLINE (lines, polyface and polygon meshes), LINE, "
-     "POINT, and INSERT of blocks, also on layers that are off or frozen",
+     "POINT, and INSERT of blocks; those on layers that are off or frozen with a note",
      "binary DXF, other entities with a shape (CIRCLE, ARC, SPLINE, HATCH, 3DSOLID, ...), thickness, "
      "width, bulges, fitted curves, subdivision, references to other files",
      "$INSUNITS of the header",

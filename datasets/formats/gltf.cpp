@@ -1,9 +1,10 @@
 // Reads glTF 2.0, as .glb and as .gltf with its buffers in data: URIs or in files beside it: the triangles, lines and
 // points of the meshes in the default scene, moved by the nodes that contain them.
 //
-// What counts: sparse accessors, KHR_mesh_quantization, EXT_meshopt_compression, KHR_draco_mesh_compression,
-// EXT_mesh_gpu_instancing, KHR_node_visibility, and morph targets with their default weights. Ignores materials,
-// textures, cameras and animations, whose files are never opened.
+// What counts: sparse accessors, KHR_mesh_quantization, EXT_meshopt_compression and KHR_meshopt_compression (but not
+// version 1 of its vertex codec), KHR_draco_mesh_compression, EXT_mesh_gpu_instancing, KHR_node_visibility, and morph
+// targets with their default weights. Ignores materials, textures, cameras and animations, whose files are never
+// opened.
 //
 // Refuses: skins, every other required extension, several scenes without a default one, and files without a scene,
 // because such a file is a collection of parts and does not say which of them are shown.
@@ -56,9 +57,13 @@ constexpr int byte = 5120, unsigned_byte = 5121, short_integer = 5122, unsigned_
               float_number = 5126;
 
 // Extensions that this reader applies.
-const std::set<std::string_view> applied = {"KHR_mesh_quantization",   "EXT_meshopt_compression",
-                                            "EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression",
-                                            "KHR_node_visibility",     "MSFT_lod"};
+const std::set<std::string_view> applied = {"KHR_mesh_quantization",
+                                            "EXT_meshopt_compression",
+                                            "KHR_meshopt_compression",
+                                            "EXT_mesh_gpu_instancing",
+                                            "KHR_draco_mesh_compression",
+                                            "KHR_node_visibility",
+                                            "MSFT_lod"};
 
 // Extensions that change colours, lights, textures or data about the model, but no geometry.
 const std::set<std::string_view> harmless = {
@@ -103,6 +108,14 @@ const std::set<std::string_view> harmless = {
 
 // --- JSON ------------------------------------------------------------------------------------------------------------
 
+// Returns where a sound JSON object ends before the place of a parse error; the size of the text if none does.
+std::size_t end_of_object(std::string_view text, const Json::exception& error) {
+    const auto* const at = dynamic_cast<const Json::parse_error*>(&error);
+    if (!at || at->byte < 2) return text.size();
+    const std::size_t brace = text.rfind('}', at->byte - 2);  // `byte` is the end of a word that cannot follow
+    return brace != std::string_view::npos && Json::accept(text.substr(0, brace + 1)) ? brace + 1 : text.size();
+}
+
 // Parses JSON. Refuses deep nesting, and a key that an object has twice, because programs differ in which one they
 // take.
 Json parsed(const std::string& name, std::string_view text) {
@@ -118,9 +131,19 @@ Json parsed(const std::string& name, std::string_view text) {
                                          shown(value.get_ref<const std::string&>())));
         return true;
     };
+    // The parser stops at a zero byte. Some programs pad the JSON of a .glb file with zero bytes.
+    const std::size_t zero = std::min(text.find('\0'), text.size());
+    if (text.find_first_not_of('\0', zero) != std::string_view::npos)
+        throw InputError(
+            fmt::format("{}: its JSON has a zero byte at byte {}: fetch or save the file again", name, zero));
     try {
         return Json::parse(text, check);
     } catch (const Json::exception& error) {
+        if (const std::size_t end = end_of_object(text, error); end < text.size())
+            throw InputError(
+                fmt::format("{}: {} bytes follow the end of its JSON, at byte {}, which is neither JSON nor glTF: "
+                            "remove them",
+                            name, text.size() - end, end));
         throw InputError(fmt::format("{}: its JSON cannot be parsed: {}: fetch or save the file again", name,
                                      one_line(std::string(error.what()).substr(0, 200))));
     }
@@ -421,14 +444,12 @@ public:
     std::string_view view(std::size_t index) {
         const Part part = element("bufferViews", "bufferView", index);
         const std::size_t buffer = part.required("buffer");
-        const auto meshopt = part.extension("EXT_meshopt_compression");
-        if (meshopt && (needs_meshopt_ || !has_data(buffer))) return decompressed(index, part, *meshopt);
+        for (const char* const name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+            const auto meshopt = part.extension(name);
+            if (meshopt && (needs_meshopt_ || !has_data(buffer))) return decompressed(index, part, *meshopt, name);
+        }
         if (!has_data(buffer))
-            no(part.place, fmt::format("buffer {} (from 0) has no data{}: save the file again", buffer,
-                                       part.extension("KHR_meshopt_compression")
-                                           ? ", and KHR_meshopt_compression is not supported: decompress the file with "
-                                             "`gltf-transform copy`"
-                                           : ""));
+            no(part.place, fmt::format("buffer {} (from 0) has no data: save the file again", buffer));
         return range(part, buffer);
     }
 
@@ -455,7 +476,11 @@ private:
     }
 
     bool has_data(std::size_t buffer) const {
-        return element("buffers", "buffer", buffer).find("uri") || (buffer == 0 && binary_);
+        const Part part = element("buffers", "buffer", buffer);
+        for (const char* const name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+            if (const auto meshopt = part.extension(name); meshopt && meshopt->yes("fallback") && !part.find("uri"))
+                return false;
+        return part.find("uri") || (buffer == 0 && binary_);
     }
 
     std::string_view bytes(std::size_t index) {
@@ -504,10 +529,11 @@ private:
         return beside_[key] = std::move(contents);
     }
 
-    std::string_view decompressed(std::size_t index, const Part& view, const Part& meshopt) {
+    std::string_view decompressed(std::size_t index, const Part& view, const Part& meshopt, const char* extension) {
         const auto known = decoded_.find(index);
         if (known != decoded_.end()) return known->second;
         MeshoptStream stream;
+        stream.extension = extension;
         stream.bytes = range(meshopt, meshopt.required("buffer"));
         stream.count = meshopt.required("count");
         stream.stride = meshopt.required("byteStride");
@@ -517,9 +543,10 @@ private:
         if (stream.stride == 0 || stream.stride > 256 || length % stream.stride != 0 ||
             length / stream.stride != stream.count ||
             view.integer("byteStride").value_or(stream.stride) != stream.stride)
-            no(view.place, fmt::format("EXT_meshopt_compression has {} elements of {} bytes, which does not match the "
-                                       "bufferView: save the file again",
-                                       stream.count, stream.stride));
+            no(view.place,
+               fmt::format("{} has {} elements of {} bytes, which does not match the bufferView: save the file "
+                           "again",
+                           extension, stream.count, stream.stride));
         if (length > meshopt_bytes_a_byte * size_ - decoded_bytes_)
             no(view.place,
                "the compressed data hold more than 64 bytes for each byte of the file: save the file again");
@@ -753,7 +780,9 @@ public:
         : input_(input),
           root_(root),
           extensions_(extensions),
-          data_(input, root, container, extensions.required.contains("EXT_meshopt_compression")) {
+          data_(input, root, container,
+                extensions.required.contains("EXT_meshopt_compression") ||
+                    extensions.required.contains("KHR_meshopt_compression")) {
         soup_.objects = 0;
         soup_.merge = true;  // vertices are repeated where their normals or colours differ
     }
@@ -1167,7 +1196,8 @@ void check_version(const std::string& name, const Part& root) {
     const auto asset = root.object("asset");
     if (!asset) no(name, "has no 'asset', so it is not glTF 2.0: save the file again");
     const std::string version = asset->text("version"), least = asset->text("minVersion");
-    if (!version.starts_with("2.") || !(least.empty() || least == "2.0"))
+    const bool two = version.starts_with("2.") && whole<unsigned>(std::string_view(version).substr(2));
+    if (!two || !(least.empty() || least == "2.0"))
         no(name,
            fmt::format("is glTF of version '{}', only 2.0 is supported: convert it, for example with `gltf-pipeline`",
                        shown(least.empty() ? version : least)));

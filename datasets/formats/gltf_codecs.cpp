@@ -1,6 +1,6 @@
-// Decodes the compressed geometry of glTF files: EXT_meshopt_compression with the meshoptimizer library, and
-// KHR_draco_mesh_compression with the Draco library. The filters of meshopt are computed here in double, and rounded
-// once: EXPONENTIAL, the one for coordinates, is exact.
+// Decodes the compressed geometry of glTF files: EXT_meshopt_compression and KHR_meshopt_compression with the
+// meshoptimizer library, and KHR_draco_mesh_compression with the Draco library. The filters of meshopt are computed
+// here in double, and rounded once: EXPONENTIAL, the one for coordinates, is exact.
 #include "datasets/formats/gltf_codecs.h"
 
 #include "algorithms/error.h"
@@ -34,7 +34,7 @@ const char* const damaged = "the compressed data are damaged: fetch or save the 
 void check(const std::string& place, const MeshoptStream& stream) {
     const bool attributes = stream.mode == "ATTRIBUTES", triangles = stream.mode == "TRIANGLES";
     if (!attributes && !triangles && stream.mode != "INDICES")
-        no(place, fmt::format("EXT_meshopt_compression has no mode '{}'", one_line(stream.mode.substr(0, 40))));
+        no(place, fmt::format("{} has no mode '{}'", stream.extension, one_line(stream.mode.substr(0, 40))));
     const std::size_t stride = stream.stride;
     if (stream.count == 0 || (triangles && stream.count % 3 != 0))
         no(place, fmt::format("a count of {} is not possible in mode {}", stream.count, stream.mode));
@@ -49,6 +49,10 @@ void check(const std::string& place, const MeshoptStream& stream) {
     if (stream.count > meshopt_ratio * stream.bytes.size() / stride)
         no(place, fmt::format("{} compressed bytes cannot hold {} elements of {} bytes: {}", stream.bytes.size(),
                               stream.count, stride, damaged));
+    if (attributes && stream.extension == std::string_view("KHR_meshopt_compression") && stream.bytes[0] == '\xa1')
+        no(place,
+           "KHR_meshopt_compression with version 1 of its vertex codec is not supported: decompress the file with "
+           "`gltf-transform copy`, or compress it with `gltfpack -c`");
     const int version = attributes ? 0xa0 : triangles ? 0xe1 : 0xd1;
     if (static_cast<unsigned char>(stream.bytes[0]) != version)
         no(place, fmt::format("the data of mode {} begin with the byte {:#04x}, not {:#04x}: {}", stream.mode,

@@ -10,9 +10,10 @@
 
 namespace hausbench::readers {
 
-// The data of a bufferView, as compressed by EXT_meshopt_compression.
+// The data of a bufferView, as compressed by EXT_meshopt_compression or KHR_meshopt_compression.
 struct MeshoptStream {
-    std::string_view bytes;  // compressed
+    const char* extension = "";  // its name
+    std::string_view bytes;      // compressed
     std::size_t count = 0, stride = 0;
     std::string mode;    // ATTRIBUTES, TRIANGLES or INDICES
     std::string filter;  // NONE, OCTAHEDRAL, QUATERNION or EXPONENTIAL

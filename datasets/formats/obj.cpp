@@ -1,8 +1,9 @@
-// Reads Wavefront OBJ: x, y and z of `v` lines, and the vertex numbers of faces (`f`, `fo`), lines (`l`, whose parts are
-// segments) and points (`p`). A face of two corners is a segment.
+// Reads Wavefront OBJ: x, y and z of `v` lines, and the vertex numbers of faces (`f`, `fo`), lines (`l`, whose parts
+// are segments) and points (`p`). A face of two corners is a segment.
 //
-// Ignores texture coordinates, normals, `vp`, groups, materials and display attributes, and what follows z in a `v`
-// line: colours, or a weight, which by the format's specification counts only in rational curves and surfaces. Refuses
+// Ignores texture coordinates, normals, `vp`, groups, materials and display attributes, and a colour or the weight 1
+// after z in a `v` line. Another weight is left out with a note: by the format's specification it counts only in
+// rational curves and surfaces, which are refused, but some programs divide x, y and z of every vertex by it. Refuses
 // free-form curves and surfaces (cstype, curv, surf, ...), superseded ones (bzp, bsp, cdc, cdp, res), and `call` and
 // `csh`, which insert what another file or program says. A note names the first of other lines, which are left out.
 //
@@ -33,8 +34,8 @@ std::string as_ascii(std::string_view bytes) {
 }
 
 // Removes the first line from `bytes` and returns it. While it ends with a backslash, also removes the next line and
-// appends it. Adds the number of removed lines to `number`. Refuses a comment that would swallow a statement in this way,
-// as in "# from C:\models\": programs differ on what it means.
+// appends it. Adds the number of removed lines to `number`. Refuses a comment that would swallow a statement in this
+// way, as in "# from C:\models\": programs differ on what it means.
 std::string next_statement(const std::string& name, std::string_view& bytes, std::uint32_t& number) {
     std::string statement;
     for (bool goes_on = true; goes_on && !bytes.empty(); ++number) {
@@ -73,6 +74,19 @@ std::vector<std::size_t> face_of(const std::string& name, std::string_view line,
 
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
     return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+// Returns whether numbers follow x, y and z in a `v` line that are neither the weight 1 nor a colour. Refuses other
+// words.
+bool has_more_numbers(const std::string& name, std::string_view line, std::uint32_t number) {
+    for (int i = 0; i < 3; ++i) next_word(line);
+    std::vector<double> rest;
+    for (auto word = next_word(line); !word.empty(); word = next_word(line)) {
+        const auto value = decimal(word);
+        if (!value) refuse(name, number, fmt::format("'{}' after z is not a number: remove it", shown(word)));
+        rest.push_back(*value);
+    }
+    return rest.size() == 1 ? rest[0] != 1 : !rest.empty() && rest.size() != 3;
 }
 
 // Refuses a statement that makes geometry which is not read. Returns whether the statement is known, and makes none.
@@ -125,6 +139,7 @@ Soup read_obj(const Input& input) {
     bool new_object = true;
     std::size_t unknown = 0;
     std::string first_unknown;
+    std::size_t weights = 0, first_weight = 0;
     const std::string text = as_ascii(bytes);
     std::string_view rest = text;
     for (std::uint32_t last = 0; !rest.empty();) {
@@ -132,7 +147,11 @@ Soup read_obj(const Input& input) {
         const std::string statement = next_statement(name, rest, last);
         std::string_view line = statement;
         const std::string_view keyword = next_word(line);
-        if (keyword == "v") add_point(name, line.substr(0, line.find('#')), number, soup);
+        if (keyword == "v") {
+            line = line.substr(0, line.find('#'));
+            add_point(name, line, number, soup);
+            if (has_more_numbers(name, line, number) && weights++ == 0) first_weight = number;
+        }
         if (keyword == "o" || keyword == "g") new_object = true;
         if (!is_one_of(keyword, {"f", "fo", "l", "p"})) {
             if (!may_be_ignored(name, keyword, number) && unknown++ == 0)
@@ -143,6 +162,12 @@ Soup read_obj(const Input& input) {
         new_object = false;
         add_faces(name, keyword, line, number, soup);
     }
+    if (weights > 0)
+        soup.notes.push_back(
+            fmt::format("numbers after z are left out in {} `v` line{}, the first {}: they are not a colour, and a "
+                        "weight counts only "
+                        "in rational curves and surfaces",
+                        weights, weights == 1 ? "" : "s", first_weight));
     if (unknown > 0)
         soup.notes.push_back(
             unknown == 1

@@ -1,10 +1,10 @@
-// Reads OFF as text: a header, whose keyword may be missing, then one line for each vertex and for each face. A face of
-// two corners is a segment, and one of one corner a point. Ignores the colours, normals and texture coordinates that may
-// follow in a line. The counts may follow the keyword without a blank, as in the "OFF8 6 0" of ModelNet40. Refuses nOFF,
-// 4nOFF and binary files.
+// Reads OFF as text: a header of any number of lines, whose keyword may be missing, then one line for each vertex and
+// for each face. Refuses files whose lines are divided in another way. A face of two corners is a segment, and one of
+// one corner a point. Ignores the colours, normals and texture coordinates that may follow in a line. The counts may
+// follow the keyword without a blank, as in the "OFF8 6 0" of ModelNet40. Refuses nOFF, 4nOFF and binary files.
 //
-// OFF states no unit and no axes. A coordinate is the double nearest to the decimal number; in 4OFF, the quotient of two
-// such doubles, rounded once.
+// OFF states no unit and no axes. A coordinate is the double nearest to the decimal number; in 4OFF, the quotient of
+// two such doubles, rounded once.
 #include "algorithms/error.h"
 #include "datasets/formats/parse.h"
 #include "datasets/formats/readers.h"
@@ -17,6 +17,9 @@
 
 namespace hausbench::readers {
 namespace {
+
+constexpr const char* each_alone =
+    ": fetch it again if it is truncated, or write each vertex and each face on a line of its own";
 
 struct Line {
     std::string_view text;
@@ -56,6 +59,10 @@ std::size_t count_of(const std::string& name, std::string_view word, const char*
                     whole ? fmt::format("which a file of {} bytes cannot hold", size) : "which is no count"));
 }
 
+[[noreturn]] void refuse_binary(const std::string& name) {
+    throw InputError(name + ": binary OFF is not supported: convert it to text");
+}
+
 OffHeader header_of(const std::string& name, const std::vector<Line>& lines, std::size_t size) {
     OffHeader header;
     std::string_view keyword;
@@ -69,18 +76,26 @@ OffHeader header_of(const std::string& name, const std::vector<Line>& lines, std
                 line = {word.begin() + static_cast<std::ptrdiff_t>(end), line.end()};
                 word = word.substr(0, end);
             }
+            if (word == "BINARY" && counts.empty()) refuse_binary(name);
             if (!keyword.empty() || !counts.empty() || !std::isalpha(static_cast<unsigned char>(word.back()))) {
                 counts.push_back(word);
                 continue;
             }
             keyword = word;
             if (!is_keyword(word))
-                refuse(
-                    name, number,
-                    fmt::format("'{}' is not a supported OFF header (OFF, with ST, C, N or 4 before it)", shown(word)));
+                refuse(name, number,
+                       fmt::format(
+                           "'{}' is not a supported OFF header (OFF, with ST, C, N or 4 before it, in this order): "
+                           "save the file as OFF with three coordinates",
+                           shown(word)));
         }
     }
     if (counts.size() < 2) throw InputError(name + ": has no OFF header with the number of vertices and faces");
+    if (header.lines < lines.size()) {  // the number of edges may stand alone in the next line
+        std::string_view line = lines[header.lines].text;
+        const std::string_view word = next_word(line);
+        if (next_word(line).empty() && whole<std::int64_t>(word)) ++header.lines;
+    }
     header.four = keyword.find('4') != std::string_view::npos;
     header.points = count_of(name, counts[0], "vertices", size);
     header.faces = count_of(name, counts[1], "faces", size);
@@ -99,7 +114,10 @@ void add_vertex(const std::string& name, Line line, bool four, Soup& soup) {
 void add_face(const std::string& name, Line line, Soup& soup) {
     const std::size_t most = line.text.size();
     const auto corners = number_below(most, next_word(line.text));
-    if (!corners) refuse(name, line.number, fmt::format("face {} (from 0) cannot be read", soup.faces.size()));
+    if (!corners)
+        refuse(
+            name, line.number,
+            fmt::format("face {} (from 0) does not begin with its number of corners{}", soup.faces.size(), each_alone));
     std::vector<std::size_t> face;
     while (face.size() < *corners) {
         const auto index = number_below(soup.points.size(), next_word(line.text));
@@ -118,8 +136,7 @@ void add_face(const std::string& name, Line line, Soup& soup) {
 Soup read_off(const Input& input) {
     const std::string& name = input.name;
     const std::string_view bytes = input.bytes;
-    if (bytes.find('\0') != std::string_view::npos)
-        throw InputError(name + ": binary OFF is not supported: convert it to text");
+    if (bytes.find('\0') != std::string_view::npos) refuse_binary(name);
     std::vector<Line> lines;  // without empty lines and comments
     std::string_view rest = bytes;
     for (std::uint32_t number = 1; !rest.empty(); ++number) {
@@ -130,9 +147,10 @@ Soup read_off(const Input& input) {
     const OffHeader header = header_of(name, lines, bytes.size());
     const std::size_t there = lines.size() - header.lines;
     if (there < header.points)
-        throw InputError(fmt::format("{}: ends after {} of {} vertices", name, there, header.points));
+        throw InputError(fmt::format("{}: ends after {} of {} vertices{}", name, there, header.points, each_alone));
     if (there - header.points < header.faces)
-        throw InputError(fmt::format("{}: ends after {} of {} faces", name, there - header.points, header.faces));
+        throw InputError(
+            fmt::format("{}: ends after {} of {} faces{}", name, there - header.points, header.faces, each_alone));
     Soup soup;
     for (std::size_t i = 0; i < header.points; ++i) add_vertex(name, lines[header.lines + i], header.four, soup);
     for (std::size_t i = 0; i < header.faces; ++i) add_face(name, lines[header.lines + header.points + i], soup);

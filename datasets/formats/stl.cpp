@@ -1,6 +1,7 @@
-// Reads STL, text or binary: the facets of all solids. A file counts as binary if its size matches the number of triangles in its header, even if it begins with
-// "solid" like a text file, because some programs write such binary files. Keywords of a text file may be in upper or
-// lower case. Ignores normals, and the attribute bytes of a binary facet (colours).
+// Reads STL, text or binary: the facets of all solids. A file counts as binary if its size matches the number of
+// triangles in its header, even if it begins with "solid" like a text file, because some programs write such binary
+// files. Keywords of a text file may be in upper or lower case. Ignores normals, and the attribute bytes of a binary
+// facet (colours).
 //
 // STL states no unit and no axes. A coordinate of a binary file is exactly the stored float32; of a text file, the
 // double nearest to the decimal number. Corners with equal coordinates become one vertex.
@@ -28,9 +29,10 @@ Soup read_binary(const std::string& name, std::string_view bytes, bool drop_inva
     const std::size_t facets = facets_of(bytes), expected = header + facet * facets;
     // A file that is too long was usually transferred as text, which inserts bytes; its coordinates would be wrong.
     if (bytes.size() != expected)
-        throw InputError(fmt::format("{}: is {}, or not an STL file: {} facets take {} bytes, {} bytes found", name,
-                                     bytes.size() < expected ? "truncated" : "damaged", facets, expected,
-                                     bytes.size()));
+        throw InputError(
+            fmt::format("{}: is {}, or not an STL file: {} facets take {} bytes, {} bytes found: fetch or "
+                        "save it again",
+                        name, bytes.size() < expected ? "truncated" : "damaged", facets, expected, bytes.size()));
     Soup soup;
     soup.merge = soup.float32 = true;
     soup.points.reserve(3 * facets);

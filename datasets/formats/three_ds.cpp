@@ -1,10 +1,11 @@
-// Reads 3D Studio files (.3ds), which are chunks in chunks: the triangles of every mesh in the 3D editor section, hidden
-// or not. A mesh without faces is a set of points. Ignores materials, smoothing groups, lights and cameras.
+// Reads 3D Studio files (.3ds), which are chunks in chunks: the triangles of every mesh in the 3D editor section,
+// hidden or not; a note names a hidden one. A mesh without faces is a set of points. Ignores materials, smoothing
+// groups, lights and cameras.
 //
-// No public specification exists. By the convention of the format, which lib3ds and assimp share, the vertices of a mesh
-// (chunk 4110) are in world coordinates; its local axes (4160) do not move them. The keyframer section (B000) describes
-// an animation, which in files of usual exporters begins where the vertices are. It is left out, with a note. The master
-// scale (0100) changes no coordinate; assimp divides by it, lib3ds does not.
+// No public specification exists. By the convention of the format, which lib3ds and assimp share, the vertices of a
+// mesh (chunk 4110) are in world coordinates; its local axes (4160) do not move them. The keyframer section (B000)
+// describes an animation, which in files of usual exporters begins where the vertices are. It is left out, with a note.
+// The master scale (0100) changes no coordinate; assimp divides by it, lib3ds does not.
 //
 // Refuses meshes whose local axes are left-handed, because lib3ds and assimp mirror such a mesh and other programs do
 // not, and meshes that several nodes of the keyframer repeat.
@@ -35,6 +36,7 @@ enum ChunkId : std::uint16_t {
     editor = 0x3d3d,
     master_scale = 0x0100,
     object = 0x4000,
+    object_hidden = 0x4010,
     mesh_chunk = 0x4100,
     vertex_list = 0x4110,
     face_list = 0x4120,
@@ -124,10 +126,14 @@ private:
 
     void read_object(std::string_view in) {
         const std::string_view called = text(in);
+        bool hidden = false, mesh = false;
         while (!in.empty()) {
             const Chunk chunk = next(in);
+            hidden = hidden || chunk.id == object_hidden;
+            mesh = mesh || chunk.id == mesh_chunk;
             if (chunk.id == mesh_chunk) read_mesh(called, chunk);
         }
+        if (hidden && mesh && hidden_++ == 0) first_hidden_ = shown(called);
     }
 
     void read_mesh(std::string_view called, const Chunk& mesh) {
@@ -232,6 +238,10 @@ private:
         }
         if (animated)
             soup_.notes.emplace_back("its keyframer section (animation) is left out: the vertices of the meshes count");
+        if (hidden_ > 0)
+            soup_.notes.push_back(
+                hidden_ == 1 ? fmt::format("the hidden mesh '{}' is read", first_hidden_)
+                             : fmt::format("the hidden mesh '{}' and {} more are read", first_hidden_, hidden_ - 1));
         if (without_faces_ > 1) soup_.notes.push_back(fmt::format("{} more meshes have no faces", without_faces_ - 1));
     }
 
@@ -239,7 +249,8 @@ private:
     const std::string_view bytes_;
     Soup soup_;
     std::map<std::string_view, std::size_t> objects_, nodes_;  // number of meshes and nodes with a name
-    std::size_t without_faces_ = 0;
+    std::size_t without_faces_ = 0, hidden_ = 0;
+    std::string first_hidden_;
     bool scale_noted_ = false;
 };
 

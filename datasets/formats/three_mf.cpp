@@ -432,21 +432,15 @@ private:
         return mesh;
     }
 
-    // Returns the values of three attributes, each of which must be there once.
+    // Returns the values of three attributes, each of which must be there.
     static std::array<std::string_view, 3> three_attributes(const ModelPart& part, pugi::xml_node node,
-                                                            const std::array<std::string_view, 3>& names) {
+                                                            const std::array<const char*, 3>& names) {
         std::array<std::string_view, 3> values;
-        std::array<int, 3> found{};
-        for (const pugi::xml_attribute one : node.attributes())
-            for (std::size_t k = 0; k < 3; ++k)
-                if (one.name() == names[k]) {
-                    values[k] = one.value();
-                    ++found[k];
-                }
-        for (std::size_t k = 0; k < 3; ++k)
-            if (found[k] != 1)
-                part.xml.refuse(node, fmt::format("<{}> has {} attribute{} '{}', not one", shown(node.name()), found[k],
-                                                  found[k] ? "s" : "", names[k]));
+        for (std::size_t k = 0; k < 3; ++k) {
+            const pugi::xml_attribute found = node.attribute(names[k]);
+            if (!found) part.xml.refuse(node, fmt::format("<{}> has no attribute '{}'", shown(node.name()), names[k]));
+            values[k] = found.value();
+        }
         return values;
     }
 

@@ -1,13 +1,15 @@
-// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, the lines of every IndexedLineSet, whose parts are
-// segments, and the points of every PointSet, moved by the Transform nodes that contain them. USE repeats a node that
-// DEF named. A LOD is seen at its first level, and a Switch at its choice. Ignores nodes without a shape (colours,
-// lights, scripts, sensors). Refuses other shapes, PROTO, Inline, and nodes that VRML97 does not define.
+// Reads VRML 2.0 (VRML97) as text: the faces of every IndexedFaceSet, the lines of every IndexedLineSet, whose parts
+// are segments, and the points of every PointSet, moved by the Transform nodes that contain them. USE repeats a node
+// that DEF named. A LOD is seen at its first level, a Switch at its choice, and a Billboard as it is stored; notes say
+// so. Nothing moves: a note says if ROUTE, scripts, sensors or interpolators are left out. Ignores other nodes without
+// a shape (colours, lights). Refuses other shapes, PROTO, Inline, nodes that VRML97 does not define, and a field that a
+// node has twice.
 //
-// VRML97 defines that the unit is the metre and that y points up (section 4.4.5). A point outside of all Transform nodes
-// has the doubles nearest to its decimal numbers. A Transform computes matrix * point + shift in doubles; the matrices of
-// nested nodes are multiplied first, from the outer to the inner. A point p under n of them, with angles of at most one
-// turn, is within 200 n u S (|p| + T) of the exact one, where u = 2^-53, S is the product of the largest scale of each
-// (1 if less), and T the sum of the lengths of all translations and, twice, of all centers.
+// VRML97 defines that the unit is the metre and that y points up (section 4.4.5). A point outside of all Transform
+// nodes has the doubles nearest to its decimal numbers. A Transform computes matrix * point + shift in doubles; the
+// matrices of nested nodes are multiplied first, from the outer to the inner. A point p under n of them, with angles of
+// at most one turn, is within 200 n u S (|p| + T) of the exact one, where u = 2^-53, S is the product of the largest
+// scale of each (1 if less), and T the sum of the lengths of all translations and, twice, of all centers.
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
 #include "datasets/circle.h"
@@ -81,6 +83,8 @@ public:
         return scene;
     }
 
+    bool has_routes() const { return routes_; }
+
 private:
     // Skips white space and comments. Returns the first character of the next word, without removing it; 0 at the end.
     char peek() {
@@ -120,6 +124,7 @@ private:
         if (word.text == "PROTO" || word.text == "EXTERNPROTO")
             refuse(name_, word.line, fmt::format("{} is not supported: convert the file to OBJ or STL", word.text));
         if (word.text != "ROUTE") return false;
+        routes_ = true;
         for (int i = 0; i < 3; ++i) next();
         return true;
     }
@@ -184,7 +189,9 @@ private:
                 refuse(name_, name.line,
                        fmt::format("'{}' where {} needs the name of a field", shown(name.text), shown(type.text)));
             VrmlField field = read_field(depth + 1);
-            if (kept.contains(name.text)) node.fields[name.text] = std::move(field);
+            if (kept.contains(name.text) && !node.fields.emplace(name.text, std::move(field)).second)
+                refuse(name_, name.line,
+                       fmt::format("a second '{}' of one {}: remove one of them", name.text, shown(type.text)));
         }
         return node;
     }
@@ -192,6 +199,7 @@ private:
     const std::string& name_;
     std::string_view rest_;
     std::uint32_t line_ = 1;
+    bool routes_ = false;
     std::deque<Node> nodes_;  // all nodes in one list, so that a deep tree is freed without recursion
     std::map<std::string_view, const Node*> defined_;
 };
@@ -219,8 +227,11 @@ public:
         soup_.objects = 0;
     }
 
-    Soup draw(const VrmlField& scene) {
+    // `moves`: the file has ROUTE statements.
+    Soup draw(const VrmlField& scene, bool moves) {
+        if (moves) moving_.insert("ROUTE");
         for (const Node* node : scene.nodes) draw(*node, {}, 0);
+        add_notes();
         if (soup_.faces.empty())
             throw InputError(name_ +
                              ": holds no IndexedFaceSet with a face, no IndexedLineSet with a line, and no "
@@ -303,23 +314,32 @@ private:
             draw_all(node.field("children").nodes, {at.matrix * here.matrix, at.matrix * here.shift + at.shift}, depth);
         }
         if (node.is({"Group", "Anchor", "Billboard", "Collision"})) draw_all(node.field("children").nodes, at, depth);
+        if (node.is({"Billboard"})) ++billboards_;
         if (node.is({"LOD"})) draw_first_level(node, at, depth);
-        if (node.is({"Switch"})) {
-            const auto& chosen = node.field("whichChoice").words;
-            const auto& choice = node.field("choice").nodes;
-            const auto which = whole<std::size_t>(chosen.empty() ? "-1" : chosen[0].text);  // negative: none
-            if (which && *which < choice.size()) draw(*choice[*which], at, depth + 1);
-        }
+        if (node.is({"Switch"})) draw_choice(node, at, depth);
         static const std::set<std::string_view> known = {
             "Shape", "Transform", "Group", "Anchor", "Billboard", "Collision", "LOD", "Switch",
             // nodes without a shape
-            "Appearance", "AudioClip", "Background", "Color", "ColorInterpolator", "Coordinate",
-            "CoordinateInterpolator", "CylinderSensor", "DirectionalLight", "Fog", "FontStyle", "ImageTexture",
-            "Material", "MovieTexture", "NavigationInfo", "Normal", "NormalInterpolator", "OrientationInterpolator",
-            "PixelTexture", "PlaneSensor", "PointLight", "PositionInterpolator", "ProximitySensor",
-            "ScalarInterpolator", "Script", "Sound", "SphereSensor", "SpotLight", "TextureCoordinate",
-            "TextureTransform", "TimeSensor", "TouchSensor", "Viewpoint", "VisibilitySensor", "WorldInfo"};
-        if (!node.is(known))
+            "Appearance", "AudioClip", "Background", "Color", "Coordinate", "DirectionalLight", "Fog", "FontStyle",
+            "ImageTexture", "Material", "MovieTexture", "NavigationInfo", "Normal", "PixelTexture", "PointLight",
+            "Sound", "SpotLight", "TextureCoordinate", "TextureTransform", "Viewpoint", "WorldInfo"};
+        // Nodes that may move shapes while the scene is shown.
+        static const std::set<std::string_view> moving = {"ColorInterpolator",
+                                                          "CoordinateInterpolator",
+                                                          "CylinderSensor",
+                                                          "NormalInterpolator",
+                                                          "OrientationInterpolator",
+                                                          "PlaneSensor",
+                                                          "PositionInterpolator",
+                                                          "ProximitySensor",
+                                                          "ScalarInterpolator",
+                                                          "Script",
+                                                          "SphereSensor",
+                                                          "TimeSensor",
+                                                          "TouchSensor",
+                                                          "VisibilitySensor"};
+        if (node.is(moving)) moving_.insert(node.type.text);
+        if (!node.is(known) && !node.is(moving))
             refuse_at(node.type,
                       fmt::format("{} is not a node of VRML97 that may stand here: remove it, or convert the "
                                   "file to OBJ or STL",
@@ -333,6 +353,28 @@ private:
             soup_.notes.push_back("only the first level of each LOD is read, which is seen from near");
         levels_left_out_ = levels_left_out_ || levels.size() > 1;
         draw(*levels[0], at, depth + 1);
+    }
+
+    void draw_choice(const Node& node, const Placement& at, int depth) {
+        const auto& chosen = node.field("whichChoice").words;
+        const auto& choice = node.field("choice").nodes;
+        const auto which = chosen.empty() ? -1 : whole<std::int64_t>(chosen[0].text);  // negative or too large: none
+        if (!which) refuse_at(chosen[0], fmt::format("'{}' is not an integer", shown(chosen[0].text)));
+        const bool shows = *which >= 0 && static_cast<std::uint64_t>(*which) < choice.size();
+        not_chosen_ += choice.size() - (shows ? 1 : 0);
+        if (shows) draw(*choice[static_cast<std::size_t>(*which)], at, depth + 1);
+    }
+
+    void add_notes() {
+        auto& notes = soup_.notes;
+        if (not_chosen_ > 0)
+            notes.push_back(fmt::format("{} {} left out, because no whichChoice of a Switch shows {}", not_chosen_,
+                                        not_chosen_ == 1 ? "node is" : "nodes are", not_chosen_ == 1 ? "it" : "them"));
+        if (billboards_ > 0)
+            notes.emplace_back("a Billboard turns to the viewer: its shapes are read as they are stored");
+        if (!moving_.empty())
+            notes.push_back(
+                fmt::format("left out: {}, so nothing moves from where the file places it", fmt::join(moving_, ", ")));
     }
 
     void draw_all(const std::vector<const Node*>& nodes, const Placement& at, int depth) {
@@ -411,6 +453,8 @@ private:
     const std::string& name_;
     std::size_t parts_left_;
     bool levels_left_out_ = false;
+    std::size_t not_chosen_ = 0, billboards_ = 0;
+    std::set<std::string_view> moving_;  // what may move shapes, by its name
     Soup soup_;
 };
 
@@ -421,7 +465,7 @@ Soup read_vrml(const Input& input) {
     const std::string_view bytes = input.bytes;
     VrmlText text(name, bytes);
     const VrmlField scene = text.read();
-    Soup soup = VrmlScene(name, bytes.size()).draw(scene);
+    Soup soup = VrmlScene(name, bytes.size()).draw(scene, text.has_routes());
     soup.merge = soup.unreferenced_unknown = true;  // shapes may share vertices
     soup.stated = stated_unit(1.0);
     soup.stated.up = 'Y';

@@ -210,7 +210,7 @@ private:
     std::uint64_t number_of(xml_node piece, const std::string& element) const {
         const std::string attribute = "NumberOf" + element;
         if (piece.attribute(attribute.c_str())) return xml_.index(piece, attribute.c_str());
-        if (Xml::child(Xml::child(piece, element), "DataArray"))
+        if (Xml::child(xml_.only_child(piece, element), "DataArray"))
             xml_.refuse(piece, fmt::format("<Piece> has <{}> and no attribute {}", element, attribute));
         return 0;
     }
@@ -230,13 +230,13 @@ private:
             const xml_node parent = read_cells(piece, "Cells", count, VtkType::polygon, cells);
             cells.types = integers(needed(parent, "types"), count);
         }
-        cells.cell_ghosts = ghosts(Xml::child(piece, "CellData"), cells.types.size());
-        cells.point_ghosts = ghosts(Xml::child(piece, "PointData"), points);
+        cells.cell_ghosts = ghosts(xml_.only_child(piece, "CellData"), cells.types.size());
+        cells.point_ghosts = ghosts(xml_.only_child(piece, "PointData"), points);
         cells_.add(cells);
     }
 
     void read_points(xml_node piece, std::uint64_t count) {
-        const xml_node node = array(Xml::child(piece, "Points"), "");
+        const xml_node node = array(xml_.only_child(piece, "Points"), "");
         if (!node) xml_.refuse(piece, "<Piece> has no <Points> with a <DataArray>");
         if (const std::string components = text_or(node, "NumberOfComponents", "3"); trimmed(components) != "3")
             xml_.refuse(node, fmt::format("the points have {} components instead of 3", shown(components)));
@@ -263,7 +263,7 @@ private:
 
     // Adds the cells of an element <Verts>, ..., and returns it.
     xml_node read_cells(xml_node piece, const char* element, std::uint64_t count, VtkType type, VtkPiece& cells) {
-        const xml_node parent = Xml::child(piece, element);
+        const xml_node parent = xml_.only_child(piece, element);
         if (count == 0) return parent;
         if (!parent) xml_.refuse(piece, fmt::format("<Piece> has {} cells and no <{}>", count, element));
         const std::vector<std::int64_t> ends = integers(needed(parent, "offsets"), count);
@@ -302,9 +302,7 @@ private:
                                           shown(type_name)));
         if (count == 0) return type->second;
         const std::string format = text_or(node, "format", "ascii");
-        std::string inline_text;  // without the texts of child elements
-        for (const xml_node child : node.children())
-            if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) inline_text += child.value();
+        const std::string inline_text = xml_.content(node);
         if (format == "ascii") {
             each_word(node, inline_text, type->second, count, add);
             return type->second;

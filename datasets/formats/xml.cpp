@@ -24,10 +24,30 @@ Xml::Xml(std::string name, std::string_view bytes, std::string_view root, std::s
         readers::refuse(name_, static_cast<std::uint32_t>(line),
                         fmt::format("is not XML, as a {} file is: {}", what, result.description()));
     }
+    check_attributes();
     root_ = document_.document_element();
     if (local_name(root_.name()) != root)
         throw InputError(fmt::format("{}: is not a {} file: its root element is <{}>, not <{}>", name_, what,
                                      shown(root_.name()), root));
+}
+
+void Xml::check_attributes() {
+    struct Walker : pugi::xml_tree_walker {
+        explicit Walker(const Xml& xml) : xml_(xml) {}
+        bool for_each(pugi::xml_node& node) override {
+            names_.clear();
+            for (const pugi::xml_attribute one : node.attributes()) names_.emplace_back(one.name());
+            std::sort(names_.begin(), names_.end());
+            const auto twice = std::adjacent_find(names_.begin(), names_.end());
+            if (twice != names_.end())
+                xml_.refuse(node, fmt::format("<{}> has the attribute '{}' twice, which is not XML: remove one of them",
+                                              shown(node.name()), shown(*twice)));
+            return true;
+        }
+        const Xml& xml_;
+        std::vector<std::string_view> names_;  // of one element; kept to save allocations
+    } walker(*this);
+    document_.traverse(walker);
 }
 
 void Xml::refuse(pugi::xml_node node, const std::string& why) const {
@@ -49,6 +69,13 @@ pugi::xml_node Xml::child(pugi::xml_node node, std::string_view name) {
     return {};
 }
 
+pugi::xml_node Xml::only_child(pugi::xml_node node, std::string_view name) const {
+    const auto found = children(node, name);
+    if (found.size() > 1)
+        refuse(found[1], fmt::format("a second <{}> in one <{}>: remove one of them", name, shown(node.name())));
+    return found.empty() ? pugi::xml_node() : found[0];
+}
+
 std::string Xml::text(pugi::xml_node node, const char* attribute) const {
     const pugi::xml_attribute found = node.attribute(attribute);
     if (!found) refuse(node, fmt::format("<{}> has no attribute '{}'", shown(node.name()), attribute));
@@ -67,6 +94,23 @@ std::size_t Xml::index(pugi::xml_node node, const char* attribute) const {
     const auto number = whole<std::size_t>(trimmed(value));
     if (!number) refuse(node, fmt::format("{}=\"{}\" is not an integer of at least 0", attribute, shown(value)));
     return *number;
+}
+
+std::string Xml::content(pugi::xml_node node) const {
+    constexpr std::string_view spaces = " \t\r\n\v\f";
+    std::string text;
+    for (const pugi::xml_node child : node.children()) {
+        if (child.type() != pugi::node_pcdata && child.type() != pugi::node_cdata) continue;
+        const std::string_view piece = child.value();
+        if (!text.empty() && !piece.empty() && spaces.find(text.back()) == std::string_view::npos &&
+            spaces.find(piece.front()) == std::string_view::npos)
+            refuse(child,
+                   fmt::format("a comment or CDATA section in <{}> ends before '{}' without a blank, and may divide "
+                               "a number: remove it",
+                               shown(node.name()), shown(piece)));
+        text += piece;
+    }
+    return text;
 }
 
 std::vector<double> Xml::numbers(pugi::xml_node node, std::string_view text) const {

@@ -16,8 +16,8 @@ std::string_view local_name(const char* name);
 // An XML document in memory.
 class Xml {
 public:
-    // Throws InputError, "NAME: line 3: WHY", if `bytes` are not XML or if the root element is not `root`. `what` is the
-    // format, for the message.
+    // Throws InputError, "NAME: line 3: WHY", if `bytes` are not XML, if an element has an attribute twice, or if the root
+    // element is not `root`. `what` is the format, for the message.
     Xml(std::string name, std::string_view bytes, std::string_view root, std::string_view what);
 
     pugi::xml_node root() const { return root_; }
@@ -29,6 +29,8 @@ public:
     static std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name);
     // Returns the first of them, or a null node.
     static pugi::xml_node child(pugi::xml_node node, std::string_view name);
+    // Returns the only one of them, or a null node. Throws InputError if there are two.
+    pugi::xml_node only_child(pugi::xml_node node, std::string_view name) const;
 
     // Returns an attribute as a number. Throws InputError if it is missing or not a number.
     double number(pugi::xml_node node, const char* attribute) const;
@@ -37,11 +39,17 @@ public:
     // Returns an attribute as text. Throws InputError if it is missing.
     std::string text(pugi::xml_node node, const char* attribute) const;
 
+    // Returns the text of an element without the texts of its child elements. A comment or CDATA section may stand beside
+    // a word, and not inside of it: Throws InputError for "1<!-- -->2", which is 12 to XML and 1 2 to many readers.
+    std::string content(pugi::xml_node node) const;
+
     // Returns the numbers in a text, separated by white space. Throws InputError, with the line of `node`, if a word is
     // not a number.
     std::vector<double> numbers(pugi::xml_node node, std::string_view text) const;
 
 private:
+    void check_attributes();
+
     std::string name_, bytes_;
     pugi::xml_document document_;
     pugi::xml_node root_;

@@ -12,7 +12,7 @@ namespace hausbench {
 namespace {
 
 // Writes a model as OFF, OBJ or PLY, depending on the extension, with 17 digits so that coordinates round-trip exactly.
-// Returns a line for the user.
+// Returns lines for the user: what was written, and the notes of the reader as `measure` prints them.
 std::string export_model(const std::string& model, const std::filesystem::path& to, const ShapeOptions& options,
                          const std::filesystem::path& matrix) {
     const MeshFormat format = mesh_format_of(to);  // before loading, so that a wrong extension fails at once
@@ -24,10 +24,20 @@ std::string export_model(const std::string& model, const std::filesystem::path& 
     LoadedShape loaded = load_named(model, options);
     if (!matrix.empty()) transform(loaded, matrix);
     write_mesh_file(to, loaded.shape, format);
+    const LoadReport& report = loaded.report;
     const bool points = kind_of(loaded.shape) == ShapeKind::points;
-    return points ? fmt::format("{}: {} points", to.string(), element_count(loaded.shape))
-                  : fmt::format("{}: {} triangles, {} vertices", to.string(), element_count(loaded.shape),
-                                points_of(loaded.shape).rows());
+    std::string text =
+        fmt::format("{}: {} {}", to.string(), element_count(loaded.shape), points ? "points" : "triangles");
+    if (!points) text += fmt::format(", {} vertices", points_of(loaded.shape).rows());
+    text += reading_text(report) + "\n";
+    for (const std::string& note : report.notes) text += fmt::format("note       {}: {}\n", model, note);
+    if (report.stated.micrometres != 0)
+        text +=
+            fmt::format("note       {}: is in {}, which the written file does not state\n", model, report.stated.unit);
+    if (report.stated.up != 0)
+        text += fmt::format("note       {}: {} points up, which the written file does not state\n", model,
+                            report.stated.up);
+    return text;
 }
 
 }  // namespace
@@ -42,7 +52,7 @@ void add_export(CLI::App& app, int&) {
     verb->add_option("file", file, "file to write: .off, .obj or .ply")->type_name("FILE")->required();
     take_shape_options(verb, options);
     verb->add_option("--transform", matrix, "moves the shape by the 4 x 4 matrix in this text file")->type_name("FILE");
-    verb->callback([] { print(export_model(model, file, options, matrix) + "\n"); });
+    verb->callback([] { print(export_model(model, file, options, matrix)); });
 }
 
 }  // namespace hausbench

@@ -1,5 +1,6 @@
 // Formats the output of `measure`: one JSON object, or lines for a person.
 #include "harness/commands/measurement.h"
+#include "harness/commands/named_shape.h"
 #include "harness/commands/row_texts.h"
 #include "harness/record/json.h"
 
@@ -124,17 +125,7 @@ std::string shape_text(const MeasuredShape& s) {
     if (s.kind == ShapeKind::mesh) text += fmt::format(", {} vertices", s.vertices);
     if (const Index parts = count_parts(s); parts > 1) text += fmt::format(", {} connected parts", parts);
     text += fmt::format(", diagonal {:.9g}", s.diagonal);
-    if (s.report.precision != "float64") text += fmt::format(", {} coordinates", s.report.precision);
-    const auto also = [&](std::int64_t count, const char* what, const char* end = "") {
-        if (count > 0) text += fmt::format(", {} {}{}{}", count, what, count == 1 ? "" : "s", end);
-    };
-    also(s.report.segments, "line segment");
-    also(s.report.single_points, "single point");
-    also(s.report.dropped_points, "point", " dropped because not finite");
-    also(s.report.dropped_faces, "face", " dropped with them");
-    if (s.report.unreferenced.value_or(0) > 0)
-        text += fmt::format(", {} unreferenced vertices dropped", *s.report.unreferenced);
-    return text;
+    return text + reading_text(s.report);
 }
 
 std::string tolerance_text(const Measured& m, const MeasureRequest& request) {

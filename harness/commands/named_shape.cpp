@@ -93,6 +93,21 @@ Pose read_matrix(const std::filesystem::path& file) {
 
 }  // namespace
 
+std::string reading_text(const LoadReport& report) {
+    std::string text;
+    if (report.precision != "float64") text += fmt::format(", {} coordinates", report.precision);
+    const auto also = [&](std::int64_t count, const char* what, const char* end = "") {
+        if (count > 0) text += fmt::format(", {} {}{}{}", count, what, count == 1 ? "" : "s", end);
+    };
+    also(report.segments, "line segment");
+    also(report.single_points, "single point");
+    also(report.dropped_points, "point", " dropped because not finite");
+    also(report.dropped_faces, "face", " dropped with them");
+    if (report.unreferenced.value_or(0) > 0)
+        text += fmt::format(", {} unreferenced vertices dropped", *report.unreferenced);
+    return text;
+}
+
 LoadedShape load_named(const std::string& name, const ShapeOptions& options) {
     const std::string columns = has_columns(name) ? options.columns : "";
     LoadedShape loaded = load_unconverted(name, {.columns = columns, .drop_invalid = options.drop_invalid});

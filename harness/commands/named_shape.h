@@ -28,6 +28,9 @@ void take_shape_options(CLI::App* verb, ShapeOptions& options);
 // not fetched, for an unknown name, and for an algebraic surface that would have to be converted.
 LoadedShape load_named(const std::string& name, const ShapeOptions& options = {});
 
+// Returns what reading a shape rounded, dropped or made, such as ", 3 line segments"; empty if nothing.
+std::string reading_text(const LoadReport& report);
+
 // Moves a shape by the 4 x 4 matrix in a text file, whose last row is 0 0 0 1: a vertex p becomes
 // ((m0 x + m1 y) + m2 z) + m3 and so on, rounded after each operation. Throws InputError if the file is not such a
 // matrix, if the shape is an algebraic surface, and if a coordinate overflows.

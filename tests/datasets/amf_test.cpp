@@ -58,7 +58,7 @@ protected:
 TEST_F(Amf, CoordinatesAreReadToTheLastBit) {
     const std::string vertices = vertex("0.1", "1e-17", "<![CDATA[+.5]]>") +
                                  vertex("\n 0.30000000000000004 ", "-2.7182818284590451", "1.7976931348623157e300") +
-                                 vertex("3<!-- not 3 -->4", "4", "5.") + vertex("9", "9", "1e999");
+                                 vertex("<!-- 3 -->34<!-- 5 -->", "4", "5.") + vertex("9", "9", "1e999");
     const LoadedShape loaded = load(amf(object("1", mesh(vertices))));
     EXPECT_EQ(
         corners(amf(object("1", mesh(vertices)))),
@@ -125,6 +125,23 @@ TEST_F(Amf, ConstellationsHoldConstellations) {
               std::vector<std::string>{"2 constellations stand at their own coordinates: none places the others"});
 }
 
+TEST_F(Amf, AnObjectAndAConstellationMayShareAnId) {
+    const std::string moved = instance("0", "<deltax>10</deltax>");
+    EXPECT_EQ(corners(amf(object("0") + constellation("0", moved)))[0], Vec3(10, 0, 0));  // as FreeCAD writes it
+    EXPECT_EQ(corners(amf(object("0") + object("1") + constellation("0", moved + instance("1")))).size(), 6u);
+    refused(amf(object("0") + constellation("0", moved) + constellation("1", instance("0"))),
+            {"objectid=\"0\" names an object and a constellation", "another id"});
+    refused(amf(object("1") + constellation("0", instance("1")) + constellation("0", instance("1"))),
+            {"a second <constellation> with id '0'"});
+}
+
+TEST_F(Amf, ACommentInsideOfANumberIsRefused) {
+    EXPECT_EQ(corners(amf(object("1", mesh(vertex("5 <!-- 2 -->", "0", "0") + three))))[0], Vec3(5, 0, 0));
+    for (const char* x : {"1<!-- -->2", "1<![CDATA[2]]>", "<![CDATA[1]]>2"})
+        refused(amf(object("1", mesh(vertex(x, "0", "0") + three))), {"line 4", "a comment or CDATA section in <x>"});
+    refused(amf(object("1", mesh(three, triangle("0", "1", "<!-- -->0<!-- -->2")))), {"ends before '2'"});
+}
+
 TEST_F(Amf, WhatProgramsUnderstandDifferentlyIsRefused) {
     const auto with = [](const std::string& move) {
         return amf(object("1") + constellation("2", instance("1", move)));
@@ -169,7 +186,6 @@ TEST_F(Amf, BrokenFilesAreRefusedWithTheirLine) {
     refused(amf(object("1", "<mesh/>")), {"<mesh> has 0 <vertices>, not one"});
     refused(amf(object("1", mesh(vertex("1e999", "2", "3"), triangle("0", "0", "0")))), {"not finite"});
     refused(amf(object("1") + object("1")), {"id '1'", "give it another"});
-    refused(amf(object("1") + constellation("1", instance("1"))), {"id '1'"});
     refused(amf(object("1") + constellation("2", instance("3"))), {"objectid=\"3\" names no object"});
     refused(amf(object("1") + constellation("2", instance("1", "<rx>1</rx><rx>1</rx>"))), {"a second <rx>"});
     refused(amf(object("1") + constellation("2", instance("1", "<rx>inf</rx>"))), {"<rx> is not finite"});

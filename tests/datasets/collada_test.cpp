@@ -121,7 +121,7 @@ TEST_F(Collada, PrimitivesOfEveryKind) {
                  {{0, 1, 2}, {1, 2, 3}});
     expect_faces("<trifans count=\"1\">" + input + "<p>0 1 2 3</p></trifans>", {{0, 1, 2}, {0, 2, 3}});
     expect_faces("<tristrips count=\"2\">" + input + "<p>0 1 2 3</p><p>3 1 0</p></tristrips>",
-                 {{0, 1, 2}, {1, 2, 3}, {3, 1, 0}});
+                 {{0, 1, 2}, {2, 1, 3}, {3, 1, 0}});
     expect_faces("<polylist count=\"2\">" + input + "<vcount>3 3</vcount><p>0 1 2 1 2 3</p></polylist>",
                  {{0, 1, 2}, {1, 2, 3}});
     expect_faces("<polygons count=\"2\">" + input + "<p>0 1 2</p><p>2 1 3</p></polygons>", {{0, 1, 2}, {2, 1, 3}});
@@ -131,6 +131,58 @@ TEST_F(Collada, PrimitivesOfEveryKind) {
     const LoadedShape square = load(with_primitives("<polygons>" + input + "<p>0 1 2 3</p></polygons>"));
     EXPECT_EQ(square.report.polygons, 1);
     EXPECT_EQ(std::get<TriangleMesh>(square.shape).triangles.rows(), 2);
+}
+
+TEST_F(Collada, AllTrianglesOfAStripHaveOneOrientation) {
+    const std::string strip = R"(<tristrips count="1"><input semantic="VERTEX" source="#v" offset="0"/>)";
+    expect_faces(strip + "<p>0 1 2 3 0 1</p></tristrips>", {{0, 1, 2}, {2, 1, 3}, {2, 3, 0}, {0, 3, 1}});
+}
+
+TEST_F(Collada, ParamsNameTheAxesInAnyOrder) {
+    const auto first = [&](const std::string& named) {
+        const std::string text = source("1 2 3 4 5 6 7 8 9", R"(count="9")", R"(count="3" stride="3")", named);
+        return corners(document(geometry("<mesh>" + text + vertices + triangles + "</mesh>"), node(instance)))[0];
+    };
+    const auto param = [](const std::string& name) { return R"(<param type="float" name=")" + name + "\"/>"; };
+    EXPECT_EQ(first(param("Z") + param("Y") + param("X")), Vec3(3, 2, 1));
+    EXPECT_EQ(first(param("Y") + param("Z") + param("X")), Vec3(3, 1, 2));
+}
+
+TEST_F(Collada, WhatStandsTwiceIsRefused) {
+    refused(document(geometry("<mesh>" + positions + vertices + vertices + triangles + "</mesh>"), node(instance)),
+            {"a second <vertices> in one <mesh>", "remove one of them"});
+    refused(document(geometry(mesh(triangles)), node(instance), scene + scene), {"a second <scene>"});
+    refused(document(geometry(mesh(triangles)), node(instance), scene, R"(<unit meter="1"/><unit meter="0.01"/>)"),
+            {"a second <unit> in one <asset>"});
+    refused(document(geometry("<mesh>" + source("0 0 0", R"(count="3")", R"(count="1" stride="3" count="2")") +
+                              vertices + triangles + "</mesh>"),
+                     node(instance)),
+            {"line 1", "<accessor> has the attribute 'count' twice"});
+}
+
+TEST_F(Collada, ACommentInsideOfANumberIsRefused) {
+    expect_faces(R"(<triangles><input semantic="VERTEX" source="#v" offset="0"/><p>0 1<!-- --> 2</p></triangles>)",
+                 {{0, 1, 2}});
+    for (const char* p : {"0 1<!-- -->2", "0 1 <!-- -->1<![CDATA[ 2]]><!-- -->3", "0<!-- -->0 1 2"})
+        refused(with_primitives(R"(<triangles><input semantic="VERTEX" source="#v" offset="0"/><p>)" + std::string(p) +
+                                "</p></triangles>"),
+                {"a comment or CDATA section in <p>", "remove it"});
+    const std::string text = source("0 0 0 1<!-- -->0 0 0 2 0", R"(count="9")", R"(count="3" stride="3")");
+    refused(document(geometry("<mesh>" + text + vertices + triangles + "</mesh>"), node(instance)), {"<float_array>"});
+}
+
+TEST_F(Collada, NodesThatAProgramHidesAreRead) {
+    const auto hidden = [&](const std::string& visibility) {
+        return load(document(geometry(mesh(triangles)), node(instance + "<extra><technique profile=\"MAYA\">" +
+                                                             visibility + "</technique></extra>")));
+    };
+    for (const char* value : {"0", " false ", "0.0", "FALSE"})
+        EXPECT_EQ(hidden(fmt::format("<visibility>{}</visibility>", value)).report.notes,
+                  std::vector<std::string>{"<node> is read, although <visibility> in an <extra> hides it"});
+    EXPECT_TRUE(hidden("<visibility>1</visibility>").report.notes.empty());
+    EXPECT_TRUE(hidden("<dynamic>0</dynamic>").report.notes.empty());
+    const std::string nothing = "<node><extra><technique><visibility>0</visibility></technique></extra></node>";
+    EXPECT_TRUE(load(document(geometry(mesh(triangles)), node(instance) + nothing)).report.notes.empty());
 }
 
 TEST_F(Collada, DamagedPrimitivesAreRefused) {

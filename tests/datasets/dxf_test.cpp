@@ -209,6 +209,15 @@ TEST_F(Dxf, BlocksAreNested) {
             {"axes of its coordinates jump"});
 }
 
+TEST_F(Dxf, AGroupThatAnEntityHasTwiceIsRefused) {
+    for (const char* twice : {"41 2 41 3", "50 0 50 90", "70 1 70 2", "2 b 2 c"})
+        refused(drawing(lines("0 INSERT 10 0 20 0 " + std::string(twice) + (twice[0] == '2' ? "" : " 2 b")),
+                        block("b", triangle)),
+                {"INSERT has two groups " + std::string(twice).substr(0, std::string(twice).find(' '))});
+    refused(drawing(lines("0 LWPOLYLINE 90 2 38 1 38 2 10 0 20 0 10 1 20 2")), {"LWPOLYLINE has two groups 38"});
+    refused(drawing(entity("SOLID", {{0, 0}, {1, 0}, {0, 1}}, "230 1 230 -1")), {"SOLID has two groups 230"});
+}
+
 TEST_F(Dxf, InsertsCannotFillTheMemory) {
     std::string doubled = block("B40", triangle), deep = block("B100", triangle);
     for (int i = 0; i < 40; ++i)
@@ -250,6 +259,30 @@ TEST_F(Dxf, NotesSayWhatIsLeftOut) {
               std::vector<std::string>{"blocks that no INSERT in the model space names are left out: 1"});
     EXPECT_TRUE(load(drawing(triangle)).report.notes.empty());
     EXPECT_EQ(load(drawing(triangle + triangle)).report.objects, 1);
+}
+
+TEST_F(Dxf, HiddenEntitiesAreReadAndCounted) {
+    const std::string layers =
+        section("TABLES", lines("0 TABLE 2 LAYER 0 LAYER 2 Off 70 0 62 -7 0 LAYER 2 FROZEN 70 1 62 7 "
+                                "0 LAYER 2 shown 70 4 62 3 0 LAYER 2 later 70 2 62 3 0 ENDTAB"));
+    const auto on = [](const std::string& layer, const std::string& more = "") {
+        return entity("3DFACE", {{0, 0}, {1, 0}, {0, 2}}, "8 " + layer + more);
+    };
+    const auto notes = [&](const std::string& entities, const std::string& blocks = "") {
+        return load(layers + drawing(entities, blocks)).report.notes;
+    };
+    using Notes = std::vector<std::string>;
+    EXPECT_EQ(notes(on("shown") + on("later") + on("absent")), Notes());
+    EXPECT_EQ(notes(on("shown") + on("off")), Notes{"1 entity on the hidden layer 'Off' is read"});
+    EXPECT_EQ(notes(on("OFF") + on("Frozen") + on("off")),
+              Notes{"3 entities on the hidden layers 'FROZEN', 'Off' are read"});
+    EXPECT_EQ(notes(on("shown", " 60 1") + on("shown", " 60 0")), Notes{"1 invisible entity (group 60) is read"});
+    EXPECT_EQ(notes(lines("0 INSERT 2 b 8 Off 10 0 20 0") + lines("0 POLYLINE 8 shown 70 8") + vertex(0, 0, 0) +
+                        vertex(1, 0, 0) + seqend + lines("0 TEXT 8 Off 10 0 20 0"),
+                    block("b", on("frozen", " 60 1") + on("shown"))),
+              (Notes{"left out: 1 TEXT", "2 entities on the hidden layers 'FROZEN', 'Off' are read",
+                     "1 invisible entity (group 60) is read"}));
+    EXPECT_EQ(corners(layers + drawing(on("shown") + on("off", " 60 1"))).size(), 6u);
 }
 
 TEST_F(Dxf, OtherEntitiesAreRefusedByName) {

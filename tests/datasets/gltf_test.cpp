@@ -207,6 +207,17 @@ TEST_F(Gltf, DamagedJsonIsRefused) {
     refused("a.gltf", "{}", {"has no 'asset'"});
     refused("a.gltf", R"({"asset": {"version": "1.0"}})", {"version '1.0'", "gltf-pipeline"});
     refused("a.gltf", R"({"asset": {"version": "2.1", "minVersion": "2.1"}})", {"version '2.1'"});
+    for (const char* version : {"3.0", "2.x", "2", "2.", "20", "", "2.0.1"})
+        refused("a.gltf", fmt::format(R"({{"asset": {{"version": "{}"}}}})", version),
+                {fmt::format("version '{}'", version)});
+    refused("a.gltf", R"({"asset": {"version": 2.0}})", {"'version' is not a string"});
+    const std::string empty = R"({"asset": {"version": "2.0"}} )";
+    for (const char* more : {"// made by hand", "}", " <!-- a } -->", "{}"})
+        refused("a.gltf", empty + more,
+                {fmt::format("{} bytes follow the end of its JSON, at byte 29", std::string(more).size() + 1),
+                 "remove them"});
+    refused("a.gltf", empty + std::string("\0x", 2), {"its JSON has a zero byte at byte 30"});
+    refused("a.gltf", empty + std::string("\0\0", 2), {"has no scene"});  // padding
     refused("a.gltf", std::string(100000, '['), {"nested deeper than 128"});
     refused("a.gltf", R"({"asset": {"version": "2.0"}, "nodes": [], "nodes": []})", {"key 'nodes' twice"});
     refused("a.gltf", "{\"a\": \"\xff\"}", {"JSON cannot be parsed"});
@@ -512,7 +523,7 @@ TEST_F(Gltf, RequiredExtensionsAreKnownOrRefused) {
     EXPECT_EQ(corners(json), at_rest_);
     noted(json, "uses the optional extension ACME_other, which is not supported: read without it");
     EXPECT_EQ(load(json).report.notes.size(), 1u);
-    for (const char* const name : {"ACME_other", "KHR_meshopt_compression", "CESIUM_RTC", "KHR_techniques_webgl"}) {
+    for (const char* const name : {"ACME_other", "KHR_gaussian_splatting", "CESIUM_RTC", "KHR_techniques_webgl"}) {
         json["extensionsRequired"] = {name};
         json["accessors"] = 3;  // refused before anything else is looked at
         refused(json, {fmt::format("requires the extension {}", name), "PLY or OBJ"});
@@ -607,8 +618,8 @@ Json compressed(const char* extension, const std::string& data, std::size_t byte
     return json;
 }
 
-Json meshopt() {
-    Json json = compressed("EXT_meshopt_compression", meshopt_tetrahedron, 100);
+Json meshopt(const std::string& data = meshopt_tetrahedron) {
+    Json json = compressed("EXT_meshopt_compression", data, 100);
     json["buffers"].push_back({{"byteLength", 72}});  // without data
     json["bufferViews"] = Json::parse(
         R"([{"buffer": 1, "byteLength": 48, "byteStride": 12, "extensions": {"EXT_meshopt_compression":
@@ -628,6 +639,44 @@ TEST_F(Gltf, MeshoptIsDecoded) {
         "data:;base64," + base64(bytes_of<float>({9, 9, 9, 1, 0, 0, 0, 2, 0, 0, 0, 4}) +
                                  bytes_of<std::uint16_t>({0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2}));
     EXPECT_EQ(corners(optional)[0], Vec3(9, 9, 9));  // the uncompressed data count
+}
+
+// Renames EXT_meshopt_compression to the name under which Khronos ratified it.
+Json ratified(const Json& json) {
+    std::string text = json.dump();
+    for (std::size_t at = 0; (at = text.find("EXT_meshopt", at)) != std::string::npos;) text.replace(at, 3, "KHR");
+    return Json::parse(text);
+}
+
+TEST_F(Gltf, RatifiedMeshoptIsDecodedToo) {
+    EXPECT_EQ(corners(ratified(meshopt())), corners(meshopt()));
+    Json optional = ratified(meshopt());
+    optional.erase("extensionsRequired");
+    EXPECT_EQ(corners(optional).size(), 12u);
+    EXPECT_TRUE(load(optional).report.notes.empty());
+    Json colour = ratified(meshopt());
+    colour["bufferViews"][0]["extensions"]["KHR_meshopt_compression"]["filter"] = "COLOR";
+    refused(colour, {"bufferView 0 (from 0)", "the filter 'COLOR'"});
+    colour["bufferViews"][0]["extensions"]["KHR_meshopt_compression"]["mode"] = "OTHER";
+    refused(colour, {"KHR_meshopt_compression has no mode 'OTHER'"});
+    // "oQ" decodes to the byte 0xa1.
+    ASSERT_TRUE(meshopt_tetrahedron.starts_with("oA"));
+    refused(ratified(meshopt("oQ" + meshopt_tetrahedron.substr(2))),
+            {"KHR_meshopt_compression with version 1 of its vertex codec", "gltf-transform copy"});
+    refused(meshopt("oQ" + meshopt_tetrahedron.substr(2)), {"begin with the byte 0xa1, not 0xa0"});
+}
+
+TEST_F(Gltf, AFallbackBufferHasNoDataInAGlb) {
+    // The uncompressed data of buffer 0 would be the BIN chunk.
+    Json json = meshopt();
+    std::swap(json["buffers"][0], json["buffers"][1]);
+    json["buffers"][0]["extensions"]["EXT_meshopt_compression"]["fallback"] = true;
+    for (Json& view : json["bufferViews"]) {
+        view["buffer"] = 0;
+        view["extensions"]["EXT_meshopt_compression"]["buffer"] = 1;
+    }
+    json.erase("extensionsRequired");
+    EXPECT_EQ(Reading::corners("a.glb", glb(json.dump(), std::string(72, '\0'))), corners(meshopt()));
 }
 
 TEST_F(Gltf, TheExponentialFilterIsExact) {
@@ -665,8 +714,6 @@ TEST_F(Gltf, DamagedMeshoptIsRefused) {
     json = meshopt();
     json["bufferViews"][0]["extensions"].clear();
     refused(json, {"bufferView 0 (from 0)", "buffer 1 (from 0) has no data"});
-    json["bufferViews"][0]["extensions"]["KHR_meshopt_compression"] = Json::object();
-    refused(json, {"KHR_meshopt_compression is not supported", "gltf-transform copy"});
 }
 
 // The same tetrahedron, compressed by gltf-transform 4.5.1 with Draco's two methods and 14 bits for 4 units.

@@ -58,6 +58,22 @@ TEST_F(MeshFiles, PointsOfObjArePoints) {
     EXPECT_EQ(element_count(load("a.obj", four + "f\nf 1 2 3\n").shape), 1);
 }
 
+TEST_F(MeshFiles, NumbersAfterZOfObjAreTold) {
+    const auto notes = [&](const std::string& vertex) {
+        return load("a.obj", vertex + "\nv 1 0 0\nv 0 2 0\nf 1 2 3\n").report.notes;
+    };
+    for (const char* vertex : {"v 4 0 0", "v 4 0 0 1", "v 4 0 0 1.0 # 2", "v 4 0 0 0.5 0.5 0.5"})
+        EXPECT_EQ(notes(vertex), Notes()) << vertex;
+    for (const char* vertex : {"v 4 0 0 2", "v 4 0 0 0", "v 4 0 0 1 1", "v 4 0 0 1 .5 .5 .5", "v 4 0 0 1 2 3 4 5"})
+        EXPECT_EQ(notes(vertex),
+                  Notes{"numbers after z are left out in 1 `v` line, the first 1: they are not a colour, "
+                        "and a weight counts only in rational curves and surfaces"})
+            << vertex;
+    EXPECT_EQ(corners("a.obj", "v 4 0 0 2\nv 1 0 0\nv 0 2 0\nf 1 2 3\n"), "4 0 0, 1 0 0, 0 2 0");
+    EXPECT_TRUE(has_note(load("a.obj", "v 4 0 0 2\nv 1 0 0 2\nv 0 2 0\nf 1 2 3\n"), "in 2 `v` lines, the first 1"));
+    refused("a.obj", "v 1 2 3 x\n", {"line 1", "'x' after z is not a number"});
+}
+
 TEST_F(MeshFiles, ObjRefusesWhatItDoesNotRead) {
     for (const char* statement :
          {"cstype bezier", "curv 0 1 1 2", "curv2 1 2", "surf 0 1 0 1 1 2 3 4", "bmat u 1 1 1 1", "deg 1 1",
@@ -119,6 +135,53 @@ TEST_F(MeshFiles, KeywordsOfOffMayTouchTheirCounts) {
     refused("a.off", "OFF9999 1 0\n" + body, {"announces 9999 vertices", "cannot hold"});
     EXPECT_EQ(load("a.off", "OFF 3 1 0\n" + body + "3 2 1 0\n").report.notes,
               (Notes{"1 line after its last face was left out"}));
+}
+
+TEST_F(MeshFiles, LinesOfOffMayBeDividedInTheHeaderAlone) {
+    const std::string body = "0 0 0 # a\n1 0 0\n0 2 0\n3 0 1 2 # b\n";
+    for (const char* head :
+         {"OFF\n3\n1\n0\n", "OFF 3\n1 0\n", "OFF\n3 1\n0\n", "3 1\n0\n", "OFF\n# a\n3 # b\n1 # c\n# d\n0\n"})
+        EXPECT_EQ(corners("a.off", head + body), "0 0 0, 1 0 0, 0 2 0") << head;
+    EXPECT_EQ(corners("a.off", "STCNOFF\n3 1 0\n0 0 0 0 0 1 9 9 9 9 .5 .5\n1 0 0\n0 2 0\n3 0 1 2\n"),
+              "0 0 0, 1 0 0, 0 2 0");
+    for (const char* text : {"OFF\n3 2 0\n0 0 0\n1 0 0\n0 2 0\n3 0 1 2 3 2 1 0\n",
+                             "OFF\n3 1 0\n0 0 0 1 0 0 0 2 0 3 0 1 2\n", "OFF\n3 1 0\n0 0 0 1 0 0\n0 2 0\n3 0 1 2\n"})
+        refused("a.off", text, {"ends after", "on a line of its own"});
+    refused("a.off", "OFF\n3 1 0\n0 0\n0\n1 0 0\n0 2 0\n3 0 1 2\n", {"line 3", "three coordinates"});
+    for (const char* head : {"OFF BINARY\n", "COFF BINARY\n"}) refused("a.off", head + body, {"binary OFF", "text"});
+    refused("a.off", "NCOFF\n3 1 0\n" + body, {"'NCOFF' is not a supported OFF header", "save the file as OFF"});
+}
+
+TEST_F(MeshFiles, UnusualStl) {
+    const auto facet = [](float x, const std::string& attribute) {
+        std::string bytes(12, '\0');
+        for (const float v : {x, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 0.0F, 2.0F, 0.0F}) {
+            bytes.append(sizeof v, '\0');
+            std::copy_n(static_cast<const char*>(static_cast<const void*>(&v)), sizeof v, bytes.end() - sizeof v);
+        }
+        return bytes + attribute;
+    };
+    const auto binary = [](std::string header, char count, const std::string& facets) {
+        header.resize(80, ' ');
+        return header + count + std::string(3, '\0') + facets;
+    };
+    const std::string good = binary("solid a", 2, facet(0, "\x1f\x80") + facet(9, "\xff\xff"));
+    EXPECT_EQ(corners("a.stl", good), "0 0 0, 1 0 0, 0 2 0; 9 0 0, 1 0 0, 0 2 0");
+    EXPECT_EQ(corners("a.stl", binary("COLOR=abcd", 1, facet(0, "ab"))), "0 0 0, 1 0 0, 0 2 0");
+    refused("a.stl", good + "more", {"damaged", "fetch or save it again"});
+    refused("a.stl", binary("a", 0, facet(0, "ab")), {"0 facets take 84 bytes"});
+    refused("a.stl", binary("solid a", 0, ""), {"no vertices"});
+    const std::string text = "outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n";
+    const LoadedShape two =
+        load("a.stl", "solid a\nfacet\n" + text + "endsolid a\nsolid\nfacet normal\n" + text + "facet normal 0 0\n" +
+                          text + "facet normal nan nan nan\n" + text + "endsolid\n");
+    EXPECT_EQ(two.report.objects, 2);
+    EXPECT_EQ(element_count(two.shape), 4);
+    refused("a.stl", "solid a\nendsolid a\n", {"no vertices"});
+    refused("a.stl",
+            "solid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nouter loop\n"
+            "vertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\nendsolid\n",
+            {"a facet of 6 vertices"});
 }
 
 TEST_F(MeshFiles, UnknownHeadersOfOffAreRefused) {

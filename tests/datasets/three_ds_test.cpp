@@ -42,7 +42,7 @@ std::string axes(const std::array<float, 12>& numbers) {
     return chunk(0x4160, body);
 }
 std::string mesh(const std::string& name, const std::string& chunks) {
-    return chunk(0x4000, text(name) + chunk(0x4010, "") + chunk(0x4100, chunks));
+    return chunk(0x4000, text(name) + chunk(0x4012, "") + chunk(0x4100, chunks));
 }
 const std::vector<float> numbers = {0.1F, 1e-20F, -3, 1, 0, 0, 0, 2, 0, 0, 0, 3};
 const std::string triangle = vertices(numbers) + faces({{0, 1, 2}});
@@ -97,6 +97,17 @@ TEST_F(ThreeDs, MeshesWithoutFacesArePoints) {
     const LoadedShape loaded = load(file(mesh("a", vertices(numbers))));
     EXPECT_EQ(std::get<PointSet>(loaded.shape).points.rows(), 4);
     EXPECT_EQ(loaded.report.notes, std::vector<std::string>{"mesh 'a' has no faces: its vertices count as points"});
+}
+
+TEST_F(ThreeDs, HiddenMeshesAreRead) {
+    const auto hidden = [](const std::string& name) {
+        return chunk(0x4000, text(name) + chunk(0x4010, "") + chunk(0x4100, triangle));
+    };
+    EXPECT_EQ(load(file(hidden("a") + mesh("b", triangle))).report.notes,
+              std::vector<std::string>{"the hidden mesh 'a' is read"});
+    const LoadedShape both = load(file(hidden("a") + hidden("b") + chunk(0x4000, text("light") + chunk(0x4010, ""))));
+    EXPECT_EQ(both.report.notes, std::vector<std::string>{"the hidden mesh 'a' and 1 more are read"});
+    EXPECT_EQ(both.report.objects, 2);
 }
 
 TEST_F(ThreeDs, TheKeyframerIsLeftOutAndInstancesAreRefused) {

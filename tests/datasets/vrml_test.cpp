@@ -191,6 +191,33 @@ TEST_F(Vrml, WhatIsSeenOfASwitchAndALodIsRead) {
         EXPECT_EQ(corners(fmt::format("{} {{ children [ {} ] }}", group, triangle)).size(), 3u) << group;
 }
 
+TEST_F(Vrml, WhatIsNotShownOrMovesIsTold) {
+    using Notes = std::vector<std::string>;
+    const auto notes = [&](const std::string& scene) { return load(head + triangle + scene).report.notes; };
+    const std::string both = "choice [ " + triangle + triangle + " ] }";
+    EXPECT_EQ(notes("Switch { whichChoice 1 " + both),
+              Notes{"1 node is left out, because no whichChoice of a Switch shows it"});
+    for (const char* none : {"", "whichChoice -1 ", "whichChoice 2 "})
+        EXPECT_EQ(notes("Switch { " + std::string(none) + both + "Switch { choice [] }"),
+                  Notes{"2 nodes are left out, because no whichChoice of a Switch shows them"});
+    EXPECT_TRUE(notes("Switch { whichChoice 0 choice " + triangle + " }").empty());
+    refused(head + "Switch { whichChoice 0x1 " + both, {"line 2", "'0x1' is not an integer"});
+    EXPECT_EQ(notes("Billboard { children " + triangle + " }"),
+              Notes{"a Billboard turns to the viewer: its shapes are read as they are stored"});
+    EXPECT_EQ(
+        notes("DEF S TimeSensor {} DEF P PositionInterpolator {} ROUTE S.a TO P.b"),
+        Notes{"left out: PositionInterpolator, ROUTE, TimeSensor, so nothing moves from where the file places it"});
+    EXPECT_EQ(notes("Group { children Script { url \"a\" } }"),
+              Notes{"left out: Script, so nothing moves from where the file places it"});
+}
+
+TEST_F(Vrml, AFieldThatANodeHasTwiceIsRefused) {
+    refused(head + transform("translation 1 0 0 translation 0 0 0", triangle), {"line 2", "a second 'translation'"});
+    refused(head + "Group { children [] children " + triangle + " }", {"a second 'children' of one Group"});
+    refused(head + shape(points + " coordIndex [ 0 1 2 ] coordIndex [ 0 1 3 ]"), {"a second 'coordIndex'"});
+    refused(head + shape("coord Coordinate { point [] point [ 0 0 0 ] } coordIndex [ 0 1 2 ]"), {"a second 'point'"});
+}
+
 TEST_F(Vrml, FacesThatAreSeenFromBehindAreTurned) {
     const std::vector<Vec3> front = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}}, back = {{0, 2, 0}, {1, 0, 0}, {0, 0, 0}};
     EXPECT_EQ(corners(shape(points + " ccw TRUE coordIndex [ 0 1 2 ]")), front);

@@ -502,6 +502,12 @@ TEST_F(Vtk, XmlMistakesAreToldWithTheirPlace) {
     refused("a.vtp", vtp(one, list("Polys", "3", "0 1 4")),
             {"cell 0 (from 0) names point 4 (from 0), but there are 4"});
     refused("a.vtp", vtp(one, list("Polys", "3", "0 1 -1")), {"names point -1"});
+    refused("a.vtp", vtp(one, list("Polys", "3", "0 0<!-- -->1 2")), {"line 5", "a comment or CDATA section"});
+    EXPECT_EQ(corners("a.vtp", vtp(one, list("Polys", "3", "0 1<!-- --> 2"))).size(), 3u);
+    refused("a.vtp", vtp(one, list("Polys", "3", "0 1 2") + list("Polys", "3", "0 1 3")),
+            {"line 7", "a second <Polys> in one <Piece>"});
+    refused("a.vtp", vtp(one + " NumberOfPolys=\"0\"", list("Polys", "3", "0 1 2")),
+            {"line 3", "the attribute 'NumberOfPolys' twice"});
     refused("a.vtp", vtp(one, list("Polys", "3", "0 1")), {"line 5", "'connectivity' has 2 numbers instead of 3"});
     refused("a.vtp", vtp(one, list("Polys", "3 6", "0 1 2")), {"line 6", "'offsets' has 2 numbers instead of 1"});
     refused("a.vtp", vtp(one, list("Polys", "-3", "0 1 2")), {"last offset is -3"});

@@ -365,6 +365,21 @@ def test_export_keeps_every_bit(hausbench: Program, tmp_path: Path, faces: str) 
     assert ("3 0 1 2" in file.read_text()) == bool(faces)
 
 
+def test_export_prints_the_notes_of_the_reader(hausbench: Program, tmp_path: Path) -> None:
+    file = tmp_path / "a.obj"
+    file.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\nodd 1\n")
+    done = hausbench("export", file, tmp_path / "a.off")
+    assert done.returncode == 0 and "2 triangles, 3 vertices, 1 line segment\n" in done.stdout
+    assert f"note       {file}: a line with an unknown keyword, 'odd' in line 6, was left out\n" in done.stdout
+    scene = tmp_path / "a.wrl"
+    scene.write_text("#VRML V2.0 utf8\nShape { geometry PointSet { coord Coordinate { point [ 0 0 1 ] } } }")
+    done = hausbench("export", scene, tmp_path / "a.ply")
+    assert f"note       {scene}: is in m, which the written file does not state\n" in done.stdout
+    assert f"note       {scene}: Y points up" in done.stdout
+    assert "is in m" not in hausbench("export", scene, tmp_path / "b.ply", "--unit", "none").stdout
+    assert "note  " not in hausbench("export", tmp_path / "a.off", tmp_path / "a.ply").stdout
+
+
 def test_export_of_a_model_is_the_model(hausbench: Program, tmp_path: Path) -> None:
     written = tmp_path / "sphere.ply"
     assert hausbench("export", "sphere2", written).returncode == 0
