@@ -168,7 +168,7 @@ TEST_F(Assimp, ThreeDs) {
         faces.size(), true);
 }
 
-// With Y up and metres, which assimp would turn and scale to.
+// With Y up and metres, because assimp would turn and scale other files. It expects an axis of length 1 in <rotate>.
 TEST_F(Assimp, Collada) {
     std::string numbers, indices;
     for (const auto& [x, y, z] : points) numbers += fmt::format("{} {} {} ", x, y, z);
@@ -178,11 +178,12 @@ TEST_F(Assimp, Collada) {
         fmt::format(
             R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="meter" meter="1"/><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
-<source id="s"><float_array id="f" count="{}">{}</float_array><technique_common><accessor source="#f" count="{}" stride="3">
-<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
-</source><vertices id="v"><input semantic="POSITION" source="#s"/></vertices><triangles count="{}">
+<source id="s"><float_array id="f" count="{}">{}</float_array><technique_common>
+<accessor source="#f" count="{}" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v">
+<input semantic="POSITION" source="#s"/></vertices><triangles count="{}">
 <input semantic="VERTEX" source="#v" offset="0"/><p>{}</p></triangles></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="w"><node id="n"><translate>1 2 3</translate><rotate>0 1 2 40</rotate>
+<library_visual_scenes><visual_scene id="w"><node id="n"><translate>1 2 3</translate><rotate>0 0.6 0.8 40</rotate>
 <scale>1 2 3</scale><node id="m"><matrix>1 2 0 4 0 1 0 5 0 0 1 6 0 0 0 1</matrix><instance_geometry url="#g"/></node>
 </node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>)",
             3 * points.size(), numbers, points.size(), faces.size(), indices),

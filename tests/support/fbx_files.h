@@ -26,9 +26,14 @@ struct Node {
 };
 using Nodes = std::vector<Node>;
 
-// A property of Properties70.
+// A property of Properties70, with the type by which assimp recognises it.
 template <class... Numbers> Node property(const std::string& name, Numbers... numbers) {
-    return {"P", {name, std::string("A"), std::string(), std::string("A"), Value(numbers)...}};
+    const bool whole = (std::is_same_v<Numbers, std::int32_t> && ...);
+    const std::string type = name.starts_with("Lcl ")  ? name
+                             : whole                   ? "int"
+                             : sizeof...(numbers) == 1 ? "double"
+                                                       : "Vector3D";
+    return {"P", {name, type, std::string(), std::string("A"), Value(numbers)...}};
 }
 inline Node properties(Nodes all) { return {"Properties70", {}, std::move(all)}; }
 inline Node connect(std::int64_t child, std::int64_t parent) { return {"C", {std::string("OO"), child, parent}}; }
