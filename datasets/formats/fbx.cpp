@@ -208,10 +208,8 @@ private:
         return nullptr;
     }
 
-    // Returns the map with another origin. An identity stays one, whatever the pivot.
-    static Affine about(const Vec3& pivot, const Affine& map) {
-        return map.is_identity() ? map : shift_by(pivot) * map * shift_by(-pivot);
-    }
+    // Returns the map with another origin.
+    static Affine about(const Vec3& pivot, const Affine& map) { return shift_by(pivot) * map * shift_by(-pivot); }
 
     // Returns Rpre R Rpost^-1.
     Affine rotation(const FbxProperties& of, const FbxNode& model, FbxPlacement& inner) const {
