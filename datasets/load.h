@@ -29,7 +29,7 @@ struct Stated {
 // How a shape was read or made.
 struct LoadReport {
     std::string format;                 // "obj", "ply", "stl", "off", ...: the format it was read as
-    std::string precision = "float64";  // of the reader; "float32" for assimp, which rounds coordinates
+    std::string precision = "float64";  // of the reader; "float32" if it rounds coordinates
     bool float32 = false;               // some coordinates were rounded to float32, in the file or by the reader
     // Number of vertices that no face uses, which were dropped; empty if it is not known.
     std::optional<std::int64_t> unreferenced = 0;

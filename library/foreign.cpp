@@ -1,18 +1,9 @@
 // Readers that need a library which only the program links, see datasets/formats/readers.h: here they refuse.
 #include "algorithms/error.h"
-#include "datasets/formats/formats.h"
 #include "datasets/formats/gltf_codecs.h"
-
-#include <fmt/format.h>
+#include "datasets/formats/readers.h"
 
 namespace hausbench::readers {
-
-Soup read_with_assimp(const Input& input) {
-    throw InputError(
-        fmt::format("{}: .{} is read by the program alone, through a library that this one does not link: "
-                    "convert it with `hausbench export`, or to one of {}",
-                    input.name, input.format, known_endings(true)));
-}
 
 LoadedShape read_surface(const std::filesystem::path& file) {
     throw InputError(file.string() + ": algebraic surfaces are read by the program alone: use `hausbench measure`");

@@ -7,7 +7,7 @@ namespace readers {
 
 // The readers of the table. Each is defined in a file of this folder.
 Read read_obj, read_off, read_ply, read_stl, read_gltf, read_3mf, read_amf, read_collada, read_vrml, read_vtk,
-    read_vtk_xml, read_medit, read_gmsh, read_dxf, read_3ds, read_pcd, read_xyz, read_csv;
+    read_vtk_xml, read_medit, read_gmsh, read_dxf, read_fbx, read_3ds, read_pcd, read_xyz, read_csv;
 
 }  // namespace readers
 
@@ -187,15 +187,19 @@ const std::vector<Format> table = {
      "none: the numbers of the file"},
     {{"fbx"},
      "FBX",
-     read_with_assimp,
-     false,
-     "polygons and lines of all meshes, moved by the nodes; FBX 7.0 and later",
-     "skeletons, blend shapes, NURBS, patches, transforms that assimp drops for being tiny, rotations "
-     "below a non-uniform scale, anything that assimp's log says it left out",
+     read_fbx,
+     true,
+     "versions 7.0 to 7.7, binary and text: polygons and lines of the geometries that the scene's models show, moved "
+     "by "
+     "the models; hidden models too, and the control meshes of smoothed ones, with a note",
+     "skeletons, blend shapes and other deformers, NURBS, patches and other geometries, levels of detail, polygons "
+     "marked as holes, FBX 6; transforms on which programs differ (PreRotation without RotationActive, InheritType 0 "
+     "and 2 below certain scales, exceeded limits)",
      "UnitScaleFactor (centimetres) of GlobalSettings; 1 cm if it is missing",
-     "UpAxis of GlobalSettings; Y if it is missing; stated, not applied",
-     "the nearest float32 without transforms; else a few float32 roundings for each node (angles below "
-     "1e-5 degrees and translations below 1e-6 units are left out with a note); a note names what assimp misreads"},
+     "UpAxis, FrontAxis and CoordAxis of GlobalSettings; Y up if they are missing; stated, not applied; other systems "
+     "of axes than those of --up count as not stated, with a note",
+     "none without transforms; below k factors of the models' transforms at most 4 k u of the largest sum of |terms|, "
+     "and 16 u more for each rotation about an axis"},
     {{"pcd"},
      "Point Cloud Library",
      read_pcd,

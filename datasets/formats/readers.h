@@ -59,12 +59,8 @@ void add_point(const std::string& name, std::string_view line, std::uint32_t num
 // becomes a fan; any other is split by ear clipping, as seen along its mean normal.
 std::vector<std::array<std::size_t, 3>> triangulate(const std::vector<Vec3>& corners);
 
-// Returns the version of assimp, as in 5.2.5.
-std::string assimp_version();
-
-// Readers that need a foreign library. The program defines them in foreign.cpp; the C library, which links none of
-// these libraries, has definitions that refuse (library/shape.cpp).
-Read read_with_assimp;
+// A reader that needs a foreign library. The program defines it in foreign.cpp; the C library, which links none, has a
+// definition that refuses (library/foreign.cpp).
 LoadedShape read_surface(const std::filesystem::path& file);  // NAME.surface.toml
 
 // Makes the shape from a soup: checks all coordinates and indices, splits polygons into triangles, turns segments and

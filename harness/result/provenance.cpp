@@ -4,7 +4,6 @@
 #include "algorithms/registry.h"
 #include "build_flags.h"  // written by CMake, as is build_info.h
 #include "build_info.h"
-#include "datasets/formats/readers.h"
 #include "datasets/hash.h"
 #include "datasets/paths.h"
 
@@ -73,7 +72,6 @@ Build read_build() {
     libraries["CGAL"] = CGAL_VERSION_STR;
     libraries["Eigen"] = fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
     libraries["HDF5"] = fmt::format("{}.{}.{}", hdf5[0], hdf5[1], hdf5[2]);
-    libraries["assimp"] = readers::assimp_version();
     build.libraries = libraries.dump();
     // The commit is in a separate file, so that a commit that changes no code keeps the build's id. The file is beside
     // the program or, in an installation, with the data.
