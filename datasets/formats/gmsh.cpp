@@ -57,7 +57,6 @@ std::string other_kind(std::string_view bytes) {
     std::string_view words = first;
     const std::string word = lower_case(next_word(words));
     if (word == "mesh") return "it is a mesh of GiD: save it as STL or OBJ with the program that wrote it";
-    if (word.starts_with("meshversionformatted")) return "it is a Medit mesh: rename it to .mesh";
     if (word.starts_with('<')) return "it is an XML file: save it as OBJ or STL with the program that wrote it";
     if (whole<std::int64_t>(word) && whole<std::int64_t>(next_word(words)) && whole<std::int64_t>(next_word(words)) &&
         trimmed(words).empty())

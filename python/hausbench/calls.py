@@ -164,6 +164,6 @@ def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike, *, pose: Po
     file states, may be smaller by up to 1e-12 of the diagonal of both shapes. Raises InputError if the file is damaged, or is
     about other shapes (A and B must have the same coordinates and indices, bit for bit).
     """
-    accepted, lower, upper, proven, *rest = _core.verify(path_of(path), shape_of(A, "A")._shape, shape_of(B, "B")._shape,
-                                                         matrix_of(pose, "pose"), matrix_of(target_pose, "target_pose"))
-    return Verdict(accepted, Interval(lower, upper), proven, *rest)
+    accepted, lower, upper, proven, text, *poses = _core.verify(path_of(path), shape_of(A, "A")._shape, shape_of(B, "B")._shape,
+                                                                matrix_of(pose, "pose"), matrix_of(target_pose, "target_pose"))
+    return Verdict(accepted, Interval(lower, upper), proven, text, *poses)

@@ -228,7 +228,7 @@ TEST_F(Gmsh, OtherVersionsAndFormatsAreNamed) {
     refused("(0 \"Fluent\")\n(2 3)\n", {"is not a Gmsh mesh", "Fluent", "ParaView"});
     refused("4 2 4\n0 0 1\n1 0 1\n", {"FreeFem", "savemesh"});
     refused("MESH dimension 3 ElemType Triangle Nnode 3\n", {"GiD"});
-    refused("MeshVersionFormatted 2\n", {"is a Medit mesh", "rename it to .mesh"});
+    refused("MeshVersionFormatted 2\n", {"like a file of Medit", "rename it to end in .mesh"});
     refused("<mesh/>\n", {"XML"});
     refused("hello\n", {"does not begin with $MeshFormat"});
 }

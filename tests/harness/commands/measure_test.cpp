@@ -31,6 +31,7 @@ Measured symmetric(bool turned, const Tolerance& tolerance, std::optional<double
     request.symmetric = true;
     request.cutoff = cutoff;
     Measured measured;
+    measured.cutoff = cutoff;
     Shape a = PointSet{first()}, b = PointSet{second()};
     if (turned) std::swap(a, b);
     int told = 0;
