@@ -117,14 +117,14 @@ LoadedShape load_file(const std::filesystem::path& file, const LoadOptions& opti
     if (kind.empty())
         explain(InputError(fmt::format("{}: has no extension, which tells the format: rename it to the ending of its "
                                        "format, one of {}",
-                                       name, known_endings(false))),
+                                       name, known_endings())),
                 name, nullptr, read_all(file, most_to_recognise));
     if (kind == surface_ending) return readers::read_surface(file);
     const Format* const format = find_format(kind);
     if (const Unread* unread = format ? nullptr : unread_with_ending(kind)) throw InputError(refusal(name, *unread));
     if (!format)
         explain(InputError(fmt::format("{}: '{}' is not a format that is read here: convert it to one of {}", name,
-                                       one_line(kind), known_endings(false))),
+                                       one_line(kind), known_endings())),
                 name, nullptr, read_all(file, most_to_recognise));
     if (!options.columns.empty() && !format->columns)
         throw InputError(

@@ -325,7 +325,7 @@ typedef struct hausbench_verdict {
         sizeof(hausbench_verdict), 0, 0, {0, INFINITY}, INFINITY, {0}, {0}, { 0 } \
     }
 
-/* Checks a proof about shapes at rest with code that shares nothing with the solvers. The call also succeeds if the proof
+/* Checks a proof about shapes at rest with code that shares no bound with the solvers. The call also succeeds if the proof
    is refused: see verdict->accepted. A proof about a pose is refused. Fails with BAD_INPUT if the file cannot be read or
    is about other shapes. */
 HAUSBENCH_API int hausbench_verify(const char* path, const hausbench_shape* source, const hausbench_shape* target,

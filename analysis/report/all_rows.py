@@ -17,6 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from analysis.shared import style
+from analysis.shared.printable import printable
 from analysis.shared.results import Results
 
 MANIFEST: Final = Path(__file__).resolve().parents[2] / "datasets" / "manifest.toml"
@@ -70,8 +71,8 @@ def row_of(results: Results, row: int) -> dict[str, Any]:
 
 
 def as_script(value: Any) -> str:
-    """Returns a value as JSON that may stand in a script."""
-    return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    """Returns a value as JSON that may stand in a script. Its texts have no hidden characters (printable.py)."""
+    return printable(json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False), lines=True).replace("<", "\\u003c")
 
 
 def coded(values: Sequence[str]) -> dict[str, Any]:

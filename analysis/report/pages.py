@@ -117,10 +117,15 @@ def loaded(folder: Path) -> dict[str, Results]:
 
 def environment() -> jinja2.Environment:
     made = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE / "templates"), autoescape=True, undefined=jinja2.StrictUndefined,
-                              trim_blocks=True, lstrip_blocks=True)
+                              trim_blocks=True, lstrip_blocks=True, finalize=without_marks)
     filters: dict[str, Any] = {"seconds": seconds_text, "thousands": lambda x: f"{int(x):,}", "with_code": with_code}
     made.filters |= filters
     return made
+
+
+def without_marks(value: Any) -> Any:
+    """Returns a text from a result without the marks that would turn what stands beside it; HTML of our own as it is."""
+    return printable(value, lines=True) if type(value) is str else value
 
 
 def with_code(text: str) -> markupsafe.Markup:

@@ -99,8 +99,8 @@ def make(results: Results) -> Report:
     table.verdicts = verdicts(results)
     table.notes = [*scene_notes(results),
                    "'ends': within the tolerance. 'precision floor': the tolerance is below what double precision can certify. 'timeout', 'budget spent': "
-                   "stopped, with the bounds reached by then. h / dA: proven by all certified solvers together. The lower bounds were checked by code that "
-                   "shares nothing with the solvers.",
+                   "stopped, with the bounds reached by then. h / dA: proven by all certified solvers together. The lower bounds were checked by code "
+                   "that shares no distance, no tree and no rounding rule with the solvers.",
                    f"Here: {machine_line(results)}."]
     records: list[tables.Record] = [
         {"scene": cases.scene[row], "label": cases.label[row], "tolerance": cases.tolerance[row], "status": cases.status[row],

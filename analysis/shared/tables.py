@@ -112,9 +112,21 @@ def markdown(table: Table) -> str:
     return "\n".join(parts)
 
 
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def comma_separated(records: Sequence[Record]) -> str:
-    """Returns the records as CSV. Floating-point numbers have all digits; NaN becomes an empty field."""
+    """Returns the records as CSV. Floating-point numbers have all digits; NaN becomes an empty field. A text that a spreadsheet would take for
+    a formula gets an apostrophe.
+    """
     def cell(value: object) -> object:
+        if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) and not _is_number(value):
+            return "'" + value
         return "" if isinstance(value, float) and math.isnan(value) else value
 
     fields = list(dict.fromkeys(key for record in records for key in record))

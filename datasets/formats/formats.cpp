@@ -19,7 +19,6 @@ const std::vector<Format> table = {
     {{"obj"},
      "Wavefront OBJ",
      read_obj,
-     true,
      "v, f, fo, l (segments) and p (points); a weight in v is left out with a note",
      "free-form curves and surfaces (cstype, curv, surf, ...), call and csh",
      "not stated",
@@ -28,7 +27,6 @@ const std::vector<Format> table = {
     {{"off"},
      "OFF",
      read_off,
-     true,
      "OFF, COFF, NOFF, STOFF and 4OFF as text, also with counts that touch the keyword (ModelNet40)",
      "nOFF, 4nOFF and binary OFF",
      "not stated",
@@ -37,7 +35,6 @@ const std::vector<Format> table = {
     {{"ply"},
      "PLY",
      read_ply,
-     true,
      "vertices, faces, triangle strips and edges (segments), as text or binary",
      "files whose only faces are other elements with lists of vertices",
      "not stated",
@@ -46,7 +43,6 @@ const std::vector<Format> table = {
     {{"stl"},
      "STL",
      read_stl,
-     true,
      "facets of all solids, text or binary",
      "nothing",
      "not stated",
@@ -55,7 +51,6 @@ const std::vector<Format> table = {
     {{"glb", "gltf"},
      "glTF 2.0",
      read_gltf,
-     true,
      "triangles, strips, fans, lines and points of the default scene, placed by its nodes; buffers inside, "
      "in data: URIs and beside the file; sparse accessors, default morph weights, KHR_mesh_quantization, "
      "EXT_mesh_gpu_instancing, KHR_node_visibility, and (in the program only) EXT_meshopt_compression, "
@@ -71,7 +66,6 @@ const std::vector<Format> table = {
     {{"3mf"},
      "3MF",
      read_3mf,
-     true,
      "triangles of all objects that the build section places, through components and parts in other files "
      "of the archive (production extension)",
      "other required extensions; beam lattices, boolean operations, volumetric data, displacement, "
@@ -84,7 +78,6 @@ const std::vector<Format> table = {
     {{"amf"},
      "AMF",
      read_amf,
-     true,
      "triangles of all volumes, placed by constellations if there are any; as XML or as a ZIP archive with "
      "one .amf file",
      "curved triangles (normals or edges); materials that are functions of the place; rotations about more "
@@ -96,7 +89,6 @@ const std::vector<Format> table = {
     {{"dae"},
      "Collada",
      read_collada,
-     true,
      "meshes of the scene's nodes: triangles, fans, strips, polygons, lines, points; node transforms and "
      "instances",
      "skins and morphs, polygons with holes, convex_mesh, spline, brep, files other than this one, "
@@ -108,7 +100,6 @@ const std::vector<Format> table = {
     {{"wrl", "vrml", "wrz"},
      "VRML 2.0",
      read_vrml,
-     true,
      "IndexedFaceSet, IndexedLineSet (segments) and PointSet under Transform nodes; with a note, the first level of a "
      "LOD, the choice of a Switch, and a Billboard as it is stored; scripts and animation are left out with a note",
      "VRML 1.0, other shapes (Box, Sphere, Extrusion, ...), PROTO, EXTERNPROTO, Inline, nodes that VRML97 "
@@ -119,7 +110,6 @@ const std::vector<Format> table = {
     {{"3ds"},
      "3D Studio",
      read_3ds,
-     true,
      "triangles of all meshes (hidden ones with a note), in world coordinates as stored; a mesh without faces as "
      "points; the "
      "keyframer (animation) is left out with a note",
@@ -130,7 +120,6 @@ const std::vector<Format> table = {
     {{"dxf"},
      "DXF",
      read_dxf,
-     true,
      "3DFACE, SOLID, TRACE, MESH, POLYLINE and LWPOLYLINE (lines, polyface and polygon meshes), LINE, "
      "POINT, and INSERT of blocks; those on layers that are off or frozen with a note",
      "binary DXF, other entities with a shape (CIRCLE, ARC, SPLINE, HATCH, 3DSOLID, ...), thickness, "
@@ -142,7 +131,6 @@ const std::vector<Format> table = {
     {{"vtk"},
      "VTK legacy",
      read_vtk,
-     true,
      "versions 1.0 to 5.1, text and binary: PolyData (vertices, lines, polygons, triangle strips) and "
      "unstructured grids (points, lines, triangles, strips, polygons, pixels, quadrilaterals)",
      "structured and rectilinear grids, images, curved cells, grids with volume cells and no surface",
@@ -153,7 +141,6 @@ const std::vector<Format> table = {
     {{"vtp", "vtu"},
      "VTK XML",
      read_vtk_xml,
-     true,
      "PolyData and unstructured grids of any number of pieces, as text, base64 or appended data, "
      "uncompressed or compressed by zlib, in either byte order; the same cells as legacy files",
      "LZ4 and LZMA compression, several time steps, curved cells, grids with volume cells and no surface, "
@@ -165,7 +152,6 @@ const std::vector<Format> table = {
     {{"mesh", "meshb"},
      "Medit",
      read_medit,
-     true,
      "text and binary in either byte order, MeshVersionFormatted 1 to 4, dimension 2 (z = 0, with a note) "
      "and 3: vertices, edges, triangles, quadrilaterals; volume cells beside them are left out with a note",
      "volume cells without surface cells, curved cells (TrianglesP2, QuadrilateralsQ2, ...), polygons, "
@@ -177,7 +163,6 @@ const std::vector<Format> table = {
     {{"msh"},
      "Gmsh",
      read_gmsh,
-     true,
      "versions 1.0, 2.0 to 2.2, 4.0 and 4.1, text and binary in either byte order: lines, triangles, "
      "quadrangles, or points alone; volume elements beside them are left out with a note",
      "volume elements without surface elements, curved elements (order 2 and higher), polygons, polyhedra, "
@@ -188,7 +173,6 @@ const std::vector<Format> table = {
     {{"fbx"},
      "FBX",
      read_fbx,
-     true,
      "versions 7.0 to 7.7, binary and text: polygons and lines of the geometries that the scene's models show, moved "
      "by "
      "the models; hidden models too, and the control meshes of smoothed ones, with a note",
@@ -203,7 +187,6 @@ const std::vector<Format> table = {
     {{"pcd"},
      "Point Cloud Library",
      read_pcd,
-     true,
      "x, y and z of every point, as ascii, binary or binary_compressed; VIEWPOINT does not move the points, as in "
      "PCL, and is told if it is not the identity",
      "nothing; missing measurements (NaN) only with --drop-invalid",
@@ -213,7 +196,6 @@ const std::vector<Format> table = {
     {{"xyz", "pts", "txt", "asc", "xyzn", "xyzrgb"},
      "points as text",
      read_xyz,
-     true,
      "three columns, columns named by a header or comment, .pts after a count line, six columns of .xyzn "
      "and .xyzrgb, or --columns",
      "more columns without names, latitude and longitude, decimal commas, molecules without --columns",
@@ -224,7 +206,6 @@ const std::vector<Format> table = {
     {{"csv"},
      "points as a table",
      read_csv,
-     true,
      "three columns, columns named by a header or comment, or --columns",
      "more columns without names, latitude and longitude, decimal commas",
      "in the names of the columns, as in x [mm]",
@@ -308,10 +289,9 @@ const Format* find_format(std::string_view ending) {
     return nullptr;
 }
 
-std::string known_endings(bool own_alone) {
+std::string known_endings() {
     std::string text;
     for (const Format& one : formats()) {
-        if (own_alone && !one.own) continue;
         for (const std::string_view ending : one.endings) text += (text.empty() ? "." : ", .") + std::string(ending);
     }
     return text;

@@ -14,8 +14,6 @@ struct Format {
     std::vector<std::string_view> endings;  // in lower case, without a dot; each is also a name of the format
     std::string_view title;                 // "Wavefront OBJ"
     readers::Read* read;
-    // Whether the reader is ours. The C library and Python have only these; the program has all.
-    bool own;
     std::string_view reads;    // the elements of the format that are read
     std::string_view refuses;  // the elements with a surface that are refused, or "nothing"
     std::string_view unit;     // where the unit of length is stated
@@ -41,7 +39,7 @@ const Format* find_format(std::string_view ending);
 // Returns the format that the first bytes of a file show, or null if they show none. For messages.
 const Format* recognised_format(std::string_view bytes);
 
-// Returns the endings of all formats, or of our own readers alone: ".obj, .ply, ...".
-std::string known_endings(bool own_alone);
+// Returns the endings of all formats: ".obj, .ply, ...".
+std::string known_endings();
 
 }  // namespace hausbench

@@ -131,9 +131,8 @@ json model_json(const ModelInfo& m) {
 }
 
 json format_json(const Format& f) {
-    return {{"name", f.endings.front()}, {"endings", f.endings}, {"title", f.title}, {"own", f.own},
-            {"reads", f.reads},          {"refuses", f.refuses}, {"unit", f.unit},   {"axes", f.axes},
-            {"error", f.error}};
+    return {{"name", f.endings.front()}, {"endings", f.endings}, {"title", f.title}, {"reads", f.reads},
+            {"refuses", f.refuses},      {"unit", f.unit},       {"axes", f.axes},   {"error", f.error}};
 }
 
 std::string text_of(const json& object, const char* key) { return object.at(key).get<std::string>(); }
@@ -166,10 +165,8 @@ std::string solvers_text(const json& all, const Paper& paper) {
 }
 
 std::string formats_text(const json& all, const Paper& paper) {
-    TextTable table({{"format"}, {"endings", false, 1}, {"read by", false, 2}, {"what is read", false, 0, true}});
-    for (const json& f : all["formats"])
-        table.add({{text_of(f, "title"), joined(f["endings"]), f["own"].get<bool>() ? "program, C, Python" : "program",
-                    text_of(f, "reads")}});
+    TextTable table({{"format"}, {"endings", false, 1}, {"what is read", false, 0, true}});
+    for (const json& f : all["formats"]) table.add({{text_of(f, "title"), joined(f["endings"]), text_of(f, "reads")}});
     return table.text(paper) + wrapped(
                                    "a file may be gzipped; `hausbench list ENDING` says what is refused, and what "
                                    "a file says of its unit and axes",
@@ -182,9 +179,7 @@ std::string one_format(const json& f, const Paper& paper) {
          {std::pair{"reads", "read"}, std::pair{"refuses", "refused"}, std::pair{"unit", "unit"},
           std::pair{"axes", "axes"}, std::pair{"error", "error of a coordinate"}})
         text += wrapped(fmt::format("{}: {}", title, text_of(f, key)), 2, paper.width);
-    return text + wrapped(f["own"].get<bool>() ? "read by the program, the C library and Python"
-                                               : "read by the program alone, through a library",
-                          2, paper.width);
+    return text;
 }
 
 std::string experiments_text(const json& all, const Paper& paper) {

@@ -88,7 +88,12 @@ std::string apart_text(const std::vector<const Row*>& rows, const Programs& prog
                : fmt::format("not all of these times are comparable: some are {}", fmt::join(reasons, ", "));
 }
 
-std::string csv_field(const std::string& text) {
+std::string csv_field(std::string text) {
+    if (text.find_first_of("=+-@") == 0) {
+        char* end = nullptr;
+        std::strtod(text.c_str(), &end);
+        if (*end != '\0' || end == text.c_str()) text.insert(0, 1, '\'');
+    }
     if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
     std::string quoted = "\"";
     for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);

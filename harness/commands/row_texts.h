@@ -28,8 +28,9 @@ std::string gap_text(double gap);               // two digits; empty for NaN
 // Returns a note that says why not all times of the rows are comparable, or an empty string if they are.
 std::string apart_text(const std::vector<const Row*>& rows, const Programs& programs);
 
-// Returns a field of CSV, quoted if it contains a comma, a quote or a line break.
-std::string csv_field(const std::string& text);
+// Returns a field of CSV, quoted if it contains a comma, a quote or a line break. A text that a spreadsheet would take
+// for a formula, because it begins with = + - or @ and is no number, gets an apostrophe.
+std::string csv_field(std::string text);
 
 std::string counted(std::size_t count, const std::string& thing);  // "1 answer", "2 answers"
 

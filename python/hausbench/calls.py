@@ -158,7 +158,7 @@ def certify(A: ShapeLike, B: ShapeLike, path: str | os.PathLike[str], *, symmetr
 
 def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike, *, pose: Pose | None = None,
            target_pose: Pose | None = None) -> Verdict:
-    """Checks a proof written by `certify` for A and B at these poses, by code that shares nothing with the solvers.
+    """Checks a proof written by `certify` for A and B at these poses, by code that shares no bound with the solvers.
 
     The verdict is true in an `if` exactly if the proof holds and is about these poses; its `pose` and `target_pose` are those of the file. Quote its `proven`: the upper bound in its `interval`, which the
     file states, may be smaller by up to 1e-12 of the diagonal of both shapes. Raises InputError if the file is damaged, or is

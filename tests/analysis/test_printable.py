@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 from pathlib import Path
 
+import markupsafe
 import pytest
 from synthetic import ResultFile
 
 from analysis.__main__ import main
+from analysis.report import all_rows, pages
 from analysis.shared import tables
 from analysis.shared.printable import printable
 
@@ -18,6 +23,19 @@ def test_controls_become_spaces_and_hidden_characters_question_marks() -> None:
     assert printable("a\x1b[2J\nb\u202ec\ufeff\u009b") == "a [2J b?c? "
     assert printable("a\nb\tc", lines=True) == "a\nb c"
     assert printable("h ≤ τ, α → β") == "h ≤ τ, α → β"
+
+
+def test_pages_hold_no_hidden_characters() -> None:
+    shown = pages.environment().from_string("{{ name }}{{ own }}").render(name=HOSTILE + "<", own=markupsafe.Markup("<b>"))
+    assert shown == printable(HOSTILE) + "&lt;<b>"
+    script = all_rows.as_script({"name": HOSTILE + "<\u2028"})
+    assert json.loads(script.replace("\\u003c", "<")) == {"name": "\x1b]0;owned\x07?name?< "} and script.isascii() and "<" not in script
+
+
+def test_no_cell_of_a_csv_is_a_formula() -> None:
+    texts = ["=1+1", "+cmd|' /C calc'!A0", "@SUM(1)", "-2+3", "-2.5e3", "+inf", "a=b", ""]
+    assert [row["x"] for row in csv.DictReader(io.StringIO(tables.comma_separated([{"x": text} for text in texts])))] == [
+        "'=1+1", "'+cmd|' /C calc'!A0", "'@SUM(1)", "'-2+3", "-2.5e3", "+inf", "a=b", ""]
 
 
 def test_errors_and_tables_hold_no_escapes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

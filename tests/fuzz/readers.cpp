@@ -1,6 +1,5 @@
 // Reads a mesh or points with load_file(), which must give a valid shape or an InputError. The first line names the
-// ending of the format, and may have the options `drop` and `columns=...`; the rest is the file. Formats that foreign
-// libraries read are left out.
+// ending of the format, and may have the options `drop` and `columns=...`; the rest is the file.
 #include "datasets/formats/formats.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/target.h"
@@ -38,7 +37,7 @@ void readers(std::string_view bytes) {
         if (word.starts_with("columns=")) options.columns = word.substr(8);
     }
     const Format* const format = find_format(options.format);
-    if (!format || !format->own) return;
+    if (!format) return;
     const MemoryFile file(bytes.substr(std::min(end + 1, bytes.size())));
     try {
         const LoadedShape loaded = load_file(file.path(), options);

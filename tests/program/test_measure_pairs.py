@@ -39,6 +39,14 @@ def test_files_of_one_name_are_a_pair(hausbench: Program, folders: Path) -> None
     assert len(rows(hausbench("measure", folders / "a" / "one.off", folders / "b" / "*.obj").stdout)) == 2
 
 
+def test_no_cell_is_a_formula(hausbench: Program, folders: Path) -> None:
+    """A spreadsheet would run it. The names in the list are those of missing models."""
+    listed = folders / "list.csv"
+    listed.write_text("=1+1,sphere1\n-2+3,sphere1\n")
+    cells = [cell for row in rows(hausbench("measure", "--pairs", listed).stdout) for cell in row.values()]
+    assert not any(cell.startswith(("=", "-2+3")) for cell in cells)
+
+
 def test_one_bad_file_costs_one_line(hausbench: Program, folders: Path) -> None:
     (folders / "a" / "two.off").write_text("OFF\n1 1 0\n0 0 0\n3 0 1 2\n")
     done = hausbench("measure", folders / "a" / "*.off", folders / "b" / "*.obj")
