@@ -139,13 +139,16 @@ def test_the_lower_bound_is_checked_too(hausbench: Program, proof: Path, tmp_pat
         done = hausbench("verify", "--certificate", write(tmp_path / "mine", ({**header, **changes}, rest)))
         return done.returncode, done.stdout
 
-    code, said = answer(lower=0.2500001)
+    code, said = answer(lower=0.2500001, upper=0.26)
     assert code == 1 and "refused    lower bound 0.2500001: its witness shows only 0.25" in said
+    code, said = answer(lower=0.2500001)
+    assert code == 1 and "it is above the upper bound" in said
     assert answer(lower=-1)[0] == answer(lower="nan")[0] == 1
     assert answer(lower=0)[0] == 0
     nowhere = {**header["witness"], "source_point": ["nan", "nan", "nan"]}
     code, said = answer(witness=nowhere)
-    assert code == 0 and "not checked: the answer has no witness" in said
+    assert code == 1 and "it has no witness, so nothing shows it" in said
+    assert answer(witness=nowhere, lower=0)[0] == 0
     assert answer(witness={**header["witness"], "direction": "target to source"})[0] == 1
 
 

@@ -293,7 +293,7 @@ def test_ply_is_read_by_another_library(hausbench: Program, tetrahedron: Path, r
     points, cells, of_points, _ = read_by_meshio(out)
     np.testing.assert_array_equal(points, meshio.read(tetrahedron).points)
     assert cells.tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
-    assert set(of_points) == {"quality", "distance", "nearest"}
+    assert set(of_points) == {"quality", "scalar_distance", "red", "green", "blue", "distance", "nearest"}
     assert of_points["distance"].tolist() == of_points["quality"].tolist() == [0.25, 0.25, 0.25, 0]
 
 
