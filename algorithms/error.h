@@ -16,7 +16,7 @@ public:
 };
 
 // Returns a hint to append to an error about an unknown name: " (did you mean 'x'?)" if a candidate is similar to
-// `wrong`, and otherwise " (known: a, b, c)" with the first 20 candidates. Returns an empty string if there are no
+// `wrong`, and otherwise " (known: a, b, c)" with the first 40 candidates. Returns an empty string if there are no
 // candidates.
 std::string nearest_hint(std::string_view wrong, const std::vector<std::string>& candidates);
 

@@ -195,7 +195,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return error.returncode
     shown, differ = None, float(answer["lower"]) > 0 or float(shape.distances.max()) > 0
     if differ and math.isfinite(float(answer["upper"])):
-        with contextlib.suppress(subprocess.CalledProcessError):  # it ran into the time limit
+        with contextlib.suppress(subprocess.CalledProcessError):  # the reason, such as the time limit, is printed
             shown = histogram(program, given.a, given.b, float(answer["upper"]), options)
     if differ and (not shown or shown.low.sum() < KNOWN):
         print("hausbench: --picture: without a histogram, because too little of it is known: allow more time", file=sys.stderr)

@@ -78,7 +78,7 @@ struct FbxObject {
     bool drawn = false;
 };
 
-// Where a model is, and what is wrong with the models above it, which matters only if they show a geometry.
+// The placement of a model, and the faults of the models above it, which matter only if they show a geometry.
 struct FbxPlacement {
     Affine map;
     bool scaled = false;     // a model above has a scale other than 1

@@ -1,7 +1,7 @@
 // Reads glTF 2.0, as .glb and as .gltf with its buffers in data: URIs or in files beside it: the triangles, lines and
 // points of the meshes in the default scene, moved by the nodes that contain them.
 //
-// What counts: sparse accessors, KHR_mesh_quantization, EXT_meshopt_compression and KHR_meshopt_compression (but not
+// Reads sparse accessors, KHR_mesh_quantization, EXT_meshopt_compression and KHR_meshopt_compression (but not
 // version 1 of its vertex codec), KHR_draco_mesh_compression, EXT_mesh_gpu_instancing, KHR_node_visibility, and morph
 // targets with their default weights. Ignores materials, textures, cameras and animations, whose files are never
 // opened.

@@ -44,7 +44,7 @@ private:
     std::optional<std::array<std::size_t, 3>> columns_if_named() const;  // by the header, if that is clear
     void choose_unnamed_columns();
     void take_length_unit();                                                            // from a comment
-    [[noreturn]] void refuse_prose(std::uint32_t number, std::string_view text) const;  // a line that is no point
+    [[noreturn]] void refuse_prose(std::uint32_t number, std::string_view text) const;  // a line without a point
     void check_width(std::uint32_t number);
     void add_point(std::uint32_t number);
     double coordinate(std::size_t k, std::uint32_t number) const;

@@ -23,7 +23,10 @@ json point_json(const Vec3& v) {
 // Returns a bound over a length, rounded outward.
 double quotient(double bound, double length, bool lower) {
     const double nearest = bound / length, above = std::fma(nearest, length, -bound);
-    if (!std::isfinite(nearest) || above == 0 || (lower ? above < 0 : above > 0)) return nearest;
+    if (bound == 0 || !std::isfinite(nearest)) return nearest;
+    // The remainder of a division has at most 53 bits below those of the bound, so `above` is exact unless it underflows.
+    const bool exact = bound >= 0x1p-900;
+    if (exact && (lower ? above <= 0 : above >= 0)) return nearest;
     return std::nextafter(nearest, lower ? 0 : infinity);
 }
 

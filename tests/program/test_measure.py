@@ -109,9 +109,10 @@ def test_a_sentence_about_a_cutoff_is_true_to_the_last_digit(hausbench: Program,
 def test_a_shortened_bound_still_holds(hausbench: Program, tmp_path: Path) -> None:
     """The bounds over A's diagonal have six digits; as exact fractions, they contain the interval."""
     a, b = tmp_path / "a.xyz", tmp_path / "b.xyz"
-    for i in range(1, 21):
-        a.write_text(f"0 0 0\n{1 / i + 1!r} {i / 7!r} 0\n")
-        b.write_text(f"0 0 {i / 3!r}\n")
+    for i in range(1, 31):
+        unit = 1e-310 if i > 20 else 1
+        a.write_text(f"0 0 0\n{unit * (1 / i + 1)!r} {unit * (i / 7)!r} 0\n")
+        b.write_text(f"0 0 {unit * (i / 3)!r}\n")
         done = hausbench("measure", a, b)
         lower, upper = map(Fraction, re.findall(r"in \[([^,]*), ([^\]]*)\]", done.stdout)[0])
         low, high = map(Fraction, re.findall(r"  \[([^,]*), ([^\]]*)\] of A's diagonal", done.stdout)[0])
