@@ -6,6 +6,7 @@
 #include "harness/commands/verb.h"
 #include "harness/result/provenance.h"
 #include "harness/run/external.h"
+#include "process/stand_in.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -91,13 +92,16 @@ int give_up(int argc, char** argv, int code, const std::string& what) {
 
 int main(int argc, char** argv) {
     std::signal(SIGXFSZ, SIG_IGN);  // beyond a file size limit, writing then fails, as on a full disk
+    int code = 0;
     try {
-        return run_verb(argc, argv);
+        code = run_verb(argc, argv);
     } catch (const InputError& error) {
-        return give_up(argc, argv, 2, printable(error.what()));
+        code = give_up(argc, argv, 2, printable(error.what()));
     } catch (const std::bad_alloc&) {
-        return give_up(argc, argv, 4, "out of memory");
+        code = give_up(argc, argv, 4, "out of memory");
     } catch (const std::exception& error) {
-        return give_up(argc, argv, 3, "internal error: " + printable(error.what()));
+        code = give_up(argc, argv, 3, "internal error: " + printable(error.what()));
     }
+    tell_exit_code(code);  // destructors of plug-ins cannot change it
+    return code;
 }

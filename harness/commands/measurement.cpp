@@ -10,7 +10,7 @@
 #include "harness/commands/measurement_solve.h"
 #include "harness/commands/named_shape.h"
 #include "harness/commands/witness_file.h"
-#include "harness/plan/plan.h"
+#include "harness/plan/plugin_code.h"
 #include "harness/result/field_file.h"
 #include "process/whole_file.h"
 

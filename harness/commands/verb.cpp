@@ -4,6 +4,7 @@
 #include "algorithms/printable.h"
 #include "datasets/paths.h"
 #include "harness/commands/text_table.h"
+#include "harness/plan/plugin_code.h"
 
 #include <fmt/format.h>
 
@@ -34,8 +35,11 @@ void take_plugins(CLI::App* verb) {
     verb->add_option("--plugin", files, "library with more solvers; may be repeated")
         ->type_name("FILE")
         ->allow_extra_args(false);
-    verb->parse_complete_callback([] {
-        for (const std::filesystem::path& file : plugin_files()) load_plugin(file);
+    verb->parse_complete_callback([verb] {
+        const CLI::Option* here = verb->get_option_no_throw("--in-process");  // for debuggers, which follow one process
+        const bool in_copy = !here || here->empty();
+        for (const std::filesystem::path& file : plugin_files())
+            in_copy ? load_plugin_in_copy(file) : load_plugin(file);
         say(slow_plugins());
     });
 }

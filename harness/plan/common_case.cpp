@@ -1,6 +1,6 @@
 #include "harness/plan/common_case.h"
 
-#include "algorithms/contract.h"
+#include "harness/plan/plugin_code.h"
 
 #include <cmath>
 

@@ -6,6 +6,7 @@
 #include "datasets/model_table.h"
 #include "datasets/toml_reader.h"
 #include "harness/plan/keys.h"
+#include "harness/plan/plugin_code.h"
 #include "harness/plan/scene_reader.h"
 #include "harness/plan/severity.h"
 #include "harness/plan/solver_reader.h"
@@ -93,7 +94,7 @@ void load_plugins(const ExperimentTable& root, const fs::path& folder) {
         const auto is_it = [&](const Plugin& one) { return one.file == library; };
         if (std::any_of(plugins().begin(), plugins().end(), is_it)) continue;
         try {
-            load_plugin(library);
+            load_plugin_in_copy(library);
         } catch (const InputError& error) {
             root.fail(*root.find("plugins"), error.what());
         }

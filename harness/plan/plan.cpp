@@ -1,6 +1,5 @@
 #include "harness/plan/plan.h"
 
-#include "algorithms/contract.h"
 #include "algorithms/error.h"
 #include "algorithms/registry.h"
 #include "algorithms/session/moving_target.h"
@@ -335,11 +334,6 @@ private:
 };
 
 }  // namespace
-
-bool promises(const SolverEntry& entry, const ParameterMap& given) {
-    return entry.info.certified &&
-           make_solver(entry, Options(entry.info.name, entry.info.parameters, given))->certified();
-}
 
 std::vector<double> Plan::marks(std::size_t row) const {
     std::vector<double> gaps;

@@ -90,9 +90,6 @@ private:
     RowsReadOff<> readers_;
 };
 
-// Returns whether the solver's bounds hold under rounding with these options.
-bool promises(const SolverEntry& entry, const ParameterMap& given);
-
 // Called before a model is made, with the name of the model, the number of models before it, and the total.
 using SayModel = std::function<void(const std::string& name, std::size_t before, std::size_t of)>;
 

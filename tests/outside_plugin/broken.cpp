@@ -3,6 +3,8 @@
 #include <hausbench/plugin.h>
 #include <hausbench/structures/octree.h>
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <limits>
 
@@ -18,10 +20,19 @@ bool broken(const std::string& how) {
 class Broken final : public Solver {
 public:
     explicit Broken(const Options& options) {
+        if (broken("exits when made")) std::exit(0);
+        if (broken("sleeps when made")) ::sleep(1000);
+        const auto badly = [&] { return options.text("how") == "badly"; };
+        if (broken("exits when made badly") && badly()) std::exit(0);
+        if (broken("sleeps when made badly") && badly()) ::sleep(1000);
         if (broken("reads what is not declared")) (void)options.real("hidden");
         if (broken("reads another type")) (void)options.integer("how");
         if (broken("throws at once")) throw 3;
         if (!broken("leaves unread")) (void)options.text("how");
+    }
+
+    ~Broken() override {
+        if (broken("exits when destroyed")) ::_exit(0);
     }
 
     Needs needs(const Scene&, const QuerySet&) const override {
@@ -55,6 +66,7 @@ SolverEntry broken_solver() {
     info.source.mesh = true;
     info.target.mesh = !broken("no target");
     if (broken("unknown paper")) info.paper = "zhang2071";
+    if (broken("exits when made badly") || broken("sleeps when made badly")) info.certified = true;
     if (broken("wrong and certified")) info.certified = true, info.known_wrong = "as printed";
     info.parameters = {parameter("how", std::string("well"))};
     info.parameters[0].choices = {"well", "badly"};
@@ -65,6 +77,19 @@ SolverEntry broken_solver() {
     if (broken("returns nothing")) return {info, [](const Options&) -> std::unique_ptr<Solver> { return nullptr; }};
     return {info, [](const Options& options) -> std::unique_ptr<Solver> { return std::make_unique<Broken>(options); }};
 }
+
+// Does what it is told when the library is loaded, and when the program ends.
+const struct AtBothEnds {
+    AtBothEnds() {
+        if (broken("exits when loaded")) std::exit(0);
+        if (broken("crashes when loaded")) std::abort();
+        if (broken("sleeps when loaded")) ::sleep(1000);
+    }
+    ~AtBothEnds() {
+        if (broken("exits at the end")) ::_exit(7);
+        if (broken("sleeps at the end")) ::sleep(1000);
+    }
+} at_both_ends;
 
 }  // namespace
 
