@@ -7,19 +7,22 @@
 //   the rms, and of (d - m)^2, whose root is the deviation;
 // - share p: p +- 1.96 sqrt(p (1 - p) / n), Wilson's form;
 // - quantile of level p: from the sample at n p - 1.96 sqrt(n p (1 - p)) to that at n p + 1.96 sqrt(n p (1 - p));
-// - maximum: at least the largest sample; samples give no upper bound.
+// - maximum: refused, because samples give no upper bound.
 // So about one interval in 20 does not contain the value, and rare far parts of A make more of them wrong. Nothing here
 // is certified. Only statistics over A are offered.
 //
 // The points of a batch are drawn together and visited in the order of the triangles of A, so that each search starts at
 // the triangle of B that was nearest to the point before. The unit of Query::budget is one sample. Time: logarithmic in
 // the size of B for each sample. Memory: 8 bytes a sample.
+#include "algorithms/error.h"
 #include "algorithms/kernel/deadline.h"
 #include "algorithms/kernel/rounding.h"
 #include "algorithms/kernel/splitmix.h"
 #include "algorithms/kernel/triangle.h"
 #include "algorithms/solver.h"
 #include "algorithms/structures/triangle_blocks.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -129,7 +132,7 @@ Bounds interval_of(const Statistic& statistic, std::vector<double>& distances) {
             return root_of(mean_of(distances, [&](double d) { return (d - about) * (d - about); }));
         }
         case Statistic::Kind::maximum:
-            return {*std::max_element(distances.begin(), distances.end()), infinity};
+            break;  // refused
         case Statistic::Kind::quantile: {
             const double off = z * std::sqrt(n * p * (1 - p));
             const auto at = [&](double place) {
@@ -139,7 +142,7 @@ Bounds interval_of(const Statistic& statistic, std::vector<double>& distances) {
                 std::nth_element(distances.begin(), distances.begin() + k, distances.end());
                 return distances[static_cast<std::size_t>(k)];
             };
-            return {at(std::floor(n * p - off) - 1), p < 1 ? at(std::ceil(n * p + off)) : infinity};
+            return {at(std::floor(n * p - off) - 1), at(std::ceil(n * p + off))};
         }
         case Statistic::Kind::share_within: {
             const double share = static_cast<double>(std::count_if(distances.begin(), distances.end(),
@@ -166,15 +169,12 @@ public:
     }
 
     Result solve(const Query& query, State*, Trace&) const override {
+        refuse(query);
         Result result;
-        for (const Statistic& statistic : query.statistics) {
+        for (const Statistic& statistic : query.statistics)
             result.statistics.push_back(is_share(statistic) ? Bounds{0, 1} : Bounds{});
-            if (needs_target(statistic)) result.note = "only statistics over A are offered";
-        }
-        if (query.weigh == WeighBy::number && by_ != CountedBy::points)
-            result.note = "only weights by area are offered";
         const Points points = posed(source_->vertices, query.source_pose);
-        if (!result.note.empty() || !(magnitude(points) <= largest_safe_magnitude)) return result;
+        if (!(magnitude(points) <= largest_safe_magnitude)) return result;
         const Deadline deadline = query.deadline();
         const std::uint64_t most = std::min<std::uint64_t>(query.budget, most_samples);
         Drawing drawing(*source_, points, *target_, by_, splitmix(seed_ + golden_step));
@@ -208,6 +208,21 @@ public:
     }
 
 private:
+    // Throws InputError for what samples cannot bound, however many there are.
+    void refuse(const Query& query) const {
+        const auto fail = [](const std::string& what) {
+            throw InputError(fmt::format("solver 'monte_carlo' {}, or take solver 'distribution'", what));
+        };
+        for (const Statistic& one : query.statistics) {
+            if (needs_target(one)) fail(fmt::format("has only statistics over A: leave out '{}'", to_string(one)));
+            if (one.kind == Statistic::Kind::maximum || (one.kind == Statistic::Kind::quantile && one.argument >= 1))
+                fail(fmt::format("draws samples, which give no upper bound on the largest distance: leave out '{}'",
+                                 to_string(one)));
+        }
+        if (query.weigh == WeighBy::number && by_ != CountedBy::points)
+            fail("weighs by area: leave out the weighing by vertex");
+    }
+
     const TriangleMesh* source_ = nullptr;
     const TriangleBlocks* target_ = nullptr;
     CountedBy by_ = CountedBy::area;

@@ -102,6 +102,15 @@ def test_shares_have_no_unit(hausbench: Program, plates: tuple[Path, Path]) -> N
     assert ", 1]" in hausbench("measure", *plates, "--statistics", "within 0.99999999999").stdout
 
 
+def test_what_samples_cannot_bound_is_refused(hausbench: Program, plates: tuple[Path, Path]) -> None:
+    """Otherwise monte_carlo would draw samples for ever, because they give no upper bound on the maximum."""
+    for arguments, said in ((["--distribution"], "leave out 'maximum'"), (["--statistics", "quantile 1"], "leave out 'quantile 1'"),
+                            (["--statistics", "mean target"], "leave out 'mean target'"),
+                            (["--statistics", "mean", "--by-vertex"], "leave out the weighing by vertex")):
+        line = hausbench.fails("measure", *plates, *arguments, "--solver", "monte_carlo")
+        assert "solver 'monte_carlo'" in line and said in line and "'distribution'" in line
+
+
 def test_monte_carlo_that_is_stopped_keeps_only_whole_batches(hausbench: Program, plates: tuple[Path, Path]) -> None:
     """Half a batch would have only the first triangles of A, so its mean would be too small."""
     done = hausbench("measure", *plates, "--statistics", "mean", "--solver", "monte_carlo", "--tolerance", "1e-9", "--time-limit", "1", "--json")
