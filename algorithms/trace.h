@@ -1,14 +1,18 @@
-// Records how the bounds of a solver change while it runs. A Trace is off by default; timed runs leave it off, so that
-// they do not pay for it.
+// Records how the bounds of a solver change while it runs, or shows them to a watcher. A Trace does neither by default, so
+// that timed runs do not pay for it.
 #pragma once
 
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <utility>
 #include <vector>
 
 namespace hausbench {
+
+struct Bounds;
+struct Result;
 
 struct TraceSample {
     double seconds;  // wall time since start()
@@ -25,6 +29,35 @@ public:
     explicit Trace(Mode mode = Mode::off, std::vector<double> marks = {})
         : on_(mode == Mode::on), marks_(std::move(marks)) {}
 
+    // Receives, at most every tenth of a second, the answer that a solver could give if it stopped now: its bounds and
+    // statistics, with the status `time_limit` and no witness. Called by the thread that solves. It may change the answer,
+    // and must not throw.
+    using Watcher = std::function<void(Result&)>;
+    void watch(Watcher watcher) { watcher_ = std::move(watcher); }
+    bool watched() const { return static_cast<bool>(watcher_); }
+
+    // Returns whether the watcher is to be shown the bounds now.
+    bool due() const { return watched() && std::chrono::steady_clock::now() >= next_; }
+
+    // Shows the watcher, if there is one, bounds or statistics that hold. Does not look at the clock.
+    void show(double lower, double upper);
+    void show(const std::vector<Bounds>& statistics);
+    void show(Result& so_far);
+
+    // While it lives, `change` turns what is shown into an answer to the query of the caller. For adapters, which wrap
+    // solvers and change their queries.
+    class Changing {
+    public:
+        Changing(Trace& trace, Watcher change);
+        ~Changing() { trace_.watcher_ = std::move(outer_); }
+        Changing(const Changing&) = delete;
+        Changing& operator=(const Changing&) = delete;
+
+    private:
+        Trace& trace_;
+        Watcher outer_, change_;
+    };
+
     bool on() const { return on_; }
 
     // Starts a run and removes all samples. If the solver works on shapes that are scaled by 2^exponent, pass the
@@ -37,11 +70,12 @@ public:
         begin_ = std::chrono::steady_clock::now();
     }
 
-    // Offers the current bounds as a sample. Call it wherever the solver tests whether the gap is small enough. A
+    // Offers the current bounds as a sample, and shows them if that is due. Call it wherever the solver tests whether the gap is small enough. A
     // sample is kept if its gap is at least 3 % smaller than the gap of the last kept sample, or if it is the first at
     // or below a mark. So while the gap shrinks from 1 to 1e-16, at most about 1200 samples are kept (0.97^1200 is
     // about 1e-16), plus one for each mark.
     void record(double lower, double upper) {
+        if (due()) show(lower, upper);
         if (!on_) return;
         const double gap = upper - lower;
         // Until an upper bound is known, keep samples whose lower bound is more than 3 % larger than the last one.
@@ -74,6 +108,8 @@ private:
     std::size_t next_mark_ = 0;
     std::chrono::steady_clock::time_point begin_{};
     std::vector<TraceSample> samples_;
+    Watcher watcher_;
+    std::chrono::steady_clock::time_point next_{};  // when the watcher is shown the bounds again
 };
 
 }  // namespace hausbench

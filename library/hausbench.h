@@ -240,9 +240,18 @@ typedef struct hausbench_query {
     double share_tolerance;  /* of shares, which have no unit */
     int32_t weigh_by_number; /* 0: parts of a mesh count by area; 1: each vertex of a mesh counts once */
     int32_t reserved;
+
+    /* Called as `cancel` is, at most every tenth of a second while the thread solves, with the bounds so far, which hold:
+       of the distance, or of each of the `count` statistics. `bounds` may be read until it returns. Result and rules as of
+       `cancel`. NULL: none. Solvers that learn their bounds only at the end do not call it. */
+    int (*progress)(void* progress_data, const hausbench_interval* bounds, size_t count);
+    void* progress_data;
 } hausbench_query;
-#define HAUSBENCH_QUERY_INIT \
-    { sizeof(hausbench_query), 1e-6, HAUSBENCH_OF_DIAGONAL, 1, INFINITY, NULL, NULL, NULL, NULL, NULL, 1e-3, 0, 0 }
+#define HAUSBENCH_QUERY_INIT                                                                                         \
+    {                                                                                                                \
+        sizeof(hausbench_query), 1e-6, HAUSBENCH_OF_DIAGONAL, 1, INFINITY, NULL, NULL, NULL, NULL, NULL, 1e-3, 0, 0, \
+            NULL, NULL                                                                                               \
+    }
 
 enum {
     HAUSBENCH_CONVERGED = 0,  /* the interval is within the tolerance */

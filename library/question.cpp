@@ -10,6 +10,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace hausbench::library {
 namespace {
@@ -64,7 +65,7 @@ Pose pose_of(const double* matrix, const char* name, int argument, const char* o
 Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argument)
     : pair_(given(pair, "pair", 1)->pair),
       asked_(taken<hausbench_query>(theirs, HAUSBENCH_QUERY_INIT, "query", argument)),
-      interrupt_(asked_.cancel, asked_.cancel_data) {
+      interrupt_(&Question::asks_to_stop, this) {
     check(asked_, argument);
     tolerance = resolve_tolerance(asked_.tolerance, unit_named(asked_.relative_to), points_of(pair_->source().shape()),
                                   pair_->extent());
@@ -75,7 +76,7 @@ Question::Question(hausbench_pair* pair, const hausbench_query* theirs, int argu
     query.target_pose = pose_of(asked_.target_pose, "target_pose", argument, "query: ");
     query.weigh = asked_.weigh_by_number ? WeighBy::number : WeighBy::area;
     query.share_tolerance = asked_.share_tolerance;
-    if (asked_.cancel) query.interrupt = &interrupt_;
+    if (asked_.cancel || asked_.progress) query.interrupt = &interrupt_;
     if (!asked_.chain) return;
     chain_ = &asked_.chain->chain;
     if (chain_->pair != pair_)
@@ -119,12 +120,26 @@ Result Question::solved(const Way& way) try {
         if (fresh) at->second = way.session->begin();
         state = at->second.get();
     }
-    Trace untraced;
-    Result result = way.session->solve(one, state, untraced);
+    Trace trace;
+    if (asked_.progress) trace.watch([this](Result& so_far) { show(so_far); });
+    Result result = way.session->solve(one, state, trace);
     solve_seconds_ += clock.elapsed();
     return result;
 } catch (const BuildingStopped&) {  // while it built structures for this answer
     return nothing_in_time();
+}
+
+int Question::asks_to_stop(void* question) {
+    const auto& self = *static_cast<const Question*>(question);
+    return self.stop_ || (self.asked_.cancel && self.asked_.cancel(self.asked_.cancel_data) != 0);
+}
+
+void Question::show(Result& so_far) {
+    if (complete_) complete_(so_far);
+    std::vector<hausbench_interval> bounds;
+    for (const Bounds& one : so_far.statistics) bounds.push_back({one.lower, one.upper});
+    if (query.quantity != Quantity::distribution) bounds = {{so_far.bounds.lower, so_far.bounds.upper}};
+    if (asked_.progress(asked_.progress_data, bounds.data(), bounds.size()) != 0) stop_ = true;
 }
 
 Result Question::solve() { return ask(false); }
@@ -136,12 +151,16 @@ Result Question::solve_symmetric() {
         query.quantity = Quantity::symmetric;
         return solve();
     }
+    complete_ = [](Result& so_far) { so_far.bounds.upper = infinity; };  // h(B,A) has no upper bound yet
     Result forward = ask(false);
     if (forward.status == Status::above_cutoff) {  // so is H(A,B), which has no upper bound, as h(B,A) has none
         forward.bounds.upper = infinity;
         return forward;
     }
-    return larger_of(query, forward, turned(ask(true)));
+    complete_ = [&](Result& so_far) { so_far = larger_of(query, forward, turned(so_far)); };
+    const Result backward = turned(ask(true));
+    complete_ = nullptr;
+    return larger_of(query, forward, backward);
 }
 
 int Question::status_of(const Result& result) const {

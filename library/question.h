@@ -6,6 +6,8 @@
 #include "library/hausbench.h"
 #include "library/pair.h"
 
+#include <functional>
+
 namespace hausbench::library {
 
 // One question about a pair. Make it in the thread that called the library, which calls the cancel function.
@@ -37,11 +39,15 @@ private:
     Way way(Query one, bool backward);
     Result ask(bool backward);  // h(A,B) or h(B,A)
     Result solved(const Way& way);
+    void show(Result& so_far);  // to the caller's progress function
     int status_of(const Result& result) const;
+    static int asks_to_stop(void* question);  // the hook of interrupt_
 
     std::shared_ptr<Pair> pair_;
     hausbench_query asked_;
     Interrupt interrupt_;
+    bool stop_ = false;                      // the progress function has asked to stop
+    std::function<void(Result&)> complete_;  // makes an answer for one direction one for H(A,B); empty: no need
     Chain* chain_ = nullptr;
     double prepare_seconds_ = 0, solve_seconds_ = 0;
 };

@@ -141,6 +141,7 @@ void Sampling::bound_by_corners() {
 std::optional<Status> Sampling::end(double rest) {
     const double high = std::max(bounds_.settled(), rest);
     if (trace_.on()) trace_.record(bounds_.certified_lower(), high);
+    bounds_.show(high);
     Query query = query_;
     query.tolerance = {Tolerance::Of::absolute, 0};
     if (!query.answer(std::sqrt(bounds_.farthest().point.squared), high)) return std::nullopt;

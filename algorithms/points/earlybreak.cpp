@@ -51,7 +51,7 @@ public:
         const Deadline deadline = query.deadline();
         Counters counters;
         FarthestPoint farthest;
-        const bool traced = trace.on();
+        const bool traced = trace.on() || trace.watched();
         for (Index row = 0; row < a.rows(); ++row) {
             const Index i = source_order_[static_cast<std::size_t>(row)];
             Status stopped = Status::converged;

@@ -59,17 +59,18 @@ inline Result exact_result(const Query& query, const Points& a, const Points& b,
     return exact_result(query, a, b, farthest, counters, tiny, rest, stopped);
 }
 
-// The part of record() that runs only if tracing is on. Not inlined, so that the loops that call record() stay small.
+// The part of record() that runs only if tracing is on or a watcher is to be shown the bounds. Not inlined, so that the
+// loops that call record() stay small.
 [[gnu::noinline, gnu::cold]] inline void record_sample(Trace& trace, double squared_lower, double squared_upper) {
     trace.record(distance_at_least(std::max(squared_lower, 0.0), true),
                  distance_at_most(std::max({squared_lower, squared_upper, 0.0}), true));
 }
 
-// Adds a sample with the bounds known so far to the trace, if tracing is on. The arguments are squared distances; omit
-// an unknown upper bound. Always widens the bounds for underflow, because checking whether underflow is possible would
-// take O(n) time.
+// Adds a sample with the bounds known so far to the trace, if tracing is on, and shows them to its watcher if that is
+// due. The arguments are squared distances; omit an unknown upper bound. Always widens the bounds for underflow, because
+// checking whether underflow is possible would take O(n) time.
 inline void record(Trace& trace, double squared_lower, double squared_upper = std::numeric_limits<double>::infinity()) {
-    if (trace.on()) [[unlikely]]
+    if (trace.on() || trace.due()) [[unlikely]]
         record_sample(trace, squared_lower, squared_upper);
 }
 

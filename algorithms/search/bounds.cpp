@@ -18,10 +18,17 @@ double SearchBounds::certified_lower() {
     return certified_;
 }
 
+void SearchBounds::show(double upper) {
+    if (!trace_.due()) return;
+    Counters uncounted;
+    trace_.show(lower_of(farthest_, uncounted), upper);
+}
+
 std::optional<Status> SearchBounds::answered(double queued) {
     while (true) {
         const double high = std::max(settled_, queued), low = std::max(std::sqrt(farthest_squared()) - loss_, 0.0);
         if (trace_.on()) trace_.record(certified_lower(), high);
+        show(high);
         // Certification costs a query, so it comes last: when the uncertified bounds seem to answer the query, or when
         // splitting cannot lower the upper bound any more.
         const std::optional<Status> seems = query_.answer(low, high);

@@ -106,6 +106,10 @@ public:
     // not empty.
     std::optional<Status> end(double queued, std::uint64_t spent);
 
+    // Shows the bounds to the watcher of the trace, if that is due; changes no counter. `upper` is an upper bound on the
+    // distance. answered() and end() do so, too.
+    void show(double upper);
+
     // Returns the largest upper bound of the pieces dropped so far.
     double settled() const { return settled_; }
 

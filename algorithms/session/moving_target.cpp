@@ -187,8 +187,16 @@ Result MovingTarget::solve(const Query& query, State* state, Trace& trace) const
     if (chain && !chain->of_solver) chain->of_solver = solver.begin();
     State* own = chain ? chain->of_solver.get() : nullptr;
     if (own && opposite && opposite->of_solver) own->learn_from(*opposite->of_solver);
-    Result result = solver.solve(asked, own, trace);
-    if (undone) move_back(result, trace, *undone);
+    if (!undone) return solver.solve(asked, own, trace);
+    Result result;
+    {
+        const Trace::Changing back(trace, [&](Result& so_far) {
+            Trace none;
+            move_back(so_far, none, *undone);
+        });
+        result = solver.solve(asked, own, trace);
+    }
+    move_back(result, trace, *undone);
     return result;
 }
 

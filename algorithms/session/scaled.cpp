@@ -265,9 +265,17 @@ Result Scaled::solve(const Query& query, State* state, Trace& trace) const {
 Result Scaled::answer(const Solver& solver, const PreparedPair& pair, const Query& query, State* state,
                       Trace& trace) const {
     const int exponent = pair.source->exponent();
-    trace.start(exponent);
-    Result result = solver.solve(scaled(query, exponent), state, trace);
     const double wider = widening(*pair.source, query.source_pose) + widening(*pair.target, query.target_pose);
+    trace.start(exponent);
+    Result result;
+    {
+        const Trace::Changing back(trace, [&](Result& so_far) {
+            Trace none;
+            scale_back(so_far, none, exponent, wider);
+            scale_statistics_back(query, so_far, exponent, wider, false);
+        });
+        result = solver.solve(scaled(query, exponent), state, trace);
+    }
     const bool witness_rounded = scale_back(result, trace, exponent, wider);
     restore_point(*pair.source, query.source_pose, result.witness.source_element, result.witness.source_point);
     restore_point(*pair.target, query.target_pose, result.witness.target_element, result.witness.target_point);

@@ -163,7 +163,9 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
     if (query.quantity == Quantity::distribution) check_statistics(query, pair_.source->shape(), pair_.target->shape());
     Query asked = query;
     asked.threads = usable_threads(query.threads);
-    Result result = solver_->solve(asked, state, trace);
+    Trace unwatched;
+    const bool shows = maker_->info().can(Ability::traces) || query.quantity == Quantity::distribution;
+    Result result = solver_->solve(asked, state, shows || trace.on() ? trace : unwatched);
     if (query.quantity == Quantity::directed) {
         result.witness.direction = Witness::Direction::source_to_target;
         for (Certificate& one : result.certificates) one.direction = Witness::Direction::source_to_target;

@@ -147,6 +147,10 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
         alone = begin();
         chain = static_cast<Chain*>(alone.get());
     }
+    one.watch(trace.watched() ? [&](Result& so_far) {
+        so_far.bounds.upper = infinity;
+        trace.show(so_far);
+    } : Trace::Watcher());
     Opening opening = open(query, clock, one);
     const double before = opening.forward ? opening.begin : clock.elapsed();
     asked.time_limit = clock.left(query.time_limit);
@@ -165,6 +169,11 @@ Result Symmetric::both(const Query& query, Chain* chain, Trace& trace) const {
     // floor == cutoff turns the query into a yes/no question, so the floor stays just below the cutoff.
     if (query.floor < query.cutoff && asked.floor >= query.cutoff) asked.floor = next_down(query.cutoff);
     if (info_.can(Ability::shared_pairs)) chain->of(!opening.backward)->learn_from(*chain->of(opening.backward));
+    two.watch(trace.watched() ? [&](Result& so_far) {
+        so_far.bounds = {std::max(whole.bounds.lower, so_far.bounds.lower),
+                         std::max(whole.bounds.upper, so_far.bounds.upper)};
+        trace.show(so_far);
+    } : Trace::Watcher());
     const Result other = directed(asked, !opening.backward, chain, two);
     for (const TraceSample& sample : two.samples()) {
         trace.samples().push_back({first + sample.seconds, std::max(whole.bounds.lower, sample.lower),

@@ -1,7 +1,9 @@
 // `measure` solves in a child process, so that a solver that crashes or hangs does not end the program. tell() runs in
 // the child and sends its results through a pipe; `Waiting` receives them in the parent.
 #include "algorithms/error.h"
+#include "algorithms/printable.h"
 #include "harness/commands/measurement_solve.h"
+#include "harness/commands/row_texts.h"
 #include "harness/record/json.h"
 #include "process/child.h"
 #include "process/interrupts.h"
@@ -12,6 +14,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
 
 namespace hausbench {
 
@@ -49,9 +54,10 @@ Result result_of(const json& j) {
     return r;
 }
 
-json answers_json(const Measured& m) {
+// `event`: "answer", or "closer" for bounds that more work may bring closer.
+json answers_json(const char* event, const Measured& m) {
     const auto optional = [](const std::optional<Result>& r) { return r ? result_json(*r) : json(); };
-    return {{"event", "answer"},
+    return {{"event", event},
             {"result", result_json(m.result)},
             {"directions", {optional(m.forward), optional(m.backward)}},
             {"seconds", {m.prepare_seconds, m.solve_seconds, m.forward_seconds, m.backward_seconds}},
@@ -108,7 +114,8 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
     try {
         MeasureSteps steps;
         steps.prepared = [&] { send({{"event", "prepared"}}); };
-        steps.answered = [&] { send(answers_json(measured)); };
+        steps.answered = [&] { send(answers_json("answer", measured)); };
+        steps.closer = [&] { send(answers_json("closer", measured)); };
         steps.drawn = [&] { send(drawn_json(measured.drawn.back())); };
         steps.proved = [&] { send({{"event", "certificate"}, {"proven", number(*measured.proven)}}); };
         prepare_and_solve(work, std::move(source), std::move(target), measured, steps);
@@ -129,6 +136,29 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
 
 // --- in the process that waits ----------------------------------------------------------------------------------------
 
+// A line on a terminal's standard error that tells what goes on, once that has taken two seconds.
+class ProgressLine {
+public:
+    ~ProgressLine() {
+        if (drawn_) fmt::print(stderr, "\r\033[K");
+    }
+
+    void draw(const std::string& doing) {
+        const auto now = Clock::now();
+        if (!person_ || now < next_) return;
+        next_ = now + std::chrono::milliseconds(500);
+        drawn_ = true;
+        fmt::print(stderr, "\r\033[K{:.0f} s | {}", std::chrono::duration<double>(now - begin_).count(),
+                   printable(doing));
+        std::fflush(stderr);
+    }
+
+private:
+    bool person_ = ::isatty(STDERR_FILENO) && !std::getenv("CI");
+    bool drawn_ = false;
+    Clock::time_point begin_ = Clock::now(), next_ = begin_ + std::chrono::seconds(2);
+};
+
 // Stores the child's messages in `measured`, and kills the child if a step takes too long.
 class Waiting {
 public:
@@ -138,6 +168,8 @@ public:
           files_wanted_(work.request.fields.empty() ? 0
                         : work.request.asks_for_h() ? 2
                                                     : 1),
+          name_(work.request.statistics.empty() ? std::string(symbol(work.request.quantity()))
+                                                : to_string(work.request.statistics.front())),
           child_(child),
           measured_(measured) {
         allow("it was not prepared");
@@ -150,6 +182,7 @@ public:
             switch (child_.listen(std::chrono::milliseconds(20), line)) {
                 case Child::Heard::nothing:
                     if (Clock::now() > deadline_) return late();
+                    progress_.draw(doing());
                     break;
                 case Child::Heard::closed:
                     return closed();
@@ -160,6 +193,15 @@ public:
     }
 
 private:
+    std::string doing() const {
+        if (answered_) return "writing and checking files";
+        if (!prepared_) return "preparing";
+        if (!so_far_) return "solving";
+        const Bounds& bounds = so_far_->result.bounds;
+        return fmt::format("solving, {} in [{}, {}] so far", name_, bound_text(bounds.lower, true),
+                           bound_text(bounds.upper, false));
+    }
+
     // Starts the time limit of the next step. If the child exceeds it, `phase` becomes the error message.
     void allow(const char* phase) {
         phase_ = phase;
@@ -184,9 +226,17 @@ private:
 
     bool only_files_are_missing() const { return answered_ && (proof_wanted_ || files_wanted_ > 0); }
 
+    // The last bounds that the child has sent hold, although it has not answered.
     void late() {
-        fail(RowStatus::timeout, fmt::format("killed: {} within the time limit of {:g} s and {:g} s of grace", phase_,
-                                             limit_, grace_of(limit_)));
+        const std::string reason = fmt::format("killed: {} within the time limit of {:g} s and {:g} s of grace", phase_,
+                                               limit_, grace_of(limit_));
+        if (answered_ || !so_far_) return fail(RowStatus::timeout, reason);
+        measured_ = std::move(*so_far_);
+        measured_.result.note = fmt::format("{}; these are its bounds after {:.3g} s", reason, measured_.solve_seconds);
+        answered_ = true;
+        if (only_files_are_missing()) return fail(RowStatus::timeout, reason);
+        child_.kill();
+        ended_ = true;
     }
 
     void closed() {
@@ -205,7 +255,11 @@ private:
         try {
             const json event = json::parse(line);
             const std::string name = event.at("event");
-            if (name == "prepared") return allow("it did not answer");
+            if (name == "prepared") {
+                prepared_ = true;
+                return allow("it did not answer");
+            }
+            if (name == "closer") return take_answers(event, so_far_.emplace(measured_));
             if (name == "answer") {
                 take_answers(event, measured_);
                 answered_ = true;
@@ -245,9 +299,12 @@ private:
     double limit_;
     bool proof_wanted_;
     std::size_t files_wanted_;
-    bool answered_ = false;
+    std::string name_;  // of what is measured
+    bool prepared_ = false, answered_ = false;
+    ProgressLine progress_;
     Child& child_;
     Measured& measured_;
+    std::optional<Measured> so_far_;  // with the last bounds that the child has sent before it answers
     const char* phase_ = "";
     Clock::time_point deadline_;
     bool ended_ = false;

@@ -25,8 +25,8 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 
 class Solving {
 public:
-    Solving(const MeasureWork& work, PreparedPair shapes, Measured& measured)
-        : work_(work), shapes_(std::move(shapes)), measured_(measured) {
+    Solving(const MeasureWork& work, PreparedPair shapes, Measured& measured, const MeasureSteps& steps)
+        : work_(work), shapes_(std::move(shapes)), measured_(measured), steps_(steps) {
         const MeasureRequest& request = work.request;
         // A symmetric query is answered by two directed ones.
         query_.quantity = request.asks_for_h() ? Quantity::directed : request.quantity();
@@ -58,7 +58,8 @@ public:
     void solve() {
         begin_ = Clock::now();
         if (!work_.request.asks_for_h()) {
-            measured_.result = ask(*forward_, query_, measured_.forward_seconds);
+            measured_.result = ask(*forward_, query_, measured_.forward_seconds,
+                                   [&](Result& so_far) { measured_.result = std::move(so_far); });
         } else if (relative()) {
             solve_relative();
         } else {
@@ -164,11 +165,21 @@ private:
         return {work_.entry, Options(info.name, info.parameters, work_.request.options), PreparedPair{a, b}, queries};
     }
 
-    Result ask(const Session& session, Query query, double& seconds) const {
+    // `keep` stores an answer so far in `measured_`.
+    Result ask(const Session& session, Query query, double& seconds,
+               const std::function<void(Result&)>& keep = nullptr) const {
         const auto begin = Clock::now();
         query.time_limit = std::max(0.0, query.time_limit - seconds_since(begin_));
-        Trace untraced;
-        Result result = session.solve(query, untraced);
+        Trace trace;
+        if (keep) {
+            trace.watch([&](Result& so_far) {
+                keep(so_far);
+                seconds = seconds_since(begin);
+                measured_.solve_seconds = seconds_since(begin_);
+                steps_.closer();
+            });
+        }
+        Result result = session.solve(query, trace);
         result.note = one_line(result.note);
         seconds = seconds_since(begin);
         return result;
@@ -177,15 +188,22 @@ private:
     // Solves each direction to the full tolerance, because both are printed. (For H alone, the second direction could
     // stop once it is known to be below the first.)
     void solve_both() {
-        const Result forward = ask(*forward_, query_, measured_.forward_seconds);
+        const Result forward = ask(*forward_, query_, measured_.forward_seconds, [&](Result& so_far) {
+            measured_.result = so_far;
+            measured_.result.bounds.upper = infinity;  // h(B,A) has no upper bound yet
+            measured_.forward = std::move(so_far);
+        });
         measured_.forward = forward;
         if (forward.status == Status::above_cutoff) {  // so H is above it, too; h(B,A) and thus H have no upper bound
             measured_.result = forward;
             measured_.result.bounds.upper = infinity;
             return;
         }
-        measured_.backward = turned(ask(*backward_, query_, measured_.backward_seconds));
-        measured_.result = larger_of(query_, forward, *measured_.backward);
+        const auto add_backward = [&](const Result& so_far) {
+            measured_.backward = turned(so_far);
+            measured_.result = larger_of(query_, forward, *measured_.backward);
+        };
+        add_backward(ask(*backward_, query_, measured_.backward_seconds, add_backward));
     }
 
     // Solves with a tolerance that is a fraction of the lower bound. A direction with distance 0 has the lower bound 0,
@@ -195,7 +213,7 @@ private:
         Query whole = query_;
         whole.quantity = Quantity::symmetric;
         double ignored = 0;
-        measured_.result = ask(*both_, whole, ignored);
+        measured_.result = ask(*both_, whole, ignored, [&](Result& so_far) { measured_.result = std::move(so_far); });
         const double gap = query_.tolerance.gap(measured_.result.bounds.lower);
         if (!(gap > 0) || measured_.result.status != Status::converged) return;
         Query query = query_;
@@ -207,6 +225,7 @@ private:
     const MeasureWork& work_;
     PreparedPair shapes_;
     Measured& measured_;
+    const MeasureSteps& steps_;
     Query query_;
     Clock::time_point begin_;
     std::optional<Session> forward_, both_, backward_;  // for h(A,B), H(A,B), h(B,A), as far as needed
@@ -217,7 +236,7 @@ private:
 void prepare_and_solve(const MeasureWork& work, Shape source, Shape target, Measured& measured,
                        const MeasureSteps& steps) {
     PeakMemory memory;
-    Solving solving(work, prepare_pair(work.entry.info, std::move(source), std::move(target)), measured);
+    Solving solving(work, prepare_pair(work.entry.info, std::move(source), std::move(target)), measured, steps);
     memory.prepared();
     measured.prepare_seconds = solving.prepare_seconds();
     steps.prepared();

@@ -17,6 +17,7 @@ struct MeasureWork {
 // Callbacks of prepare_and_solve(), called after each step.
 struct MeasureSteps {
     std::function<void()> prepared = [] {}, answered = [] {};
+    std::function<void()> closer = [] {};  // `measured` holds bounds, and more work may bring them closer
     std::function<void()> drawn = [] {};   // a file of fields is written; Measured::drawn.back() describes it
     std::function<void()> proved = [] {};  // the certificate is written but not checked yet
 };

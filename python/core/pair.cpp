@@ -44,14 +44,17 @@ std::vector<const char*> pointers_to(const std::vector<std::string>& texts) {
 }
 
 // Asks a question without the GIL: ask(query, answer, error) returns the code of the library.
-template <typename Ask> py::tuple answer_to(const Query& query, Pair::Chain* chain, Ask ask) {
+// `progress` is None or a function of a list of (lower, upper).
+template <typename Ask>
+py::tuple answer_to(const Query& query, Pair::Chain* chain, const py::object& progress, Ask ask) {
     hausbench_error error = HAUSBENCH_ERROR_INIT;
     hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
     Working working;
     int code;
     {
         const Pair::Chain::Use use(chain);
-        const hausbench_query asked = query.with(working, use.get());
+        hausbench_query asked = query.with(working, use.get());
+        if (!progress.is_none()) working.show_progress_to(progress, asked);
         code = working.run([&] { return ask(&asked, &answer, &error); });
     }
     check(code, error);
@@ -110,32 +113,34 @@ Pair::Chain::Use::~Use() {
     if (chain_) chain_->used_.clear();
 }
 
-py::tuple Pair::directed(const Query& query, Chain* chain) const {
-    return answer_to(query, chain, [&](auto... rest) { return hausbench_directed(pair_.get(), rest...); });
+py::tuple Pair::directed(const Query& query, Chain* chain, const py::object& progress) const {
+    return answer_to(query, chain, progress, [&](auto... rest) { return hausbench_directed(pair_.get(), rest...); });
 }
 
-py::tuple Pair::symmetric(const Query& query, Chain* chain) const {
-    return answer_to(query, chain, [&](auto... rest) { return hausbench_symmetric(pair_.get(), rest...); });
+py::tuple Pair::symmetric(const Query& query, Chain* chain, const py::object& progress) const {
+    return answer_to(query, chain, progress, [&](auto... rest) { return hausbench_symmetric(pair_.get(), rest...); });
 }
 
-py::tuple Pair::within(bool symmetric, double length, const Query& query, Chain* chain) const {
-    return answer_to(query, chain,
+py::tuple Pair::within(bool symmetric, double length, const Query& query, Chain* chain,
+                       const py::object& progress) const {
+    return answer_to(query, chain, progress,
                      [&](auto... rest) { return hausbench_within(pair_.get(), symmetric, length, rest...); });
 }
 
 py::tuple Pair::certify(bool symmetric, const Query& query, const py::bytes& path) const {
     const std::string name = path_of(path);
-    return answer_to(query, nullptr,
+    return answer_to(query, nullptr, py::none(),
                      [&](const hausbench_query* asked, hausbench_answer* answer, hausbench_error* error) {
                          return hausbench_certify(pair_.get(), symmetric, asked, name.c_str(), answer, error);
                      });
 }
 
-py::tuple Pair::distribution(const std::vector<std::string>& statistics, const Query& query) const {
+py::tuple Pair::distribution(const std::vector<std::string>& statistics, const Query& query,
+                             const py::object& progress) const {
     const std::vector<const char*> texts = pointers_to(statistics);
     std::vector<hausbench_interval> values(texts.size());
-    const py::tuple answer =
-        answer_to(query, nullptr, [&](const hausbench_query* asked, hausbench_answer* result, hausbench_error* error) {
+    const py::tuple answer = answer_to(
+        query, nullptr, progress, [&](const hausbench_query* asked, hausbench_answer* result, hausbench_error* error) {
             return hausbench_distribution(pair_.get(), texts.data(), texts.size(), asked, values.data(), result, error);
         });
     py::list bounds;
@@ -149,7 +154,7 @@ py::tuple Pair::field(const Query& query, py::ssize_t count) const {
     py::array_t<std::int64_t> nearest(count);
     auto* values = reinterpret_cast<hausbench_interval*>(bounds.mutable_data());
     std::int64_t* rows = nearest.mutable_data();
-    answer_to(query, nullptr, [&](const hausbench_query* asked, hausbench_answer*, hausbench_error* error) {
+    answer_to(query, nullptr, py::none(), [&](const hausbench_query* asked, hausbench_answer*, hausbench_error* error) {
         return hausbench_field(pair_.get(), asked, values, rows, error);
     });
     return py::make_tuple(bounds, nearest);
@@ -165,12 +170,15 @@ void define_pair(py::module_& module) {
     pair.def(py::init<const Shape&, const Shape&, const std::string&, const std::vector<std::string>&, int, int>(),
              py::arg("source"), py::arg("target"), py::arg("solver"), py::arg("parameters"), py::arg("threads"),
              py::arg("moves"))
-        .def("directed", &Pair::directed, py::arg("query"), py::arg("chain") = nullptr)
-        .def("symmetric", &Pair::symmetric, py::arg("query"), py::arg("chain") = nullptr)
+        .def("directed", &Pair::directed, py::arg("query"), py::arg("chain") = nullptr,
+             py::arg("progress") = py::none())
+        .def("symmetric", &Pair::symmetric, py::arg("query"), py::arg("chain") = nullptr,
+             py::arg("progress") = py::none())
         .def("within", &Pair::within, py::arg("symmetric"), py::arg("length"), py::arg("query"),
-             py::arg("chain") = nullptr)
+             py::arg("chain") = nullptr, py::arg("progress") = py::none())
         .def("certify", &Pair::certify, py::arg("symmetric"), py::arg("query"), py::arg("path"))
-        .def("distribution", &Pair::distribution, py::arg("statistics"), py::arg("query"))
+        .def("distribution", &Pair::distribution, py::arg("statistics"), py::arg("query"),
+             py::arg("progress") = py::none())
         .def("field", &Pair::field, py::arg("query"), py::arg("count"));
 }
 

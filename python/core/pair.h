@@ -42,15 +42,17 @@ public:
          const std::vector<std::string>& parameters, int threads, int moves);
 
     // Each returns the members of hausbench_answer as a tuple, see _core.pyi. A chain that another thread is using is
-    // not used, which changes no bound's truth.
+    // not used, which changes no bound's truth. `progress` is None or a function of a list of (lower, upper).
     class Chain;
-    pybind11::tuple directed(const Query& query, Chain* chain) const;
-    pybind11::tuple symmetric(const Query& query, Chain* chain) const;
-    pybind11::tuple within(bool symmetric, double length, const Query& query, Chain* chain) const;
+    pybind11::tuple directed(const Query& query, Chain* chain, const pybind11::object& progress) const;
+    pybind11::tuple symmetric(const Query& query, Chain* chain, const pybind11::object& progress) const;
+    pybind11::tuple within(bool symmetric, double length, const Query& query, Chain* chain,
+                           const pybind11::object& progress) const;
     pybind11::tuple certify(bool symmetric, const Query& query, const pybind11::bytes& path) const;
 
     // Returns an array (n, 2) of bounds, one row for each statistic, and the answer.
-    pybind11::tuple distribution(const std::vector<std::string>& statistics, const Query& query) const;
+    pybind11::tuple distribution(const std::vector<std::string>& statistics, const Query& query,
+                                 const pybind11::object& progress) const;
 
     // Returns an array (n, 2) of bounds, and one (n) of rows of the target, for the `count` vertices of the source.
     pybind11::tuple field(const Query& query, pybind11::ssize_t count) const;

@@ -45,4 +45,20 @@ int Working::cancel(void* data) {
     return working.interrupted_ ? 1 : 0;
 }
 
+int Working::progress(void* data, const hausbench_interval* bounds, std::size_t count) {
+    Working& working = *static_cast<Working*>(data);
+    if (working.interrupted_ || _Py_IsFinalizing()) return 1;
+    working.take_gil();
+    try {
+        py::list all;
+        for (std::size_t i = 0; i < count; ++i) all.append(py::make_tuple(bounds[i].lower, bounds[i].upper));
+        working.function_(all);
+    } catch (py::error_already_set& error) {  // no caller in C++ may see it
+        error.restore();
+        working.interrupted_ = true;
+    }
+    working.thread_ = PyEval_SaveThread();
+    return working.interrupted_ ? 1 : 0;
+}
+
 }  // namespace hausbench_python

@@ -1,6 +1,8 @@
 // Runs the library without the GIL, and answers Ctrl-C meanwhile.
 #pragma once
 
+#include "library/hausbench.h"
+
 #include <pybind11/pybind11.h>
 
 #include <chrono>
@@ -24,6 +26,15 @@ public:
     // main thread after the first time, because no other thread handles signals.
     static int cancel(void* working);
 
+    // Calls a Python function with the bounds so far, a list of (lower, upper); what it raises ends the call. A progress
+    // callback of the library; its data are a Working.
+    void show_progress_to(const pybind11::object& function, hausbench_query& query) {
+        function_ = function;
+        query.progress = &Working::progress;
+        query.progress_data = this;
+    }
+    static int progress(void* working, const hausbench_interval* bounds, std::size_t count);
+
 private:
     // Takes the GIL back. While the interpreter exits, the thread gets no GIL any more: it then waits for the end of the
     // process.
@@ -36,6 +47,7 @@ private:
     Clock::time_point next_ = Clock::now() + between;
     bool handles_signals_ = true;
     bool interrupted_ = false;
+    pybind11::object function_;
 };
 
 }  // namespace hausbench_python

@@ -23,6 +23,8 @@ Keyword arguments of all questions:
                   text file with the 16 numbers of a matrix, row by row. Scaling, shearing and mirroring are allowed, so a matrix
                   is not checked to be a rotation
     target_pose   moves B
+    progress      a function that gets the Interval so far, which holds, about every tenth of a second; for `distribution` a dict
+                  of Intervals by the name of the statistic. What it raises ends the question
 Ctrl-C raises KeyboardInterrupt in the main thread, but a file is read and a proof checked to its end first. Other Python threads
 run while a question is answered.
 """
@@ -30,47 +32,47 @@ run while a question is answered.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from hausbench import _core
 from hausbench.answers import Answer, Field, Verdict
 from hausbench.errors import InputError, Undecided
 from hausbench.interval import Interval
-from hausbench.options import INFINITY, flag, matrix_of, number, pair_of, query_of
+from hausbench.options import INFINITY, flag, matrix_of, number, pair_of, progress_of, query_of
 from hausbench.shapes import path_of, shape_of
 
 if TYPE_CHECKING:
     from hausbench._core import Chain, Pair, Query
     from hausbench.shapes import Shape
     from hausbench.statistics import Distribution
-    from hausbench.typing import Pose, ShapeLike
+    from hausbench.typing import Pose, Progress, ShapeLike
 
 
 def directed(A: ShapeLike, B: ShapeLike, *, tolerance: float = 1e-6, relative_to: str = "diagonal", threads: int = 1,
              time_limit: float | None = None, solver: str | None = None, options: Mapping[str, object] | None = None,
-             pose: Pose | None = None, target_pose: Pose | None = None) -> Answer:
+             pose: Pose | None = None, target_pose: Pose | None = None, progress: Progress | None = None) -> Answer:
     """Bounds h(A,B), the largest distance of a point of A to B, in the unit of the input.
 
     h(A,B) ignores parts of B that A lacks: see `symmetric`. The module hausbench.calls describes the arguments.
     """
     query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
     pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
-    return Answer("h(A,B)", pair.directed(query))
+    return Answer("h(A,B)", pair.directed(query, None, progress_of(progress)))
 
 
 def symmetric(A: ShapeLike, B: ShapeLike, *, tolerance: float = 1e-6, relative_to: str = "diagonal", threads: int = 1,
               time_limit: float | None = None, solver: str | None = None, options: Mapping[str, object] | None = None,
-              pose: Pose | None = None, target_pose: Pose | None = None) -> Answer:
+              pose: Pose | None = None, target_pose: Pose | None = None, progress: Progress | None = None) -> Answer:
     """Bounds H(A,B), the larger of h(A,B) and h(B,A). Arguments as in `directed`."""
     query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
     pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
-    return Answer("H(A,B)", pair.symmetric(query))
+    return Answer("H(A,B)", pair.symmetric(query, None, progress_of(progress)))
 
 
 def within(A: ShapeLike, B: ShapeLike, d: float, *, symmetric: bool = False, threads: int = 1, time_limit: float | None = None,
            solver: str | None = None, options: Mapping[str, object] | None = None, pose: Pose | None = None,
-           target_pose: Pose | None = None) -> bool:
+           target_pose: Pose | None = None, progress: Progress | None = None) -> bool:
     """Returns whether every point of A is at most d from B: h(A,B) <= d. With `symmetric`, whether also every point of B is
     at most d from A: H(A,B) <= d. Often much faster than `directed`.
 
@@ -80,16 +82,17 @@ def within(A: ShapeLike, B: ShapeLike, d: float, *, symmetric: bool = False, thr
     """
     query = query_of(1e-6, "diagonal", threads, time_limit, pose, target_pose)
     pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), solver, options, threads, pose, target_pose)
-    return decide(pair, symmetric, d, query, None)
+    return decide(pair, symmetric, d, query, None, progress)
 
 
-def decide(pair: Pair, symmetric: bool, d: float, query: Query, chain: Chain | None) -> bool:
+def decide(pair: Pair, symmetric: bool, d: float, query: Query, chain: Chain | None,
+           progress: Progress | None) -> bool:
     length = number(d, "d")
     if not 0 <= length < INFINITY:
         raise InputError(f"d: {d!r} is not a length: give a finite number of at least 0")
     both_ways = flag(symmetric, "symmetric")
     name = "H(A,B)" if both_ways else "h(A,B)"
-    answer = Answer(name, pair.within(both_ways, length, query, chain))
+    answer = Answer(name, pair.within(both_ways, length, query, chain, progress_of(progress)))
     if answer.status == "within":
         return True
     if answer.status == "above":
@@ -103,7 +106,8 @@ def distribution(A: ShapeLike, B: ShapeLike, *, statistics: str | Iterable[str] 
                  quantiles: float | Iterable[float] = (), within: float | Iterable[float] = (), over: str = "source",
                  weigh: str = "area", tolerance: float = 1e-6, share_tolerance: float = 1e-3,
                  relative_to: str = "diagonal", threads: int = 1,
-                 time_limit: float | None = None, pose: Pose | None = None, target_pose: Pose | None = None) -> Distribution:
+                 time_limit: float | None = None, pose: Pose | None = None, target_pose: Pose | None = None,
+                 progress: Callable[[dict[str, Interval]], object] | None = None) -> Distribution:
     """Bounds statistics of the distance of the points of A to B, each by an Interval.
 
     Computes at once, in one run, what you list: `statistics` (of "mean", "rms", "deviation", "maximum", "median"), `quantiles`
@@ -120,7 +124,7 @@ def distribution(A: ShapeLike, B: ShapeLike, *, statistics: str | Iterable[str] 
 
     query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose, share_tolerance, weigh)
     pair = pair_of(shape_of(A, "A"), shape_of(B, "B"), None, None, threads, pose, target_pose)
-    return Distribution(pair, query, over, statistics, quantiles, within)
+    return Distribution(pair, query, over, statistics, quantiles, within, progress)
 
 
 def field(A: ShapeLike, B: ShapeLike, *, threads: int = 1, time_limit: float | None = None, pose: Pose | None = None,

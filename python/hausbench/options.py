@@ -5,12 +5,12 @@ from __future__ import annotations
 import operator
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from hausbench._core import Pair, Query
 from hausbench.errors import InputError
-from hausbench.interval import exact
+from hausbench.interval import Interval, exact
 
 if TYPE_CHECKING:
     import numpy as np
@@ -112,6 +112,17 @@ def _seconds(value: object) -> float:
     if not seconds >= 0:
         raise InputError(f"time_limit: {value!r} is not a time: give seconds of at least 0, or None for no limit")
     return seconds
+
+
+def progress_of(progress: object, names: list[str] | None = None) -> Callable[[list[tuple[float, float]]], object] | None:
+    """Returns a function that passes bounds on to the user's function: as a dict by these names, or as one Interval."""
+    if progress is None:
+        return None
+    if not callable(progress):
+        raise InputError(f"progress: {progress!r} cannot be called: give a function of one argument, or None")
+    if names is None:
+        return lambda bounds: progress(Interval(*bounds[0]))
+    return lambda bounds: progress({name: Interval(*one) for name, one in zip(names, bounds)})
 
 
 def pair_of(source: Shape, target: Shape, solver: str | None, options: Mapping[str, object] | None, threads: int,

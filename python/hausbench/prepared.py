@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, NoReturn
 from weakref import WeakKeyDictionary
 
 from hausbench._core import Chain, Pair
 from hausbench.answers import Answer, Field
 from hausbench.calls import decide, field_of
-from hausbench.options import pair_of, query_of
+from hausbench.options import pair_of, progress_of, query_of
 from hausbench.shapes import Shape, shape_of
 
 if TYPE_CHECKING:
+    from hausbench.interval import Interval
     from hausbench.statistics import Distribution
-    from hausbench.typing import Pose, ShapeLike
+    from hausbench.typing import Pose, Progress, ShapeLike
 
 
 class Prepared:
@@ -53,37 +54,40 @@ class Prepared:
         return pair_of(source, self._target, self._solver, self._options, threads, pose, target_pose)
 
     def directed(self, A: ShapeLike, *, tolerance: float = 1e-6, relative_to: str = "diagonal", threads: int = 1,
-                 time_limit: float | None = None, pose: Pose | None = None, target_pose: Pose | None = None) -> Answer:
+                 time_limit: float | None = None, pose: Pose | None = None, target_pose: Pose | None = None,
+                 progress: Progress | None = None) -> Answer:
         """Bounds h(A,B), as hausbench.directed."""
         query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
         pair, chain = self._pair(A, threads, pose, target_pose)
-        return Answer("h(A,B)", pair.directed(query, chain))
+        return Answer("h(A,B)", pair.directed(query, chain, progress_of(progress)))
 
     def symmetric(self, A: ShapeLike, *, tolerance: float = 1e-6, relative_to: str = "diagonal", threads: int = 1,
-                  time_limit: float | None = None, pose: Pose | None = None, target_pose: Pose | None = None) -> Answer:
+                  time_limit: float | None = None, pose: Pose | None = None, target_pose: Pose | None = None,
+                 progress: Progress | None = None) -> Answer:
         """Bounds H(A,B), as hausbench.symmetric."""
         query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose)
         pair, chain = self._pair(A, threads, pose, target_pose)
-        return Answer("H(A,B)", pair.symmetric(query, chain))
+        return Answer("H(A,B)", pair.symmetric(query, chain, progress_of(progress)))
 
     def within(self, A: ShapeLike, d: float, *, symmetric: bool = False, threads: int = 1, time_limit: float | None = None,
-               pose: Pose | None = None, target_pose: Pose | None = None) -> bool:
+               pose: Pose | None = None, target_pose: Pose | None = None, progress: Progress | None = None) -> bool:
         """Returns whether h(A,B) <= d, or H(A,B) <= d, or raises Undecided, as hausbench.within."""
         query = query_of(1e-6, "diagonal", threads, time_limit, pose, target_pose)
         pair, chain = self._pair(A, threads, pose, target_pose)
-        return decide(pair, symmetric, d, query, chain)
+        return decide(pair, symmetric, d, query, chain, progress)
 
     def distribution(self, A: ShapeLike, *, statistics: str | Iterable[str] | None = None,
                      quantiles: float | Iterable[float] = (), within: float | Iterable[float] = (), over: str = "source",
                      weigh: str = "area", tolerance: float = 1e-6, share_tolerance: float = 1e-3,
                      relative_to: str = "diagonal", threads: int = 1,
                      time_limit: float | None = None, pose: Pose | None = None,
-                     target_pose: Pose | None = None) -> Distribution:
+                     target_pose: Pose | None = None,
+                     progress: Callable[[dict[str, Interval]], object] | None = None) -> Distribution:
         """Bounds statistics of the distance of the points of A to B, as hausbench.distribution."""
         from hausbench.statistics import Distribution
 
         query = query_of(tolerance, relative_to, threads, time_limit, pose, target_pose, share_tolerance, weigh)
-        return Distribution(self._pair(A, threads, pose, target_pose)[0], query, over, statistics, quantiles, within)
+        return Distribution(self._pair(A, threads, pose, target_pose)[0], query, over, statistics, quantiles, within, progress)
 
     def field(self, A: ShapeLike, *, threads: int = 1, time_limit: float | None = None, pose: Pose | None = None,
               target_pose: Pose | None = None) -> Field:

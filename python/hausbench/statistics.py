@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, NoReturn
 
 from hausbench.answers import STATUSES
 from hausbench.errors import InputError
 from hausbench.interval import Interval
-from hausbench.options import INFINITY, number
+from hausbench.options import INFINITY, number, progress_of
 
 if TYPE_CHECKING:
     from hausbench._core import Pair, Query
@@ -41,7 +41,8 @@ def _share(length: object) -> str:
 class Distribution:
     """Bounds of statistics, made by `hausbench.distribution`. What was not listed there is computed on first use and kept."""
 
-    def __init__(self, pair: Pair, query: Query, over: str, statistics: object, quantiles: object, within: object) -> None:
+    def __init__(self, pair: Pair, query: Query, over: str, statistics: object, quantiles: object, within: object,
+                 progress: Callable[[dict[str, Interval]], object] | None = None) -> None:
         if over not in OVER:
             raise InputError(f"over: {over!r} is not one of {', '.join(OVER)}")
         others = [*map(_quantile, _listed(quantiles)), *map(_share, _listed(within))]
@@ -49,7 +50,7 @@ class Distribution:
         for name in names:
             if name not in NAMES:
                 raise InputError(f"statistics: {name!r} is not one of {', '.join(NAMES)}; for others see quantiles and within")
-        self._pair, self._query = pair, query
+        self._pair, self._query, self._progress = pair, query, progress
         self._over = "" if over == "source" else f" {over}"
         self._known: dict[str, Interval] = {}
         self._status = "converged"
@@ -59,7 +60,8 @@ class Distribution:
         names = list(dict.fromkeys(wanted))
         if not names:
             return
-        bounds, answer = self._pair.distribution([name + self._over for name in names], self._query)
+        asked = [name + self._over for name in names]
+        bounds, answer = self._pair.distribution(asked, self._query, progress_of(self._progress, names))
         self._status = STATUSES[answer[0]]
         self._known.update((name, Interval(lower, upper)) for name, (lower, upper) in zip(names, bounds))
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Any, Protocol, Union
 
 import numpy.typing as npt
 
+from hausbench.interval import Interval
 from hausbench.shapes import Shape
 
 
@@ -71,3 +73,4 @@ ShapeLike = Union[Shape, HasFaces, HasTriangles, HasPoints, HasPolygons, HasTens
                   tuple[npt.ArrayLike, npt.ArrayLike], tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike, npt.ArrayLike], str,
                   "os.PathLike[str]"]
 Pose = Union[npt.ArrayLike, tuple[npt.ArrayLike, npt.ArrayLike], str, "os.PathLike[str]"]
+Progress = Callable[[Interval], object]

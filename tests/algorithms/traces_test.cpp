@@ -65,5 +65,60 @@ TEST(Traces, HoldSamplesBeforeTheLastWhoseBoundsHold) {
         EXPECT_EQ(tried.contains(entry.info.name), is_tried(entry.info)) << entry.info.name;
 }
 
+Scene enlarged(Scene scene) {
+    for (SharedShape* side : {&scene.source, &scene.target}) {
+        Shape shape = *side;
+        if (kind_of(shape) == ShapeKind::surface) continue;
+        points_of(shape) *= 3e5;
+        *side = std::move(shape);
+    }
+    return scene;
+}
+
+// What a watcher sees holds for the query as it was asked: in the unit of the input, at its poses, for H. Watching changes
+// no bit of the answer.
+TEST(Traces, AreShownAsAnswersToTheQuery) {
+    int shown_by = 0;
+    for (const Scene& scene : scenes()) {
+        const Scene large = enlarged(scene);
+        const bool moves = kind_of(scene.source) != ShapeKind::surface;
+        for (const SolverEntry& entry : solvers()) {
+            if (!is_tried(entry.info)) continue;
+            if (!refusal(entry.info, kind_of(scene.source), kind_of(scene.target)).empty()) continue;
+            for (const bool symmetric : {false, true}) {
+                QuerySet queries;
+                queries.symmetric = symmetric;
+                queries.target_moves = moves;
+                const Session session(entry, options(entry), large, queries);
+                Query query;
+                query.quantity = symmetric ? Quantity::symmetric : Quantity::directed;
+                query.tolerance = {Tolerance::Of::absolute, moves ? 0.1 : 1e-6};
+                query.time_limit = 10;
+                if (moves) query.target_pose.translation = {1e4, 0, 0};
+                Trace unwatched, watched;
+                std::vector<Bounds> seen;
+                watched.watch([&](Result& so_far) {
+                    EXPECT_EQ(so_far.status, Status::time_limit);
+                    seen.push_back(so_far.bounds);
+                });
+                const Result plain = session.solve(query, unwatched), result = session.solve(query, watched);
+                const std::string at = entry.info.name + (symmetric ? ", H" : ", h");
+                EXPECT_EQ(plain.bounds.lower, result.bounds.lower) << at;
+                EXPECT_EQ(plain.bounds.upper, result.bounds.upper) << at;
+                for (const CounterField& field : counter_fields)
+                    EXPECT_EQ(plain.counters.*field.member, result.counters.*field.member) << at;
+                shown_by += !seen.empty();
+                for (const Bounds& bounds : seen) {
+                    EXPECT_LE(bounds.lower, result.bounds.upper) << at;
+                    EXPECT_GE(bounds.upper, result.bounds.lower) << at;
+                }
+                if (symmetric && !entry.info.offers(Quantity::symmetric) && !seen.empty())
+                    EXPECT_EQ(seen.front().upper, infinity) << at;  // h(B,A) has none yet
+            }
+        }
+    }
+    EXPECT_GE(shown_by, 20);
+}
+
 }  // namespace
 }  // namespace hausbench

@@ -134,6 +134,62 @@ TEST(Library, UnitsOfTheTolerance) {
     }
 }
 
+// The bounds hold, come in the thread of the caller, and end the call if the function says so.
+TEST(Library, ShowsTheBoundsSoFar) {
+    const PairHandle pair = pair_of(handle_of(sheet(40, 0, 0.4)), handle_of(sheet(37, 0.3, 0.4)));
+    struct Seen {
+        std::vector<std::vector<hausbench_interval>> bounds;
+        std::thread::id thread = std::this_thread::get_id();
+        int elsewhere = 0, stop = 0;
+
+        static int keep(void* data, const hausbench_interval* bounds, std::size_t count) {
+            auto& self = *static_cast<Seen*>(data);
+            self.bounds.emplace_back(bounds, bounds + count);
+            self.elsewhere += self.thread != std::this_thread::get_id();
+            return self.stop;
+        }
+    };
+    for (const bool both : {false, true}) {
+        Seen seen;
+        hausbench_query query = initial_query();
+        query.progress = Seen::keep;
+        query.progress_data = &seen;
+        const hausbench_answer answer = both ? symmetric(pair, query) : directed(pair, query);
+        const hausbench_answer plain = both ? symmetric(pair) : directed(pair);
+        expect_same_bits(answer.bounds, {plain.bounds.lower, plain.bounds.upper});
+        ASSERT_FALSE(seen.bounds.empty());
+        EXPECT_EQ(seen.elsewhere, 0);
+        for (const auto& bounds : seen.bounds) {
+            ASSERT_EQ(bounds.size(), 1u);
+            EXPECT_LE(bounds[0].lower, answer.bounds.upper);
+            EXPECT_GE(bounds[0].upper, answer.bounds.lower);
+        }
+    }
+    for (const int stop : {0, 1}) {
+        Seen seen;
+        seen.stop = stop;
+        hausbench_query query = initial_query();
+        query.tolerance = 1e-3;
+        query.progress = Seen::keep;
+        query.progress_data = &seen;
+        const char* names[] = {"mean", "maximum"};
+        hausbench_interval values[2];
+        hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+        hausbench_error error = HAUSBENCH_ERROR_INIT;
+        expect_ok(hausbench_distribution(pair.get(), names, 2, &query, values, &answer, &error), error);
+        EXPECT_EQ(answer.status, stop ? HAUSBENCH_CANCELLED : HAUSBENCH_CONVERGED);
+        ASSERT_GE(seen.bounds.size(), stop ? 1u : 2u);
+        for (const auto& bounds : seen.bounds) {
+            ASSERT_EQ(bounds.size(), 2u);
+            for (int i = 0; i < 2; ++i) {
+                EXPECT_LE(bounds[i].lower, values[i].upper);
+                EXPECT_GE(bounds[i].upper, values[i].lower);
+            }
+        }
+        EXPECT_LT(values[0].upper, INFINITY);
+    }
+}
+
 TEST(Library, AsksWhetherADistanceIsWithinALength) {
     const ShapeHandle a = shape_of(two_points), b = shape_of(origin);
     const PairHandle pair = pair_of(a, b);

@@ -155,6 +155,29 @@ template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vecto
             }};
 }
 
+// A solver that knows its answer, shows it to whoever watches, and never returns.
+class NeverReturns final : public Solver {
+public:
+    explicit NeverReturns(const Options&) : good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
+
+    void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
+
+    Result solve(const Query& query, State*, Trace& trace) const override {
+        const Bounds bounds = good_->solve(query, nullptr, trace).bounds;
+        for (;; ::usleep(10'000)) trace.record(0.5 * bounds.lower, 2 * bounds.upper);
+    }
+
+private:
+    std::unique_ptr<Solver> good_;
+};
+
+SolverEntry never_returns() {
+    SolverInfo info = vertex_only_solver().info;
+    info.name = info.title = "never_returns";
+    info.abilities.insert(Ability::traces);
+    return {info, make_solver<NeverReturns>};
+}
+
 // A solver that runs out of time if the target has more triangles than the source.
 class StopsEarly final : public Solver {
 public:
@@ -202,7 +225,7 @@ SolverEntry stops_early() {
 }  // namespace
 
 HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), steps_solver(), misbehaving<crash>("crashes"),
-                 misbehaving<hang>("hangs"), misbehaving<leave>("leaves"), never_ready(),
+                 misbehaving<hang>("hangs"), misbehaving<leave>("leaves"), never_ready(), never_returns(),
                  misbehaving<dawdle>("dawdles", {"up to there"}),
                  misbehaving<eat_memory>("eats_memory", {"bit by bit", "at once"}),
                  misbehaving<lie>("lies", {"upper below", "lower above", "far witness", "no such element", "crossed",

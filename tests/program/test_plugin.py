@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
+import os
+import pty
+import re
+import select
 import shutil
 import signal
 import subprocess
@@ -183,6 +188,88 @@ def test_measure_survives_its_solver(hausbench: Program, plugin: Path, tetrahedr
     assert answer["lower"] == 0 and answer["upper"] == "inf" and answer["source_point"] is None and answer["directions"] == []
     person = hausbench(*ask, "--cutoff", "0.1")
     assert person.returncode == 3 and f"no answer: {said}" in person.stdout  # exit code 3: the question has no answer
+
+
+def test_the_last_bounds_of_a_solver_outlive_it(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
+    """The raised tetrahedron is 0.25 away; the solver shows half of the lower and twice the upper bound, and never returns."""
+    ask: tuple[str | Path, ...] = ("measure", tetrahedron, raised, "--solver", "never_returns", "--time-limit", "0.5", "--plugin", plugin)
+    for more, lower, upper in (((), 0.125, 0.5), (("--symmetric",), 0.125, math.inf)):
+        done = hausbench(*ask, *more, "--json")
+        answer = json.loads(done.stdout)
+        assert done.returncode == 0 and answer["status"] == "time_limit", done.stderr
+        assert "killed: it did not answer within the time limit of 0.5 s" in answer["note"] and "these are its bounds after" in answer["note"]
+        assert answer["lower"] == pytest.approx(lower) and float(answer["upper"]) == pytest.approx(upper)
+    decided = hausbench(*ask, "--cutoff", "0.1")
+    assert decided.returncode == 1 and "is above 0.1" in decided.stdout, decided.stdout
+    certificate = hausbench(*ask, "--fields", plugin.parent / "never.vtk", "--json")
+    assert certificate.returncode == 1 and json.loads(certificate.stdout)["lower"] == pytest.approx(0.125)
+
+
+def test_progress_on_a_terminal(hausbench: Program, plugin: Path, tetrahedron: Path, raised: Path) -> None:
+    """After two seconds, a line on standard error tells what goes on, with the bounds so far; it is erased at the end."""
+    mine, its = pty.openpty()
+    environment = {name: value for name, value in hausbench.environment().items() if name != "CI"}
+    command = hausbench.command("measure", tetrahedron, raised, "--solver", "never_returns", "--time-limit", "3", "--plugin", plugin)
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=its)
+    os.close(its)
+    said = b""
+    while process.poll() is None or select.select([mine], [], [], 0)[0]:
+        if select.select([mine], [], [], 0.1)[0]:
+            try:
+                said += os.read(mine, 4096)
+            except OSError:  # the terminal is closed
+                break
+    os.close(mine)
+    assert re.search(rb"[23] s \| solving, h\(A,B\) in \[0\.125, 0\.5\] so far", said), said
+    assert said.rstrip().endswith(b"\x1b[K"), said
+    quiet = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert "solving" not in quiet.stderr
+
+
+# Where the code of the plug-in ends or hangs -> what is said. Nothing of it may end or hang the program that the user started.
+AT_ONCE = {
+    "exits when loaded": "libbroken.so: ended the program with exit code 0 in loading",
+    "crashes when loaded": "libbroken.so: ended the program with signal 6 (Aborted) in loading",
+    "exits when made": "libbroken.so: ended the program with exit code 0 in loading",
+    "exits when destroyed": "libbroken.so: ended the program with exit code 0 in loading",
+}
+
+
+@pytest.mark.parametrize("how", AT_ONCE)
+def test_no_code_of_a_plugin_ends_the_program(
+    hausbench: Program, outside: Path, tetrahedron: Path, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str
+) -> None:
+    plugin = outside / "libbroken.so"
+    experiment.write_text(f'plugins = ["{plugin}"]\n' + experiment.read_text().replace("guthe", "broken"))
+    monkeypatch.setenv("BROKEN", how)
+    every_verb: list[list[str | Path]] = [["list", "--plugin", plugin], ["explain", experiment], ["status", experiment],
+                                          ["run", experiment, "--results", tmp_path], ["measure", tetrahedron, tetrahedron, "--plugin", plugin]]
+    for arguments in every_verb:
+        assert AT_ONCE[how] in hausbench.fails(*arguments)
+
+
+def test_a_constructor_that_ends_or_hangs_fails_its_rows(
+    hausbench: Program, outside: Path, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With these parameters alone; so the plug-in can be loaded, and each case has its row."""
+    plugin = outside / "libbroken.so"
+    text = experiment.read_text().replace('name = "guthe"', 'name = "broken"\nparameters = { how = "badly" }')
+    experiment.write_text(f'plugins = ["{plugin}"]\n' + text)
+    monkeypatch.setenv("BROKEN", "exits when made badly")
+    assert hausbench("explain", experiment).returncode == 0
+    assert hausbench("run", experiment, "--results", tmp_path, "--quiet").returncode == 0
+    (row,) = rows_of(tmp_path / "tiny.h5")["broken"]
+    assert row["status"] == "failed" and row["certified"] == 0 and "exit code 0" in row["reason"], row
+
+
+def test_the_end_of_a_plugin_cannot_change_the_exit_code(
+    hausbench: Program, outside: Path, tetrahedron: Path, raised: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ask: tuple[str | Path, ...] = ("measure", tetrahedron, raised, "--cutoff", "0.1", "--plugin", outside / "libbroken.so")
+    for how in ("exits at the end", "sleeps at the end"):
+        monkeypatch.setenv("BROKEN", how)
+        done = hausbench(*ask)
+        assert done.returncode == 1 and "is above 0.1" in done.stdout, done.stderr  # 1: above
 
 
 def test_ctrl_c_ends_the_solver_too(hausbench: Program, plugin: Path, tetrahedron: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

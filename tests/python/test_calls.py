@@ -498,3 +498,26 @@ def test_exceptions_can_be_pickled() -> None:
     assert pickle.loads(pickle.dumps(error)).row == 3
     undecided = hb.Undecided("undecided", hb.Interval(0, 1))
     assert pickle.loads(pickle.dumps(undecided)).interval == hb.Interval(0, 1)
+
+
+def test_progress_shows_bounds_that_hold() -> None:
+    rough, fine = sphere(40), sphere(60)
+    for ask in (hb.directed, hb.symmetric, hb.prepare(fine).directed):
+        seen: list[hb.Interval] = []
+        arguments = (rough,) if ask not in (hb.directed, hb.symmetric) else (rough, fine)
+        answer = ask(*arguments, progress=seen.append)  # type: ignore[operator]
+        assert seen and all(one.lower <= answer.interval.upper and answer.interval.lower <= one.upper for one in seen)
+    shown: list[dict[str, hb.Interval]] = []
+    found = hb.distribution(rough, fine, statistics=["mean", "maximum"], tolerance=1e-4, progress=shown.append)
+    assert len(shown) >= 2 and all(set(one) == {"mean", "maximum"} for one in shown)
+    assert all(one["mean"].lower <= found.mean.upper and found.mean.lower <= one["mean"].upper for one in shown)
+
+
+def test_what_a_progress_function_raises_ends_the_question() -> None:
+    def enough(_: hb.Interval) -> None:
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        hb.directed(sphere(40), sphere(60), progress=enough)
+    with pytest.raises(hb.InputError, match="progress: 3 cannot be called"):
+        hb.directed(sphere(4), sphere(6), progress=3)  # type: ignore[arg-type]

@@ -169,7 +169,11 @@ void CoverSearch::in_rounds(std::size_t count, std::size_t of_part, const Item& 
         for (CoverOutcome& outcome : outcomes) merge(std::move(outcome));
         for (const std::optional<Status>& stop : stops)
             if (!stop_) stop_ = stop;
-        if (!stop_ && (trace_.on() || asks())) stop_ = bounds_.answered(upper_of_rest(end));
+        if (stop_) continue;
+        if (trace_.on() || asks())
+            stop_ = bounds_.answered(upper_of_rest(end));
+        else if (trace_.due())
+            bounds_.show(upper_of_rest(end));
     }
 }
 

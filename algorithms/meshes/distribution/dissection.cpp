@@ -114,7 +114,7 @@ private:
         work_ += 16 + near + std::exchange(searched_, 0);
         if (work_ >= work_between_looks) {
             work_ = 0;
-            stopped_ = stopped_ || stop_(all_.leaves_.size() + leaves_.size());
+            stopped_ = stopped_ || stop_(all_.count() + leaves_.size());
             if (stopped_) enough_ = 0;
         }
         return leaves_.size() < enough_ && where_(bounds, all_.weight_of(piece));
@@ -302,7 +302,8 @@ bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t mos
     std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads_.most()));
     for (std::size_t begin = 0; begin < count; begin += pieces_of_round) {
         const std::size_t end = std::min(count, begin + pieces_of_round);
-        if (stop(leaves_.size())) {
+        open_ = count - begin;
+        if (stop(this->count())) {
             leaves_.reserve(leaves_.size() + count - begin);
             for (std::size_t i = begin; i < count; ++i) leaves_.push_back(first ? unknown(nth(i).piece) : open[i]);
             break;
@@ -323,6 +324,7 @@ bool Dissection::refine(const CutWhere& where, const Stop& stop, std::size_t mos
             counters_ += counters[p];
         }
     }
+    open_ = 0;
     return true;
 }
 

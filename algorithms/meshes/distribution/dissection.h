@@ -82,6 +82,9 @@ public:
     bool refine(const CutWhere& where, const Stop& stop, std::size_t most_leaves);
 
     const std::vector<Leaf>& leaves() const { return leaves_; }
+
+    // Returns the number of pieces, with those that the current round of refine() has still to look at.
+    std::size_t count() const { return leaves_.size() + open_; }
     const Counters& counters() const { return counters_; }
 
     // The weights of all triangles together may be larger than the sum of the computed ones by this much, because
@@ -108,6 +111,7 @@ private:
     std::vector<double> weights_;  // of the triangles of A
     double extra_ = 0;
     std::vector<Leaf> leaves_;
+    std::size_t open_ = 0;  // pieces of the current round that are not in `leaves_` yet
     Counters counters_;
 };
 

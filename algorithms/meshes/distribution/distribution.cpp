@@ -45,7 +45,7 @@ public:
         counted_by_ = {counted_by(scene.source), counted_by(scene.target)};
     }
 
-    Result solve(const Query& query, State*, Trace&) const override {
+    Result solve(const Query& query, State*, Trace& trace) const override {
         const auto begin = std::chrono::steady_clock::now();
         Result result;
         for (const Statistic& statistic : query.statistics)
@@ -79,7 +79,7 @@ public:
         if (back) from_b.emplace(OneWay{of_b, target_->vertices, of_moved ? *of_moved : *of_source_, by_b});
         Query left = query;
         left.time_limit -= std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        const Narrowed narrowed = narrow(there ? &from_a : nullptr, back ? &*from_b : nullptr, most, left);
+        const Narrowed narrowed = narrow(there ? &from_a : nullptr, back ? &*from_b : nullptr, most, left, trace);
         result.status = narrowed.status;
         result.note = narrowed.note;
         result.statistics = narrowed.bounds;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -87,8 +88,11 @@ void add(const Goal& goal, const Statistics& now, CutWhere& where) {
 
 class Narrowing {
 public:
-    Narrowing(const OneWay* source, const OneWay* target, double magnitude, const Query& query)
-        : query_(query), most_(most_pieces) {
+    Narrowing(const OneWay* source, const OneWay* target, double magnitude, const Query& query, Trace& trace)
+        : query_(query), trace_(trace), most_(most_pieces) {
+        const double far = farthest_apart(source ? *source : *target);
+        for (const Statistic& statistic : query.statistics) answers_.push_back({0, is_share(statistic) ? 1 : far});
+        trace_.show(answers_);
         for (const OneWay* way : {source, target}) {
             if (way) most_ = std::max(most_, 8 * static_cast<std::size_t>(way->triangles.rows()));
             pieces_.push_back(!way ? std::nullopt
@@ -140,26 +144,37 @@ private:
         if (query_.interrupt && query_.interrupt->stop_requested()) throw Interrupted();
     }
 
-    // Returns the bounds of the last round, and does not look at the pieces made since, so that it takes no time. Before
-    // the first round only trivial bounds are known.
-    Narrowed interrupted() {
-        while (answers_.size() < query_.statistics.size())
-            answers_.push_back({0, is_share(query_.statistics[answers_.size()]) ? 1 : infinity});
-        return result(Status::time_limit);
-    }
+    // Returns the bounds of the last round, and does not look at the pieces made since, so that it takes no time.
+    Narrowed interrupted() { return result(Status::time_limit); }
 
     // Returns whether the time limit would pass while the statistics of this number of pieces are computed. Throws
     // Interrupted.
-    bool is_over(std::size_t pieces) const {
+    bool is_over(std::size_t pieces) {
         expect_no_interrupt();
         if (std::isinf(query_.time_limit)) return false;
+        if (seconds() >= query_.time_limit) return true;
+        if (rounds_ == 0 && !estimated_.exchange(true)) estimate_seconds_per_piece();
         return seconds() + seconds_per_piece_ * static_cast<double>(pieces) >= query_.time_limit;
+    }
+
+    // Estimates, in the first round, how long the statistics of a piece will take: computes them for the first pieces.
+    void estimate_seconds_per_piece() {
+        for (const std::optional<Dissection>& one : pieces_) {
+            if (!one || one->leaves().empty()) continue;
+            const double begin = seconds();
+            const Statistics some({one->leaves()}, one->extra_weight(), one->counted());
+            for (const Goal& goal : goals_) some.of(goal.statistic);
+            // Twice, because many pieces are not in the cache.
+            seconds_per_piece_ = 2 * (seconds() - begin) / static_cast<double>(one->leaves().size());
+            return;
+        }
+        estimated_ = false;  // there is no piece yet
     }
 
     double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
 
-    Dissection::Stop stop_of(std::size_t way) const {
-        const std::size_t others = pieces_[1 - way] ? pieces_[1 - way]->leaves().size() : 0;
+    Dissection::Stop stop_of(std::size_t way) {
+        const std::size_t others = pieces_[1 - way] ? pieces_[1 - way]->count() : 0;
         return [this, others](std::size_t pieces) { return is_over(pieces + others); };
     }
 
@@ -185,11 +200,15 @@ private:
         };
         const double begin = seconds();
         for (Goal& one : goals_) {
+            // A machine may be slower now than in the last round, whose bounds hold, too.
+            if (rounds_ > 0 && seconds() >= query_.time_limit) throw Interrupted();
             one.bounds = now(one.statistic.over).of(one.statistic);
             one.allowed = infinity;
         }
-        seconds_per_piece_ = std::max(seconds_per_piece_, (seconds() - begin) / static_cast<double>(pieces() + 1));
+        ++rounds_;
+        seconds_per_piece_ = (seconds() - begin) / static_cast<double>(pieces() + 1);
         const bool done = answer();
+        trace_.show(answers_);
         if (done) return Status::converged;
         if (is_over(pieces())) return Status::time_limit;
         if (pieces() > most_) return Status::budget;
@@ -319,9 +338,24 @@ private:
         return found;
     }
 
+    // Returns an upper bound on the distance between any two points of the shapes: the sum of the sides of their box,
+    // whose squares could underflow.
+    static double farthest_apart(const OneWay& way) {
+        double sum = 0;
+        for (int k = 0; k < 3; ++k) {
+            const auto &a = way.points.col(k), &b = way.other.mesh().vertices.col(k);
+            const double least = std::min(a.minCoeff(), b.minCoeff()), most = std::max(a.maxCoeff(), b.maxCoeff());
+            sum = next_up(sum + next_up(most - least));
+        }
+        return sum;
+    }
+
     const Query& query_;
+    Trace& trace_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-    double seconds_per_piece_ = 0;  // to compute all statistics
+    std::atomic<double> seconds_per_piece_ = 0;  // to compute all statistics
+    std::atomic<bool> estimated_ = false;
+    int rounds_ = 0;
     std::size_t most_;
     int without_cuts_ = 0;
     std::vector<std::optional<Dissection>> pieces_;  // of A and of B
@@ -353,8 +387,8 @@ Bounds combined(Over over, const Bounds& source, const Bounds& target) {
     }
 }
 
-Narrowed narrow(const OneWay* source, const OneWay* target, double magnitude, const Query& query) {
-    return Narrowing(source, target, magnitude, query).run();
+Narrowed narrow(const OneWay* source, const OneWay* target, double magnitude, const Query& query, Trace& trace) {
+    return Narrowing(source, target, magnitude, query, trace).run();
 }
 
 }  // namespace hausbench

@@ -27,8 +27,9 @@ struct Narrowed {
 
 // Bounds the statistics of `query`. `source` has the distances from A to B, `target` those from B to A; either may be
 // null if no statistic needs it. `magnitude` is M of kernel/rounding.h, for both shapes. Cuts the pieces with the
-// largest gaps first. The unit of Query::budget is one piece; a piece takes about 200 bytes.
-Narrowed narrow(const OneWay* source, const OneWay* target, double magnitude, const Query& query);
+// largest gaps first. The unit of Query::budget is one piece; a piece takes about 200 bytes. Shows the bounds after each
+// round to the watcher of the trace, and before the first round those that follow from the boxes.
+Narrowed narrow(const OneWay* source, const OneWay* target, double magnitude, const Query& query, Trace& trace);
 
 // Combines the bounds of a statistic over A and over B. Every result holds under rounding.
 Bounds combined(Statistic::Over over, const Bounds& source, const Bounds& target);

@@ -71,7 +71,7 @@ public:
         Entry first{squared_distance_at_most(x, y), root(source_), {}};
         add(first, {squared_distance_at_least(x, y), root(target_)});
         push(std::move(first));
-        const bool traced = trace_.on();
+        const bool traced = trace_.on() || trace_.watched();
         for (std::uint64_t taken = 0;; ++taken) {
             std::pop_heap(heap_.begin(), heap_.end());
             Entry head = std::move(heap_.back());

@@ -88,6 +88,38 @@ TEST(DistributionSolver, ThePowerOfTwoOfTheUnitDoesNotMatter) {
     }
 }
 
+// What is shown first follows from the boxes; then come the bounds of each round.
+TEST(DistributionSolver, ShowsBoundsInTheUnitOfTheInputFromTheBeginning) {
+    TriangleMesh a = sheet(4, 0.5, 0.2), b = sheet(5, 0, 0.1);
+    a.vertices *= 1e5;
+    b.vertices *= 1e5;
+    std::vector<Statistic> all = some;
+    all.push_back({Kind::share_within, 5e4});
+    Query query = query_of(all, 1);
+    const Result result = answer({a, b}, query);
+    const SolverEntry& entry = find_solver("distribution");
+    const Session session(entry, Options("distribution", entry.info.parameters, {}), {a, b}, {});
+    Trace trace;
+    std::vector<std::vector<Bounds>> seen;
+    trace.watch([&](Result& so_far) { seen.push_back(so_far.statistics); });
+    EXPECT_EQ(session.solve(query, trace).bounds.upper, result.bounds.upper);
+    ASSERT_GE(seen.size(), 3u);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        for (const std::vector<Bounds>& one : seen) {
+            ASSERT_EQ(one.size(), all.size());
+            EXPECT_LE(one[i].lower, result.statistics[i].upper) << i;
+            EXPECT_GE(one[i].upper, result.statistics[i].lower) << i;
+        }
+        EXPECT_LE(seen.front()[i].upper, is_share(all[i]) ? 1 : 1e6) << i;
+        EXPECT_GE(seen.front()[i].upper, is_share(all[i]) ? 1 : 1e5) << i;
+        EXPECT_LT(seen.back()[i].upper - seen.back()[i].lower, 1.01) << i;
+    }
+    query.time_limit = 0;
+    const Result none = answer({a, b}, query);
+    EXPECT_EQ(none.status, Status::time_limit);
+    for (const Bounds& one : none.statistics) EXPECT_LT(one.upper, 1e6);
+}
+
 // Coordinates that differ by more than doubles can hold are rounded when they are scaled, and areas with them.
 TEST(DistributionSolver, ShapesThatScalingChangesHaveOnlyTrivialBounds) {
     TriangleMesh a = sheet(3, 1);

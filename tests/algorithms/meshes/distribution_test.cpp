@@ -38,7 +38,8 @@ TriangleMesh point(const Vec3& p) { return mesh_of({{p, p, p}}); }
 Narrowed answer(const TriangleMesh& a, const TriangleMesh& b, const Query& query, CountedBy weigh = CountedBy::area) {
     const TriangleBlocks blocks(b);
     const OneWay way{a.triangles, a.vertices, blocks, weigh};
-    return narrow(&way, nullptr, std::max(magnitude(a.vertices), magnitude(b.vertices)), query);
+    Trace unwatched;
+    return narrow(&way, nullptr, std::max(magnitude(a.vertices), magnitude(b.vertices)), query, unwatched);
 }
 
 Bounds one(const TriangleMesh& a, const TriangleMesh& b, const Statistic& statistic, double tolerance = 1e-10) {

@@ -1,0 +1,43 @@
+#include "algorithms/trace.h"
+
+#include "algorithms/solver.h"
+
+#include <cfenv>
+
+namespace hausbench {
+
+void Trace::show(Result& so_far) {
+    if (!watcher_) return;
+    // Solvers that compute with intervals round upward meanwhile.
+    const int rounding = std::fegetround();
+    std::fesetround(FE_TONEAREST);
+    watcher_(so_far);
+    std::fesetround(rounding);
+    next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
+}
+
+void Trace::show(double lower, double upper) {
+    Result so_far;
+    so_far.status = Status::time_limit;
+    so_far.bounds = {lower, upper};
+    show(so_far);
+}
+
+void Trace::show(const std::vector<Bounds>& statistics) {
+    Result so_far;
+    so_far.status = Status::time_limit;
+    so_far.statistics = statistics;
+    if (!statistics.empty()) so_far.bounds = statistics.front();
+    show(so_far);
+}
+
+Trace::Changing::Changing(Trace& trace, Watcher change)
+    : trace_(trace), outer_(std::exchange(trace.watcher_, nullptr)), change_(std::move(change)) {
+    if (!outer_) return;
+    trace.watcher_ = [this](Result& so_far) {
+        change_(so_far);
+        outer_(so_far);
+    };
+}
+
+}  // namespace hausbench
