@@ -232,7 +232,10 @@ private:
                                                limit_, grace_of(limit_));
         if (answered_ || !so_far_) return fail(RowStatus::timeout, reason);
         measured_ = std::move(*so_far_);
-        measured_.result.note = fmt::format("{}; these are its bounds after {:.3g} s", reason, measured_.solve_seconds);
+        Result& result = measured_.result;
+        if (measured_.cutoff && result.bounds.lower > *measured_.cutoff) result.status = Status::above_cutoff;
+        if (measured_.cutoff && result.bounds.upper <= *measured_.cutoff) result.status = Status::below_floor;
+        result.note = fmt::format("{}; these are its bounds after {:.3g} s", reason, measured_.solve_seconds);
         answered_ = true;
         if (only_files_are_missing()) return fail(RowStatus::timeout, reason);
         child_.kill();
