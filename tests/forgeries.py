@@ -107,6 +107,7 @@ class Forger:
     seed: int
     folder: Path
     random: random.Random = field(init=False)
+    pairs: dict[tuple[bool, bool], list[Pair]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.random = random.Random(self.seed)
@@ -129,6 +130,12 @@ class Forger:
     def pair(self, moved: bool | None = None, symmetric: bool | None = None) -> Pair:
         moved = self.random.random() < 0.5 if moved is None else moved
         symmetric = self.random.random() < 0.3 if symmetric is None else symmetric
+        made = self.pairs.setdefault((moved, symmetric), [])
+        if len(made) < 2 or self.random.random() < 0.1:
+            made.append(self.new_pair(moved, symmetric))
+        return self.random.choice(made[-20:])
+
+    def new_pair(self, moved: bool, symmetric: bool) -> Pair:
         source, target = self.soup(), self.soup()
         pose = self.motion() if moved else None
         target_pose = self.motion() if moved and self.random.random() < 0.5 else None
