@@ -594,7 +594,7 @@ template <class T> void limits_are_within_the_threshold(OffsetCover<T>& cover) {
         cover.set_threshold(tau);
         const Rational allowed = Rational(tau) - Rational(error), limit = Rational(cover.limit[0]);
         ASSERT_LE(limit, allowed * allowed) << tau;
-        ASSERT_GE(limit, allowed * allowed * Rational(1 - 16 * frame_roundoff<T>)) << tau;
+        ASSERT_GE(limit, allowed * allowed * Rational(1 - 64 * frame_roundoff<T>)) << tau;
     }
 }
 

@@ -185,8 +185,9 @@ TEST(CertificateFile, APoseThatFlattensAShapeOntoALargeOneProvesNothing) {
         c.target = {"b.off", content_hash(large), {}};
         c.bounds = {0, 3};
         c.certificates[0].proven = 3;
-        EXPECT_EQ(refusal(c).find("rounding displaces its points") != std::string::npos, far > 1e9) << refusal(c);
-        EXPECT_EQ(refusal(c).empty(), far < 1e9) << refusal(c);
+        EXPECT_EQ(refusal(c, flat, large).find("rounding displaces its points") != std::string::npos, far > 1e9)
+            << refusal(c, flat, large);
+        EXPECT_EQ(refusal(c, flat, large).empty(), far < 1e9) << refusal(c, flat, large);
     }
 }
 
@@ -200,7 +201,7 @@ TEST(CertificateFile, ShapesOfAnySizeNeedAProofOfTheirBound) {
     c.bounds = {0, 1.6e308};
     state_what_is_proven(c, large, large);
     EXPECT_EQ(c.bounds.upper, 1.6e308);
-    EXPECT_NE(refusal(c), "");
+    EXPECT_NE(refusal(c, large, large), "");
 }
 
 TEST(CertificateFile, NoTextOfAFileMovesTheCursor) {
