@@ -324,9 +324,8 @@ typedef struct hausbench_verdict {
     int32_t accepted; /* 1: the proof holds */
     int32_t reserved;
     hausbench_interval bounds; /* as the file states them; [0, INFINITY] if its bounds are out of order */
-    double proven; /* The upper bound that the proof proves: quote this. bounds.upper may be smaller, by up to 1e-12 of
-                      the diagonal of both shapes. */
-    char text[1024];                         /* what was checked, or why the proof is refused; one line */
+    double proven;             /* the upper bound that the proof proves: at most bounds.upper if it is accepted */
+    char text[1024];           /* what was checked, or why the proof is refused; one line */
     double source_pose[16], target_pose[16]; /* of the file, as in hausbench_query */
 } hausbench_verdict;
 #define HAUSBENCH_VERDICT_INIT                                                    \

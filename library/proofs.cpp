@@ -46,7 +46,8 @@ Result certify(Question& question, bool symmetric, const std::filesystem::path& 
         throw InputError(
             fmt::format("{}: is not written: {}", file.string(),
                         result.why_no_certificate.empty() ? "the solver did not say why" : result.why_no_certificate));
-    const CertificateFile content = content_of(question, result, symmetric);
+    CertificateFile content = content_of(question, result, symmetric);
+    state_what_is_proven(content, pair.source().shape(), pair.target().shape());
     const CertificateVerdict verdict = verify_certificate(content, pair.source().shape(), pair.target().shape());
     if (!verdict.accepted)
         throw InputError(

@@ -31,7 +31,7 @@ namespace {
 constexpr int format_version = 2;
 constexpr double most_above_upper = 1e-12;  // as a fraction of the diagonal of the box around both shapes
 constexpr double most_off_rotation = 1e-9;  // largest deviation of an entry of R^T R from the identity
-constexpr double most_rounded = 1e-6;       // largest rounding of posed coordinates, as a fraction of the shapes
+constexpr double most_rounded = 1e-6;       // largest rounding of posed coordinates, as a fraction of the shape
 
 // --- the file ---------------------------------------------------------------------------------------------------------
 
@@ -177,17 +177,29 @@ double rounding_of(const Shape& shape, const Pose& pose) {
     return std::sqrt(3) * 0x1p-50 * (3 * magnitude(points_of(shape)) + pose.translation.cwiseAbs().maxCoeff());
 }
 
+// Returns the diagonal of the box around both shapes in the poses of the file.
+double extent_of(const CertificateFile& c, const Shape& source, const Shape& target) {
+    return diagonal_of_both(posed(points_of(source), c.source.pose), posed(points_of(target), c.target.pose));
+}
+
+double proven_by(const CertificateFile& c) {
+    double proven = 0;
+    for (const Certificate& one : c.certificates) proven = std::max(proven, one.proven);
+    return proven;
+}
+
 // Returns why the poses cannot count as motions: one of them is not a rotation and translation, or rounding flattens a
-// shape or moves it against the other, because a coordinate is so large.
-std::string wrong_pose(const CertificateFile& c, const Shape& source, const Shape& target, double extent) {
-    const double size = std::max({diagonal(points_of(source)), diagonal(points_of(target)), extent});
+// shape or moves it against the other, because a coordinate is so large. The size of the other shape does not matter: a
+// shape that is flattened onto a point of a large one would be at distance 0 from it.
+std::string wrong_pose(const CertificateFile& c, const Shape& source, const Shape& target) {
     for (const auto& [name, model, shape] : {std::tuple{"A", &c.source, &source}, {"B", &c.target, &target}}) {
         if (!keeps_distances(model->pose)) return fmt::format("the pose of {} is not a rotation and translation", name);
-        const double rounding = rounding_of(*shape, model->pose);
-        if (!(rounding <= most_rounded * size))
+        const double size = std::max(diagonal(points_of(*shape)), proven_by(c)),
+                     rounding = rounding_of(*shape, model->pose);
+        if (rounding != 0 && !(rounding <= most_rounded * size && std::isfinite(size)))
             return fmt::format(
                 "the pose of {} moves it so far that rounding displaces its points by up to {:.2g}, more than "
-                "1e-6 of the diagonal of the shapes",
+                "1e-6 of its diagonal or of the bound",
                 name, rounding);
     }
     return "";
@@ -228,7 +240,13 @@ std::string check_lower(const CertificateFile& c, const Shape& source, const Sha
 }  // namespace
 
 bool proves_the_bound(double proven, double upper, double extent) {
-    return proven - upper <= most_above_upper * extent;
+    return proven <= upper || (std::isfinite(extent) && proven - upper <= most_above_upper * extent);
+}
+
+void state_what_is_proven(CertificateFile& content, const Shape& source, const Shape& target) {
+    const double proven = proven_by(content);
+    if (proves_the_bound(proven, content.bounds.upper, extent_of(content, source, target)))
+        content.bounds.upper = std::max(content.bounds.upper, proven);
 }
 
 Shape as_loaded(const PreparedShape& prepared) {
@@ -266,22 +284,18 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
     const auto refuse = [&](const std::string& why) {
         if (verdict.refusal.empty()) verdict.refusal = why;
     };
-    const double extent =
-        diagonal_of_both(posed(points_of(source), content.source.pose), posed(points_of(target), content.target.pose));
-    if (const std::string wrong = wrong_pose(content, source, target, extent); !wrong.empty()) refuse(wrong);
+    if (const std::string wrong = wrong_pose(content, source, target); !wrong.empty()) refuse(wrong);
     if (!proves_its_quantity(content))
         refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"
                                                        : "h(A,B) takes one certificate, of h(A,B)");
     for (const Certificate& one : content.certificates) {
         verdict.checks.push_back(check_certificate(source, content.source.pose, target, content.target.pose, one));
         if (!verdict.checks.back().accepted) refuse(verdict.checks.back().refusal);
-        verdict.proven = std::max(verdict.proven, one.proven);
     }
-    if (!proves_the_bound(verdict.proven, content.bounds.upper, extent))
-        refuse(
-            fmt::format("it proves {:.17g}, which is above the upper bound {:.17g} by more than 1e-12 of the diagonal "
-                        "of both shapes",
-                        verdict.proven, content.bounds.upper));
+    verdict.proven = proven_by(content);
+    if (!(verdict.proven <= content.bounds.upper))
+        refuse(fmt::format("it proves {:.17g}, which is above the upper bound {:.17g}", verdict.proven,
+                           content.bounds.upper));
     bool wrong = false;
     verdict.lower = check_lower(content, source, target, wrong);
     if (wrong) refuse(fmt::format("lower bound {:.17g}: {}", content.bounds.lower, verdict.lower));

@@ -42,9 +42,13 @@ void write_certificate(const std::filesystem::path& file, const CertificateFile&
 // changed byte is detected.
 CertificateFile read_certificate(const std::filesystem::path& file);
 
-// Returns whether a certificate proves the bound `upper`: its own bound, `proven`, may be larger by up to
+// Returns whether a certificate proves the bound `upper` but for rounding: its own bound, `proven`, may be larger by up to
 // 1e-12 * extent. `extent` is the diagonal of the box around both shapes in their poses.
 bool proves_the_bound(double proven, double upper, double extent);
+
+// Raises the upper bound of an answer to the bound that its certificates prove, if they prove it but for rounding. Call it
+// before write_certificate(), because verify_certificate() accepts only what is proven.
+void state_what_is_proven(CertificateFile& content, const Shape& source, const Shape& target);
 
 struct CertificateVerdict {
     bool accepted = false;
@@ -57,7 +61,7 @@ struct CertificateVerdict {
 
 // Checks every certificate, that they prove the upper bound of the answer, and that the witness proves its lower bound.
 // What it accepts is about the shapes at the poses of the file, which are rotations and translations and do not displace
-// points by rounding by more than 1e-6 of the diagonal of the shapes.
+// the points of a shape by rounding by more than 1e-6 of its diagonal or of the bound, whichever is larger.
 // Throws InputError if a shape is not the one for which the file was written.
 CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target);
 

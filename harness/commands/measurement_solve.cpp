@@ -104,15 +104,16 @@ public:
         }
         const MeasureRequest& request = work_.request;
         const Shape source = as_loaded(*shapes_.source), target = as_loaded(*shapes_.target);
-        const CertificateFile content{{request.source.string(), content_hash(source), {}},
-                                      {request.target.string(), content_hash(target), {}},
-                                      request.symmetric ? Quantity::symmetric : Quantity::directed,
-                                      work_.entry.info.name,
-                                      request.tolerance,
-                                      measured_.tolerance_of,
-                                      result.bounds,
-                                      result.witness,
-                                      std::move(result.certificates)};
+        CertificateFile content{{request.source.string(), content_hash(source), {}},
+                                {request.target.string(), content_hash(target), {}},
+                                request.symmetric ? Quantity::symmetric : Quantity::directed,
+                                work_.entry.info.name,
+                                request.tolerance,
+                                measured_.tolerance_of,
+                                result.bounds,
+                                result.witness,
+                                std::move(result.certificates)};
+        state_what_is_proven(content, source, target);
         hausbench::write_certificate(request.certificate, content);
         double proven = 0;
         for (const Certificate& one : content.certificates) proven = std::max(proven, one.proven);

@@ -342,6 +342,7 @@ private:
         content.bounds = result.bounds;
         content.witness = result.witness;
         content.certificates = result.certificates;
+        state_what_is_proven(content, source, target);
         try {
             const CertificateVerdict verdict = verify_certificate(content, source, target);
             if (verdict.accepted)

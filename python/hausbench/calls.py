@@ -164,9 +164,9 @@ def verify(path: str | os.PathLike[str], A: ShapeLike, B: ShapeLike, *, pose: Po
            target_pose: Pose | None = None) -> Verdict:
     """Checks a proof written by `certify` for A and B at these poses, by code that shares no bound with the solvers.
 
-    The verdict is true in an `if` exactly if the proof holds and is about these poses; its `pose` and `target_pose` are those of the file. Quote its `proven`: the upper bound in its `interval`, which the
-    file states, may be smaller by up to 1e-12 of the diagonal of both shapes. Raises InputError if the file is damaged, or is
-    about other shapes (A and B must have the same coordinates and indices, bit for bit).
+    The verdict is true in an `if` exactly if the proof holds and is about these poses; its `pose` and `target_pose` are the poses of
+    the file. Then its `proven` is at most the upper bound in its `interval`. Raises InputError if the file is damaged, or is about
+    other shapes (A and B must have the same coordinates and indices, bit for bit).
     """
     accepted, lower, upper, proven, text, *poses = _core.verify(path_of(path), shape_of(A, "A")._shape, shape_of(B, "B")._shape,
                                                                 matrix_of(pose, "pose"), matrix_of(target_pose, "target_pose"))

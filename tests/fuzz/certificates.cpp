@@ -84,8 +84,7 @@ void verify_file(CertificateFile content, const Known& one) {
     const Rational proven = verdict.proven;
     expect(proven * proven >= one.squared, "accepted, although the bound does not hold");
     expect(content.bounds.lower <= verdict.proven, "accepted, although the lower bound does not hold");
-    // Allows 1e-12 of the diagonal, which is below 10 in all scenes.
-    expect(verdict.proven <= content.bounds.upper + 1e-11, "accepted, although the upper bound is not proven");
+    expect(verdict.proven <= content.bounds.upper, "accepted, although the upper bound is not proven");
 }
 
 void certificates(std::string_view bytes) {

@@ -52,9 +52,14 @@ template <class T> void OffsetCover<T>::set_threshold(double tau) {
     threshold = tau;
     const std::size_t count = near.count(), padded = (count + frames_width - 1) / frames_width * frames_width;
     limit.resize(NearTriangles<T>::stride);
+    // The root of a limit plus error(k) must be at most tau. Let u = 2^-53 and v be the unit roundoff of T. The difference
+    // and its square may be too large by a factor of (1 + u)^3; the factor 1 - 4v, its product and the conversion to T
+    // make this (1 + u)^4 (1 + v) (1 - 4v) < 1 for float and (1 + u)^4 (1 - 4u) < 1 for double. If a square underflows,
+    // frame_underflow covers what it loses. So no double needs the factor 1 - 2^-50; it stays because without it the last
+    // bits of answers would change. No bound on a distance depends on limits: they only tell which triangles cover a
+    // polygon, whose bound is then at_most().
     for (std::size_t k = 0; k < padded; ++k) {
         const double allowed = std::max(tau * (1 - 0x1p-50) - error(near, k), 0.0);
-        // Rounding the square to T may enlarge it; the last factor absorbs this, so the limit is never too large.
         limit[k] = allowed > 0 ? static_cast<T>(allowed * allowed * (1 - 4 * frame_roundoff<T>)) : T(-1);
     }
     std::fill(limit.begin() + static_cast<std::ptrdiff_t>(count), limit.begin() + static_cast<std::ptrdiff_t>(padded),

@@ -131,7 +131,7 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
     const bool any = cover_.near.count() > 0;
     if (any) {
         cover_.make_rows(most_shared_points + most_polygon_corners + 4);
-        cover_.extent = batch.radius * batch.place.inverse * (1 + 0x1p-10);
+        cover_.extent = batch.extent();
         cover_.set_threshold(covered_within(pieces[0].level) * batch.place.inverse);
         cover_.early_out = scene_.elements ? 0 : std::max(settled_before_, outcome_.settled) * batch.place.inverse;
         measure_shared(cover_, batch.points);

@@ -29,15 +29,24 @@ SpreadBounds spread_about(const AffineBounds& b, double about) {
         return (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1] + x[1] * x[2] + x[2] * x[0]) / 6;
     };
     // |d - about - middle| <= radius, and both `middle` and `radius` are affine. So (d - about)^2 and middle^2 differ by
-    // at most 2 |middle| radius + radius^2. `radius` includes the rounding errors of `middle`. `rounding` times the sum
-    // of the absolute terms bounds the rounding errors of each sum below: 16u, where u is the unit roundoff.
+    // at most 2 |middle| radius + radius^2.
+    //
+    // `radius` includes all rounding errors. Let u be the unit roundoff, e = upper + about at a corner, r = half of the gap
+    // there, and m = |middle| <= e. `middle` errs by u * upper + u * m <= 2u e, and computing `radius` costs u e. So of
+    // the 16u e that it has on top of r, 12u e are left. Half of them, as r <= e / 2, are 12u of r: more than the errors
+    // of `first` (4u), of the mean of the square of `radius` (7u) and of the sums (2u). The other half adds 12u * (the
+    // largest m) * (the mean of e) to `first`, which is at least 12u * (the mean of middle^2 with the absolute terms),
+    // because that mean is at most (the largest m) * (the mean of m). The computed mean errs by 7u of it and the sums by
+    // 2u. So no factor for rounding is needed there.
+    //
+    // `rounding` times the sum of the absolute terms bounds the rounding errors of the other sums below: 16u.
     constexpr double rounding = 16 * unit_roundoff;
     CornerValues middle, radius;
     double most = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const double low = std::max(b.lower[k], 0.0);
         middle[k] = 0.5 * (low + b.upper[k]) - about;
-        radius[k] = 0.5 * (b.upper[k] - b.lower[k]) + 4 * unit_roundoff * (b.upper[k] + about);
+        radius[k] = 0.5 * (b.upper[k] - b.lower[k]) + 16 * unit_roundoff * (b.upper[k] + about);
         most = std::max(most, std::abs(middle[k]));
     }
     const bool crosses = std::min({b.lower[0], b.lower[1], b.lower[2]}) < 0;
@@ -45,8 +54,7 @@ SpreadBounds spread_about(const AffineBounds& b, double about) {
     if (!crosses) {
         const double square = mean_of_square(middle), wide = (radius[0] + radius[1] + radius[2]) / 3;
         const double first = 2 * most * wide;
-        spread = {square - first - rounding * (square + first),
-                  (square + first + mean_of_square(radius)) * (1 + rounding)};
+        spread = {square - first, square + first + mean_of_square(radius)};
     } else {
         CornerValues far;
         for (std::size_t k = 0; k < 3; ++k) far[k] = std::max(std::abs(b.upper[k] - about), std::abs(about));
@@ -154,11 +162,7 @@ private:
         }
         const std::size_t before = searches();
         const Vec3 c = piece.centre();
-        double radius = 0;
-        for (const Vec3& corner : piece.corners) radius = std::max(radius, squared_length(corner - c));
-        radius = std::sqrt(radius);
         double squared;
-        double slack = (64 + 4 * piece.level) * unit_roundoff * all_.magnitude_;
         bool exact = false;
         const auto nearest = [&] {
             const ClosestPoint at = all_.target_.closest(c, {.warm_triangle = piece.near}, counters_);
@@ -176,7 +180,7 @@ private:
         place.set(box, all_.magnitude_ * 0x1p-40);
         near_.clear(place);
         near_.most = most_near;
-        all_.target_.gather(c, std::sqrt(squared) + 2 * radius * (1 + 0x1p-40) + slack, near_, counters_);
+        all_.target_.gather(c, reach_of(piece, squared, all_.magnitude_), near_, counters_);
         if (near_.count() > most_near) {
             if (!exact) nearest();
             const double least = all_.target_.certified_distance(c, counters_);

@@ -129,6 +129,21 @@ std::optional<Bisector> bisector_of(const Triangle& s, const Triangle& t) {
     return Bisector{v, m / length, 32 * unit_roundoff * conditions / length};
 }
 
+// Let r be the largest distance from the centre c to a point p of the piece. d(p) <= d(c) + r, so the triangle nearest to
+// p is within d(c) + 2r of c.
+//
+// Rounding. Let u be the unit roundoff and M the magnitude. All lengths here are below 2 sqrt(3) M < 3.5M. d(c) is at most
+// the root plus 4u * 3.5M + 8uM = 22uM (kernel/rounding.h, point to triangle). The farthest point is a corner; the way to
+// it errs by 3.5u, which the factor 1 + 2^-40 covers, and a corner of level k is off by 2k * uM, which counts twice. The
+// two sums below are at most 10.5M and err by 11uM each. Together this is (44 + 4k) uM, for which (64 + 4k) uM are taken.
+double reach_of(const Piece& piece, double squared, double magnitude) {
+    const Vec3 c = piece.centre();
+    double radius = 0;
+    for (const Vec3& corner : piece.corners) radius = std::max(radius, squared_length(corner - c));
+    const double slack = (64 + 4 * piece.level) * unit_roundoff * magnitude;
+    return std::sqrt(squared) + 2 * std::sqrt(radius) * (1 + 0x1p-40) + slack;
+}
+
 namespace {
 
 // Replaces lower values by others if these are better: if they are nowhere below the upper values, or higher in all.
@@ -186,6 +201,11 @@ void bound_means(AffineBounds& bounds) {
     bounds.square_upper = above.mean_square() * up;
 }
 
+// Lower: d falls by at most the way from the centre, which is convex, so at most affine between its values at the corners.
+// Rounding, with u = 2^-53 and M of kernel/rounding.h. The centre is the point as computed, so its own rounding does not
+// matter. The way to a corner errs by 3.5u (kernel/rounding.h, point to point), and the product with 1 + 8u by u, so
+// `away` is not below it. A corner of level k is off by 2k * uM. Both lengths are below 2 sqrt(3) M < 3.5M, so each of
+// the two subtractions errs by at most 3.5uM: 7uM, for which 8uM are taken.
 AffineBounds PieceBounder::rough(const Piece& piece, const Triangle& near, double centre_at_least) {
     AffineBounds bounds;
     const Vec3 c = piece.centre();
@@ -193,7 +213,7 @@ AffineBounds PieceBounder::rough(const Piece& piece, const Triangle& near, doubl
         bounds.upper[k] =
             surface_distance_at_most(closest_point(piece.corners[k], near).squared_distance, magnitude_, piece.level);
         const double away = std::sqrt(squared_length(piece.corners[k] - c)) * (1 + 8 * unit_roundoff);
-        bounds.lower[k] = centre_at_least - away - (16 + 2 * piece.level) * unit_roundoff * magnitude_;
+        bounds.lower[k] = centre_at_least - away - (8 + 2 * piece.level) * unit_roundoff * magnitude_;
     }
     distances += 3;
     bound_means(bounds);

@@ -50,6 +50,10 @@ struct Bisector {
 // Returns nothing if they have no edge in common, if they are nearly folded onto each other, or if one is a needle.
 std::optional<Bisector> bisector_of(const Triangle& s, const Triangle& t);
 
+// Returns a radius: every point of the piece has a nearest triangle of B within it of the centre. `squared` is the squared
+// distance from the centre to any triangle of B, as closest_point computes it; `magnitude` is M of kernel/rounding.h.
+double reach_of(const Piece& piece, double squared, double magnitude);
+
 // Computes bounds for pieces, given the triangles of B near them. Has scratch memory, so each thread needs its own.
 class PieceBounder {
 public:

@@ -83,6 +83,7 @@ std::optional<Truth> true_one(Random& random, int i) {
     truth.file.bounds = result.bounds;
     truth.file.witness = result.witness;
     truth.file.certificates = result.certificates;
+    state_what_is_proven(truth.file, truth.scene.source, truth.scene.target);
     ExactChecker exact(truth.scene.source, truth.scene.target);
     EXPECT_EQ(exact.claim(truth.certificate().bytes, truth.certificate().proven), Claim::holds) << entry.info.name;
     EXPECT_EQ(written(exact.proof, 0).bytes, truth.certificate().bytes);

@@ -1,6 +1,7 @@
 // Each term that threshold cover adds to its bounds, for rounding or for halved pieces, has a test here that fails
 // without it, if necessary by calling one part of the search. All comparisons are exact.
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/meshes/cover/batch.h"
 #include "algorithms/meshes/cover/groups.h"
 #include "algorithms/meshes/cover/offset_cover.h"
 #include "algorithms/meshes/cover/worker.h"
@@ -290,6 +291,41 @@ TEST(CoverWorker, WhatIsCoveredIsWithinTau) {
     }
 }
 
+// Many triangles of B are near, so a corner of the piece is measured first, at 0.4. Its distance and the way to the other
+// corners are more than tau together, but the triangle nearest to it bounds all corners. The farthest is exactly 0.45
+// away.
+TEST(CoverWorker, ABoundByTheTriangleNearestToACornerHolds) {
+    TriangleMesh b = soup(rows({{-4, -4, 0}, {4, -4, 0}, {0, 4, 0}}));
+    const TriangleMesh below = sheet(20, -0.1);
+    Points vertices(3 + 3 * below.triangles.rows(), 3);
+    vertices.topRows(3) = b.vertices;
+    for (Index i = 0; i < below.triangles.rows(); ++i) {
+        for (Index k = 0; k < 3; ++k) {
+            const Vec3 p = below.vertices.row(below.triangles(i, k));
+            vertices.row(3 + 3 * i + k) = Vec3(p[0] / 19 - 0.5, p[1] / 19 - 0.5, p[2]);
+        }
+    }
+    b = soup(vertices);
+    const Triangle t{{-0.3, -0.2, 0.4}, {0.3, -0.2, 0.45}, {0, 0.3, 0.42}};
+    for (const bool alone_at_once : {false, true}) {
+        Alone alone(t, b, 0.1);
+        Farthest begin;
+        begin.point.squared = 0.16;
+        alone.begin(begin);
+        const std::array<CoverPiece, 2> pieces{alone.piece(0), alone.piece(0)};
+        if (alone_at_once)
+            alone.worker().decide(pieces[0]);
+        else
+            alone.worker().cover(pieces, alone.landmark());
+        const CoverOutcome outcome = alone.worker().finish();
+        EXPECT_TRUE(outcome.undecided.empty());
+        EXPECT_GT(outcome.counters.closest_point_queries, 0U);
+        EXPECT_EQ(outcome.counters.subdivisions, 0U);
+        EXPECT_GE(outcome.settled, 0.45) << alone_at_once;
+        EXPECT_LE(outcome.settled, 0.45 + 1e-12) << alone_at_once;
+    }
+}
+
 // The tolerance is 0. Unless the threshold exceeds the lower bound by the rounding errors, nothing can be covered, and
 // the piece gets its bound from one triangle of B, here more than 1.4.
 TEST(CoverWorker, WithoutAToleranceItCoversAllTheSame) {
@@ -547,6 +583,52 @@ TEST(OffsetCover, TheSizeOfATriangleIsInItsError) {
         below += !is_at_least(result.upper * place.unit - error + without, farthest);
     }
     EXPECT_GE(below, 10);
+}
+
+// The exact distance at a limit, with the error of a computed one, is at most the threshold.
+template <class T> void limits_are_within_the_threshold(OffsetCover<T>& cover) {
+    Random random(59);
+    const double error = cover.error(cover.near, 0);
+    for (int i = 0; i < 2000; ++i) {
+        const double tau = error + random.real(0.01, 2);
+        cover.set_threshold(tau);
+        const Rational allowed = Rational(tau) - Rational(error), limit = Rational(cover.limit[0]);
+        ASSERT_LE(limit, allowed * allowed) << tau;
+        ASSERT_GE(limit, allowed * allowed * Rational(1 - 64 * frame_roundoff<T>)) << tau;
+    }
+}
+
+TEST(OffsetCover, LimitsAreWithinTheThreshold) {
+    const TriangleMesh mesh = soup(rows({{-3, -3, 0}, {3, -3, 0}, {0, 3, 0}}));
+    OffsetCover<double> exact = cover_of(mesh, unit_place());
+    limits_are_within_the_threshold(exact);
+    OffsetCover<float> rough;
+    rough.near.clear(unit_place());
+    Counters counters;
+    TriangleBlocks(mesh).gather(Vec3::Zero(), 10, rough.near, counters);
+    ASSERT_EQ(rough.near.count(), 1U);
+    limits_are_within_the_threshold(rough);
+}
+
+// Local coordinates are at most 1, and those of a batch, which are rounded to float, are within its own extent.
+TEST(OffsetCover, TheExtentIsTheLengthOfEveryPoint) {
+    EXPECT_GE(OffsetCover<double>().extent * OffsetCover<double>().extent, 3);
+    Random random(60);
+    double nearest = 0;
+    for (int i = 0; i < 500; ++i) {
+        const Vec3 at = random.vector();
+        const double size = std::ldexp(1.0, -static_cast<int>(random.below(20)));
+        std::vector<CoverPiece> pieces(static_cast<std::size_t>(1 + random.below(8)));
+        for (CoverPiece& piece : pieces)
+            for (Vec3& corner : piece.corners) corner = at + random.vector(size);
+        const CoverBatch batch(pieces, 1);
+        for (std::size_t k = 0; k < batch.points.count; ++k) {
+            const exact::RVec3 p{Rational(batch.points.x[k]), Rational(batch.points.y[k]), Rational(batch.points.z[k])};
+            ASSERT_TRUE(is_at_least(batch.extent(), exact::dot(p, p))) << i;
+            nearest = std::max(nearest, static_cast<double>(exact::root(exact::dot(p, p))) / batch.extent());
+        }
+    }
+    EXPECT_GT(nearest, 0.99);
 }
 
 // All corners have the largest slack, so the exact corners may be farther from B by that much.

@@ -1,8 +1,10 @@
 // Single pieces of A, areas of triangles and distances of points: bounds from `distribution` against exact numbers.
 #include "algorithms/kernel/point_triangle.h"
 #include "algorithms/kernel/rounding.h"
+#include "algorithms/meshes/distribution/cuts.h"
 #include "algorithms/meshes/distribution/dissection.h"
 #include "algorithms/meshes/distribution/point_distance.h"
+#include "algorithms/meshes/distribution/statistics.h"
 #include "algorithms/meshes/distribution/weights.h"
 #include "tests/support/exact.h"
 #include "tests/support/random.h"
@@ -12,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -42,6 +45,25 @@ TEST(DistributionPieces, AreasOfNeedlesAreCertain) {
     const Area nothing = area_of({{0.1, 0.2, 0.3}, {0.1, 0.2, 0.3}, {0.4, 0.8, 0.9}});
     EXPECT_EQ(nothing.value, 0);
     EXPECT_GT(nothing.extra, 0);
+}
+
+// Triangles between a needle and a fat one: products of doubles alone lose most digits of an area that is a small part of
+// the product of two edges.
+TEST(DistributionPieces, AreasOfThinTrianglesAreCertain) {
+    using exact::Rational;
+    Random random(23);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 a = random.vector(0.25), x = random.vector(0.5);
+        const Triangle t{a, a + x, a + random.real(0.5, 1) * x + random.vector(std::ldexp(0.25, -(i % 45)))};
+        const Area area = area_of(t);
+        const exact::RVec3 from = exact::vector(t.a), e = exact::operator-(exact::vector(t.b), from),
+                           f = exact::operator-(exact::vector(t.c), from);
+        const Rational ef = exact::dot(e, f), squared = (exact::dot(e, e) * exact::dot(f, f) - ef * ef) / Rational(4);
+        const Rational error(area_error), value(area.value);
+        const Rational low = value * (Rational(1) - error), high = value * (Rational(1) + error) + Rational(area.extra);
+        ASSERT_LE(low * low, squared) << "case " << i;
+        ASSERT_GE(high * high, squared) << "case " << i;
+    }
 }
 
 using Real = long double;
@@ -79,14 +101,16 @@ Real squared_distance(const RealVec3& p, const std::array<RealVec3, 3>& t) {
 }
 
 // The means of d and d^2 over a piece, from 16 parts of it.
-std::array<Real, 2> means_of(const std::array<RealVec3, 3>& piece, const std::array<RealVec3, 3>& t) {
+std::array<Real, 2> means_of(const std::array<RealVec3, 3>& piece, const std::vector<std::array<RealVec3, 3>>& target) {
     static const std::vector<std::pair<Real, Real>> rule = gauss(12);
     std::array<Real, 2> sums{};
     const auto add = [&](int i, int j, int way) {  // a triangle of the grid with the corner (i, j)
         for (const auto& [x, weight_x] : rule) {
             for (const auto& [y, weight_y] : rule) {
                 const Real u = (i + way * x * (1 - y)) / 4, v = (j + way * x * y) / 4;
-                const Real d = squared_distance((1 - u - v) * piece[0] + u * piece[1] + v * piece[2], t);
+                const RealVec3 p = (1 - u - v) * piece[0] + u * piece[1] + v * piece[2];
+                Real d = std::numeric_limits<Real>::infinity();
+                for (const std::array<RealVec3, 3>& t : target) d = std::min(d, squared_distance(p, t));
                 const Real weight = 2 * x * weight_x * weight_y / 16;
                 sums[0] += weight * std::sqrt(d);
                 sums[1] += weight * d;
@@ -142,7 +166,7 @@ TEST(DistributionPieces, BoundsOfAPieceHoldUnderRounding) {
             ASSERT_GE(high * high, squared) << "case " << i;
             moved[k] = piece.corners[k].cast<Real>() + Real(off) * away.cast<Real>();
         }
-        const auto [mean, mean_of_squares] = means_of(moved, of_t);
+        const auto [mean, mean_of_squares] = means_of(moved, {of_t});
         const Real error = nearest > corner ? 1e-5L * h : 0x1p-60L;  // the sums converge slowly for two features
         ASSERT_LE(bounds.mean_lower, mean + error) << "case " << i;
         ASSERT_GE(bounds.mean_upper, mean - error) << "case " << i;
@@ -151,6 +175,140 @@ TEST(DistributionPieces, BoundsOfAPieceHoldUnderRounding) {
         if (level == 0 && nearest == corner) closest = std::min(closest, bounds.mean_upper - bounds.mean_lower);
     }
     EXPECT_LT(closest, 1e-6);
+}
+
+std::array<RealVec3, 3> real(const Triangle& t) { return {t.a.cast<Real>(), t.b.cast<Real>(), t.c.cast<Real>()}; }
+
+// A corner of one triangle is nearest to the centre, and the inside of another one to a part of the piece.
+TEST(DistributionPieces, ATriangleThatIsNearerToAPartCounts) {
+    const Triangle s{{0, 0, 0}, {-1, 0.5, -0.3}, {-0.5, -1, -0.3}}, t{{1.85, -2, -2}, {1.85, 2, -2}, {1.85, 0, 2}};
+    const Piece piece{{{{0.75, -0.1, 0}, {0.85, 0.15, 0.1}, {1.08, 0, 0}}}, 1, 0, -1, 0, 0};
+    const std::array<NearbyTriangle, 2> near{{{s, 0}, {t, 1}}};
+    const std::array<std::uint16_t, 2> among{0, 1};
+    PieceBounder bounder(2);
+    const AffineBounds bounds = bounder.bounds(piece, near, among);
+    ASSERT_EQ(bounder.kept(), (std::vector<std::uint16_t>{0, 1}));
+    const auto [mean, mean_of_squares] =
+        means_of(real({piece.corners[0], piece.corners[1], piece.corners[2]}), {real(s), real(t)});
+    const Real error = 1e-4L;  // of the sums
+    EXPECT_LE(bounds.mean_lower, mean + error);
+    EXPECT_GE(bounds.mean_upper, mean - error);
+    EXPECT_LE(bounds.square_lower, mean_of_squares + error);
+    EXPECT_GE(bounds.square_upper, mean_of_squares - error);
+}
+
+// Along a piece of a high level, an edge of S is 0.1 away. T is nearer by a little less than what counts as rounding, below
+// more than half of the piece. The exact piece may be nearer to both by as much as its level says.
+TEST(DistributionPieces, ATriangleThatIsNearerByRoundingCounts) {
+    constexpr int level = 1000;
+    constexpr double magnitude = 0x1p20, um = unit_roundoff * magnitude, h = 0.1, nearer = 6000 * um;
+    const Triangle s{{-5, 0, 0}, {5, 0, 0}, {0, 0, -1}}, t{{0, -3, nearer}, {0, 3, nearer}, {-6, 0, nearer}};
+    const Piece piece{{{{-1, -0x1p-40, h}, {-1, 0x1p-40, h}, {2.01, 0, h}}}, 1, 0, -1, level, 0};
+    const std::array<NearbyTriangle, 2> near{{{s, 0}, {t, 1}}};
+    const std::array<std::uint16_t, 2> among{0, 1};
+    PieceBounder bounder(magnitude);
+    const AffineBounds bounds = bounder.bounds(piece, near, among);
+    ASSERT_EQ(bounder.kept(), (std::vector<std::uint16_t>{0, 1}));
+    const double beside = (2.01 / 3.01) * (2.01 / 3.01), to_s = h - 2 * level * um, to_t = to_s - nearer;
+    EXPECT_LE(bounds.mean_lower, beside * to_s + (1 - beside) * to_t);
+    EXPECT_LE(bounds.square_lower, beside * to_s * to_s + (1 - beside) * to_t * to_t);
+    EXPECT_GT(bounds.mean_lower, h - 20 * level * um);
+}
+
+// Two triangles are nearly folded onto each other, and the piece is between them, on both sides of the plane that halves
+// their angle. Rounding tilts this plane, because its normal is a small difference of two directions.
+TEST(DistributionPieces, BoundsBetweenFoldedTrianglesHoldUnderRounding) {
+    Random random(24);
+    int tried = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 e = random.vector().normalized(), g = random.vector();
+        const Vec3 x = (g - dot(g, e) * e).normalized(), z = e.cross(x);
+        const double angle = std::ldexp(random.real(1, 2), -14);
+        const Vec3 v = random.vector(0.2), up = std::cos(angle) * x + std::sin(angle) * z,
+                   down = std::cos(angle) * x - std::sin(angle) * z;
+        const Triangle s{v, v + e, v + 0.6 * e + 0.5 * up}, t{v, v + e, v + 0.6 * e + 0.5 * down};
+        Piece piece{{}, 1, 0, -1, 0, 0};
+        const double across = std::ldexp(1.5, static_cast<int>(random.below(12)) - 48);
+        for (Vec3& p : piece.corners)
+            p = v + random.real(0.55, 0.65) * e + random.real(0.2, 0.3) * x + random.real(-across, across) * z;
+        const std::array<NearbyTriangle, 2> near{{{s, 0}, {t, 1}}};
+        const std::array<std::uint16_t, 2> among{0, 1};
+        const AffineBounds bounds = PieceBounder(1.5).bounds(piece, near, among);
+        tried += bisector_of(s, t).has_value();
+        for (std::size_t k = 0; k < 3; ++k) {
+            exact::Rational squared = -1;
+            for (const Triangle& one : {s, t}) {
+                const exact::Rational d = exact::squared_distance_to_triangle(
+                    exact::vector(piece.corners[k]), exact::vector(one.a), exact::vector(one.b), exact::vector(one.c));
+                if (squared < 0 || d < squared) squared = d;
+            }
+            const exact::Rational low = std::max(bounds.lower[k], 0.0);
+            ASSERT_LE(low * low, squared) << "case " << i;
+        }
+    }
+    EXPECT_GT(tried, 1000);
+}
+
+// The parts of a cut piece are within the piece, as far as their levels say, and their shares are its share.
+TEST(DistributionPieces, PartsAreWithinTheirLevels) {
+    Random random(25);
+    double farthest = 0;
+    int at_change = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const double size = i % 2 == 0 ? 1 : 0x1p-6;
+        const Vec3 v = i % 2 == 0 ? Vec3(Vec3::Zero()) : random.vector();
+        Piece piece{{}, 1, 0, -1, 0, 0};
+        for (Vec3& p : piece.corners) p = v + random.vector(size);
+        const Triangle s{piece.centre() + random.vector(0.1 * size), v + random.vector(size), v + random.vector(size)},
+            t{piece.corners[0], v + random.vector(size), v + random.vector(size)};
+        double magnitude = 0;
+        for (const Vec3& p : {piece.corners[0], piece.corners[1], piece.corners[2]})
+            magnitude = std::max(magnitude, p.cwiseAbs().maxCoeff());
+        const std::array<NearbyTriangle, 2> near{{{s, 0}, {t, 1}}};
+        const std::array<std::uint16_t, 2> kept{0, 1};
+        std::array<CornerValues, 2> squares{};
+        for (std::size_t j = 0; j < 2; ++j)
+            for (std::size_t k = 0; k < 3; ++k)
+                squares[j][k] = closest_point(piece.corners[k], near[j].corners).squared_distance;
+        const Parts parts = cut_at_change(piece, near, kept, squares, magnitude);
+        const std::array<Piece, 2> half = halves(piece);
+        std::vector<Piece> all(parts.begin(), parts.end());
+        at_change += !all.empty();
+        const auto check = [&](const std::vector<Piece>& made) {
+            double share = 0;
+            for (const Piece& part : made) {
+                share += part.share;
+                const exact::Rational off(2 * part.level * unit_roundoff * magnitude);
+                for (const Vec3& p : part.corners) {
+                    const exact::Rational squared = exact::squared_distance_to_triangle(
+                        exact::vector(p), exact::vector(piece.corners[0]), exact::vector(piece.corners[1]),
+                        exact::vector(piece.corners[2]));
+                    ASSERT_LE(squared, off * off) << "case " << i;
+                    farthest = std::max(farthest, static_cast<double>(exact::root(squared)) / magnitude);
+                }
+            }
+            ASSERT_NEAR(share, 1, 1e-15);
+        };
+        if (!all.empty()) check(all);
+        check({half[0], half[1]});
+    }
+    EXPECT_GT(at_change, 1000);
+    EXPECT_GT(farthest, unit_roundoff);
+}
+
+// On a line: the centre, one triangle of B at a distance d before it, the farthest corner of the piece as far behind it as
+// its level allows, and another triangle of B that is nearest to this corner.
+TEST(DistributionPieces, TheTriangleNearestToAnyPointIsWithinReach) {
+    using exact::Rational;
+    for (const int level : {0, 1, 1000}) {
+        constexpr double magnitude = 0x1p20, d = 0.75, half = 0.25;
+        const Piece piece{{{{2 * half, 0, 0}, {-half, half, 0}, {-half, -half, 0}}}, 1, 0, -1, level, 0};
+        ASSERT_EQ(piece.centre(), Vec3(Vec3::Zero()));
+        const Rational way = Rational(2 * half) + Rational(2 * level * unit_roundoff * magnitude);
+        const Rational other = way + (Rational(d) + way);  // nearer to the corner than the first, or as near
+        EXPECT_GE(Rational(reach_of(piece, d * d, magnitude)), other) << level;
+        EXPECT_LE(reach_of(piece, d * d, magnitude), 2 * half + d + 2 * half + 1e-5) << level;
+    }
 }
 
 // The first corner lies between the centre and the vertex of B that is nearest, so the distance falls as fast as the point
@@ -220,6 +378,34 @@ TEST(DistributionPieces, SpreadsHoldUnderRounding) {
         ASSERT_GE(Rational(by_means.upper), truth) << "case " << i;
         ASSERT_LT(by_means.upper, 1e-8);
     }
+}
+
+// The lower values are below 0, and d may be 0: then the spread about a length is its square.
+TEST(DistributionPieces, SpreadsOfPiecesNearContactHoldUnderRounding) {
+    Random random(26);
+    for (int i = 0; i < 1000; ++i) {
+        const double about = random.real(1, 2);
+        const SpreadBounds spread = spread_about({{-1, -1, -1}, {about, about, about}, 0, 2, 0, 4}, about);
+        ASSERT_EQ(spread.lower, 0);
+        ASSERT_GE(exact::Rational(spread.upper), exact::Rational(about) * exact::Rational(about)) << about;
+    }
+}
+
+// Distances 1 and 5, on parts of equal weight. The mean is 3 and the deviation 2, but bounds on the mean of the first part
+// are wide, so the spread is taken about a length that is not the mean.
+TEST(DistributionPieces, ADeviationAboutALengthBesideTheMeanHolds) {
+    const auto leaf = [](double d, double mean_upper) {
+        return Leaf{{}, {{d, d, d}, {d, d, d}, d, mean_upper, d * d, d * d}, 1, false};
+    };
+    const std::vector<Leaf> leaves{leaf(1, 3), leaf(5, 5)};
+    const Statistics statistics({std::span(leaves)}, 0, false);
+    EXPECT_NEAR(statistics.about(), 3.5, 1e-9);
+    Statistic deviation;
+    deviation.kind = Statistic::Kind::deviation;
+    const Bounds bounds = statistics.of(deviation);
+    EXPECT_LE(bounds.lower, 2);
+    EXPECT_GE(bounds.upper, 2);
+    EXPECT_GT(bounds.lower, 1.9);
 }
 
 // Some of these distances are doubles, and some squares, differences or sums round.

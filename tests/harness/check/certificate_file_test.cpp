@@ -31,7 +31,7 @@ CertificateFile proof_of(Quantity quantity) {
     c.quantity = quantity;
     c.solver = "a solver";
     c.tolerance = 1e-3, c.tolerance_of = "diagonal";
-    c.bounds = {1, 1};
+    c.bounds = {1, 1 + 1e-12};
     c.witness = {Vec3(0, 0, 0), Vec3(0, 0, 1), 0, 0, Direction::source_to_target};
     Certificate one = written(Proof{{Node{}}}, 1 + 1e-12);
     c.certificates = {one};
@@ -169,11 +169,39 @@ TEST(CertificateFile, APoseThatFlattensAShapeProvesNothing) {
         c.source.pose.translation.setConstant(far);
         c.target.pose.translation = Vec3(far, far, far + 1);
         c.bounds.lower = 0;
-        c.certificates[0].proven = c.bounds.upper = far < 1e9 ? 1 + 1e-6 : 1e6;
+        c.certificates[0].proven = c.bounds.upper = 2;
         const bool displaced = refusal(c).find("rounding displaces its points") != std::string::npos;
         EXPECT_EQ(displaced, far > 1e9) << far << ": " << refusal(c);
         EXPECT_EQ(refusal(c).empty(), !displaced) << far << ": " << refusal(c);
     }
+}
+
+// A is flattened onto a point of B, which is as large as the translation.
+TEST(CertificateFile, APoseThatFlattensAShapeOntoALargeOneProvesNothing) {
+    for (const double far : {1e3, 1e17, 1e300}) {
+        const Shape large = soup(rows({{0, 0, 0}, {1, 0, 0}, {far, 0, 0}}));
+        CertificateFile c = proof_of(Quantity::directed);
+        c.source.pose.translation = Vec3(far, 0, 0);
+        c.target = {"b.off", content_hash(large), {}};
+        c.bounds = {0, 3};
+        c.certificates[0].proven = 3;
+        EXPECT_EQ(refusal(c, flat, large).find("rounding displaces its points") != std::string::npos, far > 1e9)
+            << refusal(c, flat, large);
+        EXPECT_EQ(refusal(c, flat, large).empty(), far < 1e9) << refusal(c, flat, large);
+    }
+}
+
+// Coordinates so large that the diagonal of both shapes is not a double.
+TEST(CertificateFile, ShapesOfAnySizeNeedAProofOfTheirBound) {
+    const Shape large = soup(rows({{-1.7e308, 0, 0}, {1.7e308, 0, 0}, {0, 1.7e308, 0}}));
+    CertificateFile c = proof_of(Quantity::directed);
+    c.source = {"a.off", content_hash(large), {}};
+    c.target = {"b.off", content_hash(large), {}};
+    c.certificates[0].proven = 1.7e308;
+    c.bounds = {0, 1.6e308};
+    state_what_is_proven(c, large, large);
+    EXPECT_EQ(c.bounds.upper, 1.6e308);
+    EXPECT_NE(refusal(c, large, large), "");
 }
 
 TEST(CertificateFile, NoTextOfAFileMovesTheCursor) {
@@ -268,8 +296,14 @@ TEST(CertificateFile, AnAnswerIsAcceptedAsAWhole) {
         bad.bounds.lower = 0;
         EXPECT_EQ(refusal(bad), "");
         bad = good;
-        bad.bounds = {1, 0.9999999999995};  // proven, but out of order
-        EXPECT_NE(refusal(bad).find("above the upper bound"), std::string::npos) << refusal(bad);
+        bad.bounds.upper = 1;  // the proof shows slightly more
+        EXPECT_NE(refusal(bad).find("which is above the upper bound"), std::string::npos) << refusal(bad);
+        state_what_is_proven(bad, flat, flat);
+        EXPECT_EQ(bad.bounds.upper, 1 + 1e-12);
+        EXPECT_EQ(refusal(bad), "");
+        bad.bounds.upper = 0.9;
+        state_what_is_proven(bad, flat, flat);
+        EXPECT_EQ(bad.bounds.upper, 0.9);
         Shape other = flat;
         points_of(other)(0, 0) = 1e-300;
         EXPECT_THROW((void)refusal(good, other, flat), InputError);

@@ -87,6 +87,7 @@ std::string doubt_of_cover(const Scene& shapes, double tolerance) {
                             result.bounds,
                             result.witness,
                             std::move(result.certificates)};
+    state_what_is_proven(content, shapes.source, shapes.target);
     return verify_certificate(content, shapes.source, shapes.target).refusal;
 }
 
