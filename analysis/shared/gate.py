@@ -86,9 +86,9 @@ def _problem_of_kept(path: Path) -> str:
     return "" if sha256(path) == sums[name] else f"has another SHA-256 than results/reference/{SUMS} says"
 
 
-def read_sums(folder: Path = REFERENCE) -> dict[str, str]:
-    """Returns the SHA-256 of each kept file by its path in the folder."""
-    lines = (folder / SUMS).read_text(encoding="utf-8").splitlines()
+def read_sums() -> dict[str, str]:
+    """Returns the SHA-256 of each file in results/reference, by its path there."""
+    lines = (REFERENCE / SUMS).read_text(encoding="utf-8").splitlines()
     return {name: digest for digest, name in (line.split("  ", 1) for line in lines)}
 
 
