@@ -42,7 +42,7 @@ def program() -> str:
 
 def ask(verb: str, paths: Sequence[Path]) -> list[str]:
     """Calls a hidden verb of the program on files, and returns its line about each."""
-    command = [program(), verb, "--", *map(os.path.abspath, paths)]
+    command = [program(), verb, "--", *(os.path.abspath(path) for path in paths)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, errors="replace")
     except OSError as problem:

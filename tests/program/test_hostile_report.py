@@ -11,6 +11,7 @@ import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -103,6 +104,10 @@ def shared_text(f: h5py.File) -> None:
     file.write_bytes(content)
 
 
+def an_empty_group(f: h5py.File) -> None:
+    f.create_group("cases/lower")
+
+
 def references(f: h5py.File) -> None:
     f.create_dataset("cases/counter_odd", data=[f["meta"].ref] * 3, dtype=h5py.ref_dtype)
 
@@ -139,7 +144,10 @@ def edited(*changes: Change) -> Make:
 
 
 def bytes_of(change: Callable[[bytes], bytes]) -> Make:
-    return lambda bad, good: (bad.write_bytes(change(good.read_bytes())), None)[1]
+    def make(bad: Path, good: Path) -> None:
+        bad.write_bytes(change(good.read_bytes()))
+
+    return make
 
 
 def pipe(bad: Path, _: Path) -> None:
@@ -151,7 +159,10 @@ def folder(bad: Path, _: Path) -> None:
 
 
 def leads_to(place: str) -> Make:
-    return lambda bad, _: bad.symlink_to(place)
+    def make(bad: Path, _: Path) -> None:
+        bad.symlink_to(place)
+
+    return make
 
 
 FILES: dict[str, Make] = {
@@ -175,7 +186,7 @@ CHANGES: dict[str, Change] = {
     "cube": dataset("cases/lower", data=np.zeros((3, 1, 1))), "one_number": dataset("cases/lower", data=1.0),
     "text_for_numbers": dataset("cases/lower", data=["1", "2", "3"], dtype=TEXT), "numbers_for_text": dataset("cases/label", data=[1, 2, 3]),
     "reals_for_integers": dataset("cases/pose_index", data=[0.5] * 3), "another_length": dataset("cases/upper", data=np.zeros(7)),
-    "narrow_poses": dataset("cases/pose", data=np.zeros((3, 5))), "no_models": without("models"), "group_for_column": several(without("cases/lower"), lambda f: f.create_group("cases/lower")),
+    "narrow_poses": dataset("cases/pose", data=np.zeros((3, 5))), "no_models": without("models"), "group_for_column": several(without("cases/lower"), an_empty_group),
     "case_below_0": value("answers/case", 0, -1), "case_too_large": value("repeats/case", 0, 2**62), "trace_too_long": value("cases/trace_end", 2, 2**62),
     "fields_too_long": value("fields/end", 0, 2**62), "options_deep": value("cases/options", 0, "[" * 200_000), "extras_of_texts": value("cases/extras", 0, '{"seconds: a": "b"}'),
     "facts_a_list": value("cases/facts", 0, "[1]"), "many_schemas": attribute("schema_version", np.ones(8000, "i8")), "newer": attribute("schema_version", 99),
@@ -190,7 +201,7 @@ SHOWN: dict[str, Change] = {
 }
 
 
-def coordinates(f: h5py.File, **how: object) -> None:
+def coordinates(f: h5py.File, **how: Any) -> None:
     rows = f["coordinates"].shape[0]
     del f["coordinates"]
     f.create_dataset("coordinates", **{"shape": (rows, 3), "dtype": "f8", **how})
