@@ -72,6 +72,9 @@ documents: $(DEPS)  ## collect the figures and tables of each paper in results/t
 	$(PYTHON) -m analysis.document --compile
 report: $(DEPS)  ## write results/report/index.html, pages about all results; fails if a reason why a claim does not hold no longer fits
 	$(PYTHON) tools/bundle && $(PYTHON) -m analysis.report.pages --strict
+reference-sums:  ## write the list of SHA-256 of the files in results/reference again, after one was changed on purpose
+	cd results/reference && find . -type f ! -name 'SHA256SUMS*' -printf '%P\0' | LC_ALL=C sort -z | xargs -0 sha256sum > SHA256SUMS.new
+	mv results/reference/SHA256SUMS.new results/reference/SHA256SUMS
 check-reference: $(DEPS)  ## compare bounds and counted work in results/ with results/reference/counts; STEM=... for some
 	$(PYTHON) -m analysis.check_reference $(or $(STEM),$(basename $(notdir $(wildcard results/reference/counts/*.csv))))
 

@@ -79,6 +79,8 @@ void* open_library(const fs::path& named, const fs::path& file) {
         throw InputError(fmt::format("{}: does not exist: name a plug-in, a MODULE library (.so)", named.string()));
     if (fs::is_directory(file))
         throw InputError(fmt::format("{}: is a folder: name a plug-in in it (.so)", named.string()));
+    if (!fs::is_regular_file(file))  // reading a pipe could take for ever
+        throw InputError(fmt::format("{}: is not a regular file: name a plug-in (.so)", named.string()));
     if (is_cut_short(file))
         throw InputError(fmt::format("{}: the file is truncated: copy or build it again", file.string()));
     void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // never closed: its solvers stay in use

@@ -85,11 +85,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ResultError as problem:
         print(printable(str(problem)), file=sys.stderr)
         return 2
-    except ValueError as problem:  # the file was edited: no run writes such texts or times
-        print(printable(f"{chosen.result}: cannot be drawn: {problem}: run its experiment again"), file=sys.stderr)
-        return 2
     except OSError as problem:
         print(printable(f"{chosen.result}: cannot be drawn: {problem}: make room, or choose another folder with --out"), file=sys.stderr)
+        return 2
+    except Exception as problem:  # the file was edited: no run writes such texts or times
+        print(printable(f"{chosen.result}: cannot be drawn: {problem}: run its experiment again"), file=sys.stderr)
         return 2
     return 0
 

@@ -21,7 +21,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from analysis.shared import style, tables
-from analysis.shared.load import load
+from analysis.shared.load import each, load_all
 from analysis.shared.report import save_caption, save_figure
 from analysis.shared.results import ResultError, Results
 
@@ -97,8 +97,8 @@ def read(results: Results) -> Stem:
         found.reasons.setdefault(key, Counter())[reason] += 1
     found.run -= sum(found.saved[key] for key in COSTS)
     if (everything := path.with_name(path.stem + EVERYTHING)).exists():
-        equal, both = same_answers(results, load(everything))
-        found.proof = f"{equal} of {both} answers are the same with nothing left out"
+        for equal, both in each(load_all([everything]), lambda whole: same_answers(results, whole)):
+            found.proof = f"{equal} of {both} answers are the same with nothing left out"
     return found
 
 
@@ -107,14 +107,7 @@ def stems_in(folder: Path) -> list[Stem]:
 
     Prints a line for a damaged file and skips it. Raises ResultError if nothing is left.
     """
-    found = []
-    for path in sorted(folder.glob("*.h5")):
-        if "." in path.stem:
-            continue
-        try:
-            found.append(read(load(path)))
-        except ResultError as problem:
-            print(problem, file=sys.stderr)
+    found = each(load_all(path for path in sorted(folder.glob("*.h5")) if "." not in path.stem), read)
     if not found:
         raise ResultError(f"{folder}: no results: make them with 'make experiments'")
     return by_time(found)

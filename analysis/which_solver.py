@@ -20,7 +20,7 @@ import numpy as np
 
 from analysis.shared import style, tables
 from analysis.shared.comparable import apart, origins
-from analysis.shared.load import load
+from analysis.shared.load import each, load_all
 from analysis.shared.notes import machine_line
 from analysis.shared.report import save_figure
 from analysis.shared.results import ResultError, Results
@@ -208,11 +208,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     out = chosen.out or chosen.results
     try:
-        found = [load(path) for stem in STEMS if (path := chosen.results / f"{stem}.h5").exists()]
+        found = load_all(path for stem in STEMS if (path := chosen.results / f"{stem}.h5").exists())
     except ResultError as problem:
         print(problem, file=sys.stderr)
         return 2
-    cells = [one for results in found for one in cells_of(results)]
+    cells = [one for some in each(found, cells_of) for one in some]
     if not cells:
         print(f"which_solver: nothing to draw: {chosen.results} has no times of {', '.join(STEMS)}")
         return 0

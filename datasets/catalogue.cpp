@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -75,6 +77,29 @@ std::string key_of(const ModelInfo& model, const std::string& input) {
         hash.add(surface ? describe(*surface) : content_hash(*model.written));
     }
     return hash.hex();
+}
+
+// Reads a shape from the cache. Returns nothing if it is not there, or cannot be used.
+std::optional<LoadedShape> cached(const std::filesystem::path& shape_file, const std::string& key) {
+    std::error_code gone;
+    if (!std::filesystem::is_regular_file(shape_file, gone)) return std::nullopt;
+    try {
+        return read_shape(shape_file, key);
+    } catch (const InputError&) {
+        return std::nullopt;
+    }
+}
+
+// Renames a folder that has the name of a shape, because a file cannot replace it.
+void move_folder_away(const std::filesystem::path& shape_file) {
+    std::error_code error;
+    if (!std::filesystem::is_directory(std::filesystem::symlink_status(shape_file, error))) return;
+    std::filesystem::path away = shape_file;
+    away += fmt::format(".{}.folder", ::getpid());
+    std::filesystem::rename(shape_file, away, error);
+    if (error)
+        throw InputError(fmt::format("{}: is a folder in the place of a shape and cannot be renamed ({}): move it away",
+                                     shape_file.string(), error.message()));
 }
 
 }  // namespace
@@ -148,11 +173,9 @@ void Catalogue::keep_apart(std::filesystem::path folder, double most_bytes) {
     most_bytes_ = most_bytes;
 }
 
-// Returns the path of a cached shape: in the cache, or in the folder of keep_apart() if that was called and the cache
-// does not have the shape.
-std::filesystem::path Catalogue::shape_file(const std::string& key) const {
-    const std::filesystem::path cached = cache_ / "shapes" / (key + ".h5");
-    return apart_.empty() || std::filesystem::exists(cached) ? cached : apart_ / (key + ".h5");
+// Returns where a new shape is written: in the cache, or in the folder of keep_apart() if that was called.
+std::filesystem::path Catalogue::new_shape_file(const std::string& key) const {
+    return (apart_.empty() ? cache_ / "shapes" : apart_) / (key + ".h5");
 }
 
 void Catalogue::expect_room(const ModelInfo& model, const Input& input) const {
@@ -228,31 +251,29 @@ std::variant<ResolvedModel, MissingModel> Catalogue::resolve(const std::string& 
     if (const auto* missing = std::get_if<MissingModel>(&found)) return *missing;
     const Input& input = std::get<Input>(found);
     const std::string key = key_of(model, input.identity);
-    const std::filesystem::path shape_file = this->shape_file(key);
-    LoadedShape loaded;
-    if (std::filesystem::exists(shape_file)) {
-        if (!std::filesystem::is_regular_file(shape_file))
-            throw InputError(
-                fmt::format("model '{}': {} in the cache is not a regular file: delete it", name, shape_file.string()));
-        loaded = read_shape(shape_file, key);
-    } else {
+    std::filesystem::path shape_file = cache_ / "shapes" / (key + ".h5");
+    std::optional<LoadedShape> loaded = cached(shape_file, key);
+    if (!loaded && !apart_.empty()) loaded = cached(shape_file = new_shape_file(key), key);
+    if (!loaded) {
         expect_room(model, input);
         try {
             loaded = made(model, input);
         } catch (const InputError& error) {
             throw InputError(fmt::format("model '{}': {}", name, error.what()));
         }
-        const std::string problem = shape_problem(loaded.shape);
+        const std::string problem = shape_problem(loaded->shape);
         if (!problem.empty()) throw InputError(fmt::format("model '{}': {}", name, problem));
         make_folders();
-        write_shape(shape_file, loaded, key);
+        shape_file = new_shape_file(key);
+        move_folder_away(shape_file);
+        write_shape(shape_file, *loaded, key);
     }
-    const Points& points = points_of(loaded.shape);
+    const Points& points = points_of(loaded->shape);
     return ResolvedModel{shape_file,
-                         content_hash(loaded.shape),
-                         loaded.report,
-                         kind_of(loaded.shape),
-                         element_count(loaded.shape),
+                         content_hash(loaded->shape),
+                         loaded->report,
+                         kind_of(loaded->shape),
+                         element_count(loaded->shape),
                          static_cast<Index>(points.rows()),
                          diagonal(points),
                          longest_side(points),

@@ -80,7 +80,8 @@ public:
     // Fetched files are looked up in CACHE/raw/<sha256>/<file name>, where datasets/fetch.py puts them, and their
     // SHA-256 is checked. Throws InputError if the hash differs (the message has both hashes), and for a file that is
     // not a regular file. Shapes are cached in CACHE/shapes/<key>.h5. The key is a hash of the recipe or operation and
-    // of the bytes of all inputs, so that an outdated shape is never used after the manifest was edited.
+    // of the bytes of all inputs, so that an outdated shape is never used after the manifest was edited. A cached shape
+    // that cannot be used, such as a damaged one, is made again and replaced.
     std::variant<ResolvedModel, MissingModel> resolve(const std::string& name) const;
 
 private:
@@ -94,7 +95,7 @@ private:
     };
     std::variant<Input, MissingModel> input_of(const ModelInfo& model) const;
     LoadedShape made(const ModelInfo& model, const Input& input) const;
-    std::filesystem::path shape_file(const std::string& key) const;
+    std::filesystem::path new_shape_file(const std::string& key) const;
     void expect_room(const ModelInfo& model, const Input& input) const;
 
     std::filesystem::path cache_, program_;

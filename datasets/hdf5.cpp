@@ -14,7 +14,9 @@
 #include <H5FDcore.h>
 #include <H5Fpublic.h>
 #include <H5Gpublic.h>
+#include <H5Ipublic.h>
 #include <H5Lpublic.h>
+#include <H5Opublic.h>
 #include <H5Ppublic.h>
 #include <H5Spublic.h>
 #include <H5Tpublic.h>
@@ -169,8 +171,7 @@ public:
         Id type(at, H5Dget_type(dataset), H5Tclose);
         return Values(at, std::move(dataset), std::move(type), false);
     }
-    static Values of_attribute(hid_t file, const Place& at, const std::string& group, const std::string& name) {
-        const Id owner = open_group(file, at, group);
+    static Values of_attribute(hid_t owner, const Place& at, const std::string& name) {
         Id attribute(at, H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose);
         Id type(at, H5Aget_type(attribute), H5Tclose);
         return Values(at, std::move(attribute), std::move(type), true);
@@ -191,11 +192,33 @@ public:
         if (H5Tget_class(type_) != H5T_STRING) at_.fail(attribute_ ? "does not hold a text" : "does not hold texts");
         if (H5Tis_variable_str(type_) <= 0) at_.fail("holds texts of fixed length, which are not read");
         std::vector<std::string> values;
+        std::size_t bytes = 0;
         for (char* text : raw<char*>(type_)) {
             values.emplace_back(text ? text : "");
+            bytes += values.back().size();
             H5free_memory(text);
         }
+        if (bytes > std::filesystem::file_size(at_.file))
+            at_.fail("has texts that share their bytes, which is not read");
         return values;
+    }
+
+    // Reads values of any type that a result or a shape may have, and returns how many bytes they take.
+    std::size_t bytes() const {
+        switch (H5Tget_class(type_)) {
+            case H5T_STRING: {
+                std::size_t bytes = 0;
+                for (const std::string& text : texts()) bytes += sizeof(std::string) + text.size();
+                return bytes;
+            }
+            case H5T_FLOAT:
+                return sizeof(double) * reals().size();
+            case H5T_INTEGER:
+                expect_numbers(H5T_INTEGER, "integers");
+                return sizeof(std::uint64_t) * raw<std::uint64_t>(native<std::uint64_t>()).size();
+            default:
+                at_.fail("holds neither texts nor numbers");
+        }
     }
 
 private:
@@ -258,6 +281,73 @@ private:
     Place at_;
     Id object_, type_;
     bool attribute_;
+};
+
+// The work of File::expect_self_contained().
+class Walk {
+public:
+    explicit Walk(const std::filesystem::path& file)
+        : file_(file), most_bytes_((std::size_t(256) << 20) + 16 * std::filesystem::file_size(file)) {}
+
+    void group(hid_t file, const std::string& name, int depth) {
+        const Place at{file_, name};
+        const Id opened = open_group(file, at, name);
+        attributes(opened, at);
+        constexpr int deepest = 8;  // a group may contain itself
+        if (depth > deepest) at.fail("is a group in too many groups");
+        for (const Link& link : links(opened, at)) {
+            const Place here{file_, name + (depth ? "/" : "") + link.name};
+            if (link.type == H5L_TYPE_EXTERNAL) here.fail("is a link to another file, which is not read");
+            if (link.type != H5L_TYPE_HARD) here.fail("is a link to another name, which is not read");
+            const Id object(here, H5Oopen(opened, link.name.c_str(), H5P_DEFAULT), H5Oclose);
+            const H5I_type_t type = H5Iget_type(object);
+            if (type == H5I_GROUP) {
+                group(file, here.object, depth + 1);
+            } else if (type == H5I_DATASET) {
+                attributes(object, here);
+                add(Values::of_dataset(file, here), here);
+            } else {
+                here.fail("is neither a group nor a dataset");
+            }
+        }
+    }
+
+private:
+    struct Link {
+        std::string name;
+        H5L_type_t type;
+    };
+
+    static std::vector<Link> links(hid_t group, const Place& at) {
+        std::vector<Link> found;
+        const auto visit = [](hid_t, const char* name, const H5L_info_t* info, void* data) -> herr_t {
+            static_cast<std::vector<Link>*>(data)->push_back({name, info->type});
+            return 0;
+        };
+        at.check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &found));
+        return found;
+    }
+
+    void attributes(hid_t object, const Place& at) {
+        std::vector<std::string> names;
+        const auto visit = [](hid_t, const char* name, const H5A_info_t*, void* data) -> herr_t {
+            static_cast<std::vector<std::string>*>(data)->emplace_back(name);
+            return 0;
+        };
+        at.check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &names));
+        for (const std::string& name : names) {
+            const Place here{file_, attribute_name(at.object, name)};
+            add(Values::of_attribute(object, here, name), here);
+        }
+    }
+
+    void add(const Values& values, const Place& at) {
+        bytes_ += values.bytes();
+        if (bytes_ > most_bytes_) at.fail("takes much more memory than the size of its file justifies");
+    }
+
+    const std::filesystem::path& file_;
+    std::size_t bytes_ = 0, most_bytes_;
 };
 
 }  // namespace
@@ -338,6 +428,8 @@ std::vector<std::string> File::read_texts(const std::string& name) const {
     return Values::of_dataset(id_, {path_, name}).texts();
 }
 
+void File::expect_self_contained() const { Walk(path_).group(id_, "/", 0); }
+
 bool File::has(const std::string& name) const { return exists(id_, name); }
 
 std::vector<std::string> File::children(const std::string& group) const {
@@ -363,13 +455,13 @@ void File::attribute(const std::string& group, const std::string& name, std::int
 }
 
 std::string File::text_attribute(const std::string& group, const std::string& name) const {
-    return Values::of_attribute(id_, {path_, attribute_name(group, name)}, group, name).texts().front();
+    const Place at{path_, attribute_name(group, name)};
+    return Values::of_attribute(open_group(id_, at, group), at, name).texts().front();
 }
 
 std::int64_t File::integer_attribute(const std::string& group, const std::string& name) const {
-    return Values::of_attribute(id_, {path_, attribute_name(group, name)}, group, name)
-        .integers<std::int64_t>()
-        .front();
+    const Place at{path_, attribute_name(group, name)};
+    return Values::of_attribute(open_group(id_, at, group), at, name).integers<std::int64_t>().front();
 }
 
 bool File::has_attribute(const std::string& group, const std::string& name) const {

@@ -36,6 +36,11 @@ public:
     std::vector<std::int32_t> read_indices(const std::string& name) const;
     std::vector<std::string> read_texts(const std::string& name) const;
 
+    // Reads everything in the file once, and throws unless all of it is stored in this file as columns, tables and single
+    // values of texts, integers and real numbers: without links, external or virtual data, and values that are not
+    // stored. Other programs can then open the file, too. Needs the memory of the largest dataset.
+    void expect_self_contained() const;
+
     bool has(const std::string& name) const;
     std::vector<std::string> children(const std::string& group) const;
 

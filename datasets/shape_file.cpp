@@ -3,6 +3,7 @@
 #include "algorithms/error.h"
 #include "algorithms/kernel/polynomial.h"
 #include "datasets/hdf5.h"
+#include "datasets/seal.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -113,6 +114,7 @@ void write_shape(const std::filesystem::path& path, const LoadedShape& loaded, c
 LoadedShape read_shape(const std::filesystem::path& path, const std::string& made_from) {
     LoadedShape loaded;
     try {
+        h5::check_seal(path);
         loaded = read_unchecked(path, made_from);
     } catch (const std::runtime_error& error) {
         const std::string why = error.what();

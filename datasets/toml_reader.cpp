@@ -1,6 +1,7 @@
 #include "datasets/toml_reader.h"
 
 #include "algorithms/error.h"
+#include "process/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 namespace hausbench {
 
 toml::table parse_toml(const std::filesystem::path& file) {
+    expect_no_device(file);
     try {
         return toml::parse_file(file.string());
     } catch (const toml::parse_error& error) {

@@ -13,6 +13,14 @@ namespace hausbench {
 
 namespace fs = std::filesystem;
 
+void expect_no_device(const fs::path& file) {
+    std::error_code gone;
+    const fs::file_status status = fs::status(file, gone);
+    if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
+        throw InputError(
+            fmt::format("{}: is not a regular file: copy what it gives to a file, and name that", file.string()));
+}
+
 int create_afresh(const fs::path& file) {
     ::unlink(file.c_str());
     return ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);

@@ -1,10 +1,14 @@
-// Writes files atomically: a reader sees all of a file or none of it.
+// Writes files atomically, so that a reader sees all of a file or none of it, and refuses what is no file.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 namespace hausbench {
+
+// Throws InputError if the path leads to a pipe, a device or anything else that is neither a regular file nor a folder:
+// reading it could wait or go on for ever. Says nothing about a missing file.
+void expect_no_device(const std::filesystem::path& file);
 
 // Creates a file for writing and returns its descriptor, or -1 with errno set on failure. First removes a file, link or
 // pipe of that name, so that nothing is written through a link or into a pipe.

@@ -33,7 +33,7 @@ from analysis import document, ledger, paper_page
 from analysis.report import all_rows, chooser, matrix, outcomes, scenes
 from analysis.report.copies import copied
 from analysis.shared import claims, stems, tables
-from analysis.shared.load import REFERENCE, load
+from analysis.shared.load import REFERENCE, left_out, load_all
 from analysis.shared.notes import measured_on
 from analysis.shared.printable import printable
 from analysis.shared.results import ResultError, Results
@@ -104,15 +104,7 @@ def _measured_as(stem: str) -> str:
 
 def loaded(folder: Path) -> dict[str, Results]:
     """Loads all results of a folder, by stem. Names damaged files and leaves them out."""
-    found = {}
-    for path in sorted(folder.glob("*.h5")):
-        if "." in path.stem:
-            continue
-        try:
-            found[path.stem] = load(path)
-        except ResultError as problem:
-            print(printable(str(problem)), file=sys.stderr)
-    return found
+    return {one.stem: one for one in load_all(path for path in sorted(folder.glob("*.h5")) if "." not in path.stem)}
 
 
 def environment() -> jinja2.Environment:
@@ -156,8 +148,32 @@ def shared(results: dict[str, Results]) -> dict[str, Any]:
 
 
 def write(results_folder: Path, out: Path) -> tuple[list[Path], list[str]]:
-    """Writes all pages. Returns their paths, and a line for each claim whose text does not fit its verdict."""
-    results, folder = loaded(results_folder), out / "report"
+    """Writes all pages. Returns their paths, and a line for each claim whose text does not fit its verdict.
+
+    Names a result that no run can have written on standard error, and leaves it out.
+    """
+    results = loaded(results_folder)
+    try:
+        return write_pages(results, out)
+    except Exception:
+        write_pages({}, out)  # raises again if the error is in none of the results
+        usable = {stem: one for stem, one in results.items() if can_be_shown(one, out)}
+        if len(usable) == len(results):
+            raise
+        return write_pages(usable, out)
+
+
+def can_be_shown(results: Results, out: Path) -> bool:
+    try:
+        write_pages({results.stem: results}, out)
+    except Exception as problem:
+        print(left_out(results, problem), file=sys.stderr)
+        return False
+    return True
+
+
+def write_pages(results: dict[str, Results], out: Path) -> tuple[list[Path], list[str]]:
+    folder = out / "report"
     shutil.rmtree(folder / "files", ignore_errors=True)  # of an earlier report
     folder.mkdir(parents=True, exist_ok=True)
     now = paper_page.records(out / "tables")
@@ -216,7 +232,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     try:
         paths, problems = write(chosen.results, chosen.out or chosen.results)
-    except (OSError, ValueError) as error:
+    except (OSError, ResultError, ValueError) as error:
         print(printable(str(error)), file=sys.stderr)
         return 2
     for problem in problems:

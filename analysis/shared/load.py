@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
+import json
+import sys
 import tomllib
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,24 +14,26 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from analysis.shared import remedy
+from analysis.shared import gate, remedy
 from analysis.shared.columns import DEFAULTS, Answers, Cases, Fields, Floats, Ledger, Models, Preparation, Repeats, Trace
+from analysis.shared.printable import printable
 from analysis.shared.results import ResultError, Results
 
 SCHEMA_VERSION = 2
-REFERENCE = Path(__file__).resolve().parents[2] / "results" / "reference"
+REFERENCE = gate.REFERENCE
 ANOTHER = "name a result file written by 'hausbench run'"
-SEAL_BEGIN, SEAL_LENGTH = b"\nsha256 ", 73  # the last line of a file: this, 64 digits and a newline
 
+Made = TypeVar("Made")
 Columns = TypeVar("Columns", Models, Cases, Answers, Repeats, Preparation, Trace, Fields, Ledger)
 
 
 def _column(group: Any, name: str, kind: str) -> npt.NDArray[Any]:
     data = group[name]
-    if (h5py.check_string_dtype(data.dtype) is not None) != (kind == "Texts"):
+    text = h5py.check_string_dtype(data.dtype) is not None
+    if text != (kind == "Texts") or not (text or data.dtype.kind in ("f" if kind == "Floats" else "iu")):
         raise KeyError(f"{data.name} of type {kind}")
     if kind == "Texts":
-        return np.asarray(data.asstr()[()], dtype=object)
+        return np.asarray(data.asstr(errors="replace")[()], dtype=object)
     return np.asarray(data[()], dtype={"Floats": np.float64, "Ints": np.int64, "Counters": np.uint64}[kind])
 
 
@@ -49,6 +53,8 @@ def _columns(kind: type[Columns], file: Any, name: str) -> Columns:
                                   for key in group if key.startswith("counter_")}
         elif field.name in group:
             values[field.name] = _column(group, field.name, str(field.type))
+            if values[field.name].shape[1:] != np.shape(DEFAULTS[f"{name}/{field.name}"]):
+                raise KeyError(f"/{name}/{field.name} with as many numbers a row")
     lengths = {len(column) for field, column in values.items() if field != "counters"}
     lengths |= {len(column) for column in values.get("counters", {}).values()}
     if len(lengths) > 1:
@@ -69,40 +75,9 @@ def _usual(value: Any, count: int, kind: str) -> npt.NDArray[Any]:
     return np.array([value] * count, dtype=dtype).reshape(count, *np.shape(value))
 
 
-def _end_of_data(head: bytes) -> int | None:
-    """Returns the offset at which the data of an HDF5 file end, read from its first bytes; None if unknown.
-
-    See "Superblock" in the HDF5 specification. Files whose addresses do not have 8 bytes are not supported.
-    """
-    if len(head) < 52 or not head.startswith(b"\x89HDF\r\n\x1a\n") or head[8] > 3 or head[13 if head[8] < 2 else 9] != 8:
-        return None
-    return int.from_bytes(head[(at := {0: 40, 1: 44}.get(head[8], 28)):at + 8], "little")
-
-
 def _begins_as_hdf5(path: Path) -> bool:
     with path.open("rb") as file:
         return file.read(8) == b"\x89HDF\r\n\x1a\n"
-
-
-def _has_broken_seal(path: Path) -> bool:
-    """Tells whether the data are followed by anything but the line with their SHA-256, as in a damaged file.
-
-    A file that another program rewrote ends with its data and passes.
-    """
-    with path.open("rb") as file:
-        end, left = _end_of_data(file.read(64)), path.stat().st_size - SEAL_LENGTH
-        file.seek(max(0, left))
-        seal = file.read(SEAL_LENGTH + 1)
-        if end is not None and path.stat().st_size > end and left != end:
-            return True
-        if left < 0 or not seal.startswith(SEAL_BEGIN):
-            return left == end
-        digest = hashlib.sha256()
-        file.seek(0)
-        while left > 0 and (part := file.read(min(left, 2**20))):
-            digest.update(part)
-            left -= len(part)
-    return seal != SEAL_BEGIN + digest.hexdigest().encode() + b"\n"
 
 
 def _attribute(value: Any) -> Any:
@@ -143,18 +118,77 @@ def _by_statistic(cases: Cases) -> Cases:
     return dataclasses.replace(cases, scene=np.array(named, dtype=object))
 
 
+def _expect_places(results: Results) -> None:
+    """Raises ValueError if a row refers to a case, a sample or a value that the file does not have."""
+    def expect(good: Any, what: str) -> None:
+        if not np.all(good):
+            raise ValueError(f"{what} that the file does not have")
+
+    count, cases, fields = len(results.cases), results.cases, results.fields
+    for name in ("answers", "repeats", "preparation", "fields"):
+        case = getattr(results, name).case
+        expect((case >= 0) & (case < count), f"/{name} has a case")
+    expect((cases.trace_begin >= cases.trace_end) | ((cases.trace_begin >= 0) & (cases.trace_end <= len(results.trace.seconds))), "/cases has a trace")
+    expect((fields.begin >= 0) & (fields.begin <= fields.end) & (fields.end <= len(results.field_values)), "/fields has values")
+
+
+def _expect_json(results: Results) -> None:
+    """Raises ValueError if a text that should be JSON is not, or is no object (plug-ins: no list; extras: no object of numbers)."""
+    kinds = {f"/cases/{name}": (dict, texts) for name, texts in (("options", results.cases.options), ("extras", results.cases.extras), ("facts", results.cases.facts))}
+    kinds |= {f"/meta@{name}": (dict, [results.meta.get(name, "")]) for name in ("libraries", "titles")}
+    kinds["/meta@plugins"] = list, [results.meta.get("plugins", "")]
+    for name, (kind, texts) in kinds.items():
+        for text in dict.fromkeys(texts):
+            try:
+                read = json.loads(text or ("[]" if kind is list else "{}"))
+                good = isinstance(read, kind) and (name != "/cases/extras" or bool(np.array(list(read.values()), dtype=np.float64).ndim))
+            except (RecursionError, TypeError, ValueError):
+                good = False
+            if not good:
+                raise ValueError(f"{name} holds text that is not the JSON of a run")
+
+
+def load_all(paths: Iterable[Path]) -> list[Results]:
+    """Loads results, which the program checks with one call. Names those that cannot be loaded on standard error, and leaves them out."""
+    found, paths = list[Results](), list(paths)
+    gate.vet(paths)
+    for path in paths:
+        try:
+            found.append(load(path))
+        except ResultError as problem:
+            print(printable(str(problem)), file=sys.stderr)
+    return found
+
+
+def each(results: Iterable[Results], work: Callable[[Results], Made]) -> list[Made]:
+    """Returns what `work` makes of each result. Names a result that it cannot use on standard error, and leaves it out."""
+    made = list[Made]()
+    for one in results:
+        try:
+            made.append(work(one))
+        except Exception as problem:  # no run writes such a file
+            print(left_out(one, problem), file=sys.stderr)
+    return made
+
+
+def left_out(results: Results, problem: Exception) -> str:
+    return printable(f"{results.path}: left out: it has values that no run writes ({type(problem).__name__}: {problem}): run its experiment again")
+
+
 def load(path: Path, profile: str = "") -> Results:
     """Reads a result file and returns its rows of `profile`, by default the profile of the latest run.
 
-    Raises ResultError if the file is missing or damaged, is not a result file, or has a newer schema.
+    Raises ResultError if the file is missing or damaged, is not a result file, has a newer schema, or must not be opened (gate.py).
     """
     stem = path.stem.removesuffix(".everything")  # `run --leave-nothing-out` adds the suffix
     if not path.is_file():
-        raise ResultError(f"{path}: no such file: measure it with {remedy.measure(stem)}")
+        raise ResultError(f"{path}: is not a regular file: {ANOTHER}" if path.exists() else f"{path}: no such file: measure it with {remedy.measure(stem)}")
     whole = f"take an intact copy, or move it away and measure again with {remedy.measure(stem)}"
     try:
-        if _has_broken_seal(path):
-            raise ResultError(f"{path}: damaged: its bytes do not match the SHA-256 at its end: {whole}")
+        if not _begins_as_hdf5(path):
+            raise ResultError(f"{path}: not an HDF5 file: {ANOTHER}")
+        if problem := gate.problem_of(path):
+            raise ResultError(f"{path}: damaged: {problem}: {whole}")
         with h5py.File(path, "r") as file:
             meta = {key: _attribute(value) for key, value in file["meta"].attrs.items()}
             if int(meta["schema_version"]) > SCHEMA_VERSION:
@@ -165,12 +199,14 @@ def load(path: Path, profile: str = "") -> Results:
                               _columns(Answers, file, "answers"), _columns(Repeats, file, "repeats"), _columns(Preparation, file, "preparation"),
                               _columns(Trace, file, "trace"), _columns(Fields, file, "fields"), _values(file),
                               _columns(Ledger, file, "ledger"))
+        _expect_places(results)
+        _expect_json(results)
     except PermissionError as problem:
         raise ResultError(f"{path}: {problem.strerror}") from None
     except OSError:
-        raise ResultError(f"{path}: damaged: {whole}" if _begins_as_hdf5(path) else f"{path}: not an HDF5 file: {ANOTHER}") from None
-    except (KeyError, TypeError, ValueError, AttributeError) as problem:
-        text = str(problem.args[0]) if problem.args else ""
+        raise ResultError(f"{path}: damaged: {whole}") from None
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, RuntimeError) as error:
+        text = str(error.args[0]) if error.args else ""
         raise ResultError(f"{path}: not a hausbench result file ({text}): {ANOTHER}") from None
     if meta.get("stem") != stem:
         raise ResultError(f"{path}: has the experiment '{meta.get('stem')}', not '{stem}': rename it to {meta.get('stem')}.h5")

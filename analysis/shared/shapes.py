@@ -6,6 +6,7 @@ Result files hold no coordinates, but the SHA-256 of each shape (/models), by wh
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -14,8 +15,9 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from analysis.shared import remedy
+from analysis.shared import gate, remedy
 from analysis.shared.columns import Floats
+from analysis.shared.printable import printable
 from analysis.shared.results import ResultError, Results
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -51,29 +53,48 @@ def cache_folder() -> Path:
 
 
 @cache
-def _files(folder: Path) -> dict[str, Path]:
+def _files(folder: Path) -> dict[str, list[Path]]:
     """Returns the files of cached shapes by the SHA-256 of the shape, which the file names do not contain.
 
-    Skips files of other versions.
+    The program reads them. Names files that it cannot read on standard error, and skips them and those of other kinds.
     """
-    found = {}
-    for path in folder.glob("*.h5"):
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("shape_schema") in (1, 2):
-                found[str(file.attrs["content_hash"])] = path
+    paths, found = sorted(folder.glob("*.h5")), dict[str, list[Path]]()
+    for path, content in zip(paths, gate.ask("shapes", paths) if paths else ()):
+        if " " in content:
+            print(printable(f"{path}: left out: {content}: delete it, and it is made again"), file=sys.stderr)
+        elif content:
+            found.setdefault(content, []).append(path)
     return found
 
 
+def _read(path: Path) -> tuple[Floats, Indices]:
+    """Returns the coordinates and triangles of a shape file. Raises ResultError if it cannot be used."""
+    if problem := gate.problem_of(path):
+        raise ResultError(f"{path}: left out: {problem}: delete it, and it is made again")
+    try:
+        with h5py.File(path, "r") as file:
+            triangles = file["triangles"][()] if "triangles" in file else np.empty((0, 3))
+            corners, triangles = np.asarray(file["coordinates"][()], dtype=np.float64), np.asarray(triangles, dtype=np.int64)
+        if corners.shape[1:] != (3,) or triangles.shape[1:] != (3,) or not ((triangles >= 0) & (triangles < len(corners))).all():
+            raise ValueError("its triangles name corners that it does not have")
+    except (LookupError, OSError, TypeError, ValueError) as error:
+        raise ResultError(f"{path}: left out: {error}: delete it, and it is made again") from None
+    return corners, triangles
+
+
 def _arrays(results: Results, model: str) -> tuple[Floats, Indices]:
-    """Returns coordinates and triangles (none if the model is not a mesh). Raises ResultError if they are not in the cache."""
+    """Returns coordinates and triangles (none if the model is not a mesh). Raises ResultError if they are not in the cache.
+
+    Names a file that cannot be used on standard error.
+    """
     hashes = dict(zip(results.models.name, results.models.sha256))
-    path = _files(cache_folder() / "shapes").get(hashes.get(model, ""))
-    if path is None or not path.exists():
-        raise ResultError(f"model '{model}' cannot be drawn: its shape is not in {cache_folder()}: run its experiment again "
-                          f"with {remedy.measure(results.stem, str(results.meta.get('experiment_file', '')))}")
-    with h5py.File(path, "r") as file:
-        triangles = file["triangles"][()] if "triangles" in file else np.empty((0, 3))
-        return np.asarray(file["coordinates"][()], dtype=np.float64), np.asarray(triangles, dtype=np.int64)
+    for path in _files(cache_folder() / "shapes").get(hashes.get(model, ""), ()):
+        try:
+            return _read(path)
+        except ResultError as problem:
+            print(printable(str(problem)), file=sys.stderr)
+    raise ResultError(f"model '{model}' cannot be drawn: its shape is not in {cache_folder()}: run its experiment again "
+                      f"with {remedy.measure(results.stem, str(results.meta.get('experiment_file', '')))}")
 
 
 def mesh(results: Results, model: str) -> Mesh:

@@ -206,9 +206,7 @@ void add_explain(CLI::App& app, int&) {
     auto* verb = add_verb(app, "explain", "shows what a run would do and leave out, and how long it would take",
                           "hausbench explain guthe2005_table1");
     take_experiment(verb, arguments);
-    verb->add_option("--results", arguments.results,
-                     "folder of earlier results, which tell the time (default: results)")
-        ->type_name("FOLDER");
+    take_results_folder(verb, arguments.results, "folder of earlier results, which tell the time (default: results)");
     take_plugins(verb);
     verb->callback([] {
         const Plan plan = plan_of(arguments, false);

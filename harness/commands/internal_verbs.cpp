@@ -1,4 +1,5 @@
-// Hidden verbs. Only this program calls `load`, `derive` and `worker`; the installation and the shell call `describe`.
+// Hidden verbs. Only this program calls `load`, `derive` and `worker`; the installation and the shell call `describe`, and
+// Python programs call `vet` and `shapes` before they open HDF5 files.
 #include "algorithms/registry.h"
 #include "datasets/derive.h"
 #include "datasets/load.h"
@@ -7,6 +8,7 @@
 #include "harness/commands/help.h"
 #include "harness/commands/verb.h"
 #include "harness/plan/experiment.h"
+#include "harness/result/guard.h"
 #include "harness/run/worker_main.h"
 
 #include <algorithm>
@@ -47,6 +49,32 @@ std::string described(const CLI::App& program, const std::string& what) {
     return names;
 }
 
+// Returns a line for each file: why it must not be opened (problem_of); empty if it may be.
+std::string vetted(const std::vector<fs::path>& files) {
+    std::string lines;
+    for (const fs::path& file : files) lines += problem_of(file) + "\n";
+    return lines;
+}
+
+// Returns a line for each file: the content hash of the shape in it, or why it cannot be read (content_hash_in).
+std::string content_hashes(const std::vector<fs::path>& files) {
+    std::string lines;
+    for (const fs::path& file : files) lines += content_hash_in(file) + "\n";
+    return lines;
+}
+
+// Adds the verbs that tell Python programs about files, one line of standard output for each.
+void add_verbs_for_python(CLI::App& app) {
+    static std::vector<fs::path> files;
+    const auto add = [&](const char* name, std::string (*about)(const std::vector<fs::path>&)) {
+        auto* verb = app.add_subcommand(name)->group("");
+        verb->add_option("files", files);
+        verb->callback([about] { print(about(files)); });
+    };
+    add("vet", vetted);
+    add("shapes", content_hashes);
+}
+
 }  // namespace
 
 void add_internal_verbs(CLI::App& app, int& code) {
@@ -77,6 +105,7 @@ void add_internal_verbs(CLI::App& app, int& code) {
         ->required()
         ->check(CLI::IsMember({"man", "bash", "solvers", "experiments", "models"}));
     describe->callback([&app] { print(described(app, what)); });
+    add_verbs_for_python(app);
 }
 
 }  // namespace hausbench

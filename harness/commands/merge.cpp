@@ -209,15 +209,26 @@ std::string missing_shards(const ResultFile& merged) {
                        missing.empty() ? "" : ", " + missing, remedy);
 }
 
+// Returns whether `old` is an earlier merge of some of the shards in `now`, so that nothing is lost if it is replaced. One
+// shard alone is not: its name was given first by mistake.
+bool is_earlier_merge(const ResultFile& old, const ResultFile& now) {
+    const auto same = [&](const char* name) { return old.texts.at(name) == now.texts.at(name); };
+    if (!same("stem") || !same("profile") || !same("experiment_toml")) return false;
+    const auto before = shards_in(old.texts.at("shard")), after = shards_in(now.texts.at("shard"));
+    const bool complete = missing_shards(now).empty();
+    return before.size() >= 2 && (complete || std::includes(after.begin(), after.end(), before.begin(), before.end()));
+}
+
 int merge(const fs::path& out, const std::vector<fs::path>& parts, bool any_build) {
     if (parts.size() < 2)
         throw InputError("merge: needs at least two results: name the file to write first, then two or more results");
     std::error_code none;
     const auto is_out = [&](const fs::path& part) { return fs::equivalent(part, out, none); };
-    if (fs::exists(out, none) && std::none_of(parts.begin(), parts.end(), is_out))
+    ResultFile result = merge_results(parts, any_build);
+    if (fs::exists(out, none) && std::none_of(parts.begin(), parts.end(), is_out) &&
+        !is_earlier_merge(read_result(out), result))
         throw InputError(fmt::format(
             "{}: exists and is not one of the results to merge: name a new file first, or remove it", out.string()));
-    ResultFile result = merge_results(parts, any_build);
     say(verify_result(result, catalogue()));  // a lower bound in one part may refute an upper bound in another
     write_result(out, result);
     print(fmt::format("{}: {} cases of {} results\n", out.string(), result.rows.size(), parts.size()));

@@ -154,9 +154,8 @@ void add_run(CLI::App& app, int& code) {
                           "hausbench run zhang2017_table3 --solver scan",
                           "Exit code 1: a row is unsound, and the experiment does not expect that.");
     take_experiment(verb, arguments);
-    verb->add_option("--results", arguments.results,
-                     "folder of the result file (default: results, in the checkout of the experiment or here)")
-        ->type_name("FOLDER");
+    take_results_folder(verb, arguments.results,
+                        "folder of the result file (default: results, in the checkout of the experiment or here)");
     verb->add_option("--shard", arguments.shard, "only part I of N; `merge` joins the parts")
         ->type_name("I/N")
         ->capture_default_str();

@@ -8,8 +8,7 @@ void add_status(CLI::App& app, int&) {
     auto* verb = add_verb(app, "status", "shows how many cases of an experiment are finished, on a cluster by shard",
                           "hausbench status guthe2005_table1");
     take_experiment(verb, arguments);
-    verb->add_option("--results", arguments.results, "folder of its result and journals (default: results)")
-        ->type_name("FOLDER");
+    take_results_folder(verb, arguments.results, "folder of its result and journals (default: results)");
     take_plugins(verb);
     verb->callback([] { print(cluster_status(arguments, plan_of(arguments, true))); });
 }

@@ -30,6 +30,12 @@ CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& me
     return verb;
 }
 
+void take_results_folder(CLI::App* verb, std::filesystem::path& folder, const std::string& meaning) {
+    verb->add_option("--results", folder, meaning)->type_name("FOLDER")->check([](const std::string& name) {
+        return name.empty() ? "the name of the folder is empty: name one, or leave the option out" : std::string();
+    });
+}
+
 void take_plugins(CLI::App* verb) {
     std::vector<std::filesystem::path>& files = plugin_files();
     verb->add_option("--plugin", files, "library with more solvers; may be repeated")

@@ -37,6 +37,9 @@ void add_internal_verbs(CLI::App& app, int& code);
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& meaning, const std::string& example,
                    const std::string& notes = "");
 
+// Adds the option --results, a folder, whose help is `meaning`. An empty name is an error.
+void take_results_folder(CLI::App* verb, std::filesystem::path& folder, const std::string& meaning);
+
 // Adds the option --plugin. The given libraries are loaded before the verb's callback runs, so that the callback finds
 // their solvers.
 void take_plugins(CLI::App* verb);

@@ -10,6 +10,7 @@
 #include "harness/plan/scene_reader.h"
 #include "harness/plan/severity.h"
 #include "harness/plan/solver_reader.h"
+#include "process/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -271,6 +272,7 @@ std::vector<std::string> read_solvers(const ExperimentTable& root, const std::ve
 std::string text_of(const fs::path& file) {
     if (fs::is_directory(file))
         throw InputError(fmt::format("{}: is a folder: name an experiment file (.toml)", file.string()));
+    expect_no_device(file);
     std::ifstream in(file);
     if (!in)
         throw InputError(

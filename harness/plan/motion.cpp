@@ -2,6 +2,7 @@
 
 #include "algorithms/error.h"
 #include "algorithms/kernel/direction.h"
+#include "process/whole_file.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -49,6 +50,7 @@ std::vector<Pose> rotated(const Rotation& motion, const Shape& shape) {
 }
 
 std::vector<Pose> read_poses(const std::filesystem::path& file) {
+    expect_no_device(file);
     std::ifstream in(file);
     if (!in)
         throw InputError(

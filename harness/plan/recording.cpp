@@ -2,6 +2,7 @@
 
 #include "algorithms/error.h"
 #include "harness/plan/motion.h"
+#include "process/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -28,6 +29,7 @@ public:
     explicit Parser(const std::filesystem::path& file) : file_(file) {}
 
     Recording read() {
+        expect_no_device(file_);
         std::ifstream in(file_);
         if (!in) throw InputError(fmt::format("{}: cannot open the recording: check its path", file_.string()));
         std::string line;

@@ -89,6 +89,7 @@ Shards split(const Plan& plan, const Estimates& estimates, int of, const Shards&
 
 Shards read_split(const fs::path& file) {
     try {
+        expect_no_device(file);
         std::ifstream in(file);
         const json told = json::parse(in);
         if (told.at("hausbench_split") != split_schema) throw std::runtime_error("it is of another version");

@@ -5,17 +5,12 @@
 #include "datasets/hdf5.h"
 #include "datasets/seal.h"
 #include "harness/record/columns.h"
-#include "process/child.h"
-#include "process/memory.h"
+#include "harness/result/guard.h"
 
 #include <fmt/format.h>
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <functional>
-#include <new>
 #include <stdexcept>
 #include <string_view>
 #include <unordered_map>
@@ -261,46 +256,15 @@ ResultFile read_trusting(const fs::path& file) {
     return result;
 }
 
-// Calls `read` in a child process within limits of time and memory, because the HDF5 library crashes on some damaged
-// files. Throws if the child does not survive; otherwise this process can read the file, too. Returns whether a newer
-// program wrote the file. (A seal detects damage, but a file that another program has changed has no seal.)
-bool read_in_a_copy(const fs::path& file, const std::function<void()>& read) {
-    constexpr int out_of_memory = 4, newer = 5;
-    const auto bytes = std::int64_t(fs::file_size(file));
-    Launch launch;
-    launch.silent = true;  // hides the message of an abort
-    launch.work = [&](int) {
-        const rlimit nothing{0, 0}, enough{rlim_t(5 + bytes / 1'000'000), rlim_t(6 + bytes / 1'000'000)};
-        ::setrlimit(RLIMIT_CORE, &nothing);
-        ::setrlimit(RLIMIT_CPU, &enough);  // seconds, as HDF5 loops for ever on some files; it reads 100 MB/s
-        try {
-            read();
-        } catch (const NewerResult&) {
-            return newer;
-        } catch (const std::bad_alloc&) {
-            return out_of_memory;
-        } catch (const std::length_error&) {
-            return out_of_memory;
-        } catch (...) {  // this process will get the same error when it reads the file
-        }
-        return 0;
-    };
-    const std::int64_t most = (std::int64_t(4) << 30) + 16 * bytes;  // a damaged count may ask for more
-    const ChildLimits limits{.seconds = 60 + double(bytes) / 1e6,    // enough for a slow disk
-                             .resident_bytes = resident_of(::getpid()) + std::min(most, spare_bytes())};
-    Child copy(std::move(launch));
-    const Child::End end = copy.wait(limits);
-    if (end == Child::End::interrupt) throw InputError(fmt::format("{}: interrupted while it was read", file.string()));
-    if (end == Child::End::time)
-        throw std::runtime_error(fmt::format("reading it takes more than {} s", limits.seconds));
-    const bool is_newer = copy.exit_code() == newer;
-    if (end == Child::End::memory || (copy.exit_code() != 0 && !is_newer))
-        throw std::runtime_error("it asks for more memory than its size justifies");
-    if (copy.signal()) throw std::runtime_error(fmt::format("reading it ends with {}", copy.how_it_ended()));
-    return is_newer;
+// Calls read() in another process. If that survives, this process can call it, too, and gets the same result or error.
+template <class Read> void read_and_drop(const fs::path& file, const Read& read) {
+    read_in_a_copy(file, [&] {
+        static_cast<void>(read());
+        return std::string();
+    });
 }
 
-// Calls read() for a result, first in another process (read_in_a_copy). Throws as read_result() does.
+// Calls read() for a result, first in another process. Throws as read_result() does.
 template <class Read> auto read_guarded(const fs::path& file, const Read& read) {
     std::error_code gone;
     const fs::file_status status = fs::status(file, gone);
@@ -312,7 +276,7 @@ template <class Read> auto read_guarded(const fs::path& file, const Read& read) 
         throw InputError(fmt::format("{}: is not a regular file: name a result file (.h5)", file.string()));
     try {
         h5::check_seal(file);
-        read_in_a_copy(file, [&] { read(); });
+        read_and_drop(file, read);
         return read();
     } catch (const InputError&) {
         throw;
@@ -347,7 +311,7 @@ EarlierExperiment experiment_of(const fs::path& result) {
     };
     try {
         h5::check_seal(result);
-        read_in_a_copy(result, look);
+        read_and_drop(result, look);
         look();
     } catch (const NewerResult&) {
         throw;

@@ -36,6 +36,30 @@ namespace {
 constexpr double resolution = 0.25;
 constexpr std::size_t most_pieces = 100'000;
 
+// Copies the values that a solver reports into the row: at most 1000, with 100,000 characters in names and texts. The
+// fact `left out` says how many others there were.
+void keep_reported(const Reported& reported, Outcome& outcome) {
+    constexpr std::size_t most_values = 1000, most_characters = 100'000;
+    std::size_t kept = 0, characters = 0, left_out = 0;
+    for (const auto& [name, value] : reported) {
+        const auto* real = std::get_if<double>(&value);
+        const std::size_t length = name.size() + (real ? 0 : std::get<std::string>(value).size());
+        if (kept == most_values || characters + length > most_characters) {
+            ++left_out;
+            continue;
+        }
+        ++kept;
+        characters += length;
+        if (real)
+            outcome.extras[one_line(name)] = *real;
+        else
+            outcome.facts[one_line(name)] = one_line(std::get<std::string>(value));
+    }
+    if (left_out > 0)
+        outcome.facts["left out"] = fmt::format("{} of {} reported values: a row keeps at most {}, with {} characters",
+                                                left_out, reported.size(), most_values, most_characters);
+}
+
 class Worker {
 public:
     Worker(WorkOrder order, int events) : order_(std::move(order)), events_(events) {}
@@ -156,12 +180,7 @@ private:
         least_upper_ = std::min(least_upper_, result.bounds.upper);
         outcome.witness = result.witness;
         outcome.counters = result.counters;
-        for (const auto& [name, value] : result.reported) {
-            if (const auto* real = std::get_if<double>(&value))
-                outcome.extras[one_line(name)] = *real;
-            else
-                outcome.facts[one_line(name)] = one_line(std::get<std::string>(value));
-        }
+        keep_reported(result.reported, outcome);
         add_preparation(outcome);
         outcome.solve_seconds = spent.wall_seconds;
         outcome.answers.push_back({order_.round, spent.wall_seconds, spent.cpu_seconds, result.reported_seconds});

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
+import subprocess
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,12 +17,17 @@ if TYPE_CHECKING:
 
 
 class Results:
-    """A result file, such as Results("results/zhang2017_table3.h5"). results/README.md describes its tables and columns."""
+    """A result file, such as Results("results/zhang2017_table3.h5"). results/README.md describes its tables and columns.
+
+    The program hausbench checks the file first, because an HDF5 file can make its reader open other files. The program is looked for
+    in HAUSBENCH_PROGRAM, then on PATH. Nobody may change the file while the object is in use.
+    """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._path = os.fspath(path)
         if not os.path.isfile(self._path):
             raise InputError(f"{self._path}: no such file: give the path of a file that 'hausbench run' wrote")
+        _vet(self._path)
         self.tables()
 
     def _open(self) -> Any:
@@ -70,6 +77,21 @@ class Results:
             wide = values.reshape(rows, -1)
             flat.update((f"{name}_{k}", wide[:, k]) for k in range(wide.shape[1]))
         return pandas.DataFrame(flat)
+
+
+def _vet(path: str) -> None:
+    """Raises InputError unless the program says that the file may be opened."""
+    program = os.environ.get("HAUSBENCH_PROGRAM") or shutil.which("hausbench")
+    if program is None:
+        raise InputError(f"{path}: is read only after the program hausbench has checked it: put it on PATH, or name it with HAUSBENCH_PROGRAM")
+    try:
+        done = subprocess.run([program, "vet", "--", os.path.abspath(path)], capture_output=True, text=True, errors="replace")
+    except OSError as error:
+        raise InputError(f"{program}: cannot be run: {error.strerror}: name the program hausbench with HAUSBENCH_PROGRAM") from None
+    if done.returncode != 0:
+        raise InputError(f"{program}: cannot check {path} ({done.stderr.strip()}): use the hausbench that this package is from")
+    if problem := done.stdout.strip():
+        raise InputError(f"{path}: not a result file ({problem}): name a file written by 'hausbench run'")
 
 
 def _values(data: Any) -> npt.NDArray[Any]:

@@ -313,7 +313,7 @@ def test_no_remedy_is_to_remove_a_file_that_is_no_result(tmp_path: Path) -> None
             load.load(tmp_path / f"{name}.h5")
         said[name] = str(error.value)
     assert "delete" not in " ".join(said.values()) and "move it away" not in said["text"] + said["foreign"]
-    assert "damaged: take an intact copy" in said["cut"] and "with 'hausbench run /mine/empty.toml'" in said["empty"]
+    assert "damaged: " in said["cut"] and ": take an intact copy" in said["cut"] and "with 'hausbench run /mine/empty.toml'" in said["empty"]
 
 
 def test_the_remedy_is_make_only_in_a_clone(tmp_path: Path) -> None:
@@ -382,7 +382,7 @@ def test_a_flipped_bit_in_any_dataset_is_found(tmp_path: Path) -> None:
     assert len(places) > 100 and load.load(path).cases.upper[0] == 0.25
     for name, at in places.items():
         path.write_bytes(whole[:at] + bytes([whole[at] ^ 4]) + whole[at + 1:])
-        with pytest.raises(ResultError, match=r"flipped\.h5: damaged: its bytes .* move it away and measure again with 'hausbench run flipped\.toml'"):
+        with pytest.raises(ResultError, match=r"flipped\.h5: damaged: some of its bytes .* move it away and measure again with 'hausbench run flipped\.toml'"):
             load.load(path)
             pytest.fail(f"{name} was read")
     path.write_bytes(whole[:-2] + bytes([whole[-2] ^ 1]) + whole[-1:])  # changes the last digit of the hash

@@ -75,6 +75,21 @@ def test_every_link_resolves_and_none_leaves_the_folder(tmp_path: Path) -> None:
     assert "&lt;b&gt;x&lt;/b&gt;" in shown and 'src="files/zhang2017_table3.webp"' in shown and "make zhang2017_table3" in shown
 
 
+def test_a_result_that_breaks_a_page_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    script = all_rows.script
+
+    def breaks(results: dict[str, Any]) -> str:
+        if "mesh_peers" in results:
+            raise KeyError("odd")
+        return script(results)
+
+    monkeypatch.setattr(all_rows, "script", breaks)
+    written(tmp_path, zhang2017_table3(), peers())
+    assert "mesh_peers.h5: left out: it has values that no run writes (KeyError: 'odd')" in capsys.readouterr().err
+    rows = (tmp_path / "report" / "rows_data.js").read_text(encoding="utf-8")
+    assert '"zhang2017_table3"' in rows and '"mesh_peers"' not in rows
+
+
 def test_names_from_results_stay_text(tmp_path: Path) -> None:
     written(tmp_path, peers())
     for path in (tmp_path / "report").iterdir():

@@ -99,6 +99,10 @@ void chatter(const std::string&, Result&) {
     }
 }
 
+void tell(const std::string&, Result& result) {
+    for (int i = 0; i < 300'000; ++i) result.reported["fact " + std::to_string(i)] = "word";
+}
+
 // Reports a time limit after one second.
 void dawdle(const std::string&, Result& result) {
     ::usleep(999'999);
@@ -232,4 +236,5 @@ HAUSBENCH_PLUGIN(vertex_only_solver(), spending_solver(), steps_solver(), misbeh
                                            "not a number", "wide", "wide, no cutoff", "false proof"}),
                  misbehaving<leak>("leaks", {"from repeat to repeat", "while it talks"}), stops_early(),
                  misbehaving<babble>("babbles", {"noise", "json", "another row", "an answer", "closed"}),
-                 misbehaving<throw_it>("throws", {"an exception", "a number"}), misbehaving<chatter>("chatters"))
+                 misbehaving<throw_it>("throws", {"an exception", "a number"}), misbehaving<chatter>("chatters"),
+                 misbehaving<tell>("tells"))

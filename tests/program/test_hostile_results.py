@@ -6,6 +6,7 @@ Damaged files, whose hashes are wrong, are in tests/program/test_results.py.
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import random
 import shutil
@@ -210,25 +211,54 @@ def test_flipped_bits_under_a_right_seal_take_nothing_down(hausbench: Program, g
     assert 0 < refused
 
 
-def test_hostile_shapes_in_the_cache_are_refused(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
-    cache = tmp_path / "cache"
-    environment = {**hausbench.environment(), "HAUSBENCH_CACHE": str(cache)}
+def a_pipe(file: Path) -> None:
+    file.unlink()
+    os.mkfifo(file)
 
-    def again() -> tuple[int, str]:
-        done = subprocess.run(hausbench.command("run", experiment, "--results", tmp_path, "--fresh", "--quiet"),
-                              env=environment, capture_output=True, text=True, timeout=120)
-        if done.returncode != 0 or texts(tmp_path / "tiny.h5", "cases/status") == ["ok"]:
-            return done.returncode, done.stderr
-        return done.returncode, texts(tmp_path / "tiny.h5", "cases/reason")[0]
 
-    assert again() == (0, "")
-    for file in cache.rglob("*.h5"):
-        if not os.path.islink(file):
-            with h5py.File(file, "r+") as f:
-                f.attrs["unreferenced"] = np.ones(8000, "i8")
-            seal(file)
-    code, said = again()
-    assert code in (0, 2) and "unreferenced: is not one value" in said and "delete the file" in said, (code, said)
+def a_folder(file: Path) -> None:
+    file.unlink()
+    (file / "inside").mkdir(parents=True)
+
+
+def a_link_to_nothing(file: Path) -> None:
+    file.unlink()
+    file.symlink_to("nothing")
+
+
+def half(file: Path) -> None:
+    file.write_bytes(file.read_bytes()[:file.stat().st_size // 2])
+
+
+def flipped(file: Path) -> None:
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+
+
+def many_values(file: Path) -> None:
+    with h5py.File(file, "r+") as f:
+        f.attrs["unreferenced"] = np.ones(8000, "i8")
+    seal(file)
+
+
+def of_another_model(file: Path) -> None:
+    """The shape is complete and its content hash is right, but the cache's file name stands for another model."""
+    (other,) = (one for one in file.parent.glob("*.h5") if one != file)
+    shutil.copy(other, file)
+
+
+@pytest.mark.parametrize("spoil", [a_pipe, a_folder, a_link_to_nothing, half, flipped, many_values, of_another_model])
+def test_a_shape_in_the_cache_that_cannot_be_used_is_made_again(hausbench: Program, experiment: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                                spoil: Callable[[Path], None]) -> None:
+    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
+    run(hausbench, experiment, tmp_path)
+    file, _ = sorted((tmp_path / "cache" / "shapes").glob("*.h5"))
+    before = file.read_bytes()
+    spoil(file)
+    done = hausbench("run", experiment, "--results", tmp_path, "--fresh", "--quiet", timeout=60)
+    assert done.returncode == 0 and texts(tmp_path / "tiny.h5", "cases/status") == ["ok"], done.stderr
+    assert file.read_bytes() == before
 
 
 @pytest.mark.parametrize("change", ["the mark of the seal", "a byte more", "a byte less", "text for a seal"])
@@ -248,17 +278,6 @@ def test_what_follows_the_data_is_their_seal_or_nothing(hausbench: Program, good
     assert "bad.h5: damaged" in hausbench.fails("show", bad)
     bad.write_bytes(good.read_bytes()[:-73])
     assert hausbench("show", bad).returncode == 0
-
-
-def test_a_shape_in_the_cache_that_is_a_pipe_is_refused(hausbench: Program, experiment: Path, tmp_path: Path,
-                                                        monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
-    run(hausbench, experiment, tmp_path)
-    for file in (tmp_path / "cache" / "shapes").glob("*.h5"):
-        file.unlink()
-        os.mkfifo(file)
-    assert hausbench("run", experiment, "--results", tmp_path, "--fresh", "--quiet", timeout=60).returncode == 0
-    assert "is not a regular file: delete it" in texts(tmp_path / "tiny.h5", "cases/reason")[0]
 
 
 def test_a_journal_that_is_a_pipe_is_refused(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
@@ -388,19 +407,25 @@ def test_pipes_among_the_results_are_passed_over(hausbench: Program, experiment:
     assert "cannot be read" in hausbench.fails("verify", "--certificate", pipe)
 
 
-def test_a_shape_of_another_model_in_its_place_is_refused(hausbench: Program, experiment: Path, tmp_path: Path,
-                                                          monkeypatch: pytest.MonkeyPatch) -> None:
-    """The shape is complete and its content hash is right, but the cache's file name stands for another model."""
-    monkeypatch.setenv("HAUSBENCH_CACHE", str(tmp_path / "cache"))
-    run(hausbench, experiment, tmp_path)
-    one, other = sorted((tmp_path / "cache" / "shapes").glob("*.h5"))
-    shutil.copy(one, other)
-    done = hausbench("run", experiment, "--results", tmp_path, "--fresh")
-    said = done.stderr if done.returncode != 0 else texts(tmp_path / "tiny.h5", "cases/reason")[0]
-    assert "was made from another file or recipe" in said and other.name in said and "delete the file" in said
-    other.unlink()
-    run(hausbench, experiment, tmp_path, "--fresh")
-    assert texts(tmp_path / "tiny.h5", "cases/status") == ["ok"]
+@pytest.mark.parametrize("device", ["pipe", "/dev/zero"])
+def test_an_experiment_and_what_it_names_are_regular_files(hausbench: Program, experiment: Path, tmp_path: Path, device: str) -> None:
+    odd = tmp_path / device
+    if device == "pipe":
+        os.mkfifo(odd)
+    good = experiment.read_text()
+    for verb in ("run", "explain", "status"):
+        assert f"{odd}: is not a regular file" in hausbench.fails(verb, odd)
+        assert f"{odd}: is not a regular file" in hausbench.fails(verb, experiment, "--plugin", odd)
+    experiment.write_text(f"plugins = [{json.dumps(str(odd))}]\n{good}")
+    assert "is not a regular file" in hausbench.fails("run", experiment)
+    experiment.write_text(good.replace('target = "sphere2"', f'target = "sphere2"\nmotion = {{ kind = "poses", file = {json.dumps(str(odd))} }}'))
+    done = hausbench("run", experiment, "--results", tmp_path, timeout=60)
+    assert "is not a regular file" in done.stderr + (texts(tmp_path / "tiny.h5", "cases/reason")[0] if done.returncode == 0 else "")
+
+
+def test_an_empty_folder_name_is_refused(hausbench: Program, experiment: Path) -> None:
+    for verb in ("run", "explain", "status"):
+        assert "--results: the name of the folder is empty" in hausbench.fails(verb, experiment, "--results", "")
 
 
 def test_models_are_not_taken_from_a_folder_that_others_can_write(program_file: str, tmp_path: Path) -> None:

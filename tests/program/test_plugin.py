@@ -519,6 +519,17 @@ def test_a_matrix_that_runs_out_of_memory_goes_on_in_a_fresh_worker(hausbench: P
         assert len(f["cases/status"]) == 9
 
 
+def test_a_row_keeps_a_thousand_values_that_its_solver_reports(hausbench: Program, plugin: Path, tmp_path: Path) -> None:
+    experiment = tmp_path / "telling.toml"
+    experiment.write_text(head() + '\n[[solver]]\nname = "tells"\n')
+    done = hausbench("run", experiment, "--results", tmp_path, "--plugin", plugin)
+    assert done.returncode == 0, done.stderr
+    assert [row["status"] for row in rows_of(tmp_path / "telling.h5")["tells"]] == 4 * ["ok"]
+    with h5py.File(tmp_path / "telling.h5") as f:
+        facts = [json.loads(text) for text, label_ in zip(f["cases/facts"].asstr()[:], f["cases/label"].asstr()[:]) if label_ == "tells"]
+    assert len(facts[1]) == 1001 and facts[1]["left out"].startswith("299000 of 300000 reported values"), len(facts[1])
+
+
 LEAKING = """\
 title = "a solver that grows and is never silent"
 tolerances = [2.0]

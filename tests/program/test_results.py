@@ -278,6 +278,10 @@ def test_merge_names_the_shards_that_are_missing(hausbench: Program, experiment:
     assert texts(tmp_path / "twice.h5", "cases/status").count("skipped") == 2  # the result is written nevertheless
     two = hausbench("merge", tmp_path / "two.h5", parts[2], parts[0])
     assert two.returncode == 1 and "missing, 1/3: run" in two.stderr
+    again = hausbench("merge", tmp_path / "two.h5", parts[2], parts[0])  # replaces what a merge of these shards wrote
+    assert again.returncode == 1 and "missing, 1/3: run" in again.stderr
+    assert "exists" in hausbench.fails("merge", tmp_path / "two.h5", parts[1], parts[0])  # would lose shard 3
+    assert "exists" in hausbench.fails("merge", *parts)
     done = hausbench("merge", tmp_path / "three.h5", tmp_path / "two.h5", parts[1])
     assert done.returncode == 0 and done.stderr == "" and set(texts(tmp_path / "three.h5", "cases/status")) == {"ok"}
     with h5py.File(parts[1]) as f, h5py.File(tmp_path / "three.h5") as whole:

@@ -138,3 +138,21 @@ def test_results_of_other_files(tmp_path: Path) -> None:
     for path in (other, text, tmp_path / "gone.h5", tmp_path):
         with pytest.raises(hb.InputError, match="hausbench run"):
             hb.Results(path)
+
+
+def test_results_that_lead_to_other_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    h5py = pytest.importorskip("h5py")
+    (tmp_path / "secret").write_bytes(b"words of another")
+    path = tmp_path / "x.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("cases/solver", shape=(1,), dtype="S16", external=[(str(tmp_path / "secret"), 0, 16)])
+    with pytest.raises(hb.InputError, match="/cases/solver: "):
+        hb.Results(path)
+    with h5py.File(path, "w") as file:
+        file["cases/solver"] = h5py.ExternalLink("other.h5", "/x")
+    with pytest.raises(hb.InputError, match="a link to another file"):
+        hb.Results(path)
+    monkeypatch.delenv("HAUSBENCH_PROGRAM", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(hb.InputError, match="HAUSBENCH_PROGRAM"):
+        hb.Results(path)
