@@ -37,7 +37,7 @@ PIECES: Final = 1_000_000  # of A, for the histogram
 CUTS: Final = 10_000_000  # of A, for the farthest point
 KNOWN: Final = 0.5  # least certain share of A over all bars for which a histogram is drawn
 LINE: Final = 0.01  # a mean or quantile is drawn as a line if it is known to this part of the largest distance, otherwise as a band
-READING: Final = ("--unit=", "--up=", "--columns=", "--drop-invalid", "--transform-source=", "--transform-target=", "--threads=")
+READING: Final[tuple[str, ...]] = ("--unit=", "--up=", "--columns=", "--drop-invalid", "--transform-source=", "--transform-target=", "--threads=")
 DRAWABLE: Final = 1e250  # matplotlib draws neither greater lengths nor lengths below the inverse
 FROM: Final = (0.5, 0.4, 1.0)  # direction to the eye, used if the farthest point is visible from there
 FAR: Final = "#D55E00"
@@ -168,7 +168,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("b")
     parser.add_argument("--picture", type=Path, required=True)
     given, rest = parser.parse_known_args(arguments)
-    options, fineness, limit = ([word for word in rest if word.startswith(names)] for names in (READING, "--resolution=", "--time-limit="))
+    options, fineness, limit = ([word for word in rest if word.startswith(names)] for names in (READING, ("--resolution=",), ("--time-limit=",)))
     if any(float(word.partition("=")[2]) > 0.5 for word in fineness):
         return complain("A is drawn from values that are close to its distance: leave out --resolution, or take at most 0.5")
     program = os.environ["HAUSBENCH_PROGRAM"]

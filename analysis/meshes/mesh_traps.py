@@ -76,8 +76,8 @@ def make(results: Results) -> Report:
                      "exact": float(cases.exact[row]), "certified": bool(cases.certified[row]),
                      "solve_seconds": float(cases.solve_seconds[row]), "reason": cases.reason[row]}
                     for solver, label in labels if (row := rows.get((scene, label))) is not None]
-    wrong = [f"{record['label']} on {record['scene']} ({tables.bounds(record['lower'], record['upper'])})"
-             for record in records if record["outcome"] == WRONG]
+    wrong = [f"{label} on {scene} ({tables.bounds(float(cases.lower[row]), float(cases.upper[row]))})" for scene in scenes for _, label in labels
+             if (row := rows.get((scene, label))) is not None and outcome(results, row) == WRONG]
     table.verdicts = [claim(results)]
     table.notes += [f"Wrong: {'; '.join(wrong) or 'none'}. Bounds are wrong if they leave out the true distance (by more than {SLACK:g} of the diagonal), "
                     "contradict what is proven about it, or cross; and if a certified solver says that it has converged but has not. CGAL returns no "

@@ -38,7 +38,7 @@ class Row:
     def text(self, scale: float) -> str:
         if self.ended:
             return tables.estimate(self.time, scale)
-        return f"> {tables.at_least(self.limit, times=scale)}" if self.limit else style.status_word(self.status)
+        return f"> {tables.number(self.limit * scale)}" if self.limit else style.status_word(self.status)
 
 
 def row_of(results: Results, row: int) -> Row:

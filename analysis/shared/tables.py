@@ -41,7 +41,7 @@ class Table:
         return [*[verdict.line() for verdict in self.verdicts], *self.notes]
 
 
-def _rounded(x: float, digits: int, rounding: str, times: float = 1.0, over: float = 1.0) -> str:
+def _rounded(x: float | Decimal, digits: int, rounding: str, times: float = 1.0, over: float = 1.0) -> str:
     """Formats x * times / over, rounded once; `times` and `over` are positive."""
     if math.isnan(x) or math.isnan(over):
         return NOTHING
@@ -50,7 +50,7 @@ def _rounded(x: float, digits: int, rounding: str, times: float = 1.0, over: flo
     if x == 0:
         return "0"
     context = Context(prec=800, rounding=rounding)
-    value = context.divide(context.multiply(Decimal(float(x)), Decimal(float(times))), Decimal(float(over)))
+    value = context.divide(context.multiply(x if isinstance(x, Decimal) else Decimal(float(x)), Decimal(float(times))), Decimal(float(over)))
     exponent = value.adjusted()
     if exponent < -4 or exponent > 9:
         mantissa, power = f"{Context(prec=digits, rounding=rounding).plus(value):.{digits - 1}e}".split("e")
@@ -65,17 +65,18 @@ def number(x: float, digits: int = 3) -> str:
     return _rounded(x, digits, ROUND_HALF_EVEN)
 
 
-def at_least(low: float, digits: int = 3, times: float = 1.0, over: float = 1.0) -> str:
+def at_least(low: float | Decimal, digits: int = 3, times: float = 1.0, over: float = 1.0) -> str:
     """Formats the lower bound low * times / over like number(), rounded down, so that it is still a bound."""
     return _rounded(low, digits, ROUND_FLOOR, times, over)
 
 
-def at_most(high: float, digits: int = 3, times: float = 1.0, over: float = 1.0) -> str:
+def at_most(high: float | Decimal, digits: int = 3, times: float = 1.0, over: float = 1.0) -> str:
     """Formats the upper bound high * times / over like number(), rounded up, so that it is still a bound."""
     return _rounded(high, digits, ROUND_CEILING, times, over)
 
 
-def bounds(low: float, high: float, digits: int = 3, times: float = 1.0, over: float = 1.0, limit: float = math.nan, form: str = "[{}, {}]") -> str:
+def bounds(low: float | Decimal, high: float | Decimal, digits: int = 3, times: float = 1.0, over: float = 1.0, limit: float = math.nan,
+           form: str = "[{}, {}]") -> str:
     """Formats an interval, rounded outward: '[1.50, 2.51]'. If it excludes `limit`, it gets as many digits as show this."""
     def excludes(least: float, most: float) -> bool:
         return least > limit or most < limit
@@ -83,7 +84,7 @@ def bounds(low: float, high: float, digits: int = 3, times: float = 1.0, over: f
     if math.isnan(low) or math.isnan(high):
         return NOTHING
     ends = at_least(low, digits, times, over), at_most(high, digits, times, over)
-    if digits < 20 and excludes(low * times / over, high * times / over) and not excludes(*map(float, ends)):
+    if digits < 20 and excludes(float(low) * times / over, float(high) * times / over) and not excludes(*map(float, ends)):
         return bounds(low, high, digits + 1, times, over, limit, form)
     return form.format(*ends)
 
@@ -100,7 +101,8 @@ def estimate(x: Estimate, scale: float = 1.0, limit: float = math.nan) -> str:
         return NOTHING
     if not x.has_interval or x.n == 1:  # a single time, or a count, which is exact
         return number(x.value * scale)
-    return f"{number(x.value * scale)} {bounds(x.low, x.high, times=scale, limit=limit)}"
+    low, high = (Decimal(f"{end * scale:.12g}") for end in (x.low, x.high))  # statistics of measurements, without their rounding errors
+    return f"{number(x.value * scale)} {bounds(low, high, limit=limit)}"
 
 
 def ratio(x: Estimate) -> str:

@@ -88,7 +88,7 @@ def cells_of(results: Results, row: int, exact: float) -> list[str]:
     if not (np.isfinite(low) and np.isfinite(high)):
         return [word, tables.NOTHING]
     said = ("" if status == "ok" else f" ({word})") + ("" if holds(results, row, exact) else ", misses h")
-    return [f"{tables.bounds(low, high, 7)}{said}", tables.number(median(results.total_seconds(row)).value)]
+    return [f"{tables.bounds(low, high, 6)}{said}", tables.number(median(results.total_seconds(row)).value)]
 
 
 def holds_distance(results: Results) -> Verdict:
