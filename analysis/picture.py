@@ -1,9 +1,9 @@
 """Draws one pair: `hausbench measure A B --picture FILE`, which runs this file.
 
 Left: A, coloured by its distance to B, with the farthest point and a bar of known length. Right: a histogram of the distance over A. Of each bar
-the full part is certain, and the hatched part is possible: the true share ends in it. The histogram ends after a counted amount of work, so that a
-busy machine draws the same picture; with --time-limit it may end earlier, and is left out if little is certain then. The answer is printed as
-without --picture.
+the full part is certain, and the hatched part is possible: the true share ends in it. Everything ends after a counted amount of work, so that a
+busy machine draws the same picture. --time-limit only ends the histogram earlier, which is left out if little is certain then; the colours and the
+ends of the bars do not depend on it. The answer is printed as without --picture.
 """
 
 from __future__ import annotations
@@ -34,9 +34,10 @@ from analysis.shared.shapes import Coloured
 BARS: Final = 30
 END: Final = 1.017  # right end of the last bar, over the largest distance; a round number would put ends where many distances are equal
 PIECES: Final = 1_000_000  # of A, for the histogram
+CUTS: Final = 10_000_000  # of A, for the farthest point
 KNOWN: Final = 0.5  # least certain share of A over all bars for which a histogram is drawn
 LINE: Final = 0.01  # a mean or quantile is drawn as a line if it is known to this part of the largest distance, otherwise as a band
-READING: Final = ("--unit=", "--up=", "--columns=", "--drop-invalid", "--transform-source=", "--transform-target=", "--threads=")
+READING: Final[tuple[str, ...]] = ("--unit=", "--up=", "--columns=", "--drop-invalid", "--transform-source=", "--transform-target=", "--threads=")
 DRAWABLE: Final = 1e250  # matplotlib draws neither greater lengths nor lengths below the inverse
 FROM: Final = (0.5, 0.4, 1.0)  # direction to the eye, used if the farthest point is visible from there
 FAR: Final = "#D55E00"
@@ -134,7 +135,7 @@ def draw_histogram(ax: Any, shown: Histogram, colour_of: Any) -> None:
         else:
             ax.axvspan(low, high, facecolor="none", edgecolor="0.5", hatch=hatch, linestyle=dashes, linewidth=0.9, label=f"the {name} is in here")
     ax.set(xlabel="distance to B, in the unit of the files", ylabel="share of A, %", xlim=(0, shown.edges[-1]), ylim=(0, min(105.0, 105.0 * shown.high.max())))
-    ax.legend()
+    ax.legend(frameon=True, framealpha=0.85, edgecolor="none")
 
 
 def draw(shape: Coloured, farthest: Floats, largest: float, shown: Histogram | None, names: tuple[str, str]) -> Any:
@@ -155,13 +156,6 @@ def draw(shape: Coloured, farthest: Floats, largest: float, shown: Histogram | N
     return figure
 
 
-def without_fields(answer: str) -> str:
-    """Leaves out what `measure` says about the temporary file of fields."""
-    if answer.startswith("{") and "fields" in json.loads(answer):
-        return json.dumps({**json.loads(answer), "fields": []}, separators=(",", ":"), ensure_ascii=False) + "\n"
-    return "".join(line for line in answer.splitlines(keepends=True) if not line.startswith("fields "))
-
-
 def complain(why: str) -> int:
     print(printable(f"hausbench: --picture: {why}"), file=sys.stderr)
     return 2
@@ -173,30 +167,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("a")
     parser.add_argument("b")
     parser.add_argument("--picture", type=Path, required=True)
-    parser.add_argument("--fields", type=Path)
     given, rest = parser.parse_known_args(arguments)
-    if any(word.startswith("--resolution=") and float(word.partition("=")[2]) > 0.5 for word in rest):
+    options, fineness, limit = ([word for word in rest if word.startswith(names)] for names in (READING, ("--resolution=",), ("--time-limit=",)))
+    if any(float(word.partition("=")[2]) > 0.5 for word in fineness):
         return complain("A is drawn from values that are close to its distance: leave out --resolution, or take at most 0.5")
     program = os.environ["HAUSBENCH_PROGRAM"]
-    options = [word for word in rest if word.startswith((*READING, "--time-limit="))]
+    if code := subprocess.run([program, "measure", given.a, given.b, *rest], check=False).returncode:
+        return code
     with tempfile.TemporaryDirectory() as folder:
-        fields = given.fields or Path(folder) / "a.ply"
-        answered = subprocess.run([program, "measure", given.a, given.b, *rest, f"--fields={fields}"], check=False, stdout=subprocess.PIPE, text=True)
-        print(answered.stdout if given.fields else without_fields(answered.stdout), end="", flush=True)
-        if answered.returncode or not fields.exists():
-            return answered.returncode or 1
+        fields = Path(folder) / "a.ply"
+        try:
+            answer = solved(program, given.a, given.b, f"--fields={fields}", f"--budget={CUTS}", *options, *fineness)
+        except subprocess.CalledProcessError as error:
+            return error.returncode
         shape = read(fields)
     extent = max(float(np.abs(shape.corners).max()), float(shape.distances.max()))
     if not (extent == 0 or 1 / DRAWABLE < extent < DRAWABLE):
         return complain(f"lengths of {extent:g} cannot be drawn: use another unit")
-    try:
-        answer = solved(program, given.a, given.b, *options)
-    except subprocess.CalledProcessError as error:
-        return error.returncode
     shown, differ = None, float(answer["lower"]) > 0 or float(shape.distances.max()) > 0
     if differ and math.isfinite(float(answer["upper"])):
         with contextlib.suppress(subprocess.CalledProcessError):  # the reason, such as the time limit, is printed
-            shown = histogram(program, given.a, given.b, float(answer["upper"]), options)
+            shown = histogram(program, given.a, given.b, float(answer["upper"]), [*options, *limit])
     if differ and (not shown or shown.low.sum() < KNOWN):
         print("hausbench: --picture: without a histogram, because too little of it is known: allow more time", file=sys.stderr)
         shown = None

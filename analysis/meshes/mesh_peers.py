@@ -172,7 +172,7 @@ def records_of(results: Results, grid: Grid, tolerance: float) -> list[tables.Re
                 x = ratio((peer, cell)) if peer and cell is not peer else NO_DATA
                 records.append({"scene": scene, "tolerance": tolerance, "solver": solver, "label": label, "status": cell.status(), **tables.seconds(cell.time),
                                 "prepare_seconds": cell.prepare, "peak_bytes": cell.peak, "cgal_over_it": x.value, "cgal_over_it_low": x.low,
-                                "cgal_over_it_high": x.high, "h_of_diagonal": best_lower([cell for cell in grid.row(scene) if cell]) / diagonal})
+                                "cgal_over_it_high": x.high, "h_of_diagonal": proven([cell for cell in grid.row(scene) if cell])[0] / diagonal})
     return records
 
 
@@ -187,9 +187,9 @@ def make(results: Results) -> Report:
     for scene in scenes:
         row, own, peer = grid.first(scene), grid.row(scene), cells.get((scene, PEER))
         ratios = [ratio((peer, cell)) if peer and cell and cell is not peer else NO_DATA for cell in own]
-        h = best_lower([cell for cell in own if cell]) / float(cases.source_diagonal[row])
+        h = tables.value(*proven([cell for cell in own if cell]), over=float(cases.source_diagonal[row]))
         table.rules.add(len(table.rows))
-        table.rows.append([scene, results.sizes(row, " → "), tables.number(h), "ms",
+        table.rows.append([scene, results.sizes(row, " → "), h, "ms",
                            *grid.texts(scene, 1000)])
         at_least = "≥ " if peer and peer.failures else ""
         table.rows.append(["", "", "", "times", *[(at_least if x.n else "") + tables.estimate(x) for x in ratios]])
@@ -224,9 +224,10 @@ def make(results: Results) -> Report:
     return Report(lambda: draw(grid), table, records, style.letters_key(status for cell in cells.values() for status in cell.failures), caption=caption)
 
 
-def best_lower(cells: Sequence[Cell]) -> float:
-    """Returns the largest proven lower bound of the pair."""
-    return max((cell.interval[0] for cell in cells if not math.isnan(cell.interval[0])), default=math.nan)
+def proven(cells: Sequence[Cell]) -> tuple[float, float]:
+    """Returns the largest lower and the least upper bound that is proven of the pair; NaN if there is none."""
+    known = [cell.interval for cell in cells if not math.isnan(cell.interval[0])]
+    return max((low for low, _ in known), default=math.nan), min((high for _, high in known), default=math.nan)
 
 
 def draw(grid: Grid) -> Any:

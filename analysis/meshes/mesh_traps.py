@@ -76,8 +76,8 @@ def make(results: Results) -> Report:
                      "exact": float(cases.exact[row]), "certified": bool(cases.certified[row]),
                      "solve_seconds": float(cases.solve_seconds[row]), "reason": cases.reason[row]}
                     for solver, label in labels if (row := rows.get((scene, label))) is not None]
-    wrong = [f"{record['label']} on {record['scene']} ([{record['lower']:.3g}, {record['upper']:.3g}])"
-             for record in records if record["outcome"] == WRONG]
+    wrong = [f"{label} on {scene} ({tables.bounds(float(cases.lower[row]), float(cases.upper[row]))})" for scene in scenes for _, label in labels
+             if (row := rows.get((scene, label))) is not None and outcome(results, row) == WRONG]
     table.verdicts = [claim(results)]
     table.notes += [f"Wrong: {'; '.join(wrong) or 'none'}. Bounds are wrong if they leave out the true distance (by more than {SLACK:g} of the diagonal), "
                     "contradict what is proven about it, or cross; and if a certified solver says that it has converged but has not. CGAL returns no "
@@ -91,9 +91,7 @@ def distance(results: Results, row: int) -> str:
     """Returns the true distance over the diagonal of A: '0', three digits if that many are proven, or else the proven interval."""
     if results.cases.exact[row] == 0:
         return "0"
-    known, diagonal = results.reference_of(row), float(results.cases.source_diagonal[row])
-    texts = [tables.number(x / diagonal) for x in (known[0], known[1])]
-    return texts[0] if texts[0] == texts[1] else f"{texts[0]} to {texts[1]}"
+    return tables.value(*results.reference_of(row), over=float(results.cases.source_diagonal[row]))
 
 
 def mark(results: Results, row: int) -> tuple[Outcome, str]:

@@ -29,11 +29,11 @@ def make(results: Results) -> Report:
     case = shown[0]
     diagonal = float(cases.source_diagonal[case])
     distance = results.fields_of(case)["distance"][:len(shapes.mesh(results, cases.source[case]).corners)]
-    low, high = (100 * x / diagonal for x in results.reference_of(case))
+    low, high = results.reference_of(case)
     table = tables.Table("A mesh and the same surface meshed again (Fig. 1 of Sacht and Jacobson 2024): h(A, B) in percent of the diagonal.",
                          ["pair", "|A| / |B|", "h, lower", "h, upper", "at the vertices of A alone", "paper"], left=1)
     table.rows.append([cases.scene[case], results.sizes(case),
-                       tables.number(low, 6), tables.number(high, 6), tables.number(100 * float(distance.max()) / diagonal),
+                       tables.at_least(low, 6, times=100, over=diagonal), tables.at_most(high, 6, times=100, over=diagonal), tables.number(100 * float(distance.max()) / diagonal),
                        f"< {PAPER:g}"])
     table.notes = [f"{cases.scene_note[case]}.", "The paper's number is for its own pair, relative to the diagonal of the box of A and B.",
                    f"Here: {machine_line(results)}."]

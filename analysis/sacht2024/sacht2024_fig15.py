@@ -64,7 +64,8 @@ def make(results: Results) -> Report:
                 found, diagonal = row_of(results, row), float(cases.source_diagonal[row])
                 low, high = float(cases.lower[row]) / diagonal, float(cases.upper[row]) / diagonal
                 work = found.work["distances, bounds and nodes"]
-                table.rows.append([scene, style.title(solver, label), f"{t:g}", tables.number(low, 5), tables.number(high, 5),
+                table.rows.append([scene, style.title(solver, label), f"{t:g}", tables.at_least(cases.lower[row], 5, over=diagonal),
+                                   tables.at_most(cases.upper[row], 5, over=diagonal),
                                    found.text(1e3), f"{work:,.0f}" if work else tables.NOTHING,
                                    f"{cases.counters['subdivisions'][row]:,}" if work else tables.NOTHING,
                                    ratio.text() if t == FINE else ""])

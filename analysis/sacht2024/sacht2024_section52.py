@@ -90,12 +90,11 @@ def make(results: Results) -> Report:
                          ["scene", "the paper's program", "tolerance", "h / dA", *[style.title(*label) for label in labels]], left=2)
     for scene in scenes:
         first = results.rows(scene=scene)[0]
-        low, high = (x / float(cases.source_diagonal[first]) for x in results.reference(scene))
+        known = tables.bounds(*results.reference(scene), 4, over=float(cases.source_diagonal[first]))
         for t in sorted({float(cases.tolerance[row]) for row in results.rows(scene=scene)}):
             cells = [text(results, rows[0]) if (rows := results.rows(scene=scene, label=label, tolerance=t)) else tables.NOTHING
                      for _, label in labels]
-            table.rows.append([scene, THEIRS.get(scene, tables.NOTHING), f"{t:g}", f"[{tables.number(low, 4)}, {tables.number(high, 4)}]",
-                               *cells])
+            table.rows.append([scene, THEIRS.get(scene, tables.NOTHING), f"{t:g}", known, *cells])
     table.verdicts = verdicts(results)
     table.notes = [*scene_notes(results),
                    "'ends': within the tolerance. 'precision floor': the tolerance is below what double precision can certify. 'timeout', 'budget spent': "

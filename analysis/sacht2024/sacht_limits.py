@@ -63,8 +63,8 @@ class Bounded:
         if self.estimate.n:
             return tables.ratio(self.estimate)
         if self.at_least:
-            return f"> {tables.number(self.at_least)}"
-        return f"< {tables.number(self.at_most)}" if self.at_most < float("inf") else tables.NOTHING
+            return f"> {tables.at_least(self.at_least)}"
+        return f"< {tables.at_most(self.at_most)}" if self.at_most < float("inf") else tables.NOTHING
 
 
 def time_ratio(slow: Row | None, fast: Row | None) -> Bounded:
@@ -103,13 +103,13 @@ def above(claim: str, ratio: Bounded, times: float) -> Verdict:
     if x.n:
         scaled = replace(x, value=x.value / times, low=x.low / times, high=x.high / times)
         outcome = OPEN if not scaled.separated else HOLDS if scaled.low > 1 else FAILS
-        return weighed(Verdict(claim, outcome, f"ratio {tables.estimate(x)}{against}", ratio=Ratio.of(scaled)), [x])
+        return weighed(Verdict(claim, outcome, f"ratio {tables.estimate(x, limit=times)}{against}", ratio=Ratio.of(scaled)), [x])
     if ratio.at_least:
         return Verdict(claim, HOLDS if ratio.at_least > times else OPEN,
-                       f"ratio above {tables.number(ratio.at_least)}, because the slower "
+                       f"ratio above {tables.at_least(ratio.at_least)}, because the slower "
                        f"was stopped{against}", ratio=Ratio(math.nan, ratio.at_least / times, math.inf))
     if ratio.at_most < float("inf"):
         return Verdict(claim, FAILS if ratio.at_most < times else OPEN,
-                       f"ratio below {tables.number(ratio.at_most)}, because the faster "
+                       f"ratio below {tables.at_most(ratio.at_most)}, because the faster "
                        f"was stopped{against}", ratio=Ratio(math.nan, 0.0, ratio.at_most / times))
     return Verdict(claim, UNTESTED, f"no ratio{why([x])}")

@@ -114,7 +114,7 @@ def text(x: Interval, scale: float) -> str:
     """Formats an interval, scaled: '70 [61, 82]'."""
     if math.isnan(x.value):
         return tables.NOTHING
-    return f"{tables.number(scale * x.value, 2)} [{tables.number(scale * x.low, 2)}, {tables.number(scale * x.high, 2)}]"
+    return f"{tables.number(scale * x.value, 2)} {tables.bounds(x.low, x.high, 2, times=scale)}"
 
 
 def make(results: Results) -> Report:

@@ -95,7 +95,7 @@ def mean_at_least(claim: str, mean: Estimate, bar: float, what: str) -> Verdict:
         return Verdict(claim, UNTESTED, "no pair with both")
     known = mean.has_interval and mean.coverage >= CONFIDENCE
     outcome = HOLDS if known and mean.low >= bar else FAILS if known and mean.high < bar else OPEN
-    return weighed(Verdict(claim, outcome, f"{what} {tables.estimate(mean)} over {mean.n} pairs", ratio=Ratio.of(mean, bar)), [mean])
+    return weighed(Verdict(claim, outcome, f"{what} {tables.estimate(mean, limit=bar)} over {mean.n} pairs", ratio=Ratio.of(mean, bar)), [mean])
 
 
 def on_average(claim: str, ratios: Sequence[Estimate], bar: float = 1.0) -> Verdict:
@@ -122,9 +122,8 @@ def share_near(claim: str, count: int, of: int, share: float, within: float) -> 
     found = scipy.stats.binomtest(count, of).proportion_ci(CONFIDENCE, method="exact")
     inside = share - within <= found.low and found.high <= share + within
     outside = found.high < share - within or found.low > share + within
-    percent = [tables.number(100 * x) for x in (count / of, found.low, found.high)]
     return Verdict(claim, HOLDS if inside else FAILS if outside else OPEN,
-                   f"{count} of {of} pairs, {percent[0]} % [{percent[1]}, {percent[2]}]; near means within "
+                   f"{count} of {of} pairs, {tables.number(100 * count / of)} % {tables.bounds(found.low, found.high, times=100)}; near means within "
                    f"{100 * within:g} points")
 
 

@@ -92,7 +92,7 @@ def everywhere(claim: str, ratios: Sequence[Estimate], what: str = "pairs") -> V
     hopeless = simes(x.p_least for x in known) > ERROR
     parts = [f"above 1 for {above} of {len(known)} {what}"] + [f"below 1 for {below}"] * bool(below) \
         + [f"not separated for {rest}"] * bool(rest) + [f"no ratio for {lost}{why(ratios)}"] * bool(lost) \
-        + [f"ratio {tables.number(least)} to {tables.number(most)}"] + [power_of(known, what)] * (outcome == OPEN)
+        + [f"ratio {tables.bounds(least, most, limit=1.0, form='{} to {}')}"] + [power_of(known, what)] * (outcome == OPEN)
     verdict = Verdict(claim, outcome, ", ".join(part for part in parts if part), ratio=Ratio(math.nan, least, most))
     return weighed(verdict, known if hopeless else [])
 
@@ -150,7 +150,7 @@ def above_one(claim: str, ratio: Estimate, what: str = "ratio") -> Verdict:
     if not ratio.n:
         return Verdict(claim, UNTESTED, f"no ratio{why([ratio])}")
     outcome = OPEN if not ratio.separated else HOLDS if ratio.low > 1 else FAILS
-    return weighed(Verdict(claim, outcome, f"{what} {tables.estimate(ratio)}", ratio=Ratio.of(ratio)), [ratio])
+    return weighed(Verdict(claim, outcome, f"{what} {tables.estimate(ratio, limit=1.0)}", ratio=Ratio.of(ratio)), [ratio])
 
 
 def never(claim: str, wrong: int, of: int, what: str, independent: int | None = None, bar: float = RARE,
@@ -168,7 +168,7 @@ def never(claim: str, wrong: int, of: int, what: str, independent: int | None = 
     trials = of if independent is None else independent
     rate = scipy.stats.binomtest(0, trials, alternative="less").proportion_ci(1 - ERROR, method="exact").high
     return Verdict(claim, NOT_REFUTED if rate < bar else OPEN,
-                   f"0 of {of:,} {what}; the rate is below {tables.number(100 * rate, 2)} % at 95 %"
+                   f"0 of {of:,} {what}; the rate is below {tables.at_most(rate, 2, times=100)} % at 95 %"
                    + (f", from {trials} independent trials" if trials != of else "")
                    + (f", against {tables.number(100 * bar, 2)} % {against}" if against else ""))
 
@@ -210,7 +210,7 @@ def rising_by_run(claim: str, runs: Sequence[tuple[Sequence[float], Sequence[flo
     tau = median(taus)
     known = tau.has_interval and tau.coverage >= 1 - ERROR
     outcome = HOLDS if known and tau.low > 0 else FAILS if known and tau.high < 0 else OPEN
-    return weighed(Verdict(claim, outcome, f"Kendall's tau {tables.estimate(tau)}, over {tau.n} independent runs"), [tau])
+    return weighed(Verdict(claim, outcome, f"Kendall's tau {tables.estimate(tau, limit=0.0)}, over {tau.n} independent runs"), [tau])
 
 
 def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Verdict:
@@ -230,7 +230,7 @@ def constant(claim: str, places: Sequence[Sequence[float]], within: float) -> Ve
     outcome = OPEN if not sure else HOLDS if most <= within else FAILS if least > within else OPEN
     return Verdict(claim, outcome, f"from {tables.number(min(x.value for x in known))} to "
                    f"{tables.number(max(x.value for x in known))}, a factor of {tables.number(factor)}"
-                   + (f" [{tables.number(least)}, {tables.number(most)}]" if sure else "")
+                   + (f" {tables.bounds(least, most, limit=within)}" if sure else "")
                    + f"; constant means within {within:g}")
 
 

@@ -58,7 +58,7 @@ def make(results: Results) -> Report:
         one = published["pruned pairs", "modified_affine", depth]
         every = published.get(("all pairs", "modified_affine", depth))
         forms = [published.get(("pruned pairs", form, depth)) for form in FORMS]
-        table.rows.append([f"{2**depth}³", f"{one.lower:.8f}", f"{one.upper:.8f}", tables.number(one.upper - one.lower),
+        table.rows.append([f"{2**depth}³", tables.at_least(one.lower, 8), tables.at_most(one.upper, 8), tables.number(one.upper - one.lower),
                            "yes" if one.lower <= exact <= one.upper else "no",
                            *[f"{f.evaluations:,}" if f else tables.NOTHING for f in forms],
                            tables.number(one.prepare), tables.number(one.solve), f"{one.distances:,}",
@@ -67,7 +67,7 @@ def make(results: Results) -> Report:
     rule = len(table.rows)
     for tolerance in sorted(ours, reverse=True):
         one = ours[tolerance]
-        table.rows.append([f"ours, {tolerance:g}", f"{one.lower:.10f}", f"{one.upper:.10f}",
+        table.rows.append([f"ours, {tolerance:g}", tables.at_least(one.lower, 10), tables.at_most(one.upper, 10),
                            tables.number(one.upper - one.lower), "yes" if one.lower <= exact <= one.upper else "no",
                            *3 * [tables.NOTHING], f"{one.evaluations:,}", tables.number(one.prepare),
                            tables.number(one.solve), f"{one.distances:,}", tables.NOTHING, tables.NOTHING])

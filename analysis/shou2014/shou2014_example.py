@@ -72,7 +72,7 @@ def make(results: Results) -> Report:
         ratio = all_pairs.distances / one.distances if all_pairs and one.distances else float("nan")
         title = title_of(solver, label, tolerance)
         table.rows.append([title if one.status == "ok" else f"{title} ({style.status_word(one.status)})",
-                           f"{one.lower:.10f}", f"{one.upper:.10f}",
+                           tables.at_least(one.lower, 10), tables.at_most(one.upper, 10),
                            f"{(one.lower + one.upper) / 2:.11f}", f"{(one.upper - one.lower) / 2:.3e}"
                            if one.upper - one.lower < 1e-3 else f"{(one.upper - one.lower) / 2:.11f}",
                            tables.number(one.prepare), tables.number(one.solve), f"{one.distances:,}",

@@ -88,7 +88,7 @@ def cells_of(results: Results, row: int, exact: float) -> list[str]:
     if not (np.isfinite(low) and np.isfinite(high)):
         return [word, tables.NOTHING]
     said = ("" if status == "ok" else f" ({word})") + ("" if holds(results, row, exact) else ", misses h")
-    return [f"[{low:.6f}, {high:.6f}]{said}", tables.number(median(results.total_seconds(row)).value)]
+    return [f"{tables.bounds(low, high, 6)}{said}", tables.number(median(results.total_seconds(row)).value)]
 
 
 def holds_distance(results: Results) -> Verdict:
@@ -120,7 +120,7 @@ def make(results: Results) -> Report:
             if cases.certified[row] == 1 and np.isfinite([cases.lower[row], cases.upper[row]]).all():
                 checks.add(results.check_of(row))
             if "mesh_a_to_surface" in extras:
-                off = [tables.number(max(float(extras[f"mesh_{m}_to_surface"]), float(extras[f"surface_to_mesh_{m}"])), 2)
+                off = [tables.at_most(max(float(extras[f"mesh_{m}_to_surface"]), float(extras[f"surface_to_mesh_{m}"])), 2)
                        for m in "ab"]
             records.append({"scene": scene, "solver": solver, "label": label, "status": cases.status[row], "solver_status": cases.solver_status[row],
                             "h": exact, "lower": float(cases.lower[row]), "upper": float(cases.upper[row]), "holds": int(holds(results, row, exact)),

@@ -162,7 +162,7 @@ def distances(results: Results, case: int) -> int:
 def error_cells(results: Results, case: int) -> list[str]:
     """Formats the errors of the middle and of the lower bound; '≤ x' if the reference is only known to within x."""
     found, width = error_curves.errors_of(results, case), error_curves.reference_width(results, case)
-    return [f"≤ {tables.number(width, 1)}" if 0 < width and value <= width else tables.number(value, 2)
+    return [f"≤ {tables.at_most(width, 1)}" if 0 < width and value <= width else tables.number(value, 2)
             for value in (float(found.middle[0]), float(found.lower[0]))]
 
 

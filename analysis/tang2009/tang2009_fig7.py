@@ -26,10 +26,10 @@ def make(results: Results) -> Report:
     records: list[tables.Record] = []
     for row in scenes:
         table.rules.add(len(table.rows))
-        low, high = (100 * x / float(cases.source_longest[row]) for x in results.reference_of(row))
+        known = tables.bounds(*results.reference_of(row), 5, times=100, over=float(cases.source_longest[row]))
         for i, (name, model, count) in enumerate(zip(cases.scene[row].split("/"), (cases.source[row], cases.target[row]),
                                                      (cases.source_elements[row], cases.target_elements[row]))):
-            table.rows.append([name, str(model), f"{count:,}", PAPER.get(name, tables.NOTHING), f"{tables.number(low, 5)} to {tables.number(high, 5)}" if i == 0 else ""])
+            table.rows.append([name, str(model), f"{count:,}", PAPER.get(name, tables.NOTHING), known if i == 0 else ""])
             records.append({"model": name, "stand_in": str(model), "triangles": int(count), "note": str(note.get(model, "")), "lower": float(cases.lower[row]), "upper": float(cases.upper[row])})
     table.notes = ["The paper's models are not public, except for Bunny2, which has the triangles of a public bunny. The distance is measured with both "
                    "models of the pair centred.",

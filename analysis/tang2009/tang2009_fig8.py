@@ -23,12 +23,13 @@ def make(results: Results) -> Report:
         rows = results.rows(scene=scene)
         shown.append(next((row for row in rows if results.is_bounded(row)), rows[0]))
         for i, row in enumerate(rows):
-            bounds = [100 * float(x) / float(cases.source_longest[row]) for x in (cases.lower[row], cases.upper[row])]
+            longest = float(cases.source_longest[row])
             forward = cases.witness_direction[row] == "source to target"
-            table.rows.append([scene if i == 0 else "", style.title(cases.solver[row], cases.label[row]), *[tables.number(x, 7) for x in bounds],
+            table.rows.append([scene if i == 0 else "", style.title(cases.solver[row], cases.label[row]), tables.at_least(cases.lower[row], 7, times=100, over=longest),
+                               tables.at_most(cases.upper[row], 7, times=100, over=longest),
                                tables.NOTHING if not results.is_bounded(row) else "A to B" if forward else "B to A"])
             records.append({"scene": scene, "label": cases.label[row], "status": cases.status[row], "lower": float(cases.lower[row]), "upper": float(cases.upper[row]),
-                            "longest": float(cases.source_longest[row]), "direction": str(cases.witness_direction[row])})
+                            "longest": longest, "direction": str(cases.witness_direction[row])})
     table.notes = ["A is moved along x by 1.1 times its longest side. Shown from: the direction whose farthest point is the witness. Tolerance 1e-4 of A's "
                    "longest side.",
                    "; ".join(f"{cases.scene[row]}: {cases.scene_note[row]}" for row in shown) + ".", f"Here: {machine_line(results)}."]

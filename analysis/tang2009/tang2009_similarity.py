@@ -106,7 +106,7 @@ def retrieval(matrix: Matrix) -> Verdict:
     more, fewer = (scipy.stats.binomtest(found, len(groups), alternative=side).pvalue for side in ("greater", "less"))
     guess = max(len(group) - 1 for group in groups) / (len(kinds) - 1)
     return Verdict(claim, HOLDS if more <= ERROR else FAILS if fewer <= ERROR else OPEN,
-                   f"{found} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {tables.number(100 * guess, 2)} % of the shapes")
+                   f"{found} of {len(groups)} families, {sum(hits)} of {len(hits)} shapes; a guess finds at most {tables.at_most(guess, 2, times=100)} % of the shapes")
 
 
 def make(results: Results) -> Report:

@@ -63,7 +63,7 @@ def make(results: Results) -> Report:
             lower, upper = (float(cases.lower[answered].min()), float(cases.upper[answered].max())) if answered else (math.nan, math.nan)  # over all seeds
             said = float(np.median(cases.reported_seconds[cell.cases])) if reported else math.nan
             table.rows.append([question.title(question.scene in moves), tables.number(question.tolerance, 2), style.title(cases.solver[row], name),
-                               tables.number(lower, 7), tables.number(upper, 7),
+                               tables.at_least(lower, 7), tables.at_most(upper, 7),
                                tables.estimate(cell.time, scale), *[tables.number(said * scale)] * reported, cell.status()])
             records.append({**question._asdict(), "solver": cases.solver[row], "name": name, "lower": lower, "upper": upper,
                             **tables.seconds(cell.time), "reported_seconds": said, "status": cell.status(), "reason": cases.reason[row]})

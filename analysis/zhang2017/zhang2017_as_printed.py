@@ -126,13 +126,13 @@ def make(results: Results) -> Report:
             rows = results.rows(scene=scene, label=label)
             known, bad = answered(results, rows), wrong(results, rows)
             seeds = len({results.options(row).get("seed") for row in rows})
-            low, high = (100 * x for x in share_interval(results, rows))
+            low, high = share_interval(results, rows)
             worst = max((x for x in (off(results, row) for row in bad) if not math.isnan(x)), key=lambda x: abs(math.log(x)) if x > 0 else math.inf,
                         default=math.nan)
             poses = len({int(results.cases.pose_index[row]) for row in rows})
             table.rows.append([scene, LOOKS[label].title, str(poses), str(seeds), f"{len(known):,}", str(len(bad)),
                                tables.number(100 * len(bad) / len(known)) if known else tables.NOTHING,
-                               tables.NOTHING if math.isnan(low) else f"{tables.number(low, 2)} to {tables.number(high, 2)}",
+                               tables.bounds(low, high, 2, times=100, form="{} to {}"),
                                tables.number(worst, 4)])
             records += [{"scene": scene, "label": label, "pose": int(results.cases.pose_index[row]),
                          "x": float(results.cases.pose[row][9]), "seed": results.options(row).get("seed", ""),

@@ -38,7 +38,7 @@ def make(results: Results) -> Report:
     unlike = 0
     for scene in scenes:
         row, paper = row_of(results, scene), papers.get(scene, {})
-        told, low = results.extras(row), float(cases.lower[row])
+        told, low, high = results.extras(row), float(cases.lower[row]), float(cases.upper[row])
         sizes = (int(cases.source_elements[row]), int(cases.target_elements[row]))
         theirs = (paper.get("source_elements", 0), paper.get("target_elements", 0))
         unlike += sizes != theirs
@@ -47,13 +47,13 @@ def make(results: Results) -> Report:
         table.rows.append([
             style.scene_title(scene), cases.scene_note[row], f"{sizes[0]:,} / {sizes[1]:,}",
             f"{theirs[0]:,} / {theirs[1]:,}",
-            f"{low:.9g}" if known else style.status_word(status),
-            tables.number(low / cases.source_diagonal[row]) if known else tables.NOTHING,
+            tables.value(low, high, 9) if known else style.status_word(status),
+            tables.value(low, high, over=cases.source_diagonal[row]) if known else tables.NOTHING,
             tables.number(told.get("alpha", math.nan)), results.facts(row).get("chosen", tables.NOTHING).upper(),
             *[str(column[row]) if known else ""
               for column in (cases.witness_source_element, cases.witness_target_element)]])
         records.append({"scene": scene, "status": status, "source_elements": sizes[0], "target_elements": sizes[1],
-                        "lower": low, "upper": float(cases.upper[row]),
+                        "lower": low, "upper": high,
                         **{f"witness_{side}_{axis}": float(points[row][i]) for side, points in
                            (("source", cases.witness_source), ("target", cases.witness_target))
                            for i, axis in enumerate("xyz")},
@@ -124,7 +124,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
                 ax.plot(*end, marker="o", markersize=3.4, markerfacecolor=colour, markeredgecolor=WITNESS,
                         markeredgewidth=0.7, zorder=5)
         status = cases.status[row]
-        value = f"h = {cases.lower[row]:.4g}" if results.is_bounded(row) else style.status_word(status)
+        value = f"h = {tables.value(cases.lower[row], cases.upper[row], 4)}" if results.is_bounded(row) else style.status_word(status)
         if not drawn:
             value += " (points not available)"
         ax.set_title("\n".join(filter(None, [style.scene_title(scene), shapes_text(results, row),

@@ -174,7 +174,7 @@ class Motion:
         sure = share.has_interval and share.coverage >= 1 - ERROR
         above, below = sure and share.low > HALF, sure and share.high < HALF
         outcome = HOLDS if (above if more else below) else FAILS if (below if more else above) else OPEN
-        return weighed(Verdict(claim, outcome, f"{tables.estimate(share, 100)} % of A, at {len(known)} poses, over n = {share.n} seeds"), [share])
+        return weighed(Verdict(claim, outcome, f"{tables.estimate(share, 100, limit=100 * HALF)} % of A, at {len(known)} poses, over n = {share.n} seeds"), [share])
 
     def worst_case(self) -> list[Verdict]:
         """Judges the claim that EARLYBREAK computes |A| * |B| distances if the distance is 0, for every seed and such pose.

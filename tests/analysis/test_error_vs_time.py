@@ -101,7 +101,7 @@ def test_errors_are_against_the_middle_of_the_reference(tmp_path: Path) -> None:
     found = error_curves.errors_of(results, 0)
     assert (found.lower[0], found.middle[0], found.upper[0]) == (0.1875, 0.0625, 0.3125)
     assert error_curves.reference_width(results, 0) == 0.0625
-    assert error_vs_time.error_cells(results, 0) == ["≤ 0.06", "0.19"]
+    assert error_vs_time.error_cells(results, 0) == ["≤ 0.07", "0.19"]
 
 
 def test_what_is_shown_reaches_a_hundredth_of_the_finest_tolerance(tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def test_where_everything_failed(make: Make) -> None:
     file.case("tang", "x", [5.0], status="timeout", lower=0.0, upper=0.125, tolerance=1e-3)
     file.case("cgal", "x", status="not_built", reason="no CGAL")
     _, rows, text = make(file)
-    assert [row[1:] for row in rows["x"]] == [["0.001", "4500", "0.12", "≤ 0.06", "≤ 0.06", "—", "—", "1 timeout"],
+    assert [row[1:] for row in rows["x"]] == [["0.001", "4500", "0.12", "≤ 0.07", "≤ 0.07", "—", "—", "1 timeout"],
                                               ["—"] * 7 + ["1 out of memory"]]
     assert "x: CGAL." in text
 

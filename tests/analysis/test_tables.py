@@ -1,13 +1,17 @@
 """Tests how numbers are printed, and the CSV, Markdown and LaTeX forms of a table."""
 
+import ast
 import csv
 import math
+import random
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
 from analysis.shared import tables
 from analysis.shared.statistics import NO_DATA, Estimate, exact, median
+from analysis.shared.verdicts import above_one
 
 
 @pytest.mark.parametrize(("x", "text"), [
@@ -16,6 +20,51 @@ from analysis.shared.statistics import NO_DATA, Estimate, exact, median
     (5e12, "5.00e12")])
 def test_number(x: float, text: str) -> None:
     assert tables.number(x) == text
+
+
+def test_shortened_bounds_hold() -> None:
+    """Whatever the digits and the unit, what is printed contains the exact interval, and is at most a unit of the last digit wider at each end."""
+    rng = random.Random(1)
+    for _ in range(2000):
+        low = rng.uniform(-1, 1) * 10.0 ** rng.randint(-12, 12)
+        high, digits, times, over = low + abs(low) * rng.choice([0, 1e-16, 1e-9, 0.1]), rng.randint(1, 12), rng.choice([1.0, 100.0, 1e3]), rng.uniform(1e-3, 1e3)
+        exact = [Fraction(end) * Fraction(times) / Fraction(over) for end in (low, high)]
+        shown = [Fraction(end) for end in tables.bounds(low, high, digits, times, over)[1:-1].split(", ")]
+        assert shown[0] <= exact[0] <= exact[1] <= shown[1]
+        assert all(abs(a - b) <= abs(b) * Fraction(10) ** (1 - digits) for a, b in zip(shown, exact))
+    assert tables.bounds(9.996, 99.96) == "[9.99, 100]" and tables.bounds(0.25, 0.5) == "[0.250, 0.500]" and tables.bounds(0, math.inf) == "[0, inf]"
+    assert tables.bounds(1.6e-8, 92576.4) == "[1.60e-8, 92577]" and tables.bounds(math.nan, 1) == "—"
+
+
+def test_an_interval_that_excludes_a_limit_shows_it() -> None:
+    assert tables.bounds(4, 5 - 2**-17, limit=5) == "[4.000000, 4.999993]" and tables.bounds(5 + 2**-30, 6, limit=5) == "[5.0000000009, 6.0000000000]"
+    assert tables.bounds(4.75, 5.25, limit=5) == "[4.75, 5.25]" and tables.bounds(4.5, 5, limit=5) == "[4.50, 5.00]"
+    barely = Estimate(1.2, 1.0004, 1.5, 9, 0.96)
+    assert tables.ratio(barely) == "1.20 [1.0004, 1.5000]" and "[1.0004," in above_one("it is faster", barely).evidence
+
+
+def test_a_value_is_rounded_only_if_its_interval_agrees() -> None:
+    assert tables.value(0.12341, 0.12349) == "0.123" and tables.value(0.12341, 0.12351) == "[0.123, 0.124]"
+    assert tables.value(0.5, 0.5, over=3.0) == "0.167" and tables.value(math.nan, math.nan) == "—"
+
+
+def names_in(node: ast.AST) -> set[str]:
+    """Returns the names in an expression; none for a width or a middle."""
+    if isinstance(node, ast.BinOp) and any(isinstance(one, (ast.Add, ast.Sub)) for one in ast.walk(node)):
+        return set()
+    return {one.attr if isinstance(one, ast.Attribute) else one.id for one in ast.walk(node) if isinstance(one, (ast.Attribute, ast.Name))}
+
+
+def test_no_bound_is_rounded_to_nearest() -> None:
+    """Bounds are printed with at_least(), at_most() and bounds(), never with number() or a format."""
+    wrong = []
+    for file in (Path(__file__).resolve().parents[2] / "analysis").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            shown = (node.value if isinstance(node, ast.FormattedValue) and node.format_spec and "." in ast.unparse(node.format_spec) else
+                     node.args[0] if isinstance(node, ast.Call) and node.args and getattr(node.func, "attr", getattr(node.func, "id", "")) == "number" else None)
+            if shown and names_in(shown) & {"lower", "upper", "low", "high", "at_least", "at_most"}:
+                wrong.append(f"{file.name}:{node.lineno}: {ast.unparse(shown)}")
+    assert not wrong
 
 
 def test_estimate_and_ratio() -> None:

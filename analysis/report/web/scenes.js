@@ -12,6 +12,10 @@
   data.scenes.forEach((one, k) => chosen.add(new Option(`${one.title} (${one.stem}${one.poses.length > 1 ? ", motion" : ""})`, String(k))));
 
   const number = (x) => Number(x.toPrecision(7)).toString();
+  const atMost = (x) => {  // rounded up
+    const near = Number(x.toPrecision(7));
+    return (near >= x ? near : Number((near * (1 + 5e-7)).toPrecision(7))).toString();
+  };
 
   function legend(one) {
     const list = document.getElementById("legend"), entries = [];
@@ -54,7 +58,7 @@
     const band = [...line(one.upper), ...line(one.lower).reverse()].join(" ");
     figure.innerHTML = `<svg viewBox="0 0 600 120" role="img" aria-label="The distance at each pose"><polygon points="${band}" class="band"/>`
       + `<polyline points="${line(one.lower).join(" ")}" class="line"/><line id="mark" y1="0" y2="120" class="mark"/></svg>`;
-    figure.append(Object.assign(document.createElement("figcaption"), {textContent: `The interval of the distance at each pose; the greatest is ${number(most)}.`}));
+    figure.append(Object.assign(document.createElement("figcaption"), {textContent: `The interval of the distance at each pose; the greatest is at most ${atMost(most)}.`}));
   }
 
   function shown() {
