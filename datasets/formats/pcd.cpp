@@ -217,12 +217,13 @@ Soup read_pcd(const Input& input) {
         soup = points.finish();
     } else if (header.data == "binary") {
         soup = from_binary(name, header, header.body, false);
-        // The last bytes may be padding; more than a point are points that the header does not announce, or of another
-        // size.
-        const std::uint64_t left = header.body.size() - header.points * header.record;
-        if (left > 0 && left < header.record)
-            soup.notes.push_back(fmt::format("{} bytes after its last point were left out", left));
-        if (left >= header.record)
+        // PCL fills the last block of its files with zeros. Other bytes, if there are enough for a point, are points
+        // that the header does not announce, or of another size.
+        const std::string_view rest = header.body.substr(header.points * header.record);
+        const bool padding = rest.size() < header.record || rest.find_first_not_of('\0') == std::string_view::npos;
+        if (padding && !rest.empty())
+            soup.notes.push_back(fmt::format("{} bytes after its last point were left out", rest.size()));
+        if (!padding)
             throw InputError(
                 fmt::format("{}: is damaged: {} points of {} bytes are announced, and {} bytes are there: "
                             "correct its header",

@@ -367,9 +367,12 @@ TEST_F(PointFiles, PcdThatDisagreesWithItsHeader) {
     const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 1\n";
     refused("a.pcd", head + "DATA ascii\n1 2 3 4\n", {"line 7", "4 columns", "name 3"});
     refused("a.pcd", "FIELDS x y z x\nSIZE 4 4 4 4\nTYPE F F F F\nPOINTS 1\nDATA ascii\n1 2 3 4\n", {"'x' twice"});
-    refused("a.pcd", head + "DATA binary\n" + std::string(24, '\0'), {"1 points of 12 bytes", "24 bytes"});
+    refused("a.pcd", head + "DATA binary\n" + std::string(24, '\1'), {"1 points of 12 bytes", "24 bytes"});
     EXPECT_TRUE(
         has_note(load("a.pcd", head + "DATA binary\n" + std::string(14, '\0')), "2 bytes after its last point"));
+    // pcl_converter fills its files with a page of zeros.
+    EXPECT_TRUE(has_note(load("a.pcd", head + "DATA binary\n" + std::string(12 + 4000, '\0')),
+                         "4000 bytes after its last point"));
 }
 
 }  // namespace
