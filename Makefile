@@ -74,6 +74,8 @@ report: $(DEPS)  ## write results/report/index.html, pages about all results; fa
 	$(PYTHON) tools/bundle && $(PYTHON) -m analysis.report.pages --strict
 check-reference: $(DEPS)  ## compare bounds and counted work in results/ with results/reference/counts; STEM=... for some
 	$(PYTHON) -m analysis.check_reference $(or $(STEM),$(basename $(notdir $(wildcard results/reference/counts/*.csv))))
+reference-sample: tracked  ## measure a part of results/reference/counts again (a minute), which must not differ; part of .ci/run
+	$(PYTHON) -m analysis.check_reference --sample
 
 # --- checks ----------------------------------------------------------------------------------------------------------
 
