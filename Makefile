@@ -77,6 +77,8 @@ reference-sums:  ## write the list of SHA-256 of the files in results/reference 
 	mv results/reference/SHA256SUMS.new results/reference/SHA256SUMS
 check-reference: $(DEPS)  ## compare bounds and counted work in results/ with results/reference/counts; STEM=... for some
 	$(PYTHON) -m analysis.check_reference $(or $(STEM),$(basename $(notdir $(wildcard results/reference/counts/*.csv))))
+reference-sample: tracked  ## measure a part of results/reference/counts again (a minute), which must not differ; part of .ci/run
+	$(PYTHON) -m analysis.check_reference --sample
 
 # --- checks ----------------------------------------------------------------------------------------------------------
 

@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
-from analysis.shared import style
+from analysis.shared import missing, style
 from analysis.shared.load import load
 from analysis.shared.printable import printable
 from analysis.shared.report import Report
@@ -29,16 +29,27 @@ from analysis.shared.stems import drawn_with, module_of, results_of
 
 
 def draw(stem: str, folder: Path, out: Path) -> int:
-    """Draws a stem, prints what was written, and returns the exit code: 2 if the result file is unusable."""
+    """Draws a stem, prints what was written, and returns the exit code: 2 if the result file is unusable.
+
+    Rows whose models are missing are left out. If the others are not enough for a table or a figure, says what is missing.
+    """
+    lacking = ""
     try:
-        results = load(folder / f"{results_of(stem)}.h5")
-        style.introduce(results)
+        whole = load(folder / f"{results_of(stem)}.h5")
+        lacking = missing.note(whole)
+        style.introduce(whole)
+        results = missing.without(whole)
+        if not len(results.cases) and lacking:
+            raise ResultError("all are missing")
         for each in drawn_with(stem):
             report: Report = importlib.import_module(module_of(each)).make(results)
             print(*report.save(results, out, each), sep="\n")
             for verdict in table.verdicts if (table := report.printed(results, each)) else ():
                 print(printable(verdict.line()))
     except ResultError as problem:
+        if lacking:
+            print(printable(f"{stem}: not drawn: {lacking}"))
+            return 0
         print(printable(str(problem)), file=sys.stderr)
         return 2
     except OSError as problem:

@@ -2,27 +2,48 @@
 
 They are the same on every machine, so each row must match to the last digit. The kept file of a stem has one line for
 each row with status `ok`: the identity of the case (a hash of the shapes, the solver and its parameters), a description
-in words, the bounds and the counters. `--keep` adds or replaces the rows that results/STEM.h5 has.
+in words, the bounds and the counters.
+
+    check_reference STEM...                  compares results/STEM.h5
+    check_reference --again STEM...          measures the stems again, at the paper's sizes and once each, as counts need no repeats
+    check_reference --sample                 measures a part of some stems again, which takes about a minute; part of .ci/run
+    check_reference --again --keep STEM...   replaces the kept rows by the new ones
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import os
+import subprocess
 import sys
+import tempfile
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from analysis.shared import tables
+import tomli_w
+
+from analysis.shared import missing, tables
 from analysis.shared.cells import WORK
 from analysis.shared.load import REFERENCE, load
+from analysis.shared.remedy import ROOT
 from analysis.shared.results import ResultError, Results
 
 FOLDER: Final = REFERENCE / "counts"
 COUNTED: Final = (*WORK, "subdivisions")
 NAMES: Final = ("identity", "solver", "scene", "pose", "tolerance", "lower", "upper", *COUNTED)
 Rows = dict[str, dict[str, str]]  # by identity
+# The options of `run` for each stem of --sample. Together they run every solver that has kept rows, except CGAL.
+SAMPLE: Final = {
+    "tang2009_fig10": ["--scene", "hand, half", "--scene", "dinosaur, half", "--scene", "two crowns"],
+    "tang2009_ablation": ["--scene", "Puma1/Puma2", "--solver", "cover", "--solver", "tang, warm"],
+    "sacht2024_fig11": [],
+    "shou2014_example": ["--solver", "pruned pairs", "--solver", "surface_enclosure"],
+    "zhang2017_table1": ["--scene", "pair 1", "--solver", "nohd", "--solver", "scan"],
+    "zhang2017_table2": ["--scene", "pair 1", "--solver", "ohd"],
+    "zhang2017_table3": ["--scene", "f_singular", "--solver", "inc", "--solver", "kdtree", "--solver", "adaptive"]}
 
 
 def rows_of(results: Results) -> Rows:
@@ -74,11 +95,15 @@ def check(stem: str, results: Results) -> tuple[str, bool]:
     A kept row that timed out here is skipped; one with any other status than `ok` counts as different.
     """
     here, there, cases = rows_of(results), kept(stem), results.cases
-    lost = {str(cases.identity[row])[:16]: str(cases.status[row]) for row in range(len(cases)) if cases.status[row] not in ("ok", "timeout")}
+    never_run = set(missing.missing_rows(results))
+    lost = {str(cases.identity[row])[:16]: str(cases.status[row]) for row in range(len(cases))
+            if cases.status[row] not in ("ok", "timeout") and row not in never_run}
     both = [identity for identity in there if identity in here or identity in lost]
     if not both:
         here = same_words(here, there)
         both = [identity for identity in there if identity in here]
+    if not both and (lacking := missing.note(results)):
+        return f"{stem}: nothing compared: {lacking}", True
     if not both:
         return f"{stem}: none of the {len(there)} rows in results/reference/counts is in this result, whose sizes may differ: try PROFILE=paper", not there
     differing = {identity: [f"status ok -> {lost[identity]}"] for identity in both if identity not in here}
@@ -91,23 +116,52 @@ def check(stem: str, results: Results) -> tuple[str, bool]:
 
 
 def keep(stem: str, results: Results) -> Path:
+    """Adds the rows of the results to the kept ones. A kept row of the same words, of other shapes or limits, is replaced."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    rows = kept(stem) | rows_of(results)
+    new = rows_of(results)
+    replaced = {words(row) for row in new.values()}
+    rows = {identity: row for identity, row in kept(stem).items() if words(row) not in replaced} | new
     path = FOLDER / f"{stem}.csv"
     tables.write_whole(path, tables.comma_separated([{name: row.get(name, "") for name in NAMES} for row in rows.values()]))
     return path
 
 
+def measure(stem: str, options: Sequence[str], folder: Path) -> Path:
+    """Runs an experiment at the paper's sizes, once, into the folder, and returns the folder. Raises ResultError if that fails."""
+    file = next((ROOT / "experiments").rglob(f"{stem}.toml"), None)
+    if file is None:
+        raise ResultError(f"{stem}: no such experiment")
+    experiment, once = tomllib.loads(file.read_text(encoding="utf-8")), {"rounds": 1, "repeats": 0}
+    profiles = experiment.get("profile", {})
+    text = tomli_w.dumps(experiment | once | {"profile": profiles | {"paper": profiles.get("paper", {}) | once}})
+    (folder / file.name).write_text(text, encoding="utf-8")
+    program = os.environ.get("HAUSBENCH_PROGRAM", str(ROOT / "build" / "release" / "hausbench"))
+    command = [program, "run", str(folder / file.name), "--profile", "paper", "--results", str(folder), "--no-reference", "--quiet", *options]
+    try:
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+    except OSError as problem:
+        raise ResultError(f"{program}: {problem.strerror}: build it with 'make build'") from None
+    if done.returncode:
+        raise ResultError(f"{stem}: exit code {done.returncode}: {(done.stderr or done.stdout).strip()}")
+    return folder
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Returns the exit code: 1 if a row differs, 2 if a result cannot be read."""
     parser = argparse.ArgumentParser(prog="analysis.check_reference", description="Compares bounds and counted work with the kept ones.")
-    parser.add_argument("stems", nargs="+", metavar="STEM")
+    parser.add_argument("stems", nargs="*", metavar="STEM")
+    parser.add_argument("--again", action="store_true", help="measure the stems again instead of reading their results")
+    parser.add_argument("--sample", action="store_true", help="measure a part of the kept rows again")
     parser.add_argument("--results", type=Path, default=Path("results"), help="folder of the .h5 files (default: results)")
     parser.add_argument("--keep", action="store_true", help="add the rows of these results to results/reference/counts")
     chosen, code = parser.parse_args(arguments), 0
-    for stem in chosen.stems:
+    if bool(chosen.stems) == chosen.sample:
+        parser.error("name stems, or use --sample")
+    for stem in chosen.stems or SAMPLE:
         try:
-            results = load(chosen.results / f"{stem}.h5")
+            with tempfile.TemporaryDirectory(prefix="hausbench-reference-") as folder:
+                again = chosen.again or chosen.sample
+                results = load((measure(stem, SAMPLE[stem] if chosen.sample else [], Path(folder)) if again else chosen.results) / f"{stem}.h5")
         except ResultError as problem:
             print(problem, file=sys.stderr)
             code = 2

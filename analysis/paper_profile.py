@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Final
 
 from analysis import paper_page, winners
-from analysis.shared import claims, style, tables
+from analysis.shared import claims, missing, style, tables
 from analysis.shared.load import REFERENCE, load
 from analysis.shared.notes import measured_on
 from analysis.shared.report import Report
@@ -85,9 +85,12 @@ def whole_profile(group: str) -> str:
 
 
 def check(results: Results) -> Results:
+    """Returns the results if they can be kept: of the whole profile, with no row missing. Otherwise raises ResultError."""
     whole = whole_profile(results.stem)
     if results.meta.get("profile") != whole:
         raise ResultError(f"{results.path}: has profile '{results.meta.get('profile')}': measure it with 'make {results.stem} PROFILE={whole}'")
+    if lacking := missing.note(results):
+        raise ResultError(f"{results.path}: cannot be kept: {lacking}")
     return results
 
 

@@ -36,10 +36,12 @@ def run(command: list[str], folder: Path) -> tuple[int, str]:
 
 
 def reason(text: str) -> str:
-    """Returns the line of a program's output that names the error."""
+    """Returns the line of a program's output that names the error. Lines with a code alone, which npm prints first, do not."""
+    import re
+
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     marked = [line for line in lines if line.startswith(("E:", "npm ERR!", "npm error"))]
-    telling = [line for line in marked if not line.split()[-2:-1] == ["code"]]  # npm's first line is only "code E404"
+    telling = [line for line in marked if not re.search(r" (code|errno|syscall) \S+$", line)]
     return (telling or marked or lines or ["no reason given"])[0][:200]
 
 

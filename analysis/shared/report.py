@@ -13,7 +13,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 from matplotlib.transforms import Bbox
 
-from analysis.shared import claims, sizes, style, tables
+from analysis.shared import claims, missing, sizes, style, tables
 from analysis.shared.drawable import drawable, make_drawable
 from analysis.shared.notes import clock_note, side_by_side_line, unchecked_line
 from analysis.shared.panels import add_letters
@@ -39,13 +39,13 @@ class Report:
     def printed(self, results: Results, stem: str = "") -> tables.Table | None:
         """Returns the table with notes on its clock and on rows that ran at the same time as others.
 
-        Verdicts on claims about larger sizes become 'not tested'.
+        Verdicts on claims about larger sizes, or about rows that are missing, become 'not tested'.
         """
         if self.table is None:
             return None
-        judged = sizes.tested(self.table.verdicts, results, stem or results.stem)
+        judged = missing.judged(sizes.tested(self.table.verdicts, results, stem or results.stem), results)
         notes = [self.clock or clock_note(results)] if self.clock != NO_TIMES else []
-        return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results)])])
+        return replace(self.table, verdicts=judged, notes=[*self.table.notes, *notes, *filter(None, [side_by_side_line(results), missing_line(results)])])
 
     def save(self, results: Results, out: Path, stem: str = "", formats: Sequence[str] = FORMATS) -> list[Path]:
         """Writes tables, verdicts, figures and caption, and returns their paths. `stem` defaults to the stem of the results.
@@ -71,7 +71,13 @@ class Report:
     def _footnote(self, results: Results, rows: Sequence[int] | None = None) -> str:
         """Returns the text below a figure: the key of its letters, unchecked bounds, and rows that ran at the same time as others."""
         texts = [self.key, unchecked_line(results, rows)] if self.table is not None else []
-        return " ".join(filter(None, [*[f"{text}." for text in texts if text], side_by_side_line(results)]))
+        return " ".join(filter(None, [*[f"{text}." for text in texts if text], side_by_side_line(results), missing_line(results)]))
+
+
+def missing_line(results: Results) -> str:
+    """Says which rows are missing, and how to get them; empty if none is."""
+    text = missing.note(results)
+    return f"{text}." if text else ""
 
 
 def save_caption(caption: str, out: Path, stem: str) -> list[Path]:

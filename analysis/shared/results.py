@@ -49,6 +49,7 @@ class Results:
     fields: Fields
     field_values: Floats  # values of all fields; see fields_of()
     ledger: Ledger
+    whole: Results | None = None  # the results before missing.without() took rows out; None: nothing was taken out
 
     def rows(self, **equal: object) -> list[int]:
         """Returns the rows of /cases with these values, such as rows(status="ok"), in the order of the file."""

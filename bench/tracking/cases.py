@@ -12,7 +12,7 @@ import tomli_w
 ROOT = Path(__file__).resolve().parents[2]
 EXPERIMENT = ROOT / "experiments" / "tracking.toml"
 MESH = "torus:60"  # the mesh for kernels: 7,200 triangles, generated
-MOST_CASES = 16
+MOST_CASES = 28
 
 
 @dataclass(frozen=True)

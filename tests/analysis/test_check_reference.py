@@ -59,3 +59,34 @@ def test_a_different_bound_or_count_is_named(folder: Path, capsys: pytest.Captur
     assert "node_visits 7 -> 8" in capsys.readouterr().out
     assert run(folder, sweep(visits=8), "--keep") == 0 and run(folder, sweep(visits=8)) == 0
     assert check_reference.main(["none", "--results", str(folder)]) == 2
+
+
+def test_kept_rows_of_other_shapes_are_replaced(folder: Path) -> None:
+    run(folder, sweep(), "--keep")
+    file = sweep()
+    for case in file.cases:
+        case["identity"] = "0" + case["identity"][1:] if case["identity"][0] != "0" else "1" + case["identity"][1:]
+    assert run(folder, file, "--keep") == 0 and len(check_reference.kept("sweep")) == 3
+
+
+def test_missing_models_are_no_difference(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run(folder, sweep(), "--keep")
+    file = ResultFile("sweep")
+    file.case("guthe", "x", status="skipped", reason="package p was not fetched: run `hausbench fetch`")
+    file.models = []
+    assert run(folder, file) == 0 and "sweep: nothing compared: 1 of 1 rows are missing: package p was not fetched" in capsys.readouterr().out
+
+
+def test_the_sample_is_measured_again(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    run(folder, sweep(), "--keep")
+    monkeypatch.setattr(check_reference, "SAMPLE", {"sweep": ["--scene", "x"]})
+    monkeypatch.setattr(check_reference, "measure", lambda stem, options, into: (sweep(visits=8).write(into), into)[1])
+    assert check_reference.main(["--sample"]) == 1 and "node_visits 7 -> 8" in capsys.readouterr().out
+    assert check_reference.main(["--sample", "--keep"]) == 0 and check_reference.main(["--again", "sweep"]) == 0
+    with pytest.raises(SystemExit):
+        check_reference.main([])
+
+
+def test_stems_of_the_sample_are_experiments_with_kept_rows() -> None:
+    for stem in check_reference.SAMPLE:
+        assert check_reference.kept(stem), stem

@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import struct
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -277,3 +280,11 @@ def test_the_document_says_how_numbers_that_json_lacks_are_written(
     done = hausbench("verify", "--certificate", write(file, (header, rest)))
     assert f"in [0, {text}]" in done.stdout, done.stdout + done.stderr
     assert done.returncode == (0 if text == "inf" else 1), done.stdout + done.stderr
+
+
+def test_pairs_whose_models_are_missing_are_skipped(program_file: str, tmp_path: Path) -> None:
+    script, cache = Path(__file__).resolve().parents[1] / "certificates.py", {**os.environ, "HAUSBENCH_CACHE": str(tmp_path)}
+    done = subprocess.run([sys.executable, script, "--program", program_file, "--pairs", "2"], capture_output=True, text=True, env=cache, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "skipped: armadillo to armadillo_half: " in done.stdout and "run `hausbench fetch`" in done.stdout
+    assert "0 of 0 pairs as they should be; 2 skipped" in done.stdout
