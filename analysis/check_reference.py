@@ -36,7 +36,7 @@ COUNTED: Final = (*WORK, "subdivisions")
 NAMES: Final = ("identity", "solver", "scene", "pose", "tolerance", "lower", "upper", *COUNTED)
 Rows = dict[str, dict[str, str]]  # by identity
 # The options of `run` for each stem of --sample. Together they run every solver that has kept rows, except CGAL.
-SAMPLE: Final = {
+SAMPLE: Final[dict[str, list[str]]] = {
     "tang2009_fig10": ["--scene", "hand, half", "--scene", "dinosaur, half", "--scene", "two crowns"],
     "tang2009_ablation": ["--scene", "Puma1/Puma2", "--solver", "cover", "--solver", "tang, warm"],
     "sacht2024_fig11": [],
