@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <set>
@@ -155,7 +156,7 @@ TEST(LibraryHostile, QueriesThatMakeNoSense) {
     bad([](hausbench_query& q) { q.weigh_by_number = 2; });
     bad([](hausbench_query& q) { q.reserved = 1; });
     bad([](hausbench_query& q) { q.size = 0; });
-    bad([](hausbench_query& q) { q.size = sizeof q - 8; });
+    bad([](hausbench_query& q) { q.size = offsetof(hausbench_query, progress) - 8; });
     double pose[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2};
     bad([&](hausbench_query& q) { q.source_pose = pose; });
     pose[15] = 1;
@@ -312,6 +313,11 @@ TEST(LibraryHostile, ACallerOfTheFirstVersionGetsItsMembersAlone) {
     EXPECT_EQ(description.vertices, 3);
     EXPECT_EQ(description.segments, 77);
     EXPECT_EQ(description.up, 77);
+    hausbench_query query = HAUSBENCH_QUERY_INIT;  // without `progress`
+    query.size = offsetof(hausbench_query, progress);
+    query.progress = [](void*, const hausbench_interval*, std::size_t) -> int { throw 7; };
+    hausbench_answer answer = HAUSBENCH_ANSWER_INIT;
+    expect_ok(hausbench_directed(pair_of(a, a).get(), &query, &answer, &error), error);
     hausbench_shape* made = nullptr;  // `up` of a caller that does not have it is not read
     const hausbench_array v = array_of(corners);
     expect_ok(hausbench_shape_stating(&v, nullptr, &description, &made, &error), error);
