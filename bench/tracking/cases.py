@@ -26,6 +26,11 @@ class Case:
         return tomli_w.dumps(self.experiment)
 
     @property
+    def solver(self) -> str:
+        name: str = self.experiment["solver"][0]["name"]
+        return name
+
+    @property
     def models(self) -> list[str]:
         scene = self.experiment["scene"][0]
         return [scene["source"], scene["target"]]
