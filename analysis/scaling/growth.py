@@ -151,7 +151,7 @@ def curves(results: Results) -> list[Curve]:
 
 def text(x: Interval) -> str:
     """Formats an exponent with its interval: '1.02 [0.98, 1.06]'."""
-    return tables.NOTHING if math.isnan(x.value) else f"{x.value:.2f} {tables.bounds(x.low, x.high)}"
+    return tables.NOTHING if math.isnan(x.value) else f"{x.value:.2f} {tables.ends(x.low, x.high)}"
 
 
 def short(n: float) -> str:

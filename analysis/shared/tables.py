@@ -96,13 +96,23 @@ def value(low: float, high: float, digits: int = 3, over: float = 1.0) -> str:
 
 
 def estimate(x: Estimate, scale: float = 1.0, limit: float = math.nan) -> str:
-    """Formats an estimate and its interval: '2.10 [2.05, 2.31]'; '2.10' without an interval, '—' without data. `limit`: see bounds()."""
+    """Formats an estimate and its interval: '2.10 [2.05, 2.31]'; '2.10' without an interval, '—' without data. The ends are statistics
+    and no bounds, so they are rounded to nearest; if the interval excludes `limit`, they get as many digits as show this.
+    """
     if x.n == 0:
         return NOTHING
     if not x.has_interval or x.n == 1:  # a single time, or a count, which is exact
         return number(x.value * scale)
-    low, high = (Decimal(f"{end * scale:.12g}") for end in (x.low, x.high))  # statistics of measurements, without their rounding errors
-    return f"{number(x.value * scale)} {bounds(low, high, limit=limit)}"
+    for digits in range(3, 17):
+        low, high = number(x.low * scale, digits), number(x.high * scale, digits)
+        if not (x.low * scale > limit >= float(low) or x.high * scale < limit <= float(high)):
+            break
+    return f"{number(x.value * scale)} [{low}, {high}]"
+
+
+def ends(low: float, high: float) -> str:
+    """Formats the interval of a statistic, such as an exponent, with two decimals, rounded to nearest."""
+    return f"[{low:.2f}, {high:.2f}]"
 
 
 def ratio(x: Estimate) -> str:

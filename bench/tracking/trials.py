@@ -54,14 +54,14 @@ class Kind:
 KINDS = {
     "unchanged": Kind("nothing", Verdict.passed, "time"),
     "slower": Kind("`kang` burns 5 % of the time of each solve", Verdict.red, "time", "algorithms/session/session.cpp",
-                   "    Result result = solver_->solve(asked, state, trace);\n",
+                   "    Result result = solver_->solve(asked, state, shows || trace.on() ? trace : unwatched);\n",
                    """    const auto clock = [] {
         timespec now{};
         ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
         return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
     };
     const double begun = clock();
-    Result result = solver_->solve(asked, state, trace);
+    Result result = solver_->solve(asked, state, shows || trace.on() ? trace : unwatched);
     for (const double end = clock() + 0.05 * (clock() - begun); maker_->info().name == "kang" && clock() < end;) {}
 """, "kang on mesh to its half: slower"),
     "visit": Kind("each query of a tree counts one node visit more", Verdict.red, "counters", "algorithms/structures/triangle_tree.cpp",

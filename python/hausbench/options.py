@@ -120,9 +120,13 @@ def progress_of(progress: object, names: list[str] | None = None) -> Callable[[l
         return None
     if not callable(progress):
         raise InputError(f"progress: {progress!r} cannot be called: give a function of one argument, or None")
-    if names is None:
-        return lambda bounds: progress(Interval(*bounds[0]))
-    return lambda bounds: progress({name: Interval(*one) for name, one in zip(names, bounds)})
+    show: Callable[[object], object] = progress
+
+    def passed_on(bounds: list[tuple[float, float]]) -> object:
+        intervals = [Interval(*one) for one in bounds]
+        return show(intervals[0] if names is None else dict(zip(names, intervals)))
+
+    return passed_on
 
 
 def pair_of(source: Shape, target: Shape, solver: str | None, options: Mapping[str, object] | None, threads: int,

@@ -170,8 +170,8 @@ def traps(**wrong: Any) -> ResultFile:
 def test_traps_say_how_each_ended(make: Make) -> None:
     records, rows, text = make(traps())
     assert rows["identical"][0][1:] == ["0", "converged", "wrong"]
-    assert rows["needle"][0][1:] == ["0.250 to 0.500", "timeout, bounds hold", "timeout"]
-    assert "Wrong: cgal on identical ([0.125, 0.126])" in text
+    assert rows["needle"][0][1:] == ["[0.250, 0.500]", "timeout, bounds hold", "timeout"]
+    assert "Wrong: cgal on identical ([0.125, 0.127])" in text
     assert [record["outcome"] for record in records] == ["converged", "wrong", "stopped", "no bounds"]
     assert "Here: not refuted (0 of 2 answers; the cases were chosen" in claim(text, "certified")
 

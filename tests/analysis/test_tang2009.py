@@ -244,7 +244,7 @@ def test_every_stem_has_a_file() -> None:
 @pytest.mark.usefixtures("tetrahedra")
 def test_pictures(make: Make) -> None:
     records, rows, _ = make(synthetic_tang.pictures("tang2009_fig7", ("cover",)))
-    assert rows["Bird1"][0] == ["Bird1/Bird2/A", "4", "2.2K", "200.00 to 200.00"]  # 1.5 is 200 % of the longest side, 0.75
+    assert rows["Bird1"][0] == ["Bird1/Bird2/A", "4", "2.2K", "[200.00, 200.00]"]  # 1.5 is 200 % of the longest side, 0.75
     assert rows["Lion"][0][2:] == ["1.3M", ""] and len(records) == 4
     records, rows, _ = make(synthetic_tang.pictures("tang2009_fig8"))
     assert rows["Bird1/Bird2"][0] == ["Tang 2009", "200.0000", "200.0000", "B to A"] and len(records) == 4
@@ -408,7 +408,7 @@ def test_depths_that_failed_or_disagree(make: Make) -> None:
 @pytest.mark.usefixtures("tetrahedra")
 def test_fig1_takes_the_deepest_pair_of_the_frame(make: Make) -> None:
     records, rows, text = make(synthetic_tang.fig1())
-    assert rows["Falling Bunnies"] == [["cover, depth", "depth, frame 24", "2 of 3", "10.00000", "10.00000"]]
+    assert rows["Falling Bunnies"] == [["cover, depth", "depth, frame 24", "2 of 3", "10.00000", "10.00001"]]
     assert rows["Bird1/Bird2"][0] == ["Tang 2009", "H", "1 of 1", "75.00000", "75.00000"]
     assert len(records) == 5 and "two stand in" in text
 

@@ -317,7 +317,7 @@ def test_shapes_are_those_of_the_result_file(tmp_path: Path) -> None:
 
 def test_fig12_names_the_pairs(make: Make, shapes_of_a_and_b: None) -> None:
     _, rows, text = make(synthetic_zhang.fig12())
-    assert rows["(a) pears"][0] == ["oranges", "10,754 / 10,754", "10,754 / 10,754", "0.25", "0.125", "0.750", "OHD",
+    assert rows["(a) pears"][0] == ["oranges", "10,754 / 10,754", "10,754 / 10,754", "0.250000000", "0.125", "0.750", "OHD",
                                     "7", "9"]
     assert rows["(b) cow, hippo"][0][3] == "timeout" and "does not hold (so for 1 of 2 pairs out of 6)" in text
 

@@ -19,7 +19,8 @@ class Error(Structure):
 
 class Query(Structure):
     _fields_ = [("size", c_size_t), ("tolerance", c_double), ("relative_to", c_int32), ("threads", c_int32), ("time_limit", c_double),
-                ("pointers", c_void_p * 5), ("share_tolerance", c_double), ("weigh_by_number", c_int32), ("reserved", c_int32)]
+                ("pointers", c_void_p * 5), ("share_tolerance", c_double), ("weigh_by_number", c_int32), ("reserved", c_int32),
+                ("progress", c_void_p), ("progress_data", c_void_p)]
 
 
 class Interval(Structure):

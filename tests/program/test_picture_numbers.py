@@ -1,6 +1,6 @@
 """The numbers in `measure --picture`: the same on a busy machine, and under a limit nothing that is not known.
 
-HAUSBENCH_PICTURES=20 tries 20 pairs of up to 200,000 triangles or points; the default is a few small ones.
+HAUSBENCH_PICTURES=20 tries 20 pairs of up to 200,000 triangles or points; the default is two small ones.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from matplotlib.collections import PathCollection, PolyCollection
 from analysis import picture
 from analysis.shared.columns import Floats
 
-PICTURES: Final = int(os.environ.get("HAUSBENCH_PICTURES", "3"))
+PICTURES: Final = int(os.environ.get("HAUSBENCH_PICTURES", "2"))
 BUSY: Final = 4  # processes beside
 LIMITS: Final = (0.001, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # seconds
 

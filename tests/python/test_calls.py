@@ -345,7 +345,9 @@ def test_certify_and_verify(small_sphere: Mesh, tmp_path: Path) -> None:
         answer = hb.certify(small_sphere, target, proof, symmetric=symmetric, tolerance=1e-3)
         verdict = hb.verify(proof, small_sphere, target)
         assert verdict and verdict.accepted, verdict.text
-        assert verdict.interval == answer.interval and verdict.proven <= answer.interval.upper * (1 + 1e-9)
+        assert verdict.interval.lower == answer.interval.lower and verdict.proven <= answer.interval.upper * (1 + 1e-9)
+        # The file states what it proves, which may be a little more than the bound of the answer.
+        assert verdict.interval.upper == max(answer.interval.upper, verdict.proven)
     with pytest.raises(hb.InputError):
         hb.verify(proof, target, small_sphere)
     damaged = bytearray(proof.read_bytes())
