@@ -8,11 +8,13 @@ namespace hausbench {
 
 void Trace::show(Result& so_far) {
     if (!watcher_) return;
-    // Solvers that compute with intervals round upward meanwhile.
-    const int rounding = std::fegetround();
+    // Solvers that compute with intervals round upward meanwhile. CGAL sets the rounding mode of SSE alone, which
+    // fegetround() does not read, so the whole environment is kept.
+    std::fenv_t environment;
+    std::fegetenv(&environment);
     std::fesetround(FE_TONEAREST);
     watcher_(so_far);
-    std::fesetround(rounding);
+    std::fesetenv(&environment);
     next_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
 }
 

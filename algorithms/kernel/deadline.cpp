@@ -9,10 +9,12 @@ bool Interrupt::ask_hook() const {
     const auto now = std::chrono::steady_clock::now();
     if (now - last_ < std::chrono::milliseconds(2)) return false;
     last_ = now;
-    const int rounding = std::fegetround();
+    // CGAL sets the rounding mode of SSE alone, which fegetround() does not read, so the whole environment is kept.
+    std::fenv_t environment;
+    std::fegetenv(&environment);
     std::fesetround(FE_TONEAREST);
     const bool stop = hook_(data_) != 0;
-    std::fesetround(rounding);
+    std::fesetenv(&environment);
     if (stop) requested_.store(true, std::memory_order_relaxed);
     return stop;
 }

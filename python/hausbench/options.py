@@ -114,13 +114,14 @@ def _seconds(value: object) -> float:
     return seconds
 
 
-def progress_of(progress: object, names: list[str] | None = None) -> Callable[[list[tuple[float, float]]], object] | None:
+def progress_of(progress: Callable[..., object] | None,
+                names: list[str] | None = None) -> Callable[[list[tuple[float, float]]], object] | None:
     """Returns a function that passes bounds on to the user's function: as a dict by these names, or as one Interval."""
     if progress is None:
         return None
-    if not callable(progress):
+    show = progress
+    if not callable(show):
         raise InputError(f"progress: {progress!r} cannot be called: give a function of one argument, or None")
-    show: Callable[[object], object] = progress
 
     def passed_on(bounds: list[tuple[float, float]]) -> object:
         intervals = [Interval(*one) for one in bounds]

@@ -8,6 +8,10 @@
 #include <algorithm>
 #include <set>
 
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
+
 #include <gtest/gtest.h>
 
 namespace hausbench {
@@ -119,6 +123,28 @@ TEST(Traces, AreShownAsAnswersToTheQuery) {
     }
     EXPECT_GE(shown_by, 20);
 }
+
+#ifdef __SSE2__
+// CGAL sets the rounding mode of SSE alone. A watcher and a hook are called with rounding to nearest, and the mode is kept.
+TEST(Traces, ShowingKeepsTheRoundingModeOfSse) {
+    volatile double one = 1, tiny = 0x1p-60;
+    const auto to_nearest = [&] { return one + tiny == 1; };
+    Trace trace;
+    int nearest = 0;
+    trace.watch([&](Result&) { nearest += to_nearest(); });
+    const auto hook = [](void* data) { return (*static_cast<int*>(data))++; };
+    int called = 0;
+    const Interrupt interrupt(hook, &called);
+    _MM_SET_ROUNDING_MODE(_MM_ROUND_UP);
+    trace.show(1, 2);
+    (void)interrupt.stop_requested();
+    const bool kept = !to_nearest();
+    _MM_SET_ROUNDING_MODE(_MM_ROUND_NEAREST);
+    EXPECT_TRUE(kept);
+    EXPECT_EQ(nearest, 1);
+    EXPECT_EQ(called, 1);
+}
+#endif
 
 }  // namespace
 }  // namespace hausbench
