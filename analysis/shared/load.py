@@ -134,9 +134,11 @@ def _expect_places(results: Results) -> None:
 
 def _expect_json(results: Results) -> None:
     """Raises ValueError if a text that should be JSON is not, or is no object (plug-ins: no list; extras: no object of numbers)."""
-    kinds = {f"/cases/{name}": (dict, texts) for name, texts in (("options", results.cases.options), ("extras", results.cases.extras), ("facts", results.cases.facts))}
-    kinds |= {f"/meta@{name}": (dict, [results.meta.get(name, "")]) for name in ("libraries", "titles")}
-    kinds["/meta@plugins"] = list, [results.meta.get("plugins", "")]
+    cases = results.cases
+    kinds: dict[str, tuple[type[Any], Iterable[str]]] = {"/cases/options": (dict, cases.options), "/cases/extras": (dict, cases.extras),
+                                                         "/cases/facts": (dict, cases.facts)}
+    kinds |= {f"/meta@{name}": (dict, [str(results.meta.get(name, ""))]) for name in ("libraries", "titles")}
+    kinds["/meta@plugins"] = list, [str(results.meta.get("plugins", ""))]
     for name, (kind, texts) in kinds.items():
         for text in dict.fromkeys(texts):
             try:
