@@ -171,7 +171,7 @@ def used_at_rest(forger: Forger) -> Forgery:
 
 
 def pose_changed(forger: Forger) -> Forgery | None:
-    """Another pose in the file, at which the distance is larger, or one that is no motion."""
+    """The file states another pose: one at which the distance is larger, or one that is not a motion."""
     pair = forger.pair()
     header = copy.deepcopy(pair.header)
     side, name = forger.random.choice([("source", "pose"), ("target", "target_pose")])

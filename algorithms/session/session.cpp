@@ -163,6 +163,7 @@ Result Session::solve(const Query& query, State* state, Trace& trace) const {
     if (query.quantity == Quantity::distribution) check_statistics(query, pair_.source->shape(), pair_.target->shape());
     Query asked = query;
     asked.threads = usable_threads(query.threads);
+    // The bounds that a solver without this ability offers need not hold before its answer.
     Trace unwatched;
     const bool shows = maker_->info().can(Ability::traces) || query.quantity == Quantity::distribution;
     Result result = solver_->solve(asked, state, shows || trace.on() ? trace : unwatched);

@@ -28,7 +28,7 @@ _known: dict[State, str] = {}  # the answers of problem_of()
 
 
 def program() -> str:
-    """Returns the path of the program: HAUSBENCH_PROGRAM, else that of this checkout or installation, else the one on PATH."""
+    """Returns the path of the program: HAUSBENCH_PROGRAM if it is set, or the one of this checkout or installation, or the one on PATH."""
     if named := os.environ.get("HAUSBENCH_PROGRAM"):
         return named
     for path in (ROOT / "build" / "release" / "hausbench", ROOT.parents[1] / "bin" / "hausbench"):

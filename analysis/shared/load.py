@@ -133,7 +133,7 @@ def _expect_places(results: Results) -> None:
 
 
 def _expect_json(results: Results) -> None:
-    """Raises ValueError if a text that should be JSON is not, or is no object (plug-ins: no list; extras: no object of numbers)."""
+    """Raises ValueError unless each JSON text is an object; plug-ins must be a list, and extras an object of numbers."""
     cases = results.cases
     kinds: dict[str, tuple[type[Any], Iterable[str]]] = {"/cases/options": (dict, cases.options), "/cases/extras": (dict, cases.extras),
                                                          "/cases/facts": (dict, cases.facts)}

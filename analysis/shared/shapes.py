@@ -56,7 +56,7 @@ def cache_folder() -> Path:
 def _files(folder: Path) -> dict[str, list[Path]]:
     """Returns the files of cached shapes by the SHA-256 of the shape, which the file names do not contain.
 
-    The program reads them. Names files that it cannot read on standard error, and skips them and those of other kinds.
+    The program reads them. Skips files of other kinds, and files that it cannot read, which it names on standard error.
     """
     paths, found = sorted(folder.glob("*.h5")), dict[str, list[Path]]()
     for path, content in zip(paths, gate.ask("shapes", paths) if paths else ()):

@@ -8,7 +8,7 @@
 namespace hausbench {
 
 // Like load_plugin() (algorithms/plugin.h), in a copy of this process, which goes on with the verb (process/stand_in.h).
-// The solvers of workers load their plug-ins themselves. Throws InputError, in the process that waits, if the plug-in
+// Worker processes load plug-ins themselves, by load_plugin(). Throws InputError, in the process that waits, if the plug-in
 // ends the copy, or does not end within 30 s of loading.
 void load_plugin_in_copy(const std::filesystem::path& file);
 

@@ -79,8 +79,8 @@ Scene enlarged(Scene scene) {
     return scene;
 }
 
-// What a watcher sees holds for the query as it was asked: in the unit of the input, at its poses, for H. Watching changes
-// no bit of the answer.
+// The bounds shown to a watcher hold for the original query: in the unit of the input, at its poses, for h or H. Watching
+// does not change a bit of the answer.
 TEST(Traces, AreShownAsAnswersToTheQuery) {
     int shown_by = 0;
     for (const Scene& scene : scenes()) {

@@ -22,7 +22,7 @@ LACKING = ": package bunny was not fetched: run `hausbench fetch`, then run 'mak
 
 
 def take_away(file: ResultFile, *scenes: str) -> int:
-    """Takes away the targets of these scenes (default: all): rows with one of these models become those of a run without it. Returns their number."""
+    """Removes the target models of these scenes (default: all), as if they had not been fetched. Returns the number of rows affected."""
     lost = {case["target"] for case in file.cases if not scenes or case["scene"] in scenes}
     gone = {row for row, case in enumerate(file.cases) if {case["source"], case["target"]} & lost}
     for row in gone:

@@ -49,8 +49,8 @@ target = { points = [[0, 0, 0]] }
 
 def test_the_reason_of_npm_is_its_sentence_and_not_its_code() -> None:
     said = ("npm error code SELF_SIGNED_CERT_IN_CHAIN\nnpm error errno SELF_SIGNED_CERT_IN_CHAIN\nnpm error syscall connect\n"
-            "npm error request to https://registry.npmjs.org/bunny failed, reason: self-signed certificate in certificate chain\n")
-    assert packages.reason(said) == "npm error request to https://registry.npmjs.org/bunny failed, reason: self-signed certificate in certificate chain"
+            "npm error request to https://example.org/bunny failed, reason: self-signed certificate in certificate chain\n")
+    assert packages.reason(said) == "npm error request to https://example.org/bunny failed, reason: self-signed certificate in certificate chain"
     assert packages.reason("npm error code E404\n") == "npm error code E404"
 
 

@@ -168,7 +168,7 @@ private:
             seconds_per_piece_ = 2 * (seconds() - begin) / static_cast<double>(one->leaves().size());
             return;
         }
-        estimated_ = false;  // there is no piece yet
+        estimated_ = false;  // try again once the first pieces are made
     }
 
     double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }

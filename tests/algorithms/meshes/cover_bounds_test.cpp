@@ -610,7 +610,7 @@ TEST(OffsetCover, LimitsAreWithinTheThreshold) {
     limits_are_within_the_threshold(rough);
 }
 
-// Local coordinates are at most 1, and those of a batch, which are rounded to float, are within its own extent.
+// Local coordinates have at most length 1. A batch rounds them to float; they must stay within its extent.
 TEST(OffsetCover, TheExtentIsTheLengthOfEveryPoint) {
     EXPECT_GE(OffsetCover<double>().extent * OffsetCover<double>().extent, 3);
     Random random(60);

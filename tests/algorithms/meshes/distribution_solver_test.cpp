@@ -88,7 +88,7 @@ TEST(DistributionSolver, ThePowerOfTwoOfTheUnitDoesNotMatter) {
     }
 }
 
-// What is shown first follows from the boxes; then come the bounds of each round.
+// Shows bounds from the boxes first, then the bounds of each round.
 TEST(DistributionSolver, ShowsBoundsInTheUnitOfTheInputFromTheBeginning) {
     TriangleMesh a = sheet(4, 0.5, 0.2), b = sheet(5, 0, 0.1);
     a.vertices *= 1e5;
