@@ -155,8 +155,14 @@ void continue_in_copy(const std::string& blamed) {
     const pid_t self = ::getpid();
     if (::pipe2(ends.data(), O_CLOEXEC) != 0)
         throw std::runtime_error(fmt::format("no pipe to a copy of this process: {}", std::strerror(errno)));
+    sigset_t held, before;  // a signal that comes before Waiting can pass it on must not end this process
+    sigemptyset(&held);
+    for (const int number : passed_on) sigaddset(&held, number);
+    ::sigprocmask(SIG_BLOCK, &held, &before);
     const pid_t copy = ::fork();
-    if (copy < 0) throw std::runtime_error(fmt::format("no copy of this process: {}", std::strerror(errno)));
+    const int error = errno;
+    if (copy <= 0) ::sigprocmask(SIG_SETMASK, &before, nullptr);
+    if (copy < 0) throw std::runtime_error(fmt::format("no copy of this process: {}", std::strerror(error)));
     if (copy == 0) {
         ::setpgid(0, 0);  // Ctrl-C reaches the waiting process alone, which passes it on
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -167,7 +173,9 @@ void continue_in_copy(const std::string& blamed) {
     }
     ::setpgid(copy, copy);
     ::close(ends[1]);
-    const int code = Waiting(copy, ends[0], blamed).run();
+    Waiting waiting(copy, ends[0], blamed);
+    ::sigprocmask(SIG_SETMASK, &before, nullptr);
+    const int code = waiting.run();
     ::_exit(code);  // the copy has run all destructors that matter
 }
 
