@@ -123,8 +123,10 @@ LoadedShape load_file(const std::filesystem::path& file, const LoadOptions& opti
     const Format* const format = find_format(kind);
     if (const Unread* unread = format ? nullptr : unread_with_ending(kind)) throw InputError(refusal(name, *unread));
     if (!format)
-        explain(InputError(fmt::format("{}: '{}' is not a format that is read here: convert it to one of {}", name,
-                                       one_line(kind), known_endings())),
+        explain(InputError(fmt::format(
+                    "{}: '{}' is not a format that is read here: convert it, for example with meshio or assimp, to one "
+                    "of {}",
+                    name, one_line(kind), known_endings())),
                 name, nullptr, read_all(file, most_to_recognise));
     if (!options.columns.empty() && !format->columns)
         throw InputError(

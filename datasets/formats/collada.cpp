@@ -115,8 +115,10 @@ public:
         if (!any)
             for (std::size_t i = 0; i < mesh_.points.size(); ++i) mesh_.faces.push_back({i});
         for (const auto& face : mesh_.faces) mesh_.corners += face.size();
-        if (!any) odd_.no_primitives.add(geometry_);
-        if (any && mesh_.faces.empty()) odd_.empty.add(geometry_);
+        if (mesh_.faces.empty())
+            odd_.empty.add(geometry_);
+        else if (!any)
+            odd_.no_primitives.add(geometry_);
         if (short_polygons_ > 0) odd_.short_polygons.add(geometry_);
         return std::move(mesh_);
     }
@@ -680,8 +682,7 @@ private:
                     " are left out: no node of the scene instantiates them", notes);
         odd_.no_primitives.note(" has no primitives: its vertices count as points",
                                 " have no primitives: their vertices count as points", notes);
-        odd_.empty.note(" has only empty primitives, and adds nothing", " have only empty primitives, and add nothing",
-                        notes);
+        odd_.empty.note(" has no corners, and adds nothing", " have no corners, and add nothing", notes);
         odd_.short_polygons.note(" has polygons of fewer than three corners, which count as segments or points",
                                  " have polygons of fewer than three corners, which count as segments or points",
                                  notes);

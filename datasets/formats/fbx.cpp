@@ -66,6 +66,7 @@ struct FbxMesh {
     std::vector<std::vector<std::size_t>> faces;
     std::size_t corners = 0;  // of all faces
     bool float32 = false;
+    bool unlisted_sides = false;  // Edges has some sides of the polygons, and not all
 };
 
 // A model or geometry of the scene.
@@ -277,6 +278,7 @@ public:
         if (const FbxNode* const points = tree_.child(node_, lines ? "Points" : "Vertices")) read_points(*points);
         if (const FbxNode* const corners = tree_.child(node_, lines ? "PointsIndex" : "PolygonVertexIndex"))
             read_faces(*corners, lines);
+        if (const FbxNode* const edges = tree_.child(node_, "Edges"); edges && !lines) compare_sides(*edges);
         check_holes();
         return std::move(mesh_);
     }
@@ -318,6 +320,23 @@ private:
                                            "damaged, save the file again",
                                            node.name));
         mesh_.corners = indices.size();
+    }
+
+    // Each number of Edges is a position in PolygonVertexIndex: that of a corner from which a side leads to the next.
+    void compare_sides(const FbxNode& edges) {
+        using Side = std::pair<std::size_t, std::size_t>;
+        std::vector<Side> from_corner;
+        from_corner.reserve(mesh_.corners);
+        for (const auto& face : mesh_.faces)
+            for (std::size_t i = 0; i < face.size(); ++i)
+                from_corner.emplace_back(std::minmax(face[i], face[(i + 1) % face.size()]));
+        std::set<Side> listed;
+        for (const std::int64_t at : tree_.integers(edges))
+            if (at >= 0 && static_cast<std::uint64_t>(at) < from_corner.size())
+                listed.insert(from_corner[static_cast<std::size_t>(at)]);
+        mesh_.unlisted_sides = !listed.empty() && std::any_of(from_corner.begin(), from_corner.end(), [&](Side side) {
+            return side.first != side.second && !listed.contains(side);
+        });
     }
 
     void check_holes() const {
@@ -495,6 +514,7 @@ private:
             const FbxNode* const smoothness = tree_.child(node, "Smoothness");
             smoothed_ += smoothness && tree_.integer(*smoothness, 0) != 0 ? 1 : 0;
             empty_ += found->second.faces.empty() ? 1 : 0;
+            unlisted_ += found->second.unlisted_sides ? 1 : 0;
         }
         object.drawn = true;
         const FbxMesh& mesh = found->second;
@@ -526,6 +546,10 @@ private:
         note(empty_, "of its geometries have no polygons and no lines, and add nothing");
         note(hidden_, "of its models are hidden, and read like the others");
         note(smoothed_, "of its meshes are shown smoothed: their control meshes are read");
+        note(
+            unlisted_,
+            "of its meshes have polygons with sides that are not among their Edges: Blender writes loose edges so, two "
+            "as one polygon; export without them if you have them");
         note(constraints_, "constraints are left out: the transforms of the models count");
         if (animations_ > 0)
             soup_.notes.emplace_back("its animations are left out: the transforms of the models count");
@@ -538,7 +562,7 @@ private:
     std::map<std::int64_t, FbxObject> objects_;
     std::map<std::int64_t, FbxMesh> meshes_;  // by the id of the Geometry, each read once
     std::vector<std::int64_t> top_;           // models below the root
-    std::size_t animations_ = 0, constraints_ = 0, hidden_ = 0, smoothed_ = 0, empty_ = 0;
+    std::size_t animations_ = 0, constraints_ = 0, hidden_ = 0, smoothed_ = 0, empty_ = 0, unlisted_ = 0;
 };
 
 }  // namespace

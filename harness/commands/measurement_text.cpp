@@ -225,7 +225,10 @@ std::string distance_text(const Measured& m, const MeasureRequest& request) {
     std::string text;
     if (m.cutoff) {
         constexpr const char* answers[] = {"is at most", "is above", "", "may be above or below"};
-        text += fmt::format("answer     {} {} {}\n", name, answers[exit_code(m, request)], *m.cutoff);
+        const int code = exit_code(m, request);
+        const bool tie = code == 3 && m.result.status == Status::precision_floor;
+        text += fmt::format("answer     {} {} {}{}\n", name, answers[code], *m.cutoff,
+                            tie ? ": they are equal up to rounding" : "");
     }
     if (request.symmetric) {
         for (const auto& [direction, one] : {std::pair{"h(A,B)", &m.forward}, std::pair{"h(B,A)", &m.backward}}) {

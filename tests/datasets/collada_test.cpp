@@ -322,7 +322,7 @@ TEST_F(Collada, AMeshWithoutPrimitivesIsPoints) {
     EXPECT_EQ(loaded.report.notes[0], "<geometry> 'g' has no primitives: its vertices count as points");
     expect_note(load(document(geometry(mesh("<triangles count=\"0\"/>"), "h") + geometry(mesh(triangles)),
                               node(R"(<instance_geometry url="#h"/>)" + instance))),
-                "<geometry> 'h' has only empty primitives, and adds nothing");
+                "<geometry> 'h' has no corners, and adds nothing");
 }
 
 TEST_F(Collada, OtherGeometriesAreRefusedByName) {

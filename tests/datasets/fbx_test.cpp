@@ -288,6 +288,18 @@ TEST_F(Fbx, NotesTellWhatIsNotShownAsItIs) {
     Nodes smooth = one({});
     smooth[3].children[0].children.push_back({"Smoothness", {std::int32_t{2}}});
     expect_note(load(text(smooth)), "1 of its meshes are shown smoothed: their control meshes are read");
+    using Ints = std::vector<std::int32_t>;
+    for (const auto& [edges, odd] :
+         {std::pair{Ints{0, 1, 2}, false}, {Ints{0, 2}, true}, {Ints{}, false}, {Ints{7, -1}, false}}) {
+        Nodes listed = one({});
+        listed[3].children[0].children.push_back({"Edges", {edges}});
+        EXPECT_EQ(
+            has_note(load(binary(listed)), "1 of its meshes have polygons with sides that are not among their Edges"),
+            odd);
+        EXPECT_EQ(
+            has_note(load(text(listed)), "1 of its meshes have polygons with sides that are not among their Edges"),
+            odd);
+    }
 }
 
 TEST_F(Fbx, DeformedAndOtherGeometriesAreRefused) {

@@ -72,9 +72,13 @@ void CoverWorker::set_tau() {
     const double low = std::sqrt(std::max(outcome_.farthest.point.squared, 0.0));
     const Query& query = scene_.query;
     // A query with floor = cutoff only asks whether h(A,B) is above this value. Its answer needs no tolerance, so tau
-    // is then the larger of the lower bound and the floor.
+    // is the floor. That ends once a point is measured that is as far as the cutoff up to rounding: no bound of its
+    // piece will be at most the cutoff. A point that is clearly farther may still answer the question, but without a
+    // gap above the point, pieces of the same distance would be cut until they are as small as the rounding errors.
     const bool asks = query.floor >= query.cutoff;
-    tau_ = std::max(asks ? low : low + std::max(0.9 * query.tolerance.gap(low), scene_.least_gap), query.floor);
+    within_floor_ = asks && low <= covered_within(query.floor, 0);
+    const double gap = asks ? scene_.least_gap : std::max(0.9 * query.tolerance.gap(low), scene_.least_gap);
+    tau_ = within_floor_ ? query.floor : std::max(low + gap, query.floor);
     // Ends the search once the lower bound is clearly above the cutoff. The status becomes `above_cutoff` at the end,
     // if the certified lower bound is above the cutoff, too; it is slightly smaller, hence the margin.
     if (!stop_ && low - 4096 * unit_roundoff * scene_.magnitude > query.cutoff) stop_ = Status::stalled;
@@ -184,7 +188,7 @@ void CoverWorker::count() {
 }
 
 // Returns the largest bound that a piece of this level may get from a cover: widened for rounding, it is still at most
-// tau.
+// `tau`.
 //
 // u is the unit roundoff 2^-53, and M is the magnitude. The bound x of a cover is widened like a measured distance, by
 // surface_sum_at_most(): to x * (1 + 5u) + (8 + 2 * level) * uM. Only the 2uM for each level are needed, because x
@@ -192,8 +196,8 @@ void CoverWorker::count() {
 // (meshes/cover/offset_cover.h). The 8uM stay because they are below every tolerance that can be met, and without them
 // the last bits of all answers would change. Below, 8u and 10uM take the place of 5u and 8uM; the difference covers the
 // rounding of both formulas.
-double CoverWorker::covered_within(int level) const {
-    return std::max(tau_ * (1 - 8 * unit_roundoff) - (10 + 2 * level) * unit_roundoff * scene_.magnitude, 0.0);
+double CoverWorker::covered_within(double tau, int level) const {
+    return std::max(tau * (1 - 8 * unit_roundoff) - (10 + 2 * level) * unit_roundoff * scene_.magnitude, 0.0);
 }
 
 // Returns an upper bound on the distance to B of any point of the box: the distance of the point `at` to B, plus the

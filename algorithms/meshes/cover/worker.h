@@ -79,7 +79,7 @@ private:
 
     MeasuredPoint measure(const Vec3& point, Index near, Index source, int level);
     void set_tau();
-    double covered_within(int level) const;
+    double covered_within(double tau, int level) const;
     void look_at_clock();
     double around(const Vec3& at, double distance, const Box& box) const;
     bool from_partner(const Cluster& group, const Box& box, Landmark& landmark);
@@ -108,6 +108,7 @@ private:
     const Deadline* deadline_ = nullptr;
     CoverOutcome outcome_;
     double tau_ = 0, settled_before_ = 0;
+    bool within_floor_ = false;  // whether h(A,B) may still be proven to be at most the floor, which is the cutoff
     std::uint64_t budget_ = 0;
     std::optional<Status> stop_;
     CoverRoom room_;

@@ -132,7 +132,7 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
     if (any) {
         cover_.make_rows(most_shared_points + most_polygon_corners + 4);
         cover_.extent = batch.extent();
-        cover_.set_threshold(covered_within(pieces[0].level) * batch.place.inverse);
+        cover_.set_threshold(covered_within(tau_, pieces[0].level) * batch.place.inverse);
         cover_.early_out = scene_.elements ? 0 : std::max(settled_before_, outcome_.settled) * batch.place.inverse;
         measure_shared(cover_, batch.points);
     }
@@ -187,8 +187,8 @@ Index CoverWorker::measure(const double (&point)[3], double slack, Index near) {
 // point to its nearest triangle must be within the threshold even with rounding errors added. Otherwise the polygon
 // there would have to be accepted with a bound above the threshold.
 double CoverWorker::threshold() const {
-    const double covered = covered_within(level_) * exact_.near.units.inverse;
-    if (scene_.query.floor >= scene_.query.cutoff) return covered;
+    const double covered = covered_within(tau_, level_) * exact_.near.units.inverse;
+    if (within_floor_) return covered;
     double error = 0;
     for (std::size_t k = 0; k < exact_.near.count(); ++k) error = std::max(error, exact_.error(exact_.near, k));
     const double low =

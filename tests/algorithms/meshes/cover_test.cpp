@@ -336,6 +336,33 @@ TEST(Cover, CornersAtTheCutoffDoNotHideOneAboveIt) {
     } while (std::next_permutation(order.begin(), order.end()));
 }
 
+// A triangle of A at exactly the cutoff from a parallel triangle of B, and partly nearer to two others, as on surfaces of voxels
+// one voxel apart. The question stays open, which must not take millions of cuts.
+TEST(Cover, ATieWithTheCutoffEndsSoon) {
+    const TriangleMesh a = soup(rows({{7.5, 8, 7}, {7.5, 7, 6}, {7.5, 7, 7}}));
+    const TriangleMesh b = soup(rows({{8, 8, 5.5},
+                                      {7, 8, 5.5},
+                                      {8, 7, 5.5},
+                                      {8, 8, 7.5},
+                                      {8, 7, 7.5},
+                                      {7, 8, 7.5},
+                                      {8.5, 8, 7},
+                                      {8.5, 7, 6},
+                                      {8.5, 7, 7}}));
+    for (const double away : {0.0, 1e-15, -1e-15, 1e-12, -1e-12}) {
+        Query query;
+        query.tolerance = {Tolerance::Of::absolute, 1e-6};
+        query.time_limit = 60;
+        query.floor = query.cutoff = 1 + away;
+        const Result result = answer(a, b, query);
+        EXPECT_LT(result.counters.subdivisions, 2000U) << away;
+        EXPECT_EQ(result.status, away >= 1e-12    ? Status::below_floor
+                                 : away <= -1e-12 ? Status::above_cutoff
+                                                  : Status::precision_floor)
+            << away;
+    }
+}
+
 // Tolerances that double precision cannot meet: the search ends near the best possible interval,
 // and "is h above d?" is answered.
 TEST(Cover, EndsWhereTheToleranceIsBelowTheRounding) {
