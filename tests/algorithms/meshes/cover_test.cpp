@@ -399,6 +399,25 @@ TEST(Cover, EqualMeshesNeedFewQueriesBelowSinglePrecision) {
     }
 }
 
+// Above them, too, the upper bound is what rounding in double precision leaves, because it costs nothing. The second mesh has
+// needles, for which single precision does not find the equal triangle among those near all corners.
+TEST(Cover, AMeshAgainstItselfHasNoErrorsOfSinglePrecision) {
+    Random random(46);
+    TriangleMesh mesh = triangle_grid(random, 20, 0.2);
+    for (const double thickness : {1.0, 1e-6}) {
+        mesh.vertices.col(1) *= thickness;
+        for (const bool more : {false, true}) {
+            Query query;
+            query.tolerance = {Tolerance::Of::absolute, 1e-6};
+            query.wanted.certificate = query.wanted.fields = more;
+            const Result result = answer(mesh, mesh, query);
+            EXPECT_EQ(result.status, Status::converged);
+            EXPECT_LE(result.bounds.upper, 64 * unit_roundoff * magnitude(mesh.vertices)) << thickness;
+            EXPECT_EQ(result.certificates.size(), more ? 1U : 0U);
+        }
+    }
+}
+
 // With such tolerances, a triangle of B that seems to cover a piece may be too far away. The answer must still be within the
 // tolerance.
 TEST(Cover, NearlyEqualMeshesBelowSinglePrecisionAreMeasuredToTheTolerance) {
