@@ -233,9 +233,9 @@ LoadedShape Catalogue::made(const ModelInfo& model, const Input& input) const {
     }
     if (model.source == "generated")
         return {model.written ? *model.written : generate(model.recipe, model.numbers), {"generated"}};
-    if (model.source != "derived") return load_separately(program_, input.file, {.format = model.format});
+    if (model.source != "derived") return load_separately(program_, input.file, {.format = model.format}, waiting_);
     if (made_in_a_process(model.recipe) && !program_.empty())
-        return derive_separately(program_, model.recipe, model.numbers, input.file);
+        return derive_separately(program_, model.recipe, model.numbers, input.file, waiting_);
     return derive(model.recipe, model.numbers, read_shape(input.file));
 }
 

@@ -75,6 +75,9 @@ public:
     // this shape, and throws InputError if that is more than `most_bytes`.
     void keep_apart(std::filesystem::path folder, double most_bytes);
 
+    // Calls `waiting` every few milliseconds while another process reads or makes a model.
+    void while_waiting(std::function<void()> waiting) { waiting_ = std::move(waiting); }
+
     // Returns the shape of a model, which it makes unless it is cached, or the reason why the model is missing.
     //
     // Fetched files are looked up in CACHE/raw/<sha256>/<file name>, where datasets/fetch.py puts them, and their
@@ -101,6 +104,7 @@ private:
     std::filesystem::path cache_, program_;
     std::filesystem::path apart_;  // the folder of keep_apart(); empty: not called
     double most_bytes_ = 0;
+    std::function<void()> waiting_;
     std::vector<ModelInfo> models_;
     std::map<std::string, std::size_t> index_;  // from name to position in models_
     std::vector<std::string> corpus_;

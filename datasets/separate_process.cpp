@@ -31,14 +31,15 @@ struct Task {
 
 // Runs a program, whose path and arguments are `words`, until it ends. Throws InputError if it fails or exceeds a
 // limit.
-void run(const Task& task, std::vector<std::string> words, double seconds_limit, std::int64_t bytes_limit) {
+void run(const Task& task, std::vector<std::string> words, const std::function<void()>& waiting, double seconds_limit,
+         std::int64_t bytes_limit) {
     const std::string program = words.front();
     if (bytes_limit == 0) bytes_limit = spare_bytes();
     Launch launch;
     launch.command = std::move(words);
     launch.silent = true;
     Child child(std::move(launch));
-    const Child::End end = child.wait({seconds_limit, bytes_limit});
+    const Child::End end = child.wait({seconds_limit, bytes_limit, waiting});
     const auto fail = [&](const std::string& what) { throw InputError(task.subject + ": " + what); };
     if (end == Child::End::interrupt) fail("interrupted while " + task.doer + " worked");
     if (end == Child::End::memory)
@@ -60,7 +61,8 @@ void run(const Task& task, std::vector<std::string> words, double seconds_limit,
 }  // namespace
 
 LoadedShape load_separately(const std::filesystem::path& program, const std::filesystem::path& file,
-                            const LoadOptions& options, double seconds_limit, std::int64_t bytes_limit) {
+                            const LoadOptions& options, const std::function<void()>& waiting, double seconds_limit,
+                            std::int64_t bytes_limit) {
     const HoldInterrupts hold;  // declared first, so that Ctrl-C ends this process only after the folder is removed
     const ScratchFolder folder("load");
     const std::filesystem::path out = folder.path() / "shape.h5";
@@ -69,20 +71,20 @@ LoadedShape load_separately(const std::filesystem::path& program, const std::fil
     if (!options.columns.empty()) words.push_back("--columns=" + options.columns);
     if (options.drop_invalid) words.emplace_back("--drop-invalid");
     words.insert(words.end(), {"--", file.string(), out.string()});  // "--", because a path may begin with a dash
-    run({file.string(), "the reader", "the file is damaged"}, std::move(words), seconds_limit, bytes_limit);
+    run({file.string(), "the reader", "the file is damaged"}, std::move(words), waiting, seconds_limit, bytes_limit);
     return read_shape(out);
 }
 
 LoadedShape derive_separately(const std::filesystem::path& program, const std::string& operation,
-                              const Numbers& numbers, const std::filesystem::path& origin, double seconds_limit,
-                              std::int64_t bytes_limit) {
+                              const Numbers& numbers, const std::filesystem::path& origin,
+                              const std::function<void()>& waiting, double seconds_limit, std::int64_t bytes_limit) {
     const HoldInterrupts hold;
     const ScratchFolder folder("derive");
     const std::filesystem::path out = folder.path() / "shape.h5";
     std::vector<std::string> words = {program.string(), "derive"};
     for (const auto& [name, value] : numbers) words.insert(words.end(), {"--set", fmt::format("{}={:a}", name, value)});
     words.insert(words.end(), {"--", operation, origin.string(), out.string()});
-    run({operation, "CGAL", "the mesh is degenerate"}, std::move(words), seconds_limit, bytes_limit);
+    run({operation, "CGAL", "the mesh is degenerate"}, std::move(words), waiting, seconds_limit, bytes_limit);
     return read_shape(out);
 }
 

@@ -276,6 +276,7 @@ Child::End Child::wait(const ChildLimits& limits) {
                 next_look = now + between_looks_at_memory;
             }
             if (end != End::by_itself) kill();
+            if (limits.waiting) limits.waiting();
         }
         ended_within(milliseconds(1));
     }

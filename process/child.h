@@ -42,10 +42,11 @@ struct Launch {
     std::vector<int> cores;  // cores that the child may run on, by the kernel's numbers; empty: as this process
 };
 
-// Limits at which Child::wait() kills the child.
+// Limits at which Child::wait() kills the child, and what it does meanwhile.
 struct ChildLimits {
     double seconds = std::numeric_limits<double>::infinity();                // wall time from the call of wait()
     std::int64_t resident_bytes = std::numeric_limits<std::int64_t>::max();  // of the child and its descendants
+    std::function<void()> waiting = {};  // called every few milliseconds; may be empty
 };
 
 // A child process. It has its own process group, so that Ctrl-C at the terminal reaches only this process. When the

@@ -160,9 +160,10 @@ public:
         : source_(source), target_(target), reader_(bytes), check_(check) {}
 
     // Returns the largest bound over all triangles of A. Requires upward rounding.
-    double run() {
+    double run(const std::function<void()>& looking) {
         double most = 0;
         for (triangle_ = 0; triangle_ < source_.triangles(); ++triangle_) {
+            if (looking && triangle_ % 1000 == 0) looking();
             node_ = 0;
             const double bound = tree();
             if (check_.worst < 0 || bound > most) {
@@ -302,7 +303,7 @@ double scaled_back(double x, int exponent) {
 // 2^-1075, so a point moves by at most sqrt(3) * 2^-1075 < 2^-1074. A distance depends on two points, so
 // 2 * 2^-1074 = 2^-1073 is added to the bound.
 double bound_of(const Shape& source, const Points& source_points, const Shape& target, const Points& target_points,
-                const std::string& bytes, CertificateCheck& check) {
+                const std::string& bytes, CertificateCheck& check, const std::function<void()>& looking) {
     if (source_points.hasNaN() || target_points.hasNaN())
         throw Refused("a coordinate is not a number");  // maxCoeff() may skip NaN
     const double largest = std::max(source_points.cwiseAbs().maxCoeff(), target_points.cwiseAbs().maxCoeff());
@@ -313,7 +314,7 @@ double bound_of(const Shape& source, const Points& source_points, const Shape& t
     double found = 0;
     try {
         const CGAL::Protect_FPU_rounding<true> upward;
-        found = cover.run();
+        found = cover.run(looking);
         if (!a.exact() || !b.exact()) found += 0x1p-1073;
     } catch (const Refused& refused) {
         throw Refused(fmt::format("{}: {}", cover.place(), refused.what()));
@@ -324,7 +325,8 @@ double bound_of(const Shape& source, const Points& source_points, const Shape& t
 }  // namespace
 
 CertificateCheck check_certificate(const Shape& source, const Pose& source_pose, const Shape& target,
-                                   const Pose& target_pose, const Certificate& certificate) {
+                                   const Pose& target_pose, const Certificate& certificate,
+                                   const std::function<void()>& looking) {
     const auto begin = std::chrono::steady_clock::now();
     CertificateCheck check;
     check.found = infinity;
@@ -335,9 +337,9 @@ CertificateCheck check_certificate(const Shape& source, const Pose& source_pose,
             throw Refused("an algebraic surface has no triangles");
         const Standing a(source, source_pose), b(target, target_pose);
         if (certificate.direction == Witness::Direction::source_to_target)
-            check.found = bound_of(source, a.points(), target, b.points(), certificate.bytes, check);
+            check.found = bound_of(source, a.points(), target, b.points(), certificate.bytes, check, looking);
         else
-            check.found = bound_of(target, b.points(), source, a.points(), certificate.bytes, check);
+            check.found = bound_of(target, b.points(), source, a.points(), certificate.bytes, check, looking);
         check.accepted = check.found <= certificate.proven;  // false if `proven` is NaN
         if (!check.accepted)
             check.refusal = fmt::format("triangle {}: its leaves show {:.17g}, and the certificate claims {:.17g}",

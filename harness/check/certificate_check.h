@@ -14,6 +14,7 @@
 #include "algorithms/solver.h"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace hausbench {
@@ -31,8 +32,10 @@ struct CertificateCheck {
 };
 
 // Checks a certificate of h(A,B), or of h(B,A) if its direction is target_to_source. Refuses algebraic surfaces. Never
-// throws because of the certificate's content. Takes O(bytes) time and O(|A| + |B|) memory for any bytes.
+// throws because of the certificate's content. Takes O(bytes) time and O(|A| + |B|) memory for any bytes. `looking`, if it
+// is not empty, is called before each thousandth triangle.
 CertificateCheck check_certificate(const Shape& source, const Pose& source_pose, const Shape& target,
-                                   const Pose& target_pose, const Certificate& certificate);
+                                   const Pose& target_pose, const Certificate& certificate,
+                                   const std::function<void()>& looking = {});
 
 }  // namespace hausbench

@@ -277,7 +277,8 @@ CertificateFile read_certificate(const fs::path& file) {
     }
 }
 
-CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target) {
+CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target,
+                                      const std::function<void()>& looking) {
     expect_shape(content.source, source, "A");
     expect_shape(content.target, target, "B");
     CertificateVerdict verdict;
@@ -289,7 +290,8 @@ CertificateVerdict verify_certificate(const CertificateFile& content, const Shap
         refuse(content.quantity == Quantity::symmetric ? "H(A,B) takes a certificate of h(A,B) and one of h(B,A)"
                                                        : "h(A,B) takes one certificate, of h(A,B)");
     for (const Certificate& one : content.certificates) {
-        verdict.checks.push_back(check_certificate(source, content.source.pose, target, content.target.pose, one));
+        verdict.checks.push_back(
+            check_certificate(source, content.source.pose, target, content.target.pose, one, looking));
         if (!verdict.checks.back().accepted) refuse(verdict.checks.back().refusal);
     }
     verdict.proven = proven_by(content);

@@ -8,6 +8,7 @@
 #include "harness/check/certificate_check.h"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -63,7 +64,8 @@ struct CertificateVerdict {
 // What it accepts is about the shapes at the poses of the file, which are rotations and translations and do not displace
 // the points of a shape by rounding by more than 1e-6 of its diagonal or of the bound, whichever is larger.
 // Throws InputError if a shape is not the one for which the file was written.
-CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target);
+CertificateVerdict verify_certificate(const CertificateFile& content, const Shape& source, const Shape& target,
+                                      const std::function<void()>& looking = {});
 
 std::string describe(const CertificateFile& content, const CertificateVerdict& verdict);
 

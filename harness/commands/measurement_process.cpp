@@ -1,12 +1,12 @@
 // `measure` solves in a child process, so that a solver that crashes or hangs does not end the program. tell() runs in
 // the child and sends its results through a pipe; `Waiting` receives them in the parent.
 #include "algorithms/error.h"
-#include "algorithms/printable.h"
 #include "harness/commands/measurement_solve.h"
 #include "harness/commands/row_texts.h"
 #include "harness/record/json.h"
 #include "process/child.h"
 #include "process/interrupts.h"
+#include "process/progress_line.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +14,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 
 namespace hausbench {
@@ -135,29 +133,6 @@ void tell(const MeasureWork& work, Shape source, Shape target, Measured& measure
 }
 
 // --- in the process that waits ----------------------------------------------------------------------------------------
-
-// A line on a terminal's standard error that tells what goes on, once that has taken two seconds.
-class ProgressLine {
-public:
-    ~ProgressLine() {
-        if (drawn_) fmt::print(stderr, "\r\033[K");
-    }
-
-    void draw(const std::string& doing) {
-        const auto now = Clock::now();
-        if (!person_ || now < next_) return;
-        next_ = now + std::chrono::milliseconds(500);
-        drawn_ = true;
-        fmt::print(stderr, "\r\033[K{:.0f} s | {}", std::chrono::duration<double>(now - begin_).count(),
-                   printable(doing));
-        std::fflush(stderr);
-    }
-
-private:
-    bool person_ = ::isatty(STDERR_FILENO) && !std::getenv("CI");
-    bool drawn_ = false;
-    Clock::time_point begin_ = Clock::now(), next_ = begin_ + std::chrono::seconds(2);
-};
 
 // Stores the child's messages in `measured`, and kills the child if a step takes too long.
 class Waiting {

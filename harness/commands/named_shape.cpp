@@ -8,6 +8,7 @@
 #include "datasets/units.h"
 #include "harness/commands/verb.h"
 #include "harness/plan/motion.h"
+#include "process/progress_line.h"
 
 #include <fmt/format.h>
 
@@ -21,8 +22,8 @@ namespace hausbench {
 namespace {
 
 // The models of the project. Reading them takes longer than loading a small one, so all shapes of a command share them.
-const Catalogue& known_models() {
-    static const Catalogue models = catalogue();
+Catalogue& known_models() {
+    static Catalogue models = catalogue();
     return models;
 }
 
@@ -43,15 +44,19 @@ void take_shape_options(CLI::App* verb, ShapeOptions& options) {
 namespace {
 
 LoadedShape load_unconverted(const std::string& name, const LoadOptions& options) {
-    if (names_a_file(name)) return load_separately(program_path(), name, options);
-    const Catalogue& models = known_models();
+    ProgressLine progress;
+    const auto reading = [&] { progress.draw("reading " + name); };
+    if (names_a_file(name)) return load_separately(program_path(), name, options, reading);
+    Catalogue& models = known_models();
+    models.while_waiting([&] { progress.draw("making model " + name); });
     if (!models.has(name)) {
-        if (std::filesystem::exists(name)) return load_separately(program_path(), name, options);
+        if (std::filesystem::exists(name)) return load_separately(program_path(), name, options, reading);
         std::vector<std::string> names;
         for (const ModelInfo& model : models.models()) names.push_back(model.name);
         throw InputError(fmt::format("'{}' is neither a model nor a file{}", name, nearest_hint(name, names)));
     }
     const auto resolved = models.resolve(name);
+    models.while_waiting({});
     if (const auto* missing = std::get_if<MissingModel>(&resolved))
         throw InputError(fmt::format("model '{}': {}", name, missing->reason));
     return read_shape(std::get<ResolvedModel>(resolved).shape_file);

@@ -5,6 +5,7 @@
 #include "harness/check/certificate_file.h"
 #include "harness/commands/named_shape.h"
 #include "harness/commands/verb.h"
+#include "process/progress_line.h"
 
 #include <fmt/format.h>
 
@@ -48,7 +49,9 @@ int verify_proof(const std::vector<std::filesystem::path>& files) {
     }
     const LoadedShape source = load_named(content.source.file);
     const LoadedShape target = load_named(content.target.file);
-    const CertificateVerdict verdict = verify_certificate(content, source.shape, target.shape);
+    ProgressLine progress;
+    const CertificateVerdict verdict =
+        verify_certificate(content, source.shape, target.shape, [&] { progress.draw("checking the proof"); });
     print(describe(content, verdict));
     return verdict.accepted ? 0 : 1;
 }

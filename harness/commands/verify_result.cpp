@@ -10,6 +10,7 @@
 #include "process/child.h"
 #include "process/interrupts.h"
 #include "process/memory.h"
+#include "process/progress_line.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -91,6 +92,7 @@ public:
         std::string line;
         for (;;) {
             if (HoldInterrupts::came()) throw InputError("interrupted while the models of the result were made");
+            progress_.draw("making the models of the result");
             const Child::Heard heard = child_.listen(std::chrono::milliseconds(20), line);
             if (heard == Child::Heard::line) return json::parse(line);
             if (heard == Child::Heard::closed)
@@ -110,6 +112,7 @@ private:
 
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     std::int64_t most_resident_;
+    ProgressLine progress_;
     Child child_;
 };
 
@@ -147,7 +150,12 @@ std::vector<std::string> verify_result(ResultFile& result, const Catalogue& mani
         const auto at = shapes.find(name);
         return at == shapes.end() ? nullptr : &at->second;
     };
-    verify_rows(result.rows, result.references, load);
+    ProgressLine progress;
+    const auto stop = [&] {
+        progress.draw(fmt::format("checking {} rows", result.rows.size() + result.references.size()));
+        return false;
+    };
+    verify_rows(result.rows, result.references, load, stop);
     for (std::string& line : contradictions(result.rows, load)) missing.push_back(std::move(line));
     return missing;
 }

@@ -484,7 +484,7 @@ protected:
     }
     std::string message(const std::string& body, double seconds = 60, std::int64_t bytes = 0) const {
         try {
-            load_separately(script(body), "mesh.obj", {}, seconds, bytes);
+            load_separately(script(body), "mesh.obj", {}, {}, seconds, bytes);
         } catch (const InputError& error) {
             return error.what();
         }
@@ -498,6 +498,14 @@ TEST_F(Isolated, TheChildsShapeComesBack) {
         "[ \"$1 $2 $3 $4 $5\" = 'load --format obj -- mesh.obj' ] && cp {}/shape.h5 \"$6\"", folder_.path().string()));
     EXPECT_TRUE(
         same_bits(points_of(load_separately(program, "mesh.obj", {.format = "obj"}).shape), awkward().vertices));
+}
+
+TEST_F(Isolated, AProgressLineIsDrawnMeanwhile) {
+    write_shape(folder_.path() / "shape.h5", {awkward(), {}});
+    int calls = 0;
+    load_separately(script(fmt::format("sleep 0.2; cp {}/shape.h5 \"$4\"", folder_.path().string())), "mesh.obj", {},
+                    [&] { ++calls; });
+    EXPECT_GT(calls, 5);
 }
 
 TEST_F(Isolated, TheChildsFailuresAreTold) {
