@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
 
+from analysis.shared import gate
 from analysis.shared.results import ResultError
 from analysis.shared.stems import results_of
 
@@ -35,7 +36,7 @@ def _results_of(stem: str) -> str:
 
 
 def present_texts(folder: Path, stems: Iterable[str]) -> list[str]:
-    return [path.read_text(encoding="utf-8") for stem in sorted(set(stems)) if (path := folder / f"{stem}.md").exists()]
+    return [path.read_text(encoding="utf-8") for stem in sorted(set(stems)) if gate.is_plain(path := folder / f"{stem}.md")]
 
 
 def measured(texts: Iterable[str]) -> str:

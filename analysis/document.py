@@ -20,7 +20,7 @@ from typing import Final
 
 from analysis import forest, ledger, which_solver
 from analysis.paper_page import TITLES, papers
-from analysis.shared import claims, tables
+from analysis.shared import claims, gate, tables
 from analysis.shared.report import CAPTION
 from analysis.shared.stems import ANALYSIS, drawn_with, has_script
 from analysis.shared.tex import tex_escape
@@ -74,17 +74,18 @@ def title_of(stem: str) -> str:
 
 def caption_of(folder: Path, stem: str) -> str:
     """Returns the caption of a figure: its own or, if it has none, the caption of its table or the title of its experiment."""
-    if (own := folder / "figures" / f"{stem}{CAPTION}").exists():
+    if gate.is_plain(own := folder / "figures" / f"{stem}{CAPTION}"):
         return own.read_text(encoding="utf-8").strip()
     table = folder / "tables" / f"{stem}.md"
-    if table.exists():
+    if gate.is_plain(table):
         return table.read_text(encoding="utf-8").partition("\n")[0].strip("*")
     return OF_ALL.get(stem) or title_of(stem)
 
 
 def figures_of(folder: Path, stem: str, suffix: str) -> list[tuple[Path, str]]:
     """Returns the files of the figures of a stem, <stem> and then its parts <stem>-<part>, each with its caption."""
-    files = sorted((folder / "figures").glob(f"{stem}.{suffix}")) + sorted((folder / "figures").glob(f"{stem}-*.{suffix}"))
+    there = sorted((folder / "figures").glob(f"{stem}.{suffix}")) + sorted((folder / "figures").glob(f"{stem}-*.{suffix}"))
+    files = [file for file in there if gate.is_plain(file)]
     parts = [file.stem.removeprefix(stem).lstrip("-") for file in files]
     return [(file, caption_of(folder, stem) + (f" Part: {part}." if part else "")) for file, part in zip(files, parts)]
 

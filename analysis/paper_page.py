@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Final
 
 from analysis import conditions, forest
-from analysis.shared import claims, report, tables
+from analysis.shared import claims, gate, report, tables
 from analysis.shared.load import REFERENCE
 from analysis.shared.printable import printable
 from analysis.shared.tex import tex_escape
@@ -159,7 +159,16 @@ def papers() -> list[str]:
 
 
 def records(folder: Path) -> list[claims.Record]:
-    return [one for path in sorted(folder.glob(f"*{claims.SUFFIX}")) for one in claims.read(path)]
+    """Reads all verdicts of a folder. Names a file that cannot be read on standard error, and leaves it out."""
+    found = []
+    for path in sorted(folder.glob(f"*{claims.SUFFIX}")):
+        if not gate.is_plain(path):
+            continue
+        try:
+            found += claims.read(path)
+        except (ValueError, RecursionError) as problem:
+            print(printable(f"{problem}, and is left out" if str(path) in str(problem) else f"{path}: is left out: {problem}"), file=sys.stderr)
+    return found
 
 
 def judging(lines: Iterable[Line], kept: bool) -> set[str]:

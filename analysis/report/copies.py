@@ -11,6 +11,7 @@ from typing import Any, Final
 from PIL import Image
 
 LARGE_TABLE: Final = 100_000  # bytes; a larger CSV file is compressed, which pandas and R read as it is
+UNREADABLE: Final = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)  # what Pillow raises for a damaged picture
 LARGE_PICTURE: Final = 300_000  # bytes of a PNG
 
 

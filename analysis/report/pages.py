@@ -31,8 +31,8 @@ import markupsafe
 
 from analysis import document, ledger, paper_page
 from analysis.report import all_rows, chooser, matrix, outcomes, scenes
-from analysis.report.copies import copied
-from analysis.shared import claims, stems, tables
+from analysis.report.copies import UNREADABLE, copied
+from analysis.shared import claims, gate, stems, tables
 from analysis.shared.load import REFERENCE, left_out, load_all
 from analysis.shared.notes import measured_on
 from analysis.shared.printable import printable
@@ -94,8 +94,17 @@ def experiment(stem: str, results: dict[str, Results], out: Path) -> Experiment:
     files.mkdir(parents=True, exist_ok=True)
     table, pictures = out / "tables" / f"{stem}.md", document.figures_of(out, stem, "png")
     downloads = [*(path.with_suffix(".pdf") for path, _ in pictures), *(table.with_suffix(suffix) for suffix in (".csv", ".tex"))]
-    return Experiment(stem, document.title_of(stem), results.get(_measured_as(stem)), table_html(table.read_text(encoding="utf-8")) if table.exists() else "",
-                      [(copied(path, files), caption) for path, caption in pictures], [copied(path, files) for path in downloads if path.exists()])
+    return Experiment(stem, document.title_of(stem), results.get(_measured_as(stem)), table_html(table.read_text(encoding="utf-8", errors="replace")) if gate.is_plain(table) else "",
+                      [(name, caption) for path, caption in pictures if (name := picture(path, files))], [copied(path, files) for path in downloads if gate.is_plain(path)])
+
+
+def picture(path: Path, files: Path) -> str:
+    """Copies a picture and returns the name of the copy. Names one that cannot be read on standard error, and returns an empty string."""
+    try:
+        return copied(path, files)
+    except UNREADABLE as problem:
+        print(printable(f"{path}: cannot be read, and is left out: {problem}"), file=sys.stderr)
+        return ""
 
 
 def _measured_as(stem: str) -> str:

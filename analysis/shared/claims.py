@@ -19,20 +19,21 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Final
 
 from analysis.shared import tables
-from analysis.shared.verdicts import Ratio, Verdict
+from analysis.shared.verdicts import OUTCOMES, Ratio, Verdict
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "claims"
 OWN: Final = "hausbench"
 STATED: Final = "experiment"  # used as the paper of claims that an experiment file states itself
 KEYS: Final = frozenset({"claim", "stem", "judged_as", "quote", "section", "counts", "differs", "why_not", "in_general", "untested"})
 SUFFIX: Final = ".verdicts.json"  # of the files with verdicts
+TEXTS: Final = ("paper", "id", "stem", "claim", "place", "section", "quote", "judged_as", "profile")  # keys of a record
 Record = tables.Record
 
 
@@ -124,4 +125,22 @@ def records(verdicts: Iterable[Verdict], stem: str, profile: str) -> list[Record
 
 def read(path: Path) -> list[Record]:
     """Reads the verdicts of a file; none if there is no file. Raises ValueError if it is damaged."""
-    return tables.read_json(path) if path.exists() else []
+    found = tables.read_json(path) if path.exists() else []
+    for one in found:
+        if not _is_record(one):
+            raise ValueError(f"{path}: '{str(one)[:60]}' is no verdict: write it again with 'hausbench draw'")
+    return found
+
+
+def _is_record(one: Mapping[str, object]) -> bool:
+    """Returns whether this is what record() returns."""
+    def judged(part: object) -> bool:
+        return isinstance(part, Mapping) and part.get("outcome") in OUTCOMES and isinstance(part.get("evidence"), str) and _is_ratio(part.get("ratio"))
+
+    counted = one.get("counted")
+    return (all(isinstance(one.get(name), str) for name in TEXTS) and judged(one) and isinstance(counted, Mapping)
+            and all(judged(part) for part in counted.values()))
+
+
+def _is_ratio(ratio: object) -> bool:
+    return ratio is None or isinstance(ratio, list) and len(ratio) == 3 and all(x is None or type(x) in (int, float) for x in ratio)

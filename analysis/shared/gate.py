@@ -1,4 +1,4 @@
-"""Decides which HDF5 files may be opened.
+"""Decides which HDF5 files may be opened, and which tables and figures beside them.
 
 A file can make the HDF5 library read other files, wait at a pipe, take all memory or crash. So the program, which guards against
 all of these, looks at a file first (`hausbench vet`); no other code of analysis/ opens a file that problem_of() refuses. Files in
@@ -13,15 +13,19 @@ import hashlib
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Final
 
+from analysis.shared.printable import printable
 from analysis.shared.results import ResultError
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 REFERENCE: Final = ROOT / "results" / "reference"
 SUMS: Final = "SHA256SUMS"  # as sha256sum writes it
+
+MOST_BYTES: Final = 64_000_000  # of a table or figure
 
 State = tuple[str, int, int, int, int]
 _known: dict[State, str] = {}  # the answers of problem_of()
@@ -71,6 +75,19 @@ def problem_of(path: Path) -> str:
         return "is not a regular file" if path.exists() else "does not exist"
     vet([path])
     return _known.get(_state(path), "was changed while it was checked")
+
+
+def is_plain(path: Path) -> bool:
+    """Returns whether a table or figure beside results is there and may be read. Names one that is a link, no regular file, or larger
+    than MOST_BYTES on standard error.
+    """
+    if not path.exists() and not path.is_symlink():
+        return False
+    why = ("is a link" if path.is_symlink() else "is not a regular file" if not path.is_file()
+           else f"has more than {MOST_BYTES // 1_000_000} MB" if path.stat().st_size > MOST_BYTES else "")
+    if why:
+        print(f"{printable(str(path))}: {why}, and is left out", file=sys.stderr)
+    return not why
 
 
 def _state(path: Path) -> State:

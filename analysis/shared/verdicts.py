@@ -24,6 +24,7 @@ OPEN: Final = "not separated"
 NOT_JUDGED: Final = "not judged"  # too few rounds for any verdict (n < 6 for one ratio)
 NOT_REFUTED: Final = "not refuted"  # in place of HOLDS for claims that no number of cases can prove
 UNTESTED: Final = "not tested"  # no data
+OUTCOMES: Final = (HOLDS, FAILS, OPEN, NOT_JUDGED, NOT_REFUTED, UNTESTED)
 
 ERROR: Final = 0.05
 RARE: Final = 0.1  # "never" counts as not refuted only after enough trials to exclude this failure rate

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import resource
 import shutil
+import struct
 import subprocess
 import sys
 import zlib
@@ -17,6 +19,7 @@ import h5py
 import numpy as np
 import pytest
 
+from analysis.shared import claims
 from program import EXPERIMENT, ROOT, Program
 from test_hostile_results import TEXT, Change, attribute, dataset, link, several, value
 from test_run import run
@@ -266,6 +269,50 @@ def test_a_report_over_hostile_files(program_file: str, good: Path, tmp_path: Pa
     tells_nothing(pages, done.stdout + done.stderr)
     assert seconds < SECONDS, seconds
     print(f"{len(named) + len(SHOWN)} files, {seconds:.0f} s of CPU time")
+
+
+def large_picture(path: Path) -> None:
+    """A PNG of 400 million pixels in a few bytes."""
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 20000, 20000, 1, 0, 0, 0, 0))
+                     + chunk(b"IDAT", zlib.compress(bytes(20000 * 2501), 9)) + chunk(b"IEND", b""))
+
+
+def large(path: Path) -> None:
+    with path.open("wb") as file:
+        file.truncate(2**40)
+
+
+VERDICT: dict[str, object] = {name: "" for name in claims.TEXTS} | {"paper": "hausbench", "outcome": "holds", "evidence": "", "ratio": None, "counted": {}}
+# Tables and figures that came with results, by their path.
+BESIDE: dict[str, Callable[[Path], object]] = {
+    "tables/overview.md": os.mkfifo, "tables/cliffs.md": lambda path: path.symlink_to("../../words"), "tables/points_speed.md": large,
+    "tables/cliffs.csv": lambda path: path.symlink_to("/dev/zero"), "tables/mesh_peers.tex": os.mkfifo,
+    "figures/cliffs.png": large_picture, "figures/overview.png": os.mkfifo, "figures/points_speed.png": lambda path: path.write_bytes(b"\x89PNG\r\n\x1a\n"),
+    "figures/mesh_peers.png": lambda path: path.symlink_to("../../words"), "figures/points_speed.txt": large,
+    "tables/a.verdicts.json": os.mkfifo, "tables/b.verdicts.json": lambda path: path.symlink_to("../../words"),
+    "tables/c.verdicts.json": lambda path: path.write_text("[" * 100_000), "tables/d.verdicts.json": lambda path: path.write_text('[{"paper": 3}]'),
+    "tables/e.verdicts.json": lambda path: path.write_bytes(b"\xff"), "tables/f.verdicts.json": lambda path: path.write_text("{}"),
+    "tables/g.verdicts.json": lambda path: path.write_text(json.dumps([VERDICT | {"outcome": "surely"}])),
+    "tables/h.verdicts.json": lambda path: path.write_text(json.dumps([VERDICT | {"counted": {"work": 1}}])),
+    "tables/i.verdicts.json": lambda path: path.write_text(json.dumps([VERDICT | {"ratio": ["1", 2, 3]}]))}
+
+
+def test_a_report_with_hostile_tables_and_figures(program_file: str, good: Path, tmp_path: Path) -> None:
+    for folder in ("results", "out/tables", "out/figures"):
+        (tmp_path / folder).mkdir(parents=True)
+    secrets(tmp_path)
+    shutil.copy(good / "good.h5", tmp_path / "results")
+    for name, make in BESIDE.items():
+        make(tmp_path / "out" / name)
+    (tmp_path / "out" / "tables" / "fine.verdicts.json").write_text(json.dumps([VERDICT]))
+    done = report(program_file, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert [name for name in BESIDE if f"{name}: " not in done.stderr] == [], done.stderr
+    assert "fine" not in done.stderr and "Traceback" not in done.stderr
+    tells_nothing(tmp_path / "out" / "report", done.stdout + done.stderr)
+    assert '"good"' in (tmp_path / "out" / "report" / "rows_data.js").read_text()
 
 
 @pytest.mark.parametrize("name", ["pipe", "endless", "outside_words", "outside_numbers", "link_outside", "view_of_words", "unstored", "extras_of_texts"])
