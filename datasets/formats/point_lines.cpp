@@ -274,16 +274,17 @@ void PointLines::check_width(std::uint32_t number) {
 double PointLines::coordinate(std::size_t k, std::uint32_t number) const {
     const std::size_t column = columns_[k];
     const auto where = [&] { return fmt::format("column {} ({})", column + 1, "xyz"[k]); };
-    if (fields_.size() == 1 && soup_.points.empty() && whole<std::uint64_t>(trimmed(line_)))
-        refuse(name_, number,
-               fmt::format("'{}' is no point; if it is the number of points, which a table does not have, delete the "
-                           "line, or name the file .xyz",
-                           shown(line_)));
+    const bool count = fields_.size() == 1 && soup_.points.empty() && whole<std::uint64_t>(trimmed(line_));
     if (column >= fields_.size())
         refuse(name_, number,
-               fields_.size() < 3 ? fmt::format("{} column{}, and a point needs x, y and z", fields_.size(),
-                                                fields_.size() == 1 ? "" : "s")
-                                  : where() + " is missing");
+               fields_.size() < 3
+                   ? fmt::format("{} column{}, and a point needs x, y and z{}", fields_.size(),
+                                 fields_.size() == 1 ? "" : "s",
+                                 count ? fmt::format("; if '{}' is the number of points, which a table "
+                                                     "does not have, delete the line, or name the file .xyz",
+                                                     shown(line_))
+                                       : "")
+                   : where() + " is missing");
     const std::string_view field = fields_[column];
     const auto value = float32_[k] ? std::optional<double>(decimal<float>(field)) : number_in(field);
     if (value) return *value;
