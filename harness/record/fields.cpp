@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <iterator>
+#include <numeric>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -69,13 +70,12 @@ public:
         }
         pieces.reserve(static_cast<std::size_t>(triangles.rows()));
         for (Index t = 0; t < triangles.rows(); ++t)
-            pieces.push_back({{triangles(t, 0), triangles(t, 1), triangles(t, 2)}, t, false});
+            pieces.push_back({{triangles(t, 0), triangles(t, 1), triangles(t, 2)}, t});
     }
 
     struct Piece {
         std::array<Index, 3> corners;
         Index element;
-        bool settled;  // the differences at its edges and its centroid have been measured
     };
     std::vector<Vec3> points;
     std::vector<double> distances;
@@ -88,18 +88,21 @@ public:
         const auto [a, b, c] = whole.corners;
         const Index middle = add(p, nearest[static_cast<std::size_t>(a)]);
         whole.corners = {a, b, middle};
-        pieces.push_back({{b, c, middle}, element, false});
-        pieces.push_back({{c, a, middle}, element, false});
+        pieces.push_back({{b, c, middle}, element});
+        pieces.push_back({{c, a, middle}, element});
     }
 
     // Cuts until the distance differs from its linear interpolation by at most `resolution` everywhere it is compared.
     // Returns false if the limit on pieces ended the cutting before.
     bool cut(double resolution) {
         resolution_ = std::max(resolution, floor_);
+        unsettled_.resize(pieces.size());
+        std::iota(unsettled_.begin(), unsettled_.end(), std::size_t{0});
         while (true) {
             const auto wanted = compare_unsettled();
             if (wanted.empty()) return true;
             list_edges();
+            due_ = 0;
             marks_.clear();
             bool all = true;
             for (const auto& [off, edge] : wanted) all = all && mark(edge);
@@ -148,9 +151,9 @@ private:
     std::vector<std::pair<double, Edge>> compare_unsettled() {
         std::vector<std::pair<double, Edge>> wanted;
         std::vector<Edge> edges;
-        for (Piece& piece : pieces) {
-            if (piece.settled) continue;
-            piece.settled = true;
+        std::sort(unsettled_.begin(), unsettled_.end());
+        for (const std::size_t i : std::exchange(unsettled_, {})) {
+            const Piece& piece = pieces[i];
             for (int k = 0; k < 3; ++k) edges.push_back(edge_of(piece, k));
             const double off = off_at_centroid(piece);
             if (off > resolution_ || is_long(piece)) wanted.emplace_back(off, edge_of(piece, longest_of(piece)));
@@ -190,31 +193,60 @@ private:
         return std::abs(distance_to_(centroid, near).distance - mean);
     }
 
+    static bool has(const Piece& piece, Edge edge) {
+        return edge_of(piece, 0) == edge || edge_of(piece, 1) == edge || edge_of(piece, 2) == edge;
+    }
+
+    // Lists the pieces at each edge anew, unless few have changed since the last time. A round may cut very few: A may be
+    // thin where the differences are, so that they shrink slowly.
     void list_edges() {
-        pieces_of_.clear();
+        if (!listed_.empty() && changed_ <= pieces.size() / 8) return;
+        listed_.clear();
+        changed_at_.clear();
+        changed_ = 0;
         for (std::size_t i = 0; i < pieces.size(); ++i) {
-            for (int k = 0; k < 3; ++k) pieces_of_.emplace_back(edge_of(pieces[i], k), i);
+            for (int k = 0; k < 3; ++k) listed_.emplace_back(edge_of(pieces[i], k), i);
         }
-        std::sort(pieces_of_.begin(), pieces_of_.end());
-        due_ = 0;
+        std::sort(listed_.begin(), listed_.end());
+    }
+
+    // Notes that a piece is new or has other corners than before.
+    void change(std::size_t i) {
+        unsettled_.push_back(i);
+        if (++changed_ > pieces.size() / 8) return;  // all are listed anew before the next round
+        for (int k = 0; k < 3; ++k) changed_at_[edge_of(pieces[i], k)].push_back(i);
+    }
+
+    // Returns the pieces at an edge, in order.
+    std::vector<std::size_t> pieces_at(Edge edge) const {
+        std::vector<std::size_t> found;
+        for (auto at = std::lower_bound(listed_.begin(), listed_.end(), std::pair<Edge, std::size_t>{edge, 0});
+             at != listed_.end() && at->first == edge; ++at)
+            if (has(pieces[at->second], edge)) found.push_back(at->second);
+        const auto at = changed_at_.find(edge);
+        if (at == changed_at_.end()) return found;
+        for (const std::size_t i : at->second)
+            if (has(pieces[i], edge)) found.push_back(i);
+        std::sort(found.begin(), found.end());
+        found.erase(std::unique(found.begin(), found.end()), found.end());
+        return found;
     }
 
     // Marks an edge for bisection, and the longest edges that must be bisected with it. If this would exceed the limit
     // on pieces, marks nothing and returns false.
     bool mark(Edge first) {
         std::vector<Edge> open{first}, fresh;
+        std::vector<std::size_t> here;
         std::size_t more = 0;  // new pieces: bisecting an edge adds one for each piece that has it
         while (!open.empty()) {
             const Edge edge = open.back();
             open.pop_back();
             if (!marks_.try_emplace(edge, -1).second) continue;
             fresh.push_back(edge);
-            const std::pair<Edge, std::size_t> from{edge, 0};
-            for (auto at = std::lower_bound(pieces_of_.begin(), pieces_of_.end(), from);
-                 at != pieces_of_.end() && at->first == edge; ++at) {
-                ++more;
-                const Piece& piece = pieces[at->second];
-                open.push_back(edge_of(piece, longest_of(piece)));
+            for (const std::size_t i : pieces_at(edge)) {
+                for (int k = 0; k < 3; ++k) more += edge_of(pieces[i], k) == edge ? 1 : 0;  // twice on a segment
+                here.push_back(i);
+                open.push_back(edge_of(pieces[i], longest_of(pieces[i])));
             }
         }
         if (pieces.size() + due_ + more > most_) {
@@ -222,14 +254,16 @@ private:
             return false;
         }
         due_ += more;
+        cut_.insert(cut_.end(), here.begin(), here.end());
         return true;
     }
 
     // Cuts each piece that has marked edges. The cuts start at the midpoint of its longest edge, which is then marked,
     // too, and go to the opposite corner and to the midpoints of the other marked edges.
     void split() {
-        const std::size_t count = pieces.size();
-        for (std::size_t i = 0; i < count; ++i) {
+        std::sort(cut_.begin(), cut_.end());
+        cut_.erase(std::unique(cut_.begin(), cut_.end()), cut_.end());
+        for (const std::size_t i : std::exchange(cut_, {})) {
             const Piece whole = pieces[i];
             const int k = longest_of(whole);
             const auto middle_of = [&](int edge) {
@@ -244,18 +278,25 @@ private:
                 if (const Index middle = middle_of(k + 1 + step); middle >= 0) way.push_back(middle);
                 way.push_back(corners[step + 1]);
             }
-            pieces[i] = {{hub, way[0], way[1]}, whole.element, false};
-            for (std::size_t j = 1; j + 1 < way.size(); ++j)
-                pieces.push_back({{hub, way[j], way[j + 1]}, whole.element, false});
+            pieces[i] = {{hub, way[0], way[1]}, whole.element};
+            change(i);
+            for (std::size_t j = 1; j + 1 < way.size(); ++j) {
+                pieces.push_back({{hub, way[j], way[j + 1]}, whole.element});
+                change(pieces.size() - 1);
+            }
         }
     }
 
     const DistanceTo& distance_to_;
     double floor_, longest_, resolution_ = 0;
-    bool late_ = false;                                    // the deadline has passed
-    std::size_t most_, due_ = 0;                           // the limit on pieces; how many the marked edges will add
-    std::vector<std::pair<Edge, std::size_t>> pieces_of_;  // each edge with each of its pieces, sorted
-    std::unordered_map<Edge, Index> marks_;                // marked edges, each with the vertex at its midpoint
+    bool late_ = false;                                 // the deadline has passed
+    std::size_t most_, due_ = 0;                        // the limit on pieces; how many the marked edges will add
+    std::vector<std::pair<Edge, std::size_t>> listed_;  // each edge with each of its pieces, sorted
+    std::unordered_map<Edge, std::vector<std::size_t>> changed_at_;  // pieces at each edge that changed since then
+    std::size_t changed_ = 0;                                        // how many pieces that were
+    std::vector<std::size_t> cut_;                                   // pieces with a marked edge
+    std::vector<std::size_t> unsettled_;     // pieces whose differences at the edges and the centroid were not measured
+    std::unordered_map<Edge, Index> marks_;  // marked edges, each with the vertex at its midpoint
 };
 
 }  // namespace
