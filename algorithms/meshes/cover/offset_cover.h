@@ -80,6 +80,11 @@ struct NearSet {
         for (std::size_t w = 0; w < words; ++w) both.word[w] = word[w] & other.word[w];
         return both;
     }
+    NearSet operator|(const NearSet& other) const {
+        NearSet any;
+        for (std::size_t w = 0; w < words; ++w) any.word[w] = word[w] | other.word[w];
+        return any;
+    }
     template <class Call> void for_each(const Call& call) const {
         for (std::size_t w = 0; w < words; ++w) {
             for (std::uint64_t rest = word[w]; rest != 0; rest &= rest - 1)

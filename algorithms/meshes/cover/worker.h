@@ -99,8 +99,8 @@ private:
 
     void fetch_after(std::size_t begin);
     bool cover_together(std::span<const CoverPiece> pieces, const Landmark& landmark, bool all_near);
-    bool is_equal(const CoverPiece& piece, Index near, std::size_t mark);
-    bool is_of_b(const CoverPiece& piece, const std::array<std::size_t, 3>& points, std::size_t mark);
+    bool is_of_b(const CoverPiece& piece, const std::array<std::size_t, 3>& points);
+    bool is_one_of(const CoverPiece& piece, const NearSet& triangles);
     bool covered_in_double(const CoverPiece& piece, const std::array<std::size_t, 3>& points);
     void cover_from_own(std::span<const CoverPiece> pieces, const Landmark& landmark);
     bool decide_whole(const CoverPiece& piece);

@@ -139,8 +139,7 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
         measure_shared(cover_, batch.points);
     }
     // While all points of A measured so far are on B, up to rounding, A may be a part of B. Then bounds of single precision
-    // would be nothing but its errors, so a piece that is a triangle of B is looked for: first among the triangles near
-    // it, and among all if the piece would get the largest bound so far.
+    // would be nothing but its errors, so a triangle of B that equals the piece is looked for.
     const bool all_on_b = outcome_.farthest.point.squared <= scene_.least_gap * scene_.least_gap;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const CoverPiece& piece = pieces[i];
@@ -148,17 +147,11 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
         CoverResult result;
         if (any) {
             cover_.proof = scene_.proofs ? &scene_.proofs->tree(piece.proof) : nullptr;
-            const std::size_t mark = cover_.proof ? cover_.proof->mark() : 0;
-            if (all_on_b && is_of_b(piece, points, mark)) continue;
+            if (all_on_b && is_of_b(piece, points)) continue;
             CoverPolygon<float> polygon;
             for (const std::size_t k : points) polygon.add(batch.points.x[k], batch.points.y[k], batch.points.z[k], 0);
             result = cover_shared(cover_, polygon, points, most_work_in_float);
             if (!result.covered && covered_in_double(piece, points)) continue;
-            if (all_on_b && result.covered &&
-                result.upper * batch.place.unit > std::max({settled_before_, outcome_.settled, scene_.least_gap})) {
-                const auto equals = [&](Index near) { return is_equal(piece, near, mark); };
-                if (std::any_of(cover_.near.triangle.begin(), cover_.near.triangle.end(), equals)) continue;
-            }
         }
         if (result.covered)
             settle(surface_sum_at_most(result.upper * batch.place.unit, scene_.magnitude, piece.level), piece.source);
@@ -168,26 +161,27 @@ bool CoverWorker::cover_together(std::span<const CoverPiece> pieces, const Landm
     return true;
 }
 
-// Settles the piece if this triangle of B has its corners, so that its distance is 0, and undoes what was written into its
-// proof after `mark`. Otherwise returns false.
-bool CoverWorker::is_equal(const CoverPiece& piece, Index near, std::size_t mark) {
-    const Triangle t = scene_.target.triangle(near);
-    const auto is_corner = [&](const Vec3& p) { return p == t.a || p == t.b || p == t.c; };
-    if (!std::all_of(piece.corners.begin(), piece.corners.end(), is_corner)) return false;
-    CoverPiece equal = piece;
-    equal.upper.improve({surface_distance_at_most(0, scene_.magnitude, piece.level), near, -1});
-    if (scene_.proofs) scene_.proofs->tree(piece.proof).back_to(mark);
-    settle(equal);
-    return true;
+// Settles the piece if a triangle of B has its corners, so that its distance is 0; otherwise returns false. Looks among the
+// triangles within the threshold of all corners first, then of any corner, because the errors of single precision may be nearly
+// as large as the threshold. `points`: as in cover_shared().
+bool CoverWorker::is_of_b(const CoverPiece& piece, const std::array<std::size_t, 3>& points) {
+    const NearSet &p = cover_.within[points[0]], &q = cover_.within[points[1]], &r = cover_.within[points[2]];
+    return is_one_of(piece, p & q & r) || is_one_of(piece, p | q | r);
 }
 
-// Looks for such a triangle among those that are within the threshold of all corners. `points`: as in cover_shared().
-bool CoverWorker::is_of_b(const CoverPiece& piece, const std::array<std::size_t, 3>& points, std::size_t mark) {
-    const NearSet common = cover_.within[points[0]] & cover_.within[points[1]] & cover_.within[points[2]];
-    for (std::size_t w = 0; w < NearSet::words; ++w)
-        for (std::uint64_t rest = common.word[w]; rest != 0; rest &= rest - 1)
-            if (is_equal(piece, cover_.near.triangle[64 * w + static_cast<std::size_t>(std::countr_zero(rest))], mark))
-                return true;
+bool CoverWorker::is_one_of(const CoverPiece& piece, const NearSet& triangles) {
+    for (std::size_t w = 0; w < NearSet::words; ++w) {
+        for (std::uint64_t rest = triangles.word[w]; rest != 0; rest &= rest - 1) {
+            const Index near = cover_.near.triangle[64 * w + static_cast<std::size_t>(std::countr_zero(rest))];
+            const Triangle t = scene_.target.triangle(near);
+            const auto is_corner = [&](const Vec3& corner) { return corner == t.a || corner == t.b || corner == t.c; };
+            if (!std::all_of(piece.corners.begin(), piece.corners.end(), is_corner)) continue;
+            CoverPiece equal = piece;
+            equal.upper.improve({surface_distance_at_most(0, scene_.magnitude, piece.level), near, -1});
+            settle(equal);
+            return true;
+        }
+    }
     return false;
 }
 
