@@ -200,16 +200,25 @@ TEST(DrawnFields, ShowWhatVerticesDoNot) {
     EXPECT_EQ(drawn(right_angled(), b, {}).largest(), 0);  // uncut: A's corners are on B
 }
 
-TEST(DrawnFields, HaveNoGapsBetweenPieces) {
-    const DrawnField field = drawn(tetrahedron(), PointSet{Points::Constant(1, 3, 0.3)}, {0.02, 1, {0.2, 0.3, 0}, 0});
+void expect_no_gaps(const DrawnField& field) {
     std::map<std::pair<Index, Index>, int> uses;
     for (Index i = 0; i < field.pieces.rows(); ++i) {
         for (int k = 0; k < 3; ++k)
             ++uses[std::minmax<Index>(Index(field.pieces(i, k)), Index(field.pieces(i, (k + 1) % 3)))];
     }
     for (const auto& [edge, count] : uses) EXPECT_EQ(count, 2);
-    EXPECT_NEAR(area_of(field), 1.5 + std::sqrt(3) / 2, 1e-12);
     EXPECT_GT(field.pieces.rows(), 100);
+}
+
+TEST(DrawnFields, HaveNoGapsBetweenPieces) {
+    const DrawnField field = drawn(tetrahedron(), PointSet{Points::Constant(1, 3, 0.3)}, {0.02, 1, {0.2, 0.3, 0}, 0});
+    expect_no_gaps(field);
+    EXPECT_NEAR(area_of(field), 1.5 + std::sqrt(3) / 2, 1e-12);
+    TriangleMesh uneven = tetrahedron();  // an edge to cut is seldom the longest of both its pieces
+    uneven.vertices << 0, 0, 0, 1, 0, 0, 0.3, 1.2, 0, 0.2, 0.1, 0.7;
+    PointSet near_a_face{Points(1, 3)};
+    near_a_face.points << 0.4, 0.3, -0.01;
+    expect_no_gaps(drawn(uneven, near_a_face, {0.02}));
 }
 
 TEST(DrawnFields, NoEdgeIsLong) {
