@@ -201,7 +201,8 @@ TEST_F(Columns, NumbersAsOthersWriteThem) {
 }
 
 TEST_F(Columns, TextWithoutPoints) {
-    refused("count.csv", "2\n1,2,3\n4,5,6\n", {"line 1: 1 column, and a point needs x, y and z; if '2' is the number of points", "delete the line"});
+    refused("count.csv", "2\n1,2,3\n4,5,6\n",
+            {"line 1: 1 column, and a point needs x, y and z; if '2' is the number of points", "delete the line"});
     refused("eq.txt", "x^2 + y^2 + z^2 = 1\n", {"line 1", "expected lines of three numbers", "'x^2 + y^2"});
     refused("eq.txt", "Dear reader,\nthis is a letter.\n", {"line 1", "expected", "'Dear reader,'"});
     refused("a.csv", "name,city\nAnn,Rome\n", {"line 1", "expected", "'name,city'"});
