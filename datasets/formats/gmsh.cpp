@@ -19,6 +19,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -118,6 +120,8 @@ private:
 
     void end_section(const std::string& end) {
         const std::string_view word = scan_.word();
+        if (word != end && word.starts_with(end))
+            scan_.refuse(fmt::format("expected {}, found '{}': remove what follows {}", end, shown(word), end));
         if (word != end)
             scan_.refuse(
                 fmt::format("expected {}, found {}: the section has more numbers than it announces, or the "
@@ -142,9 +146,9 @@ private:
     void read_format() {
         if (version_ != 0) scan_.refuse("a second $MeshFormat");
         const std::string_view version = scan_.word();
-        static const std::map<std::string_view, int> versions = {{"2", 20},   {"2.0", 20}, {"2.1", 21}, {"2.2", 22},
-                                                                 {"4.0", 40}, {"4", 40},   {"4.1", 41}};
-        const auto known = versions.find(version);
+        static const std::map<double, int> versions = {{2.0, 20}, {2.1, 21}, {2.2, 22}, {4.0, 40}, {4.1, 41}};
+        const auto number = decimal(version);  // a number, which netgen writes as 2.000000
+        const auto known = number && std::isfinite(*number) ? versions.find(*number) : versions.end();
         if (known == versions.end())
             scan_.refuse(
                 fmt::format("version {} of the format is not supported: convert the file to version 4.1 with "

@@ -174,6 +174,8 @@ private:
                 refuse_file(fmt::format("its {} have no list vertex_indices: write it for each of them",
                                         element.is_faces() ? "faces" : "triangle strips"));
             faces_ += element.count;
+        } else if (element.is_faces()) {
+            no_faces_ = true;
         } else if (element.is_edges() && element.count > 0) {
             if (lists > 0 || !element.has("vertex1") || !element.has("vertex2"))
                 refuse_file("its edges do not have vertex1 and vertex2: write them, or leave the edges out");
@@ -188,8 +190,10 @@ private:
         return std::min<std::uint64_t>(element.count, std::uint64_t{1} << 40) * least;
     }
 
-    // Says which elements with lists of vertices are left out. Refuses them if the file has no other faces.
+    // Says which elements with lists of vertices are left out, and whether faces were expected. Refuses them if the file has no other faces.
     void check_others() {
+        if (no_faces_ && faces_ == 0 && others_.empty())
+            soup_.notes.emplace_back("its header announces 0 faces: its vertices count as points");
         for (const Element& other : others_) {
             const std::string text = fmt::format("'{}' ({})", shown(other.name), other.count);
             if (faces_ == 0 && other.name != "range_grid")
@@ -304,6 +308,7 @@ private:
     char first_axis_ = 'x';                 // the name of the first coordinate, or 'X'
     std::uint64_t vertex_bytes_ = 0;        // least number of bytes of a vertex
     std::vector<Element> others_;           // with lists of vertices that are not read
+    bool no_faces_ = false;                 // the header has an element for faces, and announces none
     std::uint64_t points_ = 0, faces_ = 0;  // numbers that the header announces; strips and edges count as faces
     Soup soup_;
 };

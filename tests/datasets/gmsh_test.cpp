@@ -76,7 +76,7 @@ TEST_F(Gmsh, VersionOneIsRead) {
 }
 
 TEST_F(Gmsh, VersionTwoIsRead) {
-    for (const char* version : {"2", "2.0", "2.1", "2.2"})
+    for (const char* version : {"2", "2.0", "2.000000", "2.1", "2.2", "2.20"})
         expect_triangle(format_of(version) +
                         "$Nodes\n3\n5 0.1 0 0\n6 1 0 -2\n8 0 3 0\n$EndNodes\n$Elements\r\n1\r\n"
                         "2 2 4 9 1 2 -3 5 6 8\r\n$EndElements\r\n");
@@ -223,6 +223,9 @@ TEST_F(Gmsh, DamagedTextIsRefusedWithItsPlace) {
 TEST_F(Gmsh, OtherVersionsAndFormatsAreNamed) {
     refused(format_of("3"), {"line 2", "version 3", "msh41"});
     refused(format_of("4.2"), {"version 4.2"});
+    refused(format_of("nan"), {"version nan"});
+    refused("$NOD\n1\n5 0 0 0\n$ENDNOD\n$ELM\n1\n1 15 0 1 1 5\n$ENDELM$\n",
+            {"found '$ENDELM$': remove what follows $ENDELM"});
     refused("$MeshFormat\n2.2 7 8\n", {"file type 7"});
     refused("$PostFormat\n1.4 0 8\n$EndPostFormat\n", {"view of results"});
     refused("(0 \"Fluent\")\n(2 3)\n", {"is not a Gmsh mesh", "Fluent", "ParaView"});

@@ -249,6 +249,10 @@ TEST_F(MeshFiles, OtherElementsOfPlyAreTold) {
     EXPECT_EQ(load("a.ply", ply(faces + polygons, "3 0 1 2\n3 1 2 3\n")).report.notes,
               (Notes{"its elements 'polygon' (1), which have lists of vertices, were left out"}));
     refused("a.ply", ply(polygons, "3 0 1 2\n"), {"'polygon' (1)", "'face'"});
+    const std::string none =
+        "element face 0\nproperty list uchar int vertex_indices\n";  // as VTK writes a mesh of strips
+    EXPECT_EQ(load("a.ply", ply(none, "")).report.notes,
+              (Notes{"its header announces 0 faces: its vertices count as points"}));
     const std::string grid = "element range_grid 2\nproperty list uchar int vertex_indices\n";
     const LoadedShape scan = load("a.ply", ply(grid, "1 0\n0\n"));
     EXPECT_EQ(kind_of(scan.shape), ShapeKind::points);
