@@ -195,7 +195,7 @@ def test_a_commit_fetches_by_its_own_program(tmp_path: Path, capsys: pytest.Capt
 
 
 def case(name: str) -> Case:
-    return Case(name, {"scene": [{"source": "a", "target": "b"}]})
+    return Case(name, {"scene": [{"source": "a", "target": "b"}], "solver": [{"name": "cover"}]})
 
 
 class World:
