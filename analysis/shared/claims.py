@@ -128,7 +128,7 @@ def read(path: Path) -> list[Record]:
     found = tables.read_json(path) if path.exists() else []
     for one in found:
         if not _is_record(one):
-            raise ValueError(f"{path}: '{str(one)[:60]}' is no verdict: write it again with 'hausbench draw'")
+            raise ValueError(f"{path}: '{str(one)[:60]}' is not a verdict: write it again with 'hausbench draw'")
     return found
 
 

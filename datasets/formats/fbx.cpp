@@ -322,7 +322,7 @@ private:
         mesh_.corners = indices.size();
     }
 
-    // Each number of Edges is a position in PolygonVertexIndex: that of a corner from which a side leads to the next.
+    // Each number of Edges is a position in PolygonVertexIndex: the side goes from that corner to the next.
     void compare_sides(const FbxNode& edges) {
         using Side = std::pair<std::size_t, std::size_t>;
         std::vector<Side> from_corner;

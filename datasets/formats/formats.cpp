@@ -164,7 +164,7 @@ const std::vector<Format> table = {
      "Gmsh",
      read_gmsh,
      "versions 1.0, 2.0 to 2.2, 4.0 and 4.1, text and binary in either byte order: lines, triangles, "
-     "quadrangles, or points alone; volume elements, and points that are no corner (such as the centres of arcs), "
+     "quadrangles, or points alone; volume elements, and points that are not corners (such as the centres of arcs), "
      "beside "
      "them are left out with a note",
      "volume elements without surface elements, curved elements (order 2 and higher), polygons, polyhedra, "

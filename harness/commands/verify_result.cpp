@@ -151,8 +151,9 @@ std::vector<std::string> verify_result(ResultFile& result, const Catalogue& mani
         return at == shapes.end() ? nullptr : &at->second;
     };
     ProgressLine progress;
+    const std::string doing = fmt::format("checking {} rows", result.rows.size() + result.references.size());
     const auto stop = [&] {
-        progress.draw(fmt::format("checking {} rows", result.rows.size() + result.references.size()));
+        progress.draw(doing);
         return false;
     };
     verify_rows(result.rows, result.references, load, stop);

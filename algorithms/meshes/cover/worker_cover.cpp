@@ -5,9 +5,7 @@
 #include "algorithms/meshes/cover/worker.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <vector>
 
 namespace hausbench {
@@ -170,19 +168,18 @@ bool CoverWorker::is_of_b(const CoverPiece& piece, const std::array<std::size_t,
 }
 
 bool CoverWorker::is_one_of(const CoverPiece& piece, const NearSet& triangles) {
-    for (std::size_t w = 0; w < NearSet::words; ++w) {
-        for (std::uint64_t rest = triangles.word[w]; rest != 0; rest &= rest - 1) {
-            const Index near = cover_.near.triangle[64 * w + static_cast<std::size_t>(std::countr_zero(rest))];
-            const Triangle t = scene_.target.triangle(near);
-            const auto is_corner = [&](const Vec3& corner) { return corner == t.a || corner == t.b || corner == t.c; };
-            if (!std::all_of(piece.corners.begin(), piece.corners.end(), is_corner)) continue;
-            CoverPiece equal = piece;
-            equal.upper.improve({surface_distance_at_most(0, scene_.magnitude, piece.level), near, -1});
-            settle(equal);
-            return true;
-        }
-    }
-    return false;
+    Index equal = -1;
+    triangles.for_each([&](std::size_t k) {
+        const Triangle t = scene_.target.triangle(cover_.near.triangle[k]);
+        const auto is_corner = [&](const Vec3& corner) { return corner == t.a || corner == t.b || corner == t.c; };
+        if (equal < 0 && std::all_of(piece.corners.begin(), piece.corners.end(), is_corner))
+            equal = cover_.near.triangle[k];
+    });
+    if (equal < 0) return false;
+    CoverPiece settled = piece;
+    settled.upper.improve({surface_distance_at_most(0, scene_.magnitude, piece.level), equal, -1});
+    settle(settled);
+    return true;
 }
 
 // Tries one triangle of B in double precision, the one that seems nearest to the piece. Settles the piece if it is within tau
