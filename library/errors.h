@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cfenv>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
 

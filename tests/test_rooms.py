@@ -71,6 +71,30 @@ def test_a_file_with_one_user_is_found() -> None:
     assert users(rooms.ROOT / "algorithms/meshes/tang/swept_sphere.h") == {"meshes/tang"}
 
 
+FIXED_WIDTH = re.compile(r"^[^/\n]*\bstd::u?int(?:_fast|_least)?(?:8|16|32|64|ptr|max)_t\b", re.MULTILINE)
+
+
+def without_cstdint(graph: dict[Path, set[Path]]) -> list[str]:
+    """Returns the files with std::int64_t and its like to which neither they nor headers of ours include <cstdint>: GCC 12 lets more of them pass than 14."""
+    has, found = {file for file in graph if "#include <cstdint>" in file.read_text()}, []
+    for file in graph:
+        seen, look = set[Path](), [file]
+        while look and not seen & has:
+            seen.add(now := look.pop())
+            look += graph.get(now, set()) - seen
+        if not seen & has and FIXED_WIDTH.search(file.read_text()):
+            found.append(str(file.relative_to(rooms.ROOT)))
+    return found
+
+
+def test_files_that_name_fixed_width_integers_include_them() -> None:
+    assert without_cstdint(GRAPH) == []
+
+
+def test_a_file_without_the_include_is_found() -> None:
+    assert without_cstdint({rooms.ROOT / "library/errors.h": set(), (file := rooms.ROOT / "library/shape.cpp"): set()}) == [str(file.relative_to(rooms.ROOT))]
+
+
 def functions() -> list[tuple[int, str]]:
     """Returns each function's number of lines and its place, as found by universal-ctags."""
     command = ["ctags", "--output-format=json", "--languages=C++", "--kinds-C++=f", "--fields=+ne", "-f", "-", *map(str, rooms.sources())]

@@ -29,6 +29,8 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
 // A result set, as nanoflann calls it: receives the points that a search finds. Keeps the nearest one, and ends the
 // search at the first point with a squared distance of at most `enough`.
 struct NearestOrEnough {
+    using DistanceType = double;
+    using IndexType = std::uint32_t;
     double enough;
     Counters& counters;
     double squared = std::numeric_limits<double>::infinity();
@@ -45,6 +47,7 @@ struct NearestOrEnough {
         }
         return squared > enough;  // false ends the search
     }
+    void sort() {}  // there is one point at most
 };
 
 class KdTree final : public Solver {
@@ -81,7 +84,7 @@ public:
             }
             NearestOrEnough nearest{farthest.squared, counters};
             ++counters.closest_point_queries;
-            tree_->findNeighbors(nearest, a.row(i).data(), nanoflann::SearchParams());
+            tree_->findNeighbors(nearest, a.row(i).data(), {});
             if (nearest.squared > farthest.squared) farthest = {nearest.squared, i, nearest.at};
         }
         return checked_result(query, a, b, farthest, counters);

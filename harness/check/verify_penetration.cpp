@@ -3,6 +3,7 @@
 #include "harness/check/verify_exact.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Object.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/intersections.h>
 #include <boost/variant/get.hpp>
@@ -146,10 +147,10 @@ bool nearer(const Rational& squared, double r) { return squared < Rational(r) * 
 bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) {
     const Triangle a = exact(e), b = exact(other);
     if (a.is_degenerate() || b.is_degenerate()) return true;
-    const auto common = CGAL::intersection(a, b);
-    if (!common) return false;
-    if (const auto* at = boost::get<Exact::Point_3>(&*common)) return nearer(CGAL::squared_distance(exact(p), *at), r);
-    if (const auto* along = boost::get<Exact::Segment_3>(&*common))
+    const CGAL::Object common = CGAL::intersection(a, b);  // what it returns is of another type in CGAL 5 than in CGAL 6
+    if (common.empty()) return false;
+    if (const auto* at = CGAL::object_cast<Exact::Point_3>(&common)) return nearer(CGAL::squared_distance(exact(p), *at), r);
+    if (const auto* along = CGAL::object_cast<Exact::Segment_3>(&common))
         return nearer(CGAL::squared_distance(exact(p), *along), r);
     return true;
 }

@@ -13,6 +13,15 @@ bool in_main_thread() {
     return main.attr("ident").cast<unsigned long>() == PyThread_get_thread_ident();
 }
 
+// Returns whether Python is ending.
+bool finalizing() {
+#if PY_VERSION_HEX >= 0x030d0000
+    return Py_IsFinalizing() != 0;
+#else
+    return _Py_IsFinalizing() != 0;
+#endif
+}
+
 // Returns whether a signal handler raised an exception, which stays set.
 bool signal_raised() { return PyErr_CheckSignals() != 0; }
 
@@ -30,7 +39,7 @@ void Working::take_gil() const {
 
 int Working::cancel(void* data) {
     Working& working = *static_cast<Working*>(data);
-    if (working.interrupted_ || _Py_IsFinalizing()) return 1;
+    if (working.interrupted_ || finalizing()) return 1;
     if (!working.handles_signals_ || Clock::now() < working.next_) return 0;
     working.take_gil();
     try {
@@ -47,7 +56,7 @@ int Working::cancel(void* data) {
 
 int Working::progress(void* data, const hausbench_interval* bounds, std::size_t count) {
     Working& working = *static_cast<Working*>(data);
-    if (working.interrupted_ || _Py_IsFinalizing()) return 1;
+    if (working.interrupted_ || finalizing()) return 1;
     working.take_gil();
     try {
         py::list all;
