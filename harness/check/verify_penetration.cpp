@@ -147,9 +147,11 @@ bool nearer(const Rational& squared, double r) { return squared < Rational(r) * 
 bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) {
     const Triangle a = exact(e), b = exact(other);
     if (a.is_degenerate() || b.is_degenerate()) return true;
-    const CGAL::Object common = CGAL::intersection(a, b);  // what it returns is of another type in CGAL 5 than in CGAL 6
+    // Of the same type in CGAL 5 and 6, unlike what intersection() returns.
+    const CGAL::Object common = CGAL::intersection(a, b);
     if (common.empty()) return false;
-    if (const auto* at = CGAL::object_cast<Exact::Point_3>(&common)) return nearer(CGAL::squared_distance(exact(p), *at), r);
+    if (const auto* at = CGAL::object_cast<Exact::Point_3>(&common))
+        return nearer(CGAL::squared_distance(exact(p), *at), r);
     if (const auto* along = CGAL::object_cast<Exact::Segment_3>(&common))
         return nearer(CGAL::squared_distance(exact(p), *along), r);
     return true;

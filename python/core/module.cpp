@@ -54,6 +54,18 @@ void refuse_pickling(const py::module_& module) {
     }
 }
 
+// pybind11 before 2.12 takes arrays of numpy 2 for arrays of numpy 1, whose parts are elsewhere.
+void refuse_numpy_2() {
+#if PYBIND11_VERSION_HEX < 0x020c0000
+    const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
+    if (std::stoi(version) >= 2)
+        throw py::import_error(
+            "hausbench was built with pybind11 " PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
+                PYBIND11_VERSION_MINOR) ", which cannot read the arrays of numpy " +
+            version + ": please install \"numpy<2\", or build it with pybind11 2.12");
+#endif
+}
+
 }  // namespace
 }  // namespace hausbench_python
 
@@ -61,6 +73,7 @@ PYBIND11_MODULE(_core, module) {
     using namespace hausbench_python;
     if (hausbench_interface() != HAUSBENCH_INTERFACE)
         throw py::import_error("libhausbench.so has another interface than this package: install both anew");
+    refuse_numpy_2();
     define_shape(module);
     define_pair(module);
     refuse_pickling(module);
