@@ -116,7 +116,7 @@ public:
     explicit Misbehaving(const Options& options)
         : at_(options.real("at")),
           how_(options.text("how")),
-          good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
+          good_(vertex_only_solver().make(Options("vertex_only", {}, ParameterMap()))) {}
 
     void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
 
@@ -162,7 +162,8 @@ template <Deed deed> SolverEntry misbehaving(const std::string& name, std::vecto
 // A solver that knows its answer, shows it to whoever watches, and never returns.
 class NeverReturns final : public Solver {
 public:
-    explicit NeverReturns(const Options&) : good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
+    explicit NeverReturns(const Options&)
+        : good_(vertex_only_solver().make(Options("vertex_only", {}, ParameterMap()))) {}
 
     void prepare(const Scene& scene, const Prepared& prepared) override { good_->prepare(scene, prepared); }
 
@@ -185,7 +186,8 @@ SolverEntry never_returns() {
 // A solver that runs out of time if the target has more triangles than the source.
 class StopsEarly final : public Solver {
 public:
-    explicit StopsEarly(const Options&) : good_(vertex_only_solver().make(Options("vertex_only", {}, {}))) {}
+    explicit StopsEarly(const Options&)
+        : good_(vertex_only_solver().make(Options("vertex_only", {}, ParameterMap()))) {}
 
     void prepare(const Scene& scene, const Prepared& prepared) override {
         stops_ = element_count(scene.target) > element_count(scene.source);

@@ -56,7 +56,7 @@ TEST(Targets, AreThoseOfTheProcessor) {
     expect(HWY_SSSE3, {"ssse3"});
     expect(HWY_SSE4, {"sse4_1", "sse4_2", "pclmulqdq", "aes"});
     expect(HWY_AVX2, {"avx2", "bmi1", "bmi2", "fma", "f16c"});
-    expect(HWY_AVX3, {"avx512f", "avx512vl", "avx512dq", "avx512bw"});
+    expect(HWY_AVX3, {"avx512f", "avx512vl", "avx512dq", "avx512bw", "avx512cd"});
 }
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
