@@ -16,9 +16,9 @@
 namespace hausbench {
 namespace {
 
-const TriangleMesh& mesh_of(const Given& g, const std::string& operation) {
+const TriangleMesh& mesh_of(const Given& g, const char* operation) {
     if (const auto* mesh = std::get_if<TriangleMesh>(g.origin)) return *mesh;
-    throw InputError(operation + " takes a mesh, but its origin is a point set");
+    throw InputError(fmt::format("{} takes a mesh, but its origin is a point set", operation));
 }
 
 PointSet choose_points(const Points& points, Index count, std::uint64_t seed) {
