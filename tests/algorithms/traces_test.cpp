@@ -116,8 +116,9 @@ TEST(Traces, AreShownAsAnswersToTheQuery) {
                     EXPECT_LE(bounds.lower, result.bounds.upper) << at;
                     EXPECT_GE(bounds.upper, result.bounds.lower) << at;
                 }
-                if (symmetric && !entry.info.offers(Quantity::symmetric) && !seen.empty())
+                if (symmetric && !entry.info.offers(Quantity::symmetric) && !seen.empty()) {
                     EXPECT_EQ(seen.front().upper, infinity) << at;  // h(B,A) has none yet
+                }
             }
         }
     }

@@ -306,7 +306,9 @@ TEST_P(LibraryFields, HoldUnderRounding) {
         EXPECT_LE(Rational(lower) * Rational(lower), least);
         EXPECT_GE(Rational(upper) * Rational(upper), least);
         const double magnitude = std::max({1.0, size, away, from.row(i).cwiseAbs().maxCoeff()});
-        if (farthest < 1e200) EXPECT_LE(upper - lower, 1e-12 * magnitude);  // else squares of the others underflow
+        if (farthest < 1e200) {  // else squares of the others underflow
+            EXPECT_LE(upper - lower, 1e-12 * magnitude);
+        }
         const std::int64_t row = nearest[std::size_t(i)];
         ASSERT_TRUE(row >= 0 && row < 12);
         EXPECT_LE(squared_distance(from, i, to, Index(row)), Rational(upper) * Rational(upper));

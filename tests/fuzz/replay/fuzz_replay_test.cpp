@@ -37,7 +37,7 @@ std::vector<std::string> names() {
     return {"arrays",  "certificates", "differential", "experiments", "journals",
             "kernels", "polynomials",  "readers",      "results"};
 }
-INSTANTIATE_TEST_SUITE_P(, FuzzReplay, testing::ValuesIn(names()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(, FuzzReplay, testing::ValuesIn(names()), [](const auto& name) { return name.param; });
 
 TEST(FuzzTargets, EachIsReplayed) {
     std::vector<std::string> all;
