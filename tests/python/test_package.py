@@ -156,3 +156,11 @@ def test_results_that_lead_to_other_files(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(hb.InputError, match="HAUSBENCH_PROGRAM"):
         hb.Results(path)
+
+
+def test_building_without_its_packages_names_them(tmp_path: Path) -> None:
+    done = run(str(ROOT / "setup.py"), "build_ext", "--build-lib", str(tmp_path), PATH=str(tmp_path))
+    assert done.returncode == 1
+    last = done.stderr.splitlines()[-1]
+    assert {"cmake", "g++", "libeigen3-dev", "pybind11-dev"} <= set(last.split()) and "libhdf5-dev" not in last
+    assert "These packages are missing" in done.stderr
