@@ -49,7 +49,7 @@ def cmake(*arguments: object, environment: dict[str, str]) -> None:
         sys.exit(f"hausbench could not be built ({error}). These packages are missing:\n  {how} {' '.join(missing)}")
 
 
-class CMakeBuild(build_ext):  # type: ignore[misc]
+class CMakeBuild(build_ext):
     """Builds with CMake, and copies the module and the library beside it."""
 
     def run(self) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from analysis.shared import claims, style
@@ -66,7 +67,7 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
     ax.set(xscale="log", xlim=(LEAST, MOST), ylim=(at, -1), yticks=[])
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     ax.axvline(1, color="black", linewidth=0.8)
-    left = {"transform": ax.get_yaxis_transform(), "ha": "right", "va": "center", "clip_on": False}
+    left: dict[str, Any] = {"transform": ax.get_yaxis_transform(), "ha": "right", "va": "center", "clip_on": False}
     for one, y in zip(shown, heights):
         ax.axhline(y, color="#EEEEEE", linewidth=0.5, zorder=0)
         ax.text(-0.02, y, name_of(one), fontsize=5.6 * shrink, linespacing=1.05, **left)
@@ -76,11 +77,11 @@ def draw(found: Sequence[claims.Record], measured: str = "") -> Any:
     for y, paper in heads:
         ax.text(-0.02, y, PAPERS.get(paper, paper), fontsize=6.5 * shrink, fontweight="bold", **left)
     ax.set_xlabel("← less than claimed        measured / claimed        more than claimed →")
-    entries = [plt.Line2D([], [], label="in time", **_marker(True)), plt.Line2D([], [], label="in counted work, or memory", **_marker(False)),
-               plt.Line2D([], [], label="least to greatest of several", color="black", marker="|", markersize=4, linewidth=0.8)]
+    entries = [Line2D([], [], label="in time", **_marker(True)), Line2D([], [], label="in counted work, or memory", **_marker(False)),
+               Line2D([], [], label="least to greatest of several", color="black", marker="|", markersize=4, linewidth=0.8)]
     ax.legend(handles=entries, loc="lower right", bbox_to_anchor=(1, 1), ncol=3, frameon=False)
     figure.text(0.5, 0.06 / figure.get_figheight(), "\n".join(textwrap.wrap(measured, 185)), ha="center", va="bottom", fontsize=6, color=style.GREY)
-    figure.get_layout_engine().set(rect=(0, (FOOT - 0.4) / figure.get_figheight(), 1, 1 - (FOOT - 0.4) / figure.get_figheight()))
+    figure.set_layout_engine("constrained", rect=(0, (FOOT - 0.4) / figure.get_figheight(), 1, 1 - (FOOT - 0.4) / figure.get_figheight()))
     return figure
 
 

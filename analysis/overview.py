@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import matplotlib.pyplot as plt
+from matplotlib.colors import Normalize
 
 from analysis.shared import mesh_picture, shapes, style
 from analysis.shared.columns import Floats
@@ -38,7 +39,7 @@ def draw_distances(results: Results, case: int, ax: Any, figure: Any) -> None:
     shown = shapes.drawn(results, case)
     eye = mesh_picture.showing(shown, mesh_picture.view(FROM), results.cases.witness_source[case])
     diagonal = float(results.cases.source_diagonal[case])
-    scale = plt.Normalize(0, float(shown.distances.max()) / diagonal)
+    scale = Normalize(0, float(shown.distances.max()) / diagonal)
     colours = plt.get_cmap("viridis")(scale(shown.colours / diagonal))
     mesh_picture.draw(ax, shown, eye, colours)
     magnify(ax, shown, eye, colours, eye.seen(results.cases.witness_source[case])[:2])

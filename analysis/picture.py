@@ -81,7 +81,7 @@ def solved(program: str, *words: str) -> Any:
 def histogram(program: str, a: str, b: str, largest: float, options: Sequence[str] = ()) -> Histogram:
     """Bounds the distribution. No distance is above `largest`, so the last share is known. `options`: how to read A and B, and the time limit."""
     edges = END * largest * np.arange(1, BARS + 1) / BARS
-    statistics = ", ".join(["mean", "quantile 0.95", *(f"within {edge!r}" for edge in edges[:-1].tolist())])
+    statistics = ", ".join(["mean", "quantile 0.95", *(f"within {float(edge)!r}" for edge in edges[:-1])])
     found = solved(program, a, b, f"--statistics={statistics}", "--of=absolute", f"--tolerance={largest / 1000!r}", "--share-tolerance=0.01",
                    f"--budget={PIECES}", *options)["distribution"]
     shares = sorted((float(length), bounds) for length, bounds in found["share_within"].items())

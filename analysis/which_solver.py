@@ -17,6 +17,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patches import Rectangle
 
 from analysis.shared import style, tables
 from analysis.shared.comparable import apart, origins
@@ -178,8 +179,8 @@ def draw(cells: Sequence[Cell]) -> Any:
         draw_block(figure.add_subplot(grid[0]), "points", blocks["points"])
     if right:
         below = grid[-1].subgridspec(len(right), 1, height_ratios=[len(blocks[domain]) + 1 for domain in right])
-        for place, domain in zip(below, right):
-            draw_block(figure.add_subplot(place), domain, blocks[domain])
+        for row, domain in enumerate(right):
+            draw_block(figure.add_subplot(below[row]), domain, blocks[domain])
     return figure
 
 
@@ -188,9 +189,9 @@ def draw_block(ax: Any, domain: str, rows: Sequence[Row]) -> None:
     for y, row in enumerate(rows):
         for tolerance, own in row.cells.items():
             x, colour, separated = tolerances.index(tolerance), style.look(own[0].solver, own[0].label).colour, all(one.separated for one in own)
-            ax.add_patch(plt.Rectangle((x, y), 1, 1, facecolor=colour, alpha=0.3, linewidth=0))
-            ax.add_patch(plt.Rectangle((x, y), 1, 1, facecolor="none", edgecolor="white" if separated else colour, linewidth=0.5,
-                                       hatch="" if separated else "////"))
+            ax.add_patch(Rectangle((x, y), 1, 1, facecolor=colour, alpha=0.3, linewidth=0))
+            ax.add_patch(Rectangle((x, y), 1, 1, facecolor="none", edgecolor="white" if separated else colour, linewidth=0.5,
+                                   hatch="" if separated else "////"))
             ax.text(x + 0.5, y + 0.52, text_of(own), ha="center", va="center", fontsize=5.5,
                     bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.6, "linewidth": 0})
     ax.set(xlim=(0, len(tolerances)), ylim=(len(rows), 0), title=DOMAINS[domain])

@@ -12,9 +12,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--insist", action="store_true", help="a test that is skipped has failed")
 
 
-@pytest.hookimpl(hookwrapper=True)  # type: ignore[misc]
-def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, None]:
+def fail_skipped(item: pytest.Item) -> Generator[None, Any, None]:
     report = (yield).get_result()
     if item.config.getoption("insist") and report.skipped:
         report.outcome = "failed"
         report.longrepr = f"{item.nodeid}: {report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr}"
+
+
+# Not a decorator, because decorators of pytest 7 have no types.
+pytest_runtest_makereport = pytest.hookimpl(hookwrapper=True)(fail_skipped)

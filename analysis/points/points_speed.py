@@ -8,6 +8,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 import scipy.stats
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, style, tables
 from analysis.shared.comparable import apart, origin
@@ -152,6 +153,6 @@ def draw(scenes: list[str], labels: list[tuple[str, str]], cells: dict[tuple[str
     ax.grid(False, axis="y")
     ax.tick_params(axis="y", length=0)
     ax.set_xlabel("time to prepare and solve (s)")
-    style.legend_above(figure, [plt.Line2D([], [], label=looks[label].title, **style.filled_marker(looks[label]))
+    style.legend_above(figure, [Line2D([], [], label=looks[label].title, **style.filled_marker(looks[label]))
                                 for _, label in labels], columns=2)
     return figure

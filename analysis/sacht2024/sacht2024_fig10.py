@@ -7,6 +7,9 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from analysis.shared import claims, style, tables
 from analysis.shared.cells import MEASURES, Cell, in_time_and_work
@@ -186,11 +189,10 @@ def draw(found: Orders) -> Any:
     axes[1].set_xlim(-0.6, len(drawn) - 0.4)
     more = len(drawn) - sum(order in DRAWN for order in drawn)
     axes[1].set_xlabel("order of the bounds, from the paper's worst (left) to its best" + "; then the best here" * (more > 0))
-    patch = plt.Rectangle
-    entries = [patch((0, 0), 1, 1, color="#E69F00", label="wins, an order with u3"),
-               patch((0, 0), 1, 1, color=WITHOUT_U3, label="wins, one without u3"),
-               patch((0, 0), 1, 1, facecolor="none", edgecolor=style.GREY, linewidth=0.6, label="solved")]
+    entries: list[Artist] = [Rectangle((0, 0), 1, 1, color="#E69F00", label="wins, an order with u3"),
+                             Rectangle((0, 0), 1, 1, color=WITHOUT_U3, label="wins, one without u3"),
+                             Rectangle((0, 0), 1, 1, facecolor="none", edgecolor=style.GREY, linewidth=0.6, label="solved")]
     if drawn[:len(DRAWN)] == list(DRAWN):
-        entries.append(plt.Line2D([], [], color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)), label="between the paper's worst, middle and best"))
+        entries.append(Line2D([], [], color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)), label="between the paper's worst, middle and best"))
     style.legend_above(figure, entries, columns=4)
     return figure

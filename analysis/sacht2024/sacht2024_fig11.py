@@ -8,6 +8,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import PowerNorm, to_rgba
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from analysis.shared import claims, mesh_picture, shapes, style, tables
@@ -145,7 +146,7 @@ def draw(results: Results, pairs: list[Shown]) -> Any:
         left.set_title(f"A: {pair.scene}, {results.cases.source_elements[pair.case]:,} triangles")
         right.set_title(f"B: {results.cases.target_elements[pair.case]:,} triangles")
     entries = [*[Patch(facecolor=colour, edgecolor=style.GREY, linewidth=0.4, label=name) for name, colour in zip(NAMES, COLOURS)],
-               plt.Line2D([], [], linestyle="none", marker="o", markersize=6, markerfacecolor="none", markeredgecolor="black",
-                          label="the farthest point found")]
+               Line2D([], [], linestyle="none", marker="o", markersize=6, markerfacecolor="none", markeredgecolor="black",
+                      label="the farthest point found")]
     style.legend_above(figure, entries, columns=6)
     return figure

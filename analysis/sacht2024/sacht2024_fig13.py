@@ -221,6 +221,6 @@ def draw(labels: list[tuple[str, str]], pairs: int, average: dict[tuple[str, flo
         ax.set_xlim(TOLERANCES[0] * 2, TOLERANCES[-1] / 3.5)
     ax.set_xlabel("tolerance of the gap / diagonal of A")
     ax.set_ylabel(f"prepare + solve, mean of {pairs} pairs (ms)")
+    figure.set_layout_engine("constrained", h_pad=0.02, hspace=0.0)
     style.legend_above(figure, style.handles(labels))
-    figure.get_layout_engine().set(h_pad=0.02, hspace=0.0)
     return figure

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.sacht2024 import sacht_gallery
 from analysis.sacht2024.sacht_limits import Bounded, Row, above, ratio_of, row_of, time_ratio, work_ratio
@@ -144,6 +145,6 @@ def draw(results: Results, found: list[Outlier], clock: str) -> Any:
     ax.tick_params(axis="y", length=0)
     scales.log_ticks(ax.xaxis)
     ax.set_xlabel(f"{clock} of {style.title(SLOW)} / {style.title(FAST)}; right of 1, {style.title(FAST)} is faster")
-    style.legend_above(figure, [plt.Line2D([], [], linestyle="none", marker="o", color=colour, label=f"tolerance {t:g}")
+    style.legend_above(figure, [Line2D([], [], linestyle="none", marker="o", color=colour, label=f"tolerance {t:g}")
                                 for t, colour in zip(tolerances, colours)], columns=4)
     return figure

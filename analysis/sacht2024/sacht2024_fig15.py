@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
 
 from analysis.sacht2024 import sacht_gallery
 from analysis.sacht2024.sacht_limits import Row, above, ratio_of, row_of, time_ratio
@@ -131,6 +132,6 @@ def draw(results: Results, rows: Rows, labels: list[tuple[str, str]], tolerances
     axes[0].set_yticks(range(len(labels)), [style.title(*label) for label in labels])
     axes[0].set_ylim(len(labels) - 0.5, -0.5)
     grey = style.Look("", style.GREY, "o")
-    style.legend_above(figure, [plt.Line2D([], [], label=f"tolerance {t:g}", **(style.filled_marker(grey) if t == min(tolerances)
-                                                                               else style.open_marker(grey))) for t in tolerances])
+    style.legend_above(figure, [Line2D([], [], label=f"tolerance {t:g}", **(style.filled_marker(grey) if t == min(tolerances)
+                                                                           else style.open_marker(grey))) for t in tolerances])
     return figure

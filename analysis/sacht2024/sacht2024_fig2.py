@@ -8,7 +8,10 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
@@ -216,16 +219,16 @@ def draw(found: Pairs) -> Any:
     for ax in axes:
         ax.set_xlim(0.8 * min(sizes), 1.25 * max(sizes))
         scales.log_ticks(ax.xaxis)
-        ax.yaxis.set_minor_locator(plt.NullLocator())
-        ax.yaxis.set_major_locator(plt.FixedLocator([10.0**k for k in range(-4, 7)] + ([0.5, 2, 5, 20] if narrow else [])))
-        ax.yaxis.set_major_formatter(plt.FuncFormatter(lambda y, _: f"{y:,g}"))
-    entries = [plt.Line2D([], [], marker="o", linestyle="none", color=looks.colour, markersize=4, label="a pair")]
+        ax.yaxis.set_minor_locator(NullLocator())
+        ax.yaxis.set_major_locator(FixedLocator([10.0**k for k in range(-4, 7)] + ([0.5, 2, 5, 20] if narrow else [])))
+        ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:,g}"))
+    entries: list[Artist] = [Line2D([], [], marker="o", linestyle="none", color=looks.colour, markersize=4, label="a pair")]
     for slow, other, marker, bound in ((SLOW, FAST, "^", "more"), (FAST, SLOW, "v", "less")):
         if any(pair.late(slow) and not pair.over(other) for pair in found.pairs):
-            entries.append(plt.Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
-                                      markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
-    entries += [plt.Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean"),
+            entries.append(Line2D([], [], marker=marker, linestyle="none", color=looks.colour, markerfacecolor="white",
+                                  markersize=4.2, label=f"{slow.title()} at the limit: {bound} than this"))
+    entries += [Line2D([], [], color="#D55E00", linewidth=0.9, linestyle=style.DASHED, label="geometric mean"),
                 Patch(facecolor="#D55E00", alpha=0.15, linewidth=0, label="its interval of 95 %"),
-                plt.Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, label="16, the paper's average")]
+                Line2D([], [], color="#0072B2", linewidth=0.9, linestyle=style.DOTTED, label="16, the paper's average")]
     style.legend_above(figure, entries, columns=3)
     return figure

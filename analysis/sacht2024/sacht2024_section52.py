@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.notes import machine_line, scene_notes
@@ -138,5 +139,5 @@ def draw(results: Results, scenes: list[str], labels: list[tuple[str, str]]) -> 
     ax.grid(False, axis="x")
     ax.set_ylabel("gap / diagonal of A")
     style.legend_above(figure, [*style.handles(labels, lines=False), style.filled_entry("ends"), style.open_entry("stopped, the bounds hold"),
-                                plt.Line2D([], [], linestyle="none", label="T: stopped, no bounds")], columns=5)
+                                Line2D([], [], linestyle="none", label="T: stopped, no bounds")], columns=5)
     return figure

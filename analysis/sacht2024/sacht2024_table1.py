@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
 
 from analysis.sacht2024.sacht_pairs import named, percent
 from analysis.shared import shapes, style, tables
@@ -79,6 +80,6 @@ def draw(results: Results, papers: dict[str, dict[str, Any]]) -> Any:
     ax.margins(x=0.25, y=0.15)
     entries = [style.filled_entry("stands in", style.look("sacht")), style.filled_entry("derived", style.look("zheng")),
                style.filled_entry("filled: h(A, B)"), style.open_entry("open: H(A, B)"),
-               plt.Line2D([], [], color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)), label="0.1 %")]
+               Line2D([], [], color=style.GREY, linewidth=0.6, linestyle=(0, (2, 2)), label="0.1 %")]
     style.legend_above(figure, entries, columns=2)
     return figure

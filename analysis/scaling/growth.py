@@ -10,6 +10,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 import scipy.stats
+from matplotlib.lines import Line2D
 
 from analysis.shared import scales, style, tables
 from analysis.shared.comparable import origins, reason_apart
@@ -264,7 +265,7 @@ def draw(by_regime: dict[str, list[Curve]], what: str) -> Any:
     tick(axes.flat)
     labels = style.order((one.solver, one.label) for own in by_regime.values() for one in own)
     grey = style.filled_marker(style.NEUTRAL) | {"linestyle": "-", "linewidth": 0.7}
-    of_time = [plt.Line2D([], [], label="filled: solve", **grey),
-               plt.Line2D([], [], label="small and open: prepare", **(style.open_marker(style.NEUTRAL) | {"markersize": 0.6 * style.NEUTRAL.size} | PREPARE))]
+    of_time = [Line2D([], [], label="filled: solve", **grey),
+               Line2D([], [], label="small and open: prepare", **(style.open_marker(style.NEUTRAL) | {"markersize": 0.6 * style.NEUTRAL.size} | PREPARE))]
     style.legend_above(figure, [*style.handles(labels), *of_time], columns=4)
     return figure

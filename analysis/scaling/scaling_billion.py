@@ -18,6 +18,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.scaling.growth import LEAST_BYTES, Curve, Growth, Interval, curves, growth, has_marks, notes, short, tick
 from analysis.shared import style, tables
@@ -180,7 +181,7 @@ def draw(found: list[Curve], memory: float) -> Any:
             ax.plot(sizes, [x.value + besides * n for x, n in zip(foretold, sizes)], color=colour, linewidth=0.8)
             ax.fill_between(sizes, [x.low + besides * n for x, n in zip(foretold, sizes)], [x.high + besides * n for x, n in zip(foretold, sizes)],
                             color=colour, alpha=0.15, linewidth=0)
-        entries.append(plt.Line2D([], [], label=one.regime, marker="ov^s"[i], color=colour, linewidth=0.8, markersize=3.5))
+        entries.append(Line2D([], [], label=one.regime, marker="ov^s"[i], color=colour, linewidth=0.8, markersize=3.5))
     for ax in axes:
         if has_marks(ax):
             ax.axvline(2 * EACH, color=style.GREY, linewidth=0.8, linestyle=style.DOTTED)
@@ -189,7 +190,7 @@ def draw(found: list[Curve], memory: float) -> Any:
         ax.set(xlabel="points, |A| + |B|")
     if math.isfinite(memory) and has_marks(axes[1]):
         axes[1].axhline(memory, color=style.GREY, linewidth=0.8, linestyle=style.DASHED)
-        entries.append(plt.Line2D([], [], label="memory of this machine", color=style.GREY, linewidth=0.8, linestyle=style.DASHED))
+        entries.append(Line2D([], [], label="memory of this machine", color=style.GREY, linewidth=0.8, linestyle=style.DASHED))
     axes[0].set_ylabel("prepare and solve (s)")
     axes[1].set_ylabel("points and peak (bytes)")
     tick(axes)

@@ -56,7 +56,7 @@ def draw(grid: Grid, papers: Mapping[str, Mapping[str, Any]], title: Callable[[G
                 ax.plot(cell.time.value, y, **style.filled_marker(looks))
             elif cell:
                 # Written on the side away from the paper's mark.
-                right = bool(printed) and printed**2 < min(known) * max(known)
+                right = bool(printed and printed**2 < min(known) * max(known))
                 ax.text(0.985 if right else 0.015, y, f"{looks.title}: {cell.text(1)}", fontsize=6, color="#333333",
                         transform=ax.get_yaxis_transform(), ha="right" if right else "left", va="center")
     ax.set_ylim(len(scenes) * pitch - 1, -1)

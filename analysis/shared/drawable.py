@@ -17,7 +17,7 @@ import matplotlib.ticker
 
 from analysis.shared.printable import printable, spelled
 
-_done: Final = weakref.WeakSet[Any]()  # make_drawable() skips these: formulas, and texts changed before
+_done: Final = weakref.WeakSet[Any]()  # make_drawable() skips these: formulas, texts and formatters changed before
 _POWER: Final = re.compile(r"\$10\^\{-?\d+\}\$")  # a tick label of a logarithmic axis
 
 
@@ -39,14 +39,9 @@ def legend_label(text: str) -> str:
     return f" {text}" if text.startswith("_") else text
 
 
-class _Drawable(matplotlib.ticker.Formatter):  # type: ignore[misc]
-    """Wraps the formatter of an axis so that its tick labels pass through drawable()."""
-
-    def __init__(self, inner: Any) -> None:
-        self.inner = inner
-
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        return drawable(self.inner(x, pos))
+def _drawable_labels(inner: Any) -> Any:
+    """Returns a formatter whose tick labels are those of another one, passed through drawable()."""
+    return matplotlib.ticker.FuncFormatter(lambda x, pos: drawable(inner(x, pos)))
 
 
 def as_formula(text: Any) -> None:
@@ -61,5 +56,7 @@ def make_drawable(artist: Any) -> None:
         _done.add(text)
     for ax in artist.findobj(matplotlib.axes.Axes):
         for axis in (ax.xaxis, ax.yaxis):
-            if isinstance(named := axis.get_major_formatter(), (matplotlib.ticker.FixedFormatter, matplotlib.ticker.FuncFormatter)):
-                axis.set_major_formatter(_Drawable(named))
+            named = axis.get_major_formatter()
+            if isinstance(named, (matplotlib.ticker.FixedFormatter, matplotlib.ticker.FuncFormatter)) and named not in _done:
+                axis.set_major_formatter(_drawable_labels(named))
+                _done.add(axis.get_major_formatter())

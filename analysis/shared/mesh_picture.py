@@ -46,7 +46,8 @@ def draw(ax: Any, shown: Mesh, of: View, colours: Floats | None = None, edges: f
     light = 1 - shade + shade * np.abs(normal[order, 2]) / np.maximum(np.linalg.norm(normal[order], axis=1), 1e-300)
     painted = np.array((np.tile(GREY, (len(sides), 1)) if colours is None else colours)[order])
     painted[:, :3] *= light[:, None]
-    ax.add_collection(PolyCollection(sides[order][:, :, :2], facecolors=painted, rasterized=True, linewidths=edges or (0.3 if (painted[:, 3] == 1).all() else 0.1),
+    polygons: Any = sides[order][:, :, :2]  # matplotlib takes an array, too, although its types ask for a sequence
+    ax.add_collection(PolyCollection(polygons, facecolors=painted, rasterized=True, linewidths=edges or (0.3 if (painted[:, 3] == 1).all() else 0.1),
                                      edgecolors="#333333" if edges else painted))
     frame(ax, corners)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -77,11 +77,11 @@ def without(results: Results) -> Results:
     keep[missing] = False
     number: Ints = np.cumsum(keep) - 1
 
-    def columns(group: object, chosen: object) -> dict[str, object]:
+    def columns(group: object, chosen: object) -> dict[str, Any]:
         return {name: {key: values[chosen] for key, values in column.items()} if isinstance(column, dict) else column[chosen]
                 for name, column in vars(group).items()}
 
-    def renumbered(group: object) -> dict[str, object]:
+    def renumbered(group: object) -> dict[str, Any]:
         case: Ints = vars(group)["case"]
         own = keep[case]
         return columns(group, own) | {"case": number[case[own]]}

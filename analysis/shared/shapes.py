@@ -73,7 +73,7 @@ def _read(path: Path) -> tuple[Floats, Indices]:
         raise ResultError(f"{path}: left out: {problem}: delete it, and it is made again")
     try:
         with h5py.File(path, "r") as file:
-            triangles = file["triangles"][()] if "triangles" in file else np.empty((0, 3))
+            triangles = file["triangles"][()] if "triangles" in file else np.empty((0, 3), dtype=np.int64)
             corners, triangles = np.asarray(file["coordinates"][()], dtype=np.float64), np.asarray(triangles, dtype=np.int64)
         if corners.shape[1:] != (3,) or triangles.shape[1:] != (3,) or not ((triangles >= 0) & (triangles < len(corners))).all():
             raise ValueError("its triangles name corners that it does not have")

@@ -18,6 +18,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
 
 from analysis.shared.drawable import legend_label, make_drawable  # noqa: E402
 from analysis.shared.statistics import Estimate  # noqa: E402
@@ -192,8 +193,8 @@ def _look(solver: str, label: str) -> Look:
 
 def shade(colour: str, by: float) -> str:
     """Returns the colour made lighter (by > 0) or darker (by < 0)."""
-    mixed = [(1 - abs(by)) * part + (by if by > 0 else 0) for part in matplotlib.colors.to_rgb(colour)]
-    return str(matplotlib.colors.to_hex(mixed))
+    red, green, blue = ((1 - abs(by)) * part + (by if by > 0 else 0) for part in matplotlib.colors.to_rgb(colour))
+    return str(matplotlib.colors.to_hex((red, green, blue)))
 
 
 def title(solver: str, label: str = "") -> str:
@@ -255,11 +256,11 @@ def interval(ax: Any, x: Estimate, at: float, scale: float = 1.0, upright: bool 
 
 def filled_entry(label: str, looks: Look = NEUTRAL) -> Any:
     """Returns a legend entry with a filled marker."""
-    return plt.Line2D([], [], label=legend_label(label), **filled_marker(looks))
+    return Line2D([], [], label=legend_label(label), **filled_marker(looks))
 
 
 def open_entry(label: str, looks: Look = NEUTRAL) -> Any:
-    return plt.Line2D([], [], label=legend_label(label), **open_marker(looks))
+    return Line2D([], [], label=legend_label(label), **open_marker(looks))
 
 
 def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
@@ -267,7 +268,7 @@ def handles(pairs: Iterable[tuple[str, str]], lines: bool = True) -> list[Any]:
     def line(looks: Look) -> dict[str, Any]:
         return {"linestyle": looks.line, "linewidth": 0.9} if lines else {}
 
-    return [plt.Line2D([], [], label=looks.entry, **(filled_marker(looks) | line(looks)))
+    return [Line2D([], [], label=looks.entry, **(filled_marker(looks) | line(looks)))
             for looks in (look(*pair) for pair in pairs)]
 
 

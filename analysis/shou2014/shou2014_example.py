@@ -53,8 +53,8 @@ def make(results: Results) -> Report:
     cases, reference = results.cases, paper_numbers(results.stem)
     paper: dict[str, Any] = reference["row"][0]
     exact = float(reference["exact"])
-    methods = [(solver, label, float(tolerance)) for solver, label in style.order(zip(cases.solver, cases.label))
-               for tolerance in sorted(set(cases.tolerance[results.rows(label=label)]), reverse=True)]
+    methods = [(solver, label, tolerance) for solver, label in style.order(zip(cases.solver, cases.label))
+               for tolerance in sorted(set(map(float, cases.tolerance[results.rows(label=label)])), reverse=True)]
     found = {(label, tolerance): join(results, [int(r) for r in results.rows(label=label)
                                                 if cases.tolerance[r] == tolerance])
              for _, label, tolerance in methods}

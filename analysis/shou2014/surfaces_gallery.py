@@ -7,6 +7,8 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 import numpy as np
 import numpy.typing as npt
 
@@ -165,7 +167,7 @@ SOURCE_COLOUR, TARGET_COLOUR, OPACITY = "#333333", "#8FC1E3", 0.75
 def draw(results: Results, scenes: list[str]) -> Any:
     cases = results.cases
     models = results.models
-    known = {name: Surface(text, box) for name, text, box in zip(models.name, models.polynomial, models.box) if text}
+    known = {name: Surface(text, models.box[row]) for row, (name, text) in enumerate(zip(models.name, models.polynomial)) if text}
     columns = 4
     rows = -(-len(scenes) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(style.DOUBLE_COLUMN, 2.05 * rows), squeeze=False)
@@ -183,7 +185,7 @@ def draw(results: Results, scenes: list[str]) -> Any:
             kept = np.take(surface.kept(VOXELS), slab, axis=axis)
             for i, j in np.argwhere(kept):
                 corner = surface.low[across] + np.array([i, j]) * size[across]
-                ax.add_patch(plt.Rectangle(tuple(corner), *size[across], facecolor=colour, alpha=OPACITY, linewidth=0))
+                ax.add_patch(Rectangle((corner[0], corner[1]), *size[across], facecolor=colour, alpha=OPACITY, linewidth=0))
         ax.plot(witness[:, across[0]], witness[:, across[1]], color=witness_colour, linewidth=1.4, zorder=10,
                 clip_on=False)
         ax.plot(*witness[0, across], marker="o", markersize=3.5, color=witness_colour, zorder=11, clip_on=False)
@@ -194,10 +196,10 @@ def draw(results: Results, scenes: list[str]) -> Any:
         ax.set_title(scene, fontsize=7, pad=3)
         x, y = "xyz"[across[0]], "xyz"[across[1]]
         as_formula(ax.set_xlabel(f"${x}, {y}$ at ${'xyz'[axis]} = {round(at, 2) + 0.0:.2f}$", fontsize=6, labelpad=2))
-    marks: list[Any] = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, alpha=OPACITY, linewidth=0)
+    marks: list[Any] = [Rectangle((0, 0), 1, 1, facecolor=colour, alpha=OPACITY, linewidth=0)
                         for colour in (SOURCE_COLOUR, TARGET_COLOUR)]
-    marks.append((plt.Rectangle((0, 0), 1, 1, facecolor=TARGET_COLOUR, alpha=OPACITY, linewidth=0), marks[0]))  # legend entry for A and B overlapping
-    marks.append(plt.Line2D([], [], color=witness_colour, linewidth=1.4, marker="o", markersize=3.5, markevery=[0]))
+    marks.append((Rectangle((0, 0), 1, 1, facecolor=TARGET_COLOUR, alpha=OPACITY, linewidth=0), marks[0]))  # legend entry for A and B overlapping
+    marks.append(Line2D([], [], color=witness_colour, linewidth=1.4, marker="o", markersize=3.5, markevery=[0]))
     strip = 0.2 / figure.get_figheight()
     figure.set_layout_engine("tight", w_pad=0.6, h_pad=1.2, rect=(0, 0, 1, 1 - strip))
     figure.legend(marks, ["voxels kept of A", "of B", "of both", "from the witness on A to its nearest point of B"],

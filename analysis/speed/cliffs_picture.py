@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
 
 from analysis.shared import scales, style
 from analysis.speed.cliffs_curves import ANSWERED, FAMILIES, MOST, Curves, Row, relative
@@ -117,7 +118,7 @@ def draw_frame(ax: Any, own: dict[str, list[Row]], labels: Iterable[tuple[str, s
 
 
 def add_legend(figure: Any, labels: Sequence[tuple[str, str]], statuses: set[str], height: float) -> None:
-    handles = [plt.Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
+    handles = [Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
                for looks in (look(*pair) for pair in labels)]
     legend = figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.24 / height), ncols=ACROSS, handlelength=2.2,
                            borderaxespad=0, fontsize=6.5)

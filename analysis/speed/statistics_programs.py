@@ -14,6 +14,7 @@ from typing import Any, Final, NamedTuple
 import matplotlib.pyplot as plt
 import numpy as np
 import scipy.stats
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.notes import machine_line
@@ -145,12 +146,12 @@ def draw(runs: Runs) -> Any:
         points = [(float(np.median(list(runs.times(run.row).values()))), run.error) for found in own.values() for run in found if run.error > 0]
         looks: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)], "markersize": 3, "linestyle": "none"}
         ax.plot([time for time, _ in points], [error for _, error in points], **looks)
-        handles.append(plt.Line2D([], [], label=program, **looks))
+        handles.append(Line2D([], [], label=program, **looks))
     mine = [(float(np.median(list(runs.times(row).values()))), results.gap(row) / results.middle(row))
             for scene in runs.scenes for row in results.rows(scene=scene, label=OURS) if results.is_bounded(row) and results.gap(row) > 0]
     look = style.filled_marker(style.look(OURS, OURS)) | {"linestyle": "none"}
     ax.plot([time for time, _ in mine], [width for _, width in mine], **look)
-    handles.append(plt.Line2D([], [], label=style.title(OURS), **look))
+    handles.append(Line2D([], [], label=style.title(OURS), **look))
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_xlabel("time (s)")

@@ -145,7 +145,7 @@ def table_of(suite: Suite) -> tables.Table:
         "Bounds are compared with the distance in closed form, to one ulp, or else with what all certified solvers prove together. Solvers that are not "
         f"certified may be off by {SLACK / U:.0f} u M. A gap can be met if the tolerance is at least {MEETABLE / U:.0f} u M (u = 2^-53, M the largest "
         "coordinate).",
-        f"Each had {seconds_text(results)}; tolerances: {', '.join(f'{x:g}' for x in sorted(set(results.cases.tolerance), reverse=True))}."]
+        f"Each had {seconds_text(results)}; tolerances: {', '.join(f'{x:g}' for x in sorted(set(map(float, results.cases.tolerance)), reverse=True))}."]
     table.notes += [f"The shapes of {unknown:,} answers are not in the cache: whether their gap can be met is unknown, and only the harness judges the "
                     "bounds of solvers that are not certified."] * bool(unknown)
     table.notes += [f"{family.title}: {note}." for family in suite.families if (note := note_of(suite, family))]

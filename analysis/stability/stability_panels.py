@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from analysis.shared import scales, style
@@ -71,7 +72,7 @@ def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Meas
     shown = telling(suite, families)
     entries = [handle(pair) for pair in shown]
     if any(family.asked(label) for family in families for _, label in suite.labels if (_, label) not in shown):
-        entries.append(plt.Line2D([], [], color=BEHIND, linewidth=0.8, label="the others, in the table"))
+        entries.append(Line2D([], [], color=BEHIND, linewidth=0.8, label="the others, in the table"))
     legend_rows = -(-max(1, len(entries)) // 4)
     height = 0.1 + DEEP * max(1, -(-len(families) // ACROSS)) + 0.145 * legend_rows + 0.14 * len(notes) + 0.12
     figure = plt.figure(figsize=(style.DOUBLE_COLUMN, height))
@@ -97,7 +98,7 @@ def draw(suite: Suite, families: Sequence[Family], measures: tuple[Measure, Meas
 
 def handle(pair: Label) -> Any:
     looks = look(*pair)
-    return plt.Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
+    return Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
 
 
 def draw_frame(ax: Any, suite: Suite, family: Family, measure: Measure, shown: Sequence[Label]) -> None:

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work
@@ -145,7 +146,7 @@ def draw(variants: Variants, rows: list[tuple[str, float]], clock: str) -> Any:
     right.invert_xaxis()
     for axis in (left.xaxis, right.xaxis, right.yaxis):
         scales.log_ticks(axis)
-    entries = [plt.Line2D([], [], color=colour, marker=marker, markersize=4.5, linewidth=0.9, markeredgecolor="white", markeredgewidth=0.4, label=named(variants.results, scene))
+    entries = [Line2D([], [], color=colour, marker=marker, markersize=4.5, linewidth=0.9, markeredgecolor="white", markeredgewidth=0.4, label=named(variants.results, scene))
                for scene, colour, marker in zip(variants.scenes, colours, markers)]
     style.legend_above(figure, entries, columns=3)
     return figure

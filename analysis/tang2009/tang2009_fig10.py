@@ -6,6 +6,7 @@ import math
 from typing import Any, Final
 
 import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, Grid, in_time_and_work
@@ -121,6 +122,6 @@ def draw(pairs: Pairs, clock: str) -> Any:
     axes[0].set_yticks(range(len(pairs.scenes)), [f"{style.scene_title(scene)}\nH = {tables.number(100 * pairs.distance(scene))} % of\nthe longest side" for scene in pairs.scenes])
     axes[0].invert_yaxis()
     entries = style.handles(pairs.labels, lines=False)
-    paper = plt.Line2D([], [], color="black", linewidth=1.0, linestyle=style.DOTTED, label=f"a {TIMES}th of Guthe's time: the paper's claim")
+    paper = Line2D([], [], color="black", linewidth=1.0, linestyle=style.DOTTED, label=f"a {TIMES}th of Guthe's time: the paper's claim")
     style.legend_above(figure, [*entries, paper], columns=4)
     return figure

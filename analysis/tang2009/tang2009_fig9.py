@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import scales, style, tables
 from analysis.shared.notes import clock_word, machine_line
@@ -80,7 +81,7 @@ def draw(found: list[Motion], clock: str) -> Any:
         lower.set(xlabel="frame", ylim=(0, None))
     axes[0][0].set_ylabel(f"{clock} (ms)")
     axes[1][0].set_ylabel("H(A, B), % of\nA's longest side")
-    entries = [plt.Line2D([], [], color=colour, linestyle=line, linewidth=0.9, label=f"{style.title('tang')}: {stage}") for stage, (colour, line) in STAGES.items()]
-    entries += [plt.Line2D([], [], color=style.look("cover").colour, linewidth=1.2, label=f"{style.title('cover')}, in all")]
+    entries = [Line2D([], [], color=colour, linestyle=line, linewidth=0.9, label=f"{style.title('tang')}: {stage}") for stage, (colour, line) in STAGES.items()]
+    entries += [Line2D([], [], color=style.look("cover").colour, linewidth=1.2, label=f"{style.title('cover')}, in all")]
     style.legend_above(figure, entries, columns=4)
     return figure

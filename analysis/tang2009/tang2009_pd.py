@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.load import paper_numbers
@@ -133,7 +134,7 @@ def draw(results: Results, shown: int | None, found: list[Scene], papers: dict[s
         scales.log_ticks(ax.yaxis)
     if names:
         lower.axes[0].set_ylabel("measuring (ms per frame)")
-    entries = [plt.Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.title(label)) for label in LABELS]
-    paper = plt.Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, label="the paper's mean time of a frame")
+    entries = [Line2D([], [], color=style.look(label).colour, linestyle=style.look(label).line, linewidth=0.9, label=style.title(label)) for label in LABELS]
+    paper = Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=style.DOTTED, label="the paper's mean time of a frame")
     between.legend(handles=[*entries, paper], loc="center", ncol=3)
     return figure

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import scales, style, tables
 from analysis.shared.load import paper_numbers
@@ -106,7 +107,7 @@ def draw(found: list[Motion], clock: str) -> Any:
         ax.set_ylabel(f"{clock} (ms)")
     for ax in axes[-1]:
         ax.set_xlabel("H(A, B), % of A's longest side")
-    entries = [plt.Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
+    entries = [Line2D([], [], label=looks.entry, **(style.filled_marker(looks) | {"linestyle": looks.line, "linewidth": 0.9}))
                for looks in (look(*pair) for pair in tang_motion.labels_of(found))]
     style.legend_above(figure, entries, columns=4)
     return figure

@@ -214,7 +214,7 @@ def rising(found: Sequence[Motion], label: str) -> Verdict:
     def judge(what: str) -> Verdict:
         if not what and (why := next((why for run in runs if (why := reason_apart(run.origins))), "")):
             return Verdict(claim, UNTESTED, f"times {why}")
-        return rising_by_run(claim, [((-run.distance).tolist(), (run.counted(MEASURES[what]) if what else run.per_pose).tolist()) for run in runs])
+        return rising_by_run(claim, [(list(map(float, -run.distance)), list(map(float, run.counted(MEASURES[what]) if what else run.per_pose))) for run in runs])
 
     return in_time_and_work(judge)
 

@@ -204,5 +204,5 @@ def draw_parts(ax: Any, common: Mesh, colours: Floats, pairs: Sequence[Floats], 
 def draw_deepest(ax: Any, seen: Floats) -> None:
     """Draws a pair of points, given in view coordinates, and the line between them."""
     ax.plot(*seen[:, :2].T, color=WITNESS, linewidth=1.6, zorder=5)
-    for end, colour in zip(seen, (BLUE, RED)):
-        ax.plot(*end[:2], marker="o", markersize=3.2, color=colour[:3], markeredgecolor="white", markeredgewidth=0.4, zorder=6)
+    for end, colour in enumerate((BLUE, RED)):
+        ax.plot(*seen[end, :2], marker="o", markersize=3.2, color=colour[:3], markeredgecolor="white", markeredgewidth=0.4, zorder=6)

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import matplotlib.ticker
 import numpy as np
 import scipy.stats
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, style, tables
 from analysis.shared.columns import Floats
@@ -193,6 +194,6 @@ def draw(results: Results, scenes: list[str]) -> Any:
         lower.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5, prune="both"))
     axes[0][0].set_ylabel("wrong answers (%)")
     axes[1][0].set_ylabel("wrong answer / h")
-    style.legend_above(figure, [plt.Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label]))
+    style.legend_above(figure, [Line2D([], [], label=LOOKS[label].title, **style.filled_marker(LOOKS[label]))
                                 for label in labels])
     return figure

@@ -7,6 +7,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, shapes, style, tables
 from analysis.shared.columns import Floats
@@ -131,9 +132,9 @@ def draw(results: Results, scenes: list[str]) -> Any:
                                              f"{cases.source_elements[row]:,} / {cases.target_elements[row]:,} points, {value}"])),
                      fontsize=7, pad=2)
         ax.set_aspect("equal", adjustable="datalim")
-    entries = [plt.Line2D([], [], label=label, marker="o", markersize=4, linestyle="none", color=colour)
+    entries = [Line2D([], [], label=label, marker="o", markersize=4, linestyle="none", color=colour)
                for label, colour in (("source A", SOURCE), ("target B", TARGET))]
-    entries.append(plt.Line2D([], [], label="from the witness on A to its nearest point of B", color=WITNESS,
-                              linewidth=1.3))
+    entries.append(Line2D([], [], label="from the witness on A to its nearest point of B", color=WITNESS,
+                          linewidth=1.3))
     style.legend_above(figure, entries, columns=3)
     return figure

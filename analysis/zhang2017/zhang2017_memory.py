@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.scaling import growth
 from analysis.shared import claims, scales, style, tables
@@ -180,10 +181,10 @@ def draw(spots: list[Spot], workloads: list[str], labels: list[str]) -> Any:
     peaks = [cell.peak / 2**20 for spot in spots for cell in spot.cells.values() if cell.peak > 0] or [1.0]
     axes[0][0].set_ylim(min(peaks) / 2, max(peaks) * 2)
     axes[0][0].set_ylabel("peak memory (MiB)")
-    entries = [plt.Line2D([], [], label=style.title(label), linewidth=0.7,
-                          **{**style.filled_marker(style.look(label)), "linestyle": style.look(label).line})
+    entries = [Line2D([], [], label=style.title(label), linewidth=0.7,
+                      **{**style.filled_marker(style.look(label)), "linestyle": style.look(label).line})
                for label in labels]
-    entries.append(plt.Line2D([], [], label="the points themselves", color=style.GREY, linewidth=0.8,
-                              linestyle=style.DOTTED))
+    entries.append(Line2D([], [], label="the points themselves", color=style.GREY, linewidth=0.8,
+                          linestyle=style.DOTTED))
     style.legend_above(figure, entries)
     return figure

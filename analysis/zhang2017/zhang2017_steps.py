@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, scales, shapes, style, tables
 from analysis.shared.columns import Floats
@@ -139,9 +140,9 @@ def draw(steps: list[Step], scenes: list[str]) -> Any:
         ax.set(yscale="log", xlabel="shift along x (units of the model)", title=scene + (f"\n(stand-in: {STAND_INS[scene]})" if scene in STAND_INS else ""))
         scales.log_ticks(ax.yaxis)
     axes[0][0].set_ylabel("inner steps per point of A")
-    entries = [plt.Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,
-                          **{**style.filled_marker(counted), "linestyle": "-"}),
-               *[plt.Line2D([], [], label=looks.entry, color=looks.colour, linestyle=looks.line, linewidth=0.9)
+    entries = [Line2D([], [], label="counted (EARLYBREAK)", linewidth=0.7,
+                      **{**style.filled_marker(counted), "linestyle": "-"}),
+               *[Line2D([], [], label=looks.entry, color=looks.colour, linestyle=looks.line, linewidth=0.9)
                  for looks in (EXPECTED, BY_POINT) if any(math.isfinite(step.expected) for step in steps)]]
     style.legend_above(figure, entries)
     return figure

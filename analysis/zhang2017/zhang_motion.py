@@ -14,6 +14,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patches import Rectangle
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, in_time_and_work, takes_seed
@@ -326,8 +327,8 @@ def draw(motions: list[Motion], labels: list[tuple[str, str]], reused: list[str]
         lower.set(xlabel="shift along x (units of the model)", ylim=(0, None))
     axes[1][0].set_ylabel(f"{clock} to solve a pose (s)")
     axes[2][0].set_ylabel("h(A, B)\n(units of the model)")
-    entries = style.handles(labels) + [plt.Rectangle((0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999",
-                                                     linewidth=0.4, label=title) for regime, title in REGIMES]
+    entries = style.handles(labels) + [Rectangle((0, 0), 1, 1, facecolor=SHADES[regime], edgecolor="#999999",
+                                                 linewidth=0.4, label=title) for regime, title in REGIMES]
     style.legend_above(figure, entries, columns=4)
     if reused:
         figure.supxlabel("Structures are built once and used for all poses; the times do not include that.", fontsize=7)

@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import claims, scales, style, tables
 from analysis.shared.cells import MEASURES, WORK, Cell, compare, compare_work, in_time_and_work
@@ -173,6 +174,6 @@ def draw(spec: Spec, pairs: list[Pair], papers: dict[int, dict[str, Any]], shown
     right.set_ylim(bottom=min(0.8, right.get_ylim()[0]))
     right.set(xlabel="pair of the paper's table", ylabel=f"time without / with {spec.part}")
     right.set_xticks([pair.number for pair in pairs])
-    entries = [plt.Line2D([], [], label=x.title, **style.filled_marker(x)) for x in looks.values()]
+    entries = [Line2D([], [], label=x.title, **style.filled_marker(x)) for x in looks.values()]
     style.legend_above(figure, [*entries, style.filled_entry("filled: here"), style.open_entry("open: the paper")], columns=5)
     return figure

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
 
 from analysis.shared import scales, style, tables
 from analysis.shared.cells import MEASURES, Cell, compare, compare_work, in_time_and_work
@@ -158,10 +159,10 @@ def draw(sweep: Sweep) -> Any:
         axes[1].set_ylim(bottom=0)
     if lost:
         axes[0].text(0.02, 0.98, "\n".join(lost), transform=axes[0].transAxes, fontsize=6, va="top")
-    entries = [plt.Line2D([], [], label=scene, linewidth=0.8, color=PAIR_LOOKS[i % len(PAIR_LOOKS)][0],
-                          marker=PAIR_LOOKS[i % len(PAIR_LOOKS)][1], markeredgecolor="white", markeredgewidth=0.4)
+    entries = [Line2D([], [], label=scene, linewidth=0.8, color=PAIR_LOOKS[i % len(PAIR_LOOKS)][0],
+                      marker=PAIR_LOOKS[i % len(PAIR_LOOKS)][1], markeredgecolor="white", markeredgewidth=0.4)
                for i, scene in enumerate(sweep.scenes)]
-    entries.append(plt.Line2D([], [], label="recommended by the paper", color=style.GREY, linewidth=0.8,
-                              linestyle=style.DOTTED))
+    entries.append(Line2D([], [], label="recommended by the paper", color=style.GREY, linewidth=0.8,
+                          linestyle=style.DOTTED))
     style.legend_above(figure, entries, columns=6)
     return figure

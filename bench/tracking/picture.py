@@ -15,6 +15,7 @@ import matplotlib.pyplot as plt
 import matplotlib.patheffects
 import matplotlib.ticker
 import numpy as np
+from matplotlib.lines import Line2D
 
 from analysis.shared import style, tables
 from analysis.shared.report import save_figure
@@ -217,7 +218,7 @@ def labels(at: dict[tuple[Session, str], int], most: int) -> dict[int, str]:
 
 def legend(pale: bool) -> list[Any]:
     def entry(label: str, **look: Any) -> Any:
-        return plt.Line2D([], [], label=label, linewidth=0.9, **look)
+        return Line2D([], [], label=label, linewidth=0.9, **look)
 
     return [entry("CPU time, with interval", color=TIME, marker="o", markersize=2.6),
             entry("instructions, scaled to the time of the newest commit", color=COUNT, marker="s", markersize=2.4),

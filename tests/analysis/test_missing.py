@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import pytest
-from stem_runner import STEMS
+from stem_runner import STEMS, closed
 from synthetic import NAN, ResultFile
 
 from analysis import paper_profile
@@ -39,7 +38,7 @@ def take_away(file: ResultFile, *scenes: str) -> int:
 @pytest.fixture
 def draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[[ResultFile], str]:
     """Returns a function that analyses a result, expects exit code 0, and returns what is printed, tables included. No figure is rendered."""
-    monkeypatch.setattr(report, "save_figure", lambda figure, *_: plt.close(figure) or [])
+    monkeypatch.setattr(report, "save_figure", closed)
 
     def run(file: ResultFile) -> str:
         file.write(tmp_path)

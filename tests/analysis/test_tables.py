@@ -65,7 +65,7 @@ def test_no_bound_is_rounded_to_nearest() -> None:
             shown = (node.value if isinstance(node, ast.FormattedValue) and node.format_spec and "." in ast.unparse(node.format_spec) else
                      node.args[0] if isinstance(node, ast.Call) and node.args and getattr(node.func, "attr", getattr(node.func, "id", "")) == "number" else None)
             if shown and names_in(shown) & {"lower", "upper", "low", "high", "at_least", "at_most"}:
-                wrong.append(f"{file.name}:{node.lineno}: {ast.unparse(shown)}")
+                wrong.append(f"{file.name}:{shown.lineno}: {ast.unparse(shown)}")
     assert not wrong
 
 

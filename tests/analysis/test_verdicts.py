@@ -164,7 +164,7 @@ def test_constant_errs_seldom() -> None:
     not refute the constant.
     """
     def noise(rng: np.random.Generator) -> verdicts.Verdict:
-        return verdicts.constant("x", np.exp(0.1 * rng.standard_normal((20, 10))).tolist(), 1.05)
+        return verdicts.constant("x", [list(row) for row in np.exp(0.1 * rng.standard_normal((20, 10)))], 1.05)
     assert rate(FAILS, noise) <= 0.067 and rate(HOLDS, noise) == 0
 
 

@@ -440,7 +440,7 @@ def test_a_flat_motion_has_no_peak(tmp_path: Path) -> None:
     """Noise alone seldom gives a verdict about a peak, however many poses there are."""
     rng, outcomes = np.random.default_rng(4), []
     for _ in range(15):
-        outcomes.append(motion_of(np.exp(0.01 * rng.standard_normal((21, 6))).tolist(), tmp_path).peak("earlybreak").outcome)
+        outcomes.append(motion_of([list(row) for row in np.exp(0.01 * rng.standard_normal((21, 6)))], tmp_path).peak("earlybreak").outcome)
     assert outcomes.count("not separated") >= 13
 
 

@@ -222,7 +222,7 @@ def test_measure_writes_a_ply(hausbench: Program, plugin: Path, tetrahedron: Pat
     assert vertices["distance"].tolist() == [0.25, 0.25, 0.25, 0] and vertices["nearest"][0] == 0
     assert vertices["quality"].tolist() == vertices["scalar_distance"].tolist() == vertices["distance"].tolist()
     colours = np.stack([vertices[name] for name in ("red", "green", "blue")], axis=1)
-    assert colours.tolist() == [[253, 231, 37]] * 3 + [[68, 1, 84]]
+    assert [list(row) for row in colours] == [[253, 231, 37]] * 3 + [[68, 1, 84]]
     assert faces["vertex_indices"].tolist() == [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     assert faces.dtype.names == ("corners", "vertex_indices")
     assert json.loads(done.stdout)["fields"] == [{"file": str(out), "largest": 0.25, "vertices": 4, "pieces": 4, "resolved": True}]

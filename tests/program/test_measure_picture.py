@@ -73,7 +73,7 @@ def test_equal_distances_fill_one_bar(hausbench: Program, tmp_path: Path) -> Non
     a.write_text("".join(f"{x} 0 {z}\n" for x in range(20) for z in (1, 2, 3)))
     b.write_text("".join(f"{x} 0 0\n" for x in range(20)))
     shown = picture.histogram(hausbench.path, str(a), str(b), 3.0)
-    assert (shown.high - shown.low).max() < 1e-9 and sorted(shown.low)[-4:] == pytest.approx([0, 1 / 3, 1 / 3, 1 / 3])
+    assert (shown.high - shown.low).max() < 1e-9 and np.sort(shown.low)[-4:] == pytest.approx([0, 1 / 3, 1 / 3, 1 / 3])
 
 
 def test_triangles_that_face_inward_are_turned_over() -> None:

@@ -55,7 +55,7 @@ def numbers_of(figure: Any) -> Drawn:
     panel = next((one for one in others if one is not bar), None)
     empty = np.empty(0)
     if panel is None:
-        return Drawn(drawn.get_facecolors(), bar.get_ylim(), ring, empty, empty, empty, {}, ())
+        return Drawn(np.array(drawn.get_facecolor()), bar.get_ylim(), ring, empty, empty, empty, {}, ())
     sure, rest = panel.containers
     statistics = {str(line.get_label()).split()[0]: (float(line.get_xdata()[0]),) * 2 for line in panel.lines}
     for patch in panel.patches:
@@ -63,7 +63,7 @@ def numbers_of(figure: Any) -> Drawn:
             x = patch.get_extents().transformed(panel.transData.inverted())
             statistics[str(patch.get_label()).removeprefix("the ").split()[0]] = (x.x0, x.x1)
     low = np.array([one.get_height() for one in sure])
-    return Drawn(drawn.get_facecolors(), bar.get_ylim(), ring, low, low + [one.get_height() for one in rest],
+    return Drawn(np.array(drawn.get_facecolor()), bar.get_ylim(), ring, low, low + [one.get_height() for one in rest],
                  np.array([one.get_x() + one.get_width() for one in sure]), statistics, (*panel.get_xlim(), *panel.get_ylim()))
 
 
@@ -143,7 +143,7 @@ def test_load_changes_no_number(program_file: str, tmp_path: Path, k: int) -> No
 
 def certain(program: str, a: Path, b: Path, edges: Floats) -> dict[str, Any]:
     """Returns certified bounds of what a picture shows, from runs without a limit: the shares up to these edges, and the statistics."""
-    wanted = ", ".join(["mean", "quantile 0.95", *(f"within {edge!r}" for edge in edges.tolist())])
+    wanted = ", ".join(["mean", "quantile 0.95", *(f"within {float(edge)!r}" for edge in edges)])
     words = [program, "measure", str(a), str(b), "--json"]
     words += [f"--statistics={wanted}", "--of=absolute", "--tolerance=1e-4", "--share-tolerance=0.005", "--budget=2000000"]
     found: dict[str, Any] = json.loads(subprocess.run(words, capture_output=True, text=True, check=True).stdout)["distribution"]

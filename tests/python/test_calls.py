@@ -109,9 +109,10 @@ def test_wrong_options_are_named(tetrahedron: Mesh, bad: dict[str, Any]) -> None
 
 
 def test_options_are_keywords_only(tetrahedron: Mesh) -> None:
-    for ask in (hb.directed, hb.symmetric, hb.distribution, hb.field):
+    functions: tuple[Callable[..., object], ...] = (hb.directed, hb.symmetric, hb.distribution, hb.field)
+    for ask in functions:
         with pytest.raises(TypeError):
-            ask(tetrahedron, tetrahedron, 1e-3)  # type: ignore[operator]
+            ask(tetrahedron, tetrahedron, 1e-3)
 
 
 def test_solvers_and_options(small_sphere: Mesh) -> None:
@@ -504,10 +505,11 @@ def test_exceptions_can_be_pickled() -> None:
 
 def test_progress_shows_bounds_that_hold() -> None:
     rough, fine = sphere(40), sphere(60)
-    for ask in (hb.directed, hb.symmetric, hb.prepare(fine).directed):
+    functions: tuple[Callable[..., hb.Answer], ...] = (hb.directed, hb.symmetric, hb.prepare(fine).directed)
+    for ask in functions:
         seen: list[hb.Interval] = []
         arguments = (rough,) if ask not in (hb.directed, hb.symmetric) else (rough, fine)
-        answer = ask(*arguments, progress=seen.append)  # type: ignore[operator]
+        answer = ask(*arguments, progress=seen.append)
         assert seen and all(one.lower <= answer.interval.upper and answer.interval.lower <= one.upper for one in seen)
     shown: list[dict[str, hb.Interval]] = []
     found = hb.distribution(rough, fine, statistics=["mean", "maximum"], tolerance=1e-4, progress=shown.append)

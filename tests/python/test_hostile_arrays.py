@@ -45,9 +45,11 @@ def test_unsigned_indices_out_of_range(tetrahedron: Mesh) -> None:
 
 
 def test_empty_arrays(tetrahedron: Mesh) -> None:
-    for empty in (np.zeros((0, 3)), np.zeros((0, 3), np.float32), [], np.zeros(0), np.zeros((3, 0)), ()):
+    nothings: list[Any] = [np.zeros((0, 3)), np.zeros((0, 3), np.float32), [], np.zeros(0), np.zeros((3, 0)), ()]
+    for empty in nothings:
         fails(empty)
-    for faces in (np.zeros((0, 3), int), np.zeros((0, 3)), [], np.zeros(0, int)):
+    no_faces: list[Any] = [np.zeros((0, 3), int), np.zeros((0, 3)), [], np.zeros(0, int)]
+    for faces in no_faces:
         assert "no rows" in fails((tetrahedron[0], faces)) or "0 rows" in fails((tetrahedron[0], faces))
 
 

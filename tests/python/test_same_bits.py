@@ -38,8 +38,8 @@ def random_shape(random: np.random.Generator) -> Floats | Mesh:
 
 def write(shape: Floats | Mesh, path: Path) -> Path:
     vertices, faces = shape if isinstance(shape, tuple) else (shape, np.empty((0, 3), int))
-    points = [" ".join(map(repr, row)) for row in vertices.tolist()]
-    triangles = ["3 " + " ".join(map(str, row)) for row in faces.tolist()]
+    points = [" ".join(map(repr, map(float, row))) for row in vertices]
+    triangles = ["3 " + " ".join(map(str, row)) for row in faces]
     head = ["OFF", f"{len(points)} {len(triangles)} 0"] if triangles else []
     path = path.with_suffix(".off" if triangles else ".xyz")
     path.write_text("\n".join([*head, *points, *triangles]) + "\n")

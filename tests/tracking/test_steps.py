@@ -123,7 +123,7 @@ def test_the_fit_is_the_best_of_all() -> None:
         return sum(sum(abs(x - level) for x in logs[a:b]) for a, b, level in zip(starts, ends, levels_of(logs, starts))) + 0.04 * len(starts)
 
     for seed in range(20):
-        logs = list(np.random.default_rng(seed).normal(0, 0.03, 8))
+        logs = list(map(float, np.random.default_rng(seed).normal(0, 0.03, 8)))
         every = [[0, *cuts] for k in range(8) for cuts in itertools.combinations(range(1, 8), k)]
         assert cost(logs, best_starts(logs, 0.04)) == pytest.approx(min(cost(logs, starts) for starts in every), abs=1e-12)
 
