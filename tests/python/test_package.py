@@ -52,7 +52,9 @@ def test_types(tmp_path: Path) -> None:
     if importlib.util.find_spec("mypy") is None:
         pytest.skip("needs mypy: sudo apt-get install mypy")
     search = "" if "site-packages" in FOLDER.parts else str(FOLDER.parent)  # mypy finds installed packages by py.typed
-    stubs = run("-m", "mypy.stubtest", "hausbench", "--mypy-config-file", str(ROOT / "pyproject.toml"), MYPYPATH=search)
+    settings = tmp_path / "mypy.ini"  # not pyproject.toml, because stubtest compares with the Python that runs it, not with the oldest
+    settings.write_text("[mypy]\nimplicit_reexport = False\nignore_missing_imports = True\n")
+    stubs = run("-m", "mypy.stubtest", "hausbench", "--mypy-config-file", str(settings), MYPYPATH=search)
     assert stubs.returncode == 0, stubs.stdout + stubs.stderr
     example = tmp_path / "example.py"
     example.write_text("import hausbench as hb\nimport numpy as np\nanswer = hb.directed(np.zeros((1, 3)), ([[0, 0, 0]], [[0, 0, 0]]))\n"
