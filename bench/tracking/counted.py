@@ -123,14 +123,17 @@ def count_small_scenes(program: Path, folder: Path) -> dict[str, Any]:
 
 
 def parts_of_key() -> str:
-    """Returns the versions of compiler, libraries and valgrind, and whether there is AVX2: all change the instructions."""
+    """Returns the versions of compiler, libraries and valgrind, and whether there is AVX2: all change the instructions.
+
+    A package that is installed for two architectures counts once, because both have the same version.
+    """
     query = ["dpkg-query", "--show", "--showformat=${Package} ${Version}\n", *PACKAGES]
     try:  # exit code 1: some are not installed, which is a kind of machine, too
         versions = subprocess.run(query, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL).stdout
     except OSError:
         versions = "no Debian\n"
     vectors = "avx2" if re.search(r"^flags.*\bavx2\b", Path("/proc/cpuinfo").read_text(), re.M) else "no avx2"
-    return ", ".join([*sorted(versions.split("\n")[:-1]), vectors])
+    return ", ".join([*sorted({*versions.split("\n")[:-1]}), vectors])
 
 
 def key_of(parts: str) -> str:

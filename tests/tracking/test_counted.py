@@ -148,6 +148,14 @@ def test_the_key_has_the_compiler_and_survives_packages_that_are_missing(monkeyp
     assert "g++" in counted.PACKAGES and {"libc6", "libstdc++6", "valgrind"} <= set(REAL_PACKAGES)
 
 
+def test_a_package_of_two_architectures_counts_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    query = tmp_path / "dpkg-query"
+    query.write_text("#!/bin/sh\nprintf 'libc6 1\\nlibc6 1\\nlibgmp10 2\\n'\n")
+    query.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert counted.parts_of_key().startswith("libc6 1, libgmp10 2, ")
+
+
 REAL_PACKAGES = counted.PACKAGES
 
 
