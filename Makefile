@@ -29,7 +29,7 @@ STEMS := $(filter-out tracking,$(sort $(basename $(notdir $(shell find experimen
 GROUPS := $(filter-out $(STEMS),$(sort $(foreach stem,$(STEMS),$(firstword $(subst _, ,$(stem))))))
 stems_of = $(sort $(filter $(1)_%,$(STEMS)) $(basename $(notdir $(wildcard experiments/$(1)/*.toml))))
 SOURCES = $(sort $(shell find algorithms bench datasets harness library process python tests -name '*.cpp'))
-HEADERS = $(sort $(shell find algorithms bench datasets harness library process python tests -name '*.h'))
+HEADERS = $(sort $(shell find algorithms bench datasets harness library process python tests -name '*.h' -o -name '*.hpp'))
 
 help:
 	@sed -nE 's/^([a-z][a-z-]*):.*## (.*)/make \1\t\2/p' Makefile | expand -t 22

@@ -12,8 +12,9 @@
        hausbench_prepare(a, b, NULL, &pair, &error);
        hausbench_directed(pair, NULL, &answer, &error);     answer.bounds.lower <= h(A,B) <= answer.bounds.upper
 
-   examples/directed.c is a complete program. `make build` leaves the library in build/release/library, and `cmake
-   --install build/release` installs it with a file for pkg-config. Without installing it:
+   docs/c.md shows programs in C, C++ and Rust, and hausbench.hpp is this interface for C++. `make build` leaves the
+   library in build/release/library, and `cmake --install build/release` installs it with files for CMake and
+   pkg-config. Without installing it:
 
        cc program.c -Ilibrary -Lbuild/release/library -lhausbench -Wl,-rpath,$PWD/build/release/library
 

@@ -67,7 +67,7 @@ def room_of(path: Path) -> str:
 def sources() -> list[Path]:
     """Returns the C++ files of all rooms."""
     folders = ("algorithms", "process", "datasets", "harness", "library", "python")
-    return sorted(p for f in folders for p in (ROOT / f).rglob("*") if p.suffix in (".h", ".cpp") and "recorder" not in p.parts)
+    return sorted(p for f in folders for p in (ROOT / f).rglob("*") if p.suffix in (".h", ".hpp", ".cpp") and "recorder" not in p.parts)
 
 
 def includes(files: list[Path]) -> dict[Path, set[Path]]:

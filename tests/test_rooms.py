@@ -125,7 +125,7 @@ def test_no_two_files_define_one_class() -> None:
     """Two such classes break the one-definition rule: the linker keeps one copy of each function and reports nothing."""
     defined: dict[str, set[str]] = {}
     separate = ("tests/outside_plugin/", "datasets/recorder/", "tests/fuzz/")  # linked to programs of their own
-    for name in subprocess.run(["git", "ls-files", "*.h", "*.cpp"], cwd=rooms.ROOT, capture_output=True, text=True, check=True).stdout.split():
+    for name in subprocess.run(["git", "ls-files", "*.h", "*.hpp", "*.cpp"], cwd=rooms.ROOT, capture_output=True, text=True, check=True).stdout.split():
         if name.startswith(separate) or (name.startswith("tests/") and name.endswith(".cpp")):
             continue
         for one in classes_in((rooms.ROOT / name).read_text()):

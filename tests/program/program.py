@@ -111,7 +111,7 @@ def built(command: list[str | Path], folder: Path) -> str:
 
 
 @pytest.fixture(scope="session")
-def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def outside(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Returns the folder of the plug-ins, built once per test run against the files that `cmake --install` installs."""
     shared = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:  # workers of a parallel run share one folder
@@ -122,7 +122,7 @@ def outside(program_file: str, tmp_path_factory: pytest.TempPathFactory) -> Path
         if not (folder / "done").exists():
             shutil.rmtree(folder, ignore_errors=True)  # left by a worker that failed
             shutil.copytree(SOURCES, folder / "sources")
-            built(["cmake", "--install", Path(program_file).parent, "--prefix", folder / "installed"], folder)
+            (folder / "installed").symlink_to(prefix)
             built([*RECIPE, f"-DCMAKE_PREFIX_PATH={folder / 'installed'}"], folder)
             built(["cmake", "--build", "build", "--parallel", "2"], folder)
             (folder / "done").touch()
