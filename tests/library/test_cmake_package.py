@@ -32,6 +32,8 @@ def test_the_c_library_needs_no_other_package(language: str, components: str, pr
     assert done.returncode == 0, done.stderr
     looked_for = re.findall(r"(?:find_package|find_dependency)\((\S+)", (tmp_path / "trace").read_text())
     assert looked_for == ["hausbench"]
+    named = {name for file in (prefix / "lib" / "cmake" / "hausbench").glob("hausbench_c*.cmake") for name in re.findall(r"\b(?!_)\w+::\w+", file.read_text())}
+    assert named == {"hausbench::c"}
     done = run("cmake", "--build", tmp_path / "build")
     assert done.returncode == 0, done.stdout
 
