@@ -18,8 +18,9 @@
 
 namespace hausbench {
 
-// Increase this with every change of meaning in the public headers: plugin_layout() notices only changed sizes and
-// library versions.
+// Increase this with every change of meaning in the public headers, because plugin_layout() notices only changed sizes
+// and library versions. CHANGELOG.md says under "For plug-ins" what to change; a name that goes stays as one whose use
+// does not compile, with a text that says so (SolverInfo::NowAnAbility).
 inline constexpr int plugin_interface = 12;
 
 #define HAUSBENCH_TEXT_OF(x) #x

@@ -334,6 +334,17 @@ struct SolverInfo {
         return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
     }
     bool can(Ability ability) const { return abilities.contains(ability); }
+
+    // What plug-ins of interface 10 and before set to true. This does not compile, and the error says what to write.
+    struct NowAnAbility {
+        template <class T> void operator=(T) const {
+            static_assert(sizeof(T) == 0,
+                          "since plug-in interface 11 this is an ability: info.abilities = "
+                          "{Ability::traces, ...}; see CHANGELOG.md, \"For plug-ins\"");
+        }
+    };
+    static constexpr NowAnAbility traces{}, tolerance_guides{}, moving_target{}, undoes_target_motion{}, warm{},
+        shares_pairs{}, threads{}, fields{}, certificates{};
 };
 
 // A registered solver: its declaration, and the function that makes an instance. `make` must read every parameter,

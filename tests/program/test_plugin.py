@@ -41,6 +41,17 @@ def test_the_documented_recipe_runs_at_full_speed(hausbench: Program, outside: P
     assert set(how) == {"libmisbehaving.so"} and how["libmisbehaving.so"].startswith("optimized, no assertions, GCC ")
 
 
+def test_code_for_an_earlier_interface_is_told_what_to_write(outside: Path, tmp_path: Path) -> None:
+    commands = [entry["command"].split() for entry in json.loads((outside / "compile_commands.json").read_text())]
+    words = next(words for words in commands if words[-1].endswith("misbehaving.cpp"))
+    flags = words[1:words.index("-o")]
+    source = tmp_path / "earlier.cpp"
+    for line, text in ((" info.traces = true;", "since plug-in interface 11 this is an ability: info.abilities ="), ("", "")):
+        source.write_text(f"#include <hausbench/plugin.h>\nvoid declare(hausbench::SolverInfo& info) {{ info.paper.clear();{line} }}\n")
+        done = subprocess.run([words[0], *flags, "-fsyntax-only", source], capture_output=True, text=True)
+        assert (done.returncode == 0) == (line == "") and text in done.stderr, done.stderr
+
+
 def test_a_plugin_that_is_not_optimized_is_said_to_be_so(
     hausbench: Program, outside: Path, tetrahedron: Path, raised: Path, experiment: Path, tmp_path: Path
 ) -> None:
