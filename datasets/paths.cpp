@@ -56,7 +56,13 @@ bool is_root(const fs::path& folder) {
 
 }  // namespace
 
-fs::path program_path() { return fs::read_symlink("/proc/self/exe"); }
+fs::path program_path() {
+    std::error_code unreadable;
+    fs::path path = fs::read_symlink("/proc/self/exe", unreadable);
+    if (unreadable)
+        throw InputError("/proc/self/exe: it cannot be read, and the program needs it: mount -t proc proc /proc");
+    return path;
+}
 
 std::optional<fs::path> find_project_root() {
     if (const char* root = std::getenv("HAUSBENCH_ROOT")) {

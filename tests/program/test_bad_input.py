@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import struct
 import subprocess
 from pathlib import Path
@@ -190,3 +191,12 @@ def test_folders_that_cannot_be(hausbench: Program, experiment: Path, tetrahedro
     environment = {**hausbench.environment(), "HAUSBENCH_ROOT": str(tmp_path)}
     done = subprocess.run(hausbench.command("list"), env=environment, capture_output=True, text=True, timeout=60)
     assert done.returncode == 2 and "HAUSBENCH_ROOT" in done.stderr
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can hide /proc")
+def test_without_proc(program_file: str, tetrahedron: Path) -> None:
+    hidden = 'mount -t tmpfs none /proc && exec "$0" measure "$1" "$1"'
+    done = subprocess.run(["unshare", "--mount", "sh", "-c", hidden, program_file, tetrahedron], capture_output=True, text=True)
+    if done.returncode != 0 and "hausbench: " not in done.stderr:
+        pytest.skip(f"this root may not mount: {done.stderr}")
+    assert done.returncode == 2 and done.stderr.startswith("hausbench: /proc/self/exe: ") and "mount -t proc" in done.stderr
