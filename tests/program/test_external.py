@@ -234,7 +234,9 @@ def wait_until_gone(pid_file: Path) -> None:
 
 def test_a_program_that_hangs_is_killed_in_time(sweep: Sweep, tmp_path: Path) -> None:
     rows = sweep(limit=1, deed=f"hang {tmp_path / 'pid'} | cat")  # in a pipeline, the shell is not the only process to be killed
-    assert rows["status"] == ["timeout", "timeout"] and "did not end in time" in rows["reason"][0]
+    assert rows["status"] == ["timeout", "timeout"]
+    for reason in rows["reason"]:  # where the machine is busy, the worker of the case may be killed before it can say so itself
+        assert "the program did not end in time" in reason or "killed: no answer within 1 s" in reason
     assert nothing_left(tmp_path)
     wait_until_gone(tmp_path / "pid")
 
