@@ -335,7 +335,8 @@ struct SolverInfo {
     }
     bool can(Ability ability) const { return abilities.contains(ability); }
 
-    // What plug-ins of interface 10 and before set to true. This does not compile, and the error says what to write.
+    // The type of flags that plug-ins of interface 10 and earlier set to true. Setting one does not compile, and the error
+    // says what to write.
     struct NowAnAbility {
         template <class T> void operator=(T) const {
             static_assert(sizeof(T) == 0,

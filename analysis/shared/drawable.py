@@ -40,7 +40,7 @@ def legend_label(text: str) -> str:
 
 
 def _drawable_labels(inner: Any) -> Any:
-    """Returns a formatter whose tick labels are those of another one, passed through drawable()."""
+    """Returns a formatter that passes the tick labels of another one through drawable()."""
     return matplotlib.ticker.FuncFormatter(lambda x, pos: drawable(inner(x, pos)))
 
 

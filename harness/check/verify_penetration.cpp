@@ -147,7 +147,7 @@ bool nearer(const Rational& squared, double r) { return squared < Rational(r) * 
 bool meet_near(const Element& e, const Element& other, const Vec3& p, double r) {
     const Triangle a = exact(e), b = exact(other);
     if (a.is_degenerate() || b.is_degenerate()) return true;
-    // Of the same type in CGAL 5 and 6, unlike what intersection() returns.
+    // CGAL 5 and 6 return different types here; both convert to this one.
     const CGAL::Object common = CGAL::intersection(a, b);
     if (common.empty()) return false;
     if (const auto* at = CGAL::object_cast<Exact::Point_3>(&common))
