@@ -18,6 +18,7 @@ def configured(folder: Path, prefix: Path, language: str, components: str, targe
     source = "user.c" if language == "C" else "user.cpp"
     write({source: "#include <hausbench.h>\n", "CMakeLists.txt": f"""cmake_minimum_required(VERSION 3.20)
 project(user LANGUAGES {language})
+set(CMAKE_POLICY_WARNING_CMP0156 OFF)  # an optional warning, which a trace turns on
 find_package(hausbench 0.1 REQUIRED {components})
 add_library(user MODULE {source})
 target_link_libraries(user PRIVATE {target})
