@@ -9,6 +9,7 @@
 #include "harness/result/provenance.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,9 +27,43 @@ const ResultPart& compared_part() {
          "target",          "pose",         "target_pose", "pose_index", "quantity",     "statistic", "weigh",
          "tolerance",       "tolerance_of", "floor",       "cutoff",     "lower",        "upper",     "status",
          "prepare_seconds", "clock",        "from_trace",  "warm",       "side_by_side", "build",     "machine"},
+        true,
         true};
     return part;
 }
+
+std::set<std::string> unlike_models(const ResultFile& one, const ResultFile& other) {
+    std::map<std::string, std::string> hashes;
+    for (const ModelRecord& model : one.models) hashes[model.name] = model.sha256;
+    std::set<std::string> unlike;
+    for (const ModelRecord& model : other.models) {
+        const auto at = hashes.find(model.name);
+        if (at != hashes.end() && at->second != model.sha256) unlike.insert(model.name);
+    }
+    return unlike;
+}
+
+bool is_of(const Case& asked, const std::set<std::string>& models) {
+    return models.contains(asked.source) || models.contains(asked.target);
+}
+
+namespace {
+
+// Returns a line that counts the rows of models that are different shapes in the two results, or an empty string.
+std::string unlike_text(const ResultFile& base, const ResultFile& candidate) {
+    const std::set<std::string> unlike = unlike_models(base, candidate);
+    const auto count = [&](const ResultFile& result) {
+        return std::count_if(result.rows.begin(), result.rows.end(),
+                             [&](const Row& row) { return is_of(row.asked, unlike); });
+    };
+    const auto first = count(base), second = count(candidate);
+    if (first + second == 0) return "";
+    return fmt::format(
+        "not compared, because the two results have other shapes under these names: {} and {} cases of {}", first,
+        second, printable(fmt::format("{}", fmt::join(unlike, ", "))));
+}
+
+}  // namespace
 
 std::string compare_results(const ResultFile& base, const ResultFile& candidate) {
     std::map<std::string, const Row*> by_key;
@@ -66,8 +101,10 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
                              name_of(row.asked), ratio.value, ratio.low, ratio.high, ratio.n, 100 * ratio.confidence,
                              cpu ? "CPU" : "wall", verdict_of(ratio));
     }
+    const std::string unlike = unlike_text(base, candidate);
     if (matched == 0)
-        throw InputError("the two results have no case in common: compare results of the same experiment and profile");
+        throw InputError("the two results have no case in common: " +
+                         (unlike.empty() ? "compare results of the same experiment and profile" : unlike));
     std::string text;
     for (const char* name : {"build", "machine"}) {
         const std::string a = printable(base.texts.at(name)), b = printable(candidate.texts.at(name));
@@ -75,6 +112,7 @@ std::string compare_results(const ResultFile& base, const ResultFile& candidate)
     }
     text += fmt::format("{} cases in both, {} only in the first, {} only in the second\n", matched,
                         base.rows.size() - matched, candidate.rows.size() - matched);
+    if (!unlike.empty()) text += unlike + "\n";
     text += differing.empty() ? "answers: all the same\n" : "ANSWERS THAT DIFFER\n" + differing;
     text +=
         fmt::format(

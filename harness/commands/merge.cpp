@@ -1,5 +1,6 @@
 // `hausbench merge`: joins several results of one experiment, such as shards.
 #include "algorithms/error.h"
+#include "harness/commands/comparison.h"
 #include "harness/commands/verb.h"
 #include "harness/commands/verify_result.h"
 #include "harness/plan/plan.h"
@@ -8,6 +9,7 @@
 #include "harness/result/result_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -102,8 +104,19 @@ public:
         merged_.texts["shard"] = both_shards(merged_.texts["shard"], next.texts.at("shard"));
         merged_.texts["started"] = std::min(merged_.texts["started"], next.texts.at("started"));
         merged_.texts["finished"] = std::max(merged_.texts["finished"], next.texts.at("finished"));
-        for (const Row& row : next.rows) add(row);
-        add_references(next);
+        const std::set<std::string> unlike = unlike_models(merged_, next);
+        std::size_t left_out = 0;
+        for (const Row& row : next.rows) {
+            if (!is_of(row.asked, unlike))
+                add(row);
+            else if (was_run(row.outcome))
+                ++left_out;
+        }
+        if (left_out > 0)
+            notes_.push_back(
+                fmt::format("{}: {} of its cases are left out, because their models are other shapes in {}: {}",
+                            file_.string(), left_out, first_.string(), fmt::join(unlike, ", ")));
+        add_references(next, unlike);
         for (const ModelRecord& model : next.models) {
             const auto same = [&](const ModelRecord& m) { return m.name == model.name; };
             if (std::none_of(merged_.models.begin(), merged_.models.end(), same)) merged_.models.push_back(model);
@@ -112,6 +125,8 @@ public:
     }
 
     ResultFile merged() { return std::move(merged_); }
+    // Returns a line for each result of which some cases were left out.
+    const std::vector<std::string>& notes() const { return notes_; }
 
 private:
     [[noreturn]] void refuse(const std::string& what) const {
@@ -134,12 +149,13 @@ private:
         merged_.rows.push_back(row);
     }
 
-    // Adds the reference answers that `merged_` lacks. merge() checks the rows against all of them afterwards.
-    void add_references(const ResultFile& next) {
+    // Adds the reference answers that `merged_` lacks, except answers for the `unlike` models. merge() checks the rows
+    // against all of them afterwards.
+    void add_references(const ResultFile& next, const std::set<std::string>& unlike) {
         std::set<std::string> known;
         for (const Row& one : merged_.references) known.insert(one.asked.identity);
         for (const Row& one : next.references)
-            if (known.insert(one.asked.identity).second) merged_.references.push_back(one);
+            if (!is_of(one.asked, unlike) && known.insert(one.asked.identity).second) merged_.references.push_back(one);
     }
 
     // Joins two rows of one case; `row` was run. Replaces `mine` if it was not run. Otherwise checks that both have the
@@ -149,8 +165,8 @@ private:
         if (!was_run(a)) {
             mine = row;
         } else if (mine.asked.identity != row.asked.identity) {
-            refuse(fmt::format("they differ in what they asked for at {}: another model, program or limit",
-                               name_of(row.asked)));
+            refuse(
+                fmt::format("they differ in what they asked for at {}: another program or limit", name_of(row.asked)));
         } else if (!same_answer(a, b)) {
             refuse(fmt::format("different answers to {}: {} [{}, {}] and {} [{}, {}]", name_of(row.asked),
                                to_string(a.status), a.bounds.lower, a.bounds.upper, to_string(b.status), b.bounds.lower,
@@ -176,15 +192,18 @@ private:
 
     ResultFile merged_;
     fs::path first_, file_;
+    std::vector<std::string> notes_;
     std::map<std::string, std::vector<std::size_t>> places_;
 };
 
 // Merges results of the same experiment and profile, such as shards. For each case, keeps a row that was run if there
-// is one, because another machine may have lacked the model or solver. Throws InputError if the experiments differ, if
-// the builds or machines differ (unless `any_build`), or if two rows of a case have different answers.
+// is one, because another machine may have lacked the model or solver. Leaves out the cases of a model that is another
+// shape in an earlier result, and says so. Throws InputError if the experiments differ, if the builds or machines differ
+// (unless `any_build`), or if two rows of a case have different answers.
 ResultFile merge_results(const std::vector<fs::path>& files, bool any_build) {
     Merger merger(read_result(files.front()), files.front());
     for (std::size_t f = 1; f < files.size(); ++f) merger.add(read_result(files[f]), files[f], any_build);
+    say(merger.notes());
     return merger.merged();
 }
 

@@ -7,6 +7,7 @@
 #include "harness/check/verify.h"
 #include "harness/commands/summary.h"
 #include "harness/plan/own_models.h"
+#include "harness/result/provenance.h"
 #include "process/child.h"
 #include "process/interrupts.h"
 #include "process/memory.h"
@@ -46,6 +47,13 @@ void expect_measured(const ModelInfo& model, const std::string& measured, const 
                     model.name, measured, found));
 }
 
+// Returns the version of CGAL in a text that a program wrote to `/meta` as its libraries; empty if there is none.
+std::string cgal_of(const std::string& libraries) {
+    const json all = json::parse(libraries, nullptr, false);
+    const json cgal = all.is_object() && all.contains("CGAL") ? all["CGAL"] : json();
+    return cgal.is_string() ? cgal.get<std::string>() : "";
+}
+
 void send(int pipe, const json& told) {
     const std::string line = told.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
     for (std::size_t done = 0; done < line.size();) {
@@ -56,13 +64,15 @@ void send(int pipe, const json& told) {
 }
 
 // Makes the models of a result in `folder`. Runs in a child process and sends a line for each model, in order: the file
-// of its shape, or the reason why it is missing. Stops at the first model that cannot be made.
+// of its shape, or the reason why it is missing. A derived model counts as missing if another version of CGAL derives
+// another shape. Stops at the first model that cannot be made.
 int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& folder, int pipe) {
     try {
         std::error_code unknown;
         const auto room = fs::space(folder, unknown);
         catalogue.keep_apart(folder, unknown ? most_bytes : std::min(most_bytes, double(room.available) / 2));
         add_own_models(catalogue, result);
+        const std::string then = cgal_of(result.texts.at("libraries")), now = cgal_of(this_build().libraries);
         for (const ModelRecord& model : result.models) {
             const auto resolved = catalogue.resolve(model.name);
             if (const auto* absent = std::get_if<MissingModel>(&resolved)) {
@@ -70,7 +80,12 @@ int make_shapes(const ResultFile& result, Catalogue catalogue, const fs::path& f
                 continue;
             }
             const auto& good = std::get<ResolvedModel>(resolved);
-            expect_measured(catalogue.find(model.name), model.sha256, good.content_hash);
+            const ModelInfo& info = catalogue.find(model.name);
+            if (info.source == "derived" && then != now && good.content_hash != model.sha256) {
+                send(pipe, {{"missing", fmt::format("CGAL {} derives another shape than CGAL {} did", now, then)}});
+                continue;
+            }
+            expect_measured(info, model.sha256, good.content_hash);
             send(pipe, {{"file", good.shape_file.string()}});
         }
     } catch (const InputError& error) {

@@ -41,6 +41,7 @@ ResultFile read_result(const std::filesystem::path& file);
 struct ResultPart {
     std::set<std::string> columns;  // names of columns of /cases that are not counters, such as "solver"
     bool times = false;             // with /answers, /repeats and /preparation
+    bool models = false;            // with /models
 };
 
 // Reads the attributes of /meta and a part of the rows. All other members keep their defaults. Faster than

@@ -226,6 +226,7 @@ ResultFile read_part_trusting(const fs::path& file, const ResultPart& part) {
     result.rows = read_answers(in, "cases", &part.columns);
     set_profiles(result.rows, result);
     if (part.times) read_times(in, result);
+    if (part.models) result.models = read_group(in, "models", model_columns(), "name");
     return result;
 }
 

@@ -217,6 +217,58 @@ def test_merge_takes_the_row_of_the_machine_that_had_the_model(
         assert texts(tmp_path / name, "cases/lower_check") == ["holds", "holds"]
 
 
+DERIVED = """
+[[solver]]
+name = "guthe"
+[[scene]]
+name = "derived"
+source = "one_raised"
+target = "welded"
+[model.welded]
+from = "one"
+operation = "weld"
+"""
+
+
+def of_another_cgal(result: Path) -> Path:
+    """Returns a copy of the result in which another version of CGAL derived another shape."""
+    copy = result.with_name(f"other-{result.name}")
+    shutil.copy(result, copy)
+    with h5py.File(copy, "r+") as f:
+        f["meta"].attrs["libraries"] = '{"CGAL": "0.1"}'
+        f["models/sha256"][texts(result, "models/name").index("welded")] = "f" * 64
+        f["cases/identity"][texts(result, "cases/scene").index("derived")] = "f" * 64
+    return copy
+
+
+def test_rows_of_other_shapes_are_neither_merged_nor_compared(
+    hausbench: Program, scaled: Callable[[str, dict[str, float]], Path], tmp_path: Path
+) -> None:
+    root = scaled(DERIVED, {"one": 1.0})
+    for shard in ((), ("--shard", "1/2"), ("--shard", "2/2")):
+        done = run_in(hausbench, root, "run", "scaled.toml", "--results", tmp_path, *shard)
+        assert done.returncode == 0, done.stderr
+    here = tmp_path / "scaled.h5"
+    there = of_another_cgal(here)
+    for one, other in ((here, there), (there, here)):
+        merged = tmp_path / f"{one.name}-first.h5"
+        done = run_in(hausbench, root, "merge", merged, one, other)
+        assert done.returncode == 0 and "2 cases of 2 results" in done.stdout, done.stderr
+        assert f"{other}: 1 of its cases are left out, because their models are other shapes in {one}: welded" in done.stderr
+        assert texts(merged, "cases/identity") == texts(one, "cases/identity")
+        assert ("derives another shape than CGAL 0.1 did" in done.stderr) == (one == there)  # its rows are not checked
+        assert texts(merged, "cases/lower_check") == (["holds", "holds"] if one == here else ["holds", "not checked"])
+    done = run_in(hausbench, root, "compare", here, there)
+    assert "1 cases in both, 1 only in the first, 1 only in the second\n" in done.stdout
+    assert "other shapes under these names: 1 and 1 cases of welded\nanswers: all the same\n" in done.stdout
+    only = run_in(hausbench, root, "compare", here, there, "--scene", "derived")
+    assert only.returncode != 0 and "no case in common: not compared" in only.stderr and "1 and 1 cases of welded" in only.stderr
+    one, derived = sorted(tmp_path.glob("scaled.shard-*.h5"), key=lambda shard: texts(shard, "cases/status")[1] == "ok")
+    done = run_in(hausbench, root, "merge", tmp_path / "shards.h5", one, of_another_cgal(derived))
+    assert done.returncode == 1 and "1 of its cases are left out" in done.stderr and "1 of 2 cases are in shards that are missing" in done.stderr
+    assert texts(tmp_path / "shards.h5", "cases/status") == ["ok", "skipped"]
+
+
 def test_merge_takes_the_row_of_the_machine_that_had_the_solver(hausbench: Program, experiment: Path, tmp_path: Path) -> None:
     one, two = run(hausbench, experiment, tmp_path), tmp_path / "two.h5"
     shutil.copy(one, two)

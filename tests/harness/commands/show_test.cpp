@@ -518,6 +518,26 @@ TEST(Compare, ReadsEveryColumnThatItComparesBy) {
     EXPECT_NE(compared(), before);
 }
 
+TEST(Compare, CountsTheRowsOfOtherShapes) {
+    ResultFile base = result_of({row("guthe", "a", 1, 2), row("guthe", "b", 1, 2), row("guthe", "c", 1, 2)});
+    base.texts.insert({{"build", ""}, {"machine", ""}});
+    for (const char* name : {"kept", "half", "only here"}) base.models.push_back({name, name});
+    base.rows[0].asked.target = base.rows[1].asked.source = "half";
+    for (Row& one : base.rows) one.asked.identity = one.asked.scene;
+    EXPECT_EQ(compare_results(base, base).find("not compared"), std::string::npos);
+    ResultFile candidate = base;
+    candidate.models[1].sha256 = "of another CGAL";
+    candidate.models[2].name = "only there";
+    candidate.rows[0].asked.identity = candidate.rows[1].asked.identity = "another";
+    candidate.rows.push_back(candidate.rows[1]);
+    EXPECT_EQ(unlike_models(base, candidate), std::set<std::string>{"half"});
+    const std::string text = compare_results(base, candidate);
+    EXPECT_NE(text.find("1 cases in both, 2 only in the first, 3 only in the second\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("2 and 3 cases of half\n"), std::string::npos) << text;
+    candidate.rows.resize(2);
+    EXPECT_THROW(compare_results(base, candidate), InputError);
+}
+
 TEST(ReadPart, ReadsTheColumnsAndTimesAskedFor) {
     ResultFile result;
     describe_run(result, Plan{}, "", "");
@@ -525,6 +545,7 @@ TEST(ReadPart, ReadsTheColumnsAndTimesAskedFor) {
     result.texts["profile"] = "paper";
     result.rows[1].asked.profile = "";
     time_it(result.rows[1], {{1, 2}, {2, 3}});
+    result.models.push_back({"needle", "its hash"});
     const TemporaryFolder folder;
     const auto file = folder.path() / "result.h5";
     write_result(file, result);
@@ -540,6 +561,8 @@ TEST(ReadPart, ReadsTheColumnsAndTimesAskedFor) {
     EXPECT_EQ(part.rows[1].outcome.answers.size(), 2u);
     EXPECT_EQ(part.rows[1].outcome.preparation.size(), 2u);
     EXPECT_TRUE(read_part(file, {{"label"}}).rows[1].outcome.repeats.empty());
+    EXPECT_TRUE(part.models.empty());
+    EXPECT_EQ(read_part(file, {{}, false, true}).models.at(0).sha256, "its hash");
 }
 
 }  // namespace
